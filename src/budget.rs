@@ -1,0 +1,92 @@
+//! What a computation may spend: a deadline, a cancel flag and a place to report progress.
+//!
+//! This is the only door through which the core sees the outside world while it computes. A budget is
+//! asked at every step of every long loop; it answers `Err(Stopped)` when the caller has gone away or the
+//! time is up, and the computation ends there, without a result.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Why a computation was stopped from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped {
+    #[error("the caller went away")]
+    Cancelled,
+    #[error("the deadline passed")]
+    DeadlinePassed,
+}
+
+/// Receives progress: the name of a stage and how much of it is done.
+pub trait ProgressSink: Send + Sync {
+    fn progress(&self, stage: &'static str, done: usize, total: usize);
+}
+
+/// The limits of one computation. Cheap to clone; clones share the cancel flag.
+#[derive(Clone, Default)]
+pub struct Budget {
+    cancelled: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+    sink: Option<Arc<dyn ProgressSink>>,
+}
+
+impl Budget {
+    /// No deadline, nobody listening; it still can be cancelled.
+    pub fn unlimited() -> Self {
+        Self::default()
+    }
+
+    pub fn with_deadline(mut self, deadline: Instant) -> Self {
+        self.deadline = Some(deadline);
+        self
+    }
+
+    pub fn with_progress(mut self, sink: Arc<dyn ProgressSink>) -> Self {
+        self.sink = Some(sink);
+        self
+    }
+
+    /// Stops the computation at its next check. May be called from any thread.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// # Errors
+    /// `Stopped` when the computation must end now.
+    pub fn check(&self) -> Result<(), Stopped> {
+        if self.cancelled.load(Ordering::Relaxed) {
+            return Err(Stopped::Cancelled);
+        }
+        match self.deadline {
+            Some(deadline) if Instant::now() >= deadline => Err(Stopped::DeadlinePassed),
+            _ => Ok(()),
+        }
+    }
+
+    /// Reports that `done` of `total` units of `stage` are finished.
+    pub fn progress(&self, stage: &'static str, done: usize, total: usize) {
+        if let Some(sink) = &self.sink {
+            sink.progress(stage, done, total);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clone_is_cancelled_with_its_original() {
+        let budget = Budget::unlimited();
+        let clone = budget.clone();
+        assert_eq!(clone.check(), Ok(()));
+        budget.cancel();
+        assert_eq!(clone.check(), Err(Stopped::Cancelled));
+    }
+
+    #[test]
+    fn a_passed_deadline_stops() {
+        let budget = Budget::unlimited().with_deadline(Instant::now());
+        assert_eq!(budget.check(), Err(Stopped::DeadlinePassed));
+    }
+}

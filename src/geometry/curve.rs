@@ -1,0 +1,64 @@
+//! Curves that a tool follows in one motion: a line, or an arc (helices included).
+
+pub mod arc;
+pub mod line;
+
+pub use arc::{Arc, ArcError, Direction};
+pub use line::Line;
+
+use nalgebra::Point3;
+
+/// One motion as geometry, with both ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Curve {
+    Line(Line),
+    Arc(Arc),
+}
+
+impl Curve {
+    pub fn start(&self) -> Point3<f64> {
+        match self {
+            Curve::Line(line) => line.start,
+            Curve::Arc(arc) => arc.start(),
+        }
+    }
+
+    pub fn end(&self) -> Point3<f64> {
+        match self {
+            Curve::Line(line) => line.end,
+            Curve::Arc(arc) => arc.end(),
+        }
+    }
+
+    /// Length in mm; that of the helix for an arc whose ends differ along its normal.
+    pub fn length(&self) -> f64 {
+        match self {
+            Curve::Line(line) => line.length(),
+            Curve::Arc(arc) => arc.length(),
+        }
+    }
+
+    /// The point at the fraction `t` in 0..=1 of the length.
+    pub fn point_at(&self, t: f64) -> Point3<f64> {
+        match self {
+            Curve::Line(line) => line.point_at(t),
+            Curve::Arc(arc) => arc.point_at(t),
+        }
+    }
+
+    /// Distance in mm from `p` to the nearest point of the curve; for a helix an upper bound.
+    pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
+        match self {
+            Curve::Line(line) => line.distance_to(p),
+            Curve::Arc(arc) => arc.distance_to(p),
+        }
+    }
+
+    /// The largest value over the curve of the coordinate along `direction` (a vector of any length), mm.
+    pub fn support(&self, direction: &nalgebra::Vector3<f64>) -> f64 {
+        match self {
+            Curve::Line(line) => line.support(direction),
+            Curve::Arc(arc) => arc.support(direction),
+        }
+    }
+}

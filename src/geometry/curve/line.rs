@@ -1,0 +1,49 @@
+//! A straight segment.
+
+use nalgebra::{Point3, Vector3};
+
+/// The segment from `start` to `end`, mm; it may have length zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    pub start: Point3<f64>,
+    pub end: Point3<f64>,
+}
+
+impl Line {
+    /// Length, mm.
+    pub fn length(&self) -> f64 {
+        (self.end - self.start).norm()
+    }
+
+    /// The point at the fraction `t` of the length.
+    pub fn point_at(&self, t: f64) -> Point3<f64> {
+        self.start + (self.end - self.start) * t
+    }
+
+    /// Distance from `p` to the segment, mm.
+    pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
+        let along = self.end - self.start;
+        let squared = along.norm_squared();
+        let t = if squared > 0.0 { ((p - self.start).dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        (p - self.point_at(t)).norm()
+    }
+
+    /// The largest coordinate along `direction` over the segment.
+    pub fn support(&self, direction: &Vector3<f64>) -> f64 {
+        self.start.coords.dot(direction).max(self.end.coords.dot(direction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_is_to_the_segment_not_the_line() {
+        let line = Line { start: Point3::origin(), end: Point3::new(10.0, 0.0, 0.0) };
+        assert_eq!(line.distance_to(&Point3::new(5.0, 3.0, 4.0)), 5.0);
+        assert_eq!(line.distance_to(&Point3::new(-3.0, 4.0, 0.0)), 5.0);
+        let point = Line { start: line.start, end: line.start };
+        assert_eq!(point.distance_to(&Point3::new(0.0, 3.0, 4.0)), 5.0);
+    }
+}

@@ -1,0 +1,60 @@
+//! The three coordinate planes of machine arcs and their local frames.
+
+use nalgebra::{Point3, Vector3};
+
+/// A coordinate plane, named in the order that makes (first, second, normal) right-handed:
+/// `Zx` has first axis z, second axis x, normal +y. Counterclockwise is seen from the positive end of the
+/// normal, as G3 in G17, G18 and G19.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Plane {
+    Xy,
+    Zx,
+    Yz,
+}
+
+impl Plane {
+    pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Zx, Plane::Yz];
+
+    /// Indices of the first axis, the second axis and the normal in x, y, z.
+    pub const fn axes(self) -> [usize; 3] {
+        match self {
+            Plane::Xy => [0, 1, 2],
+            Plane::Zx => [2, 0, 1],
+            Plane::Yz => [1, 2, 0],
+        }
+    }
+
+    /// Coordinates (first, second, normal) of a workpiece point, mm.
+    pub fn to_local(self, p: &Point3<f64>) -> Vector3<f64> {
+        let [a, b, n] = self.axes();
+        Vector3::new(p[a], p[b], p[n])
+    }
+
+    /// The workpiece point with coordinates (first, second, normal), mm.
+    pub fn to_workpiece(self, local: &Vector3<f64>) -> Point3<f64> {
+        let [a, b, n] = self.axes();
+        let mut p = Point3::origin();
+        (p[a], p[b], p[n]) = (local.x, local.y, local.z);
+        p
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_right_handed_and_invert() {
+        for plane in Plane::ALL {
+            let unit = |k: usize| {
+                let mut v = Vector3::zeros();
+                v[k] = 1.0;
+                v
+            };
+            let [a, b, n] = plane.axes().map(unit);
+            assert_eq!(a.cross(&b), n);
+            let p = Point3::new(1.0, 2.0, 3.0);
+            assert_eq!(plane.to_workpiece(&plane.to_local(&p)), p);
+        }
+    }
+}

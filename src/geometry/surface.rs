@@ -1,0 +1,3 @@
+//! Surfaces: what they are made from and how they are evaluated.
+
+pub mod point_grid;

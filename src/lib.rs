@@ -1,0 +1,6 @@
+//! toolpathd turns part data into CNC toolpaths. The library is the whole of it; the binary serves it over HTTP.
+
+pub mod budget;
+pub mod geometry;
+pub mod operations;
+pub mod toolpath;

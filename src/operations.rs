@@ -1,0 +1,3 @@
+//! The operations: each takes a job and a budget and answers a plan or its own error.
+
+pub mod surface_milling;

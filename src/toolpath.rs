@@ -1,0 +1,15 @@
+//! The toolpath: the one representation between every operation and every output.
+//!
+//! # Promises
+//! * Every coordinate is finite.
+//! * A toolpath is continuous: a move stores where it ends and starts where the last one ended.
+//! * The radii at both ends of an arc agree.
+//! * A rapid has no feed; every feed move has one.
+//! * Nothing is modal and nothing is text; modal words belong to `post` alone.
+
+pub mod path;
+pub mod program;
+pub mod tool;
+pub mod units;
+
+pub use path::{Builder, Move, Pass, PathError, Role, Toolpath};

@@ -1,0 +1,46 @@
+//! How a program is to be written: units, resolution, number and name.
+
+/// Units of the written words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Units {
+    #[default]
+    Mm,
+    Inch,
+}
+
+impl Units {
+    /// Millimetres in one unit.
+    pub fn mm(self) -> f64 {
+        match self {
+            Units::Mm => 1.0,
+            Units::Inch => 25.4,
+        }
+    }
+}
+
+/// The grid on which written coordinates lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Resolution {
+    pub units: Units,
+    /// Decimals of a written coordinate, 1..=6.
+    pub decimals: u8,
+}
+
+impl Resolution {
+    /// One unit of the last decimal, mm.
+    pub fn step_mm(self) -> f64 {
+        self.units.mm() / 10f64.powi(i32::from(self.decimals))
+    }
+}
+
+/// What a program says beside its moves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Program {
+    pub resolution: Resolution,
+    pub number: u32,
+    /// User text; only ever written cleaned, inside a comment.
+    pub name: Option<String>,
+    pub block_numbers: bool,
+    /// 54..=59, written as G54 to G59.
+    pub work_offset: Option<u8>,
+}

@@ -1,0 +1,32 @@
+//! Quantities that would cut metal wrongly if they were swapped, each with its legal range.
+
+/// A feed rate in mm/min, finite and above zero.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct FeedRate(f64);
+
+impl FeedRate {
+    pub fn from_mm_per_min(value: f64) -> Option<Self> {
+        (value.is_finite() && value > 0.0).then_some(Self(value))
+    }
+
+    pub fn mm_per_min(self) -> f64 {
+        self.0
+    }
+}
+
+/// A tolerance in mm, in 1e-6..=10.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Tolerance(f64);
+
+impl Tolerance {
+    pub const MIN_MM: f64 = 1e-6;
+    pub const MAX_MM: f64 = 10.0;
+
+    pub fn from_mm(value: f64) -> Option<Self> {
+        (Self::MIN_MM..=Self::MAX_MM).contains(&value).then_some(Self(value))
+    }
+
+    pub fn mm(self) -> f64 {
+        self.0
+    }
+}

@@ -198,6 +198,24 @@ impl Arc {
         ends.max(self.center.coords.dot(direction) + self.radius * da.hypot(db) + rise)
     }
 
+    /// The part between the fractions `from` < `to` of the length.
+    pub fn part(&self, from: f64, to: f64) -> Arc {
+        let mut center = self.center;
+        center[self.plane.axes()[2]] += self.rise() * from;
+        Arc {
+            start: self.point_at(from),
+            end: self.point_at(to),
+            center,
+            start_angle: self.angle_at(from),
+            sweep: self.sweep * (to - from),
+            ..*self
+        }
+    }
+
+    pub fn translated(&self, by: &Vector3<f64>) -> Arc {
+        Arc { start: self.start + by, end: self.end + by, center: self.center + by, ..*self }
+    }
+
     fn angle_at(&self, t: f64) -> f64 {
         match self.direction {
             Direction::Ccw => self.start_angle + t * self.sweep,

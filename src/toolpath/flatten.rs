@@ -21,7 +21,11 @@ pub enum FlattenError {
 ///
 /// # Errors
 /// When the tolerance is not above zero, or more than `limit` points are needed.
-pub fn flatten(curve: &Curve, chord_tolerance_mm: f64, limit: usize) -> Result<Vec<Point3<f64>>, FlattenError> {
+pub fn flatten(
+    curve: &Curve,
+    chord_tolerance_mm: f64,
+    limit: usize,
+) -> Result<Vec<Point3<f64>>, FlattenError> {
     if !(chord_tolerance_mm.is_finite() && chord_tolerance_mm > 0.0) {
         return Err(FlattenError::BadTolerance { tolerance_mm: chord_tolerance_mm });
     }

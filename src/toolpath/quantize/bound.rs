@@ -116,11 +116,15 @@ impl<'a> Between<'a> {
         let (family, arc) = (self.family, self.arc);
         let [least, most] = self.extremes_along_shift();
         let uneven = ((arc.end.xy() - arc.center).norm() - arc.radius).abs();
-        let radial = self.radial(self.radii[1], most).max(-self.radial(self.radii[0], least)).max(0.0) + uneven;
-        let turned = |own: &Vector3<f64>, other: &Vector3<f64>| {
-            angle(&(own.xy() - arc.center), &(other.xy() - arc.center)).abs()
+        let radial =
+            self.radial(self.radii[1], most).max(-self.radial(self.radii[0], least)).max(0.0) + uneven;
+        // Of the directions in which the family's ends lie, at either radius.
+        let turned = |own: &Vector3<f64>, to_end: &Vector2<f64>| {
+            let own = own.xy() - arc.center;
+            let at = |r: f64| angle(&own, &(self.shift + to_end * (r / to_end.norm()))).abs();
+            at(self.radii[0]).max(at(self.radii[1]))
         };
-        let turn = turned(&arc.start, &family.start).max(turned(&arc.end, &family.end));
+        let turn = turned(&arc.start, &family.to_start).max(turned(&arc.end, &family.to_end));
         let tangential = 2.0 * ((arc.radius + radial) * arc.radius).sqrt() * (turn / 2.0).sin();
         let rise = (arc.end.z - arc.start.z).abs();
         let lag = self.ahead[0].abs().max(self.ahead[1].abs())

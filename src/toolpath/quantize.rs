@@ -102,6 +102,11 @@ impl Grid {
         self.unit_mm / self.per_unit
     }
 
+    /// One unit of the program, mm.
+    pub fn unit_mm(&self) -> f64 {
+        self.unit_mm
+    }
+
     /// The nearest number of steps.
     ///
     /// # Errors

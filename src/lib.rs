@@ -3,4 +3,5 @@
 pub mod budget;
 pub mod geometry;
 pub mod operations;
+pub mod post;
 pub mod toolpath;

@@ -44,8 +44,8 @@ use boundary::{Boundary, BoundaryPoint};
 /// edge to meet the edges at its ends, invisible in any program.
 pub const INSET_MM: f64 = 1e-6;
 
-/// Points of one section; at 0.001 mm apart this is a section of two metres.
-const POINT_LIMIT: usize = 2_000_000;
+/// Points of one section; at 0.01 mm apart this is a section of two metres.
+const POINT_LIMIT: usize = 200_000;
 
 /// Newton steps for one point; two or three are usual.
 const NEWTON_LIMIT: usize = 12;
@@ -122,7 +122,7 @@ impl<'a> Sections<'a> {
         let mut chains = Vec::new();
         while let Some(start) = open.pop() {
             budget.check()?;
-            if let Some((chain, reached)) = self.trace(start, &open, at, spacing)? {
+            if let Some((chain, reached)) = self.trace(start, &open, at, spacing, budget)? {
                 if let Some(k) = reached {
                     open.remove(k);
                 }
@@ -140,6 +140,7 @@ impl<'a> Sections<'a> {
         open: &[BoundaryPoint],
         at: f64,
         spacing: Spacing,
+        budget: &Budget,
     ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
         let (u, v) = start.parameters();
         let Some(mut here) = self.place(u, v) else { return Ok(None) };
@@ -148,6 +149,9 @@ impl<'a> Sections<'a> {
         loop {
             if chain.points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
+            }
+            if chain.points.len().is_multiple_of(1024) {
+                budget.check()?;
             }
             let next = self.step(&here, sense, at, spacing, &mut chain)?;
             if self.is_inside(next.u, next.v) {

@@ -1,0 +1,156 @@
+//! The architecture as a test: which layer may name which, what the core never touches, how long a file may be.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules of the crate with the modules they may name. What is not listed here does not exist.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("budget", &[]),
+    ("geometry", &["budget"]),
+    ("toolpath", &["budget", "geometry"]),
+    ("operations", &["budget", "geometry", "toolpath"]),
+    ("post", &["budget", "geometry", "toolpath"]),
+    ("http", &["budget", "geometry", "toolpath", "operations", "post", "config"]),
+    ("config", &[]),
+    ("main", &["http", "config"]),
+    ("lib", &[]),
+];
+
+/// The layers that meet the outside world.
+const OUTER: &[&str] = &["http", "config", "main"];
+
+/// What the core never names: the outside world, the clock, the terminal.
+#[rustfmt::skip]
+const OUTSIDE: &[&str] = &[
+    "axum", "bytes", "clap", "eprintln!", "http_body", "hyper", "mime", "println!", "rayon", "serde", "sha2",
+    "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
+    "utoipa",
+];
+
+/// What can be read in one sitting.
+const LONGEST_FILE: usize = 420;
+
+#[test]
+fn dependencies_point_down() {
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let layer = layer_of(&path);
+        let Some((_, allowed)) = LAYERS.iter().find(|(name, _)| *name == layer) else {
+            wrong.push(format!("{}: the layer {layer} is not in the list", path.display()));
+            continue;
+        };
+        for (number, line) in code_lines(&text) {
+            for named in modules_named(line) {
+                let known = LAYERS.iter().any(|(name, _)| *name == named);
+                if known && named != layer && !allowed.contains(&named.as_str()) {
+                    wrong.push(format!("{}:{number}: {layer} names {named}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_core_touches_nothing_outside() {
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let layer = layer_of(&path);
+        if OUTER.contains(&layer.as_str()) {
+            continue;
+        }
+        for (number, line) in code_lines(&text) {
+            for word in OUTSIDE {
+                if names(line, word) {
+                    wrong.push(format!("{}:{number}: names {word}", path.display()));
+                }
+            }
+            if layer != "budget" && names(line, "Instant") {
+                wrong.push(format!("{}:{number}: reads the clock", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn files_can_be_read_in_one_sitting() {
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let lines = text.lines().count();
+        if lines > LONGEST_FILE {
+            wrong.push(format!("{}: {lines} lines, {LONGEST_FILE} at most", path.display()));
+        }
+        if !text.starts_with("//!") && !path.ends_with("tests.rs") {
+            wrong.push(format!("{}: does not begin by saying what it is for", path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_tree_explains_itself() {
+    for (path, _) in sources() {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        assert!(!["mod", "utils", "util", "common", "misc", "helpers"].contains(&name), "{}", path.display());
+        let folder = path.parent().unwrap();
+        if folder != Path::new("src") {
+            let head = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).with_extension("rs");
+            assert!(head.is_file(), "{} has no file that heads it", folder.display());
+        }
+    }
+}
+
+/// Every Rust file below `src`, with its text, by path relative to the package.
+fn sources() -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join("src")];
+    let mut files = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                files.push((path.strip_prefix(root).unwrap().to_owned(), text));
+            }
+        }
+    }
+    files.sort();
+    assert!(files.len() > 20, "the sources were not found");
+    files
+}
+
+/// The top-level module a file belongs to.
+fn layer_of(path: &Path) -> String {
+    let first = path.components().nth(1).unwrap().as_os_str().to_str().unwrap();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+/// The first path segments after the crate's name.
+fn modules_named(line: &str) -> Vec<String> {
+    let mut named = Vec::new();
+    for prefix in ["crate::", "toolpathd::"] {
+        for (at, _) in line.match_indices(prefix) {
+            let rest = line[at + prefix.len()..].chars();
+            named.push(rest.take_while(|c| c.is_alphanumeric() || *c == '_').collect());
+        }
+    }
+    named
+}
+
+/// Numbered lines without comments.
+fn code_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(k, line)| (k + 1, line.split("//").next().unwrap_or("")))
+}
+
+/// Whether `line` holds `word` as a whole word.
+fn names(line: &str, word: &str) -> bool {
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + word.len()..].chars().next();
+        let joins = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        !joins(before) && (word.ends_with('!') || !joins(after))
+    })
+}

@@ -39,8 +39,8 @@ pub const FLATTEST_MM: f64 = 1e-3;
 /// Controls refuse, or run badly, arcs of larger radius.
 pub const LARGEST_RADIUS_MM: f64 = 1e4;
 
-/// Halvings of the tolerance in the search for the best bulge: it is then found to a millionth of it.
-const BULGE_HALVINGS: usize = 20;
+/// Halvings of the tolerance in the search for the best bulge: its error is then least to a thousandth of it.
+const BULGE_HALVINGS: usize = 10;
 
 /// A line or an arc that ends at the point with index `end` and starts where the one before ended.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -69,12 +69,16 @@ pub struct Clearance<'a> {
     surface: &'a dyn Surface,
     tree: PatchTree,
     radius: f64,
+    /// The largest absolute coordinate of a control point, mm.
+    magnitude: f64,
 }
 
 impl<'a> Clearance<'a> {
     /// The cutter has `radius` mm and an axis along +z.
     pub fn new(surface: &'a dyn Surface, radius: f64) -> Self {
-        Self { surface, tree: PatchTree::new(surface), radius }
+        let tree = PatchTree::new(surface);
+        let magnitude = tree.bounds().magnitude();
+        Self { surface, tree, radius, magnitude }
     }
 
     /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm.
@@ -156,7 +160,7 @@ impl<'a> Clearance<'a> {
         let center = part.center();
         let nearest = piece.nearest(&center);
         let reach = self.radius + piece.slack;
-        let rounding = ROUNDING * (piece.magnitude() + part.bounds().magnitude() + reach);
+        let rounding = ROUNDING * (piece.magnitude() + self.magnitude + reach);
         let Some(away) = downward_unit(center - nearest) else {
             return Depth { bound: reach, found: None };
         };

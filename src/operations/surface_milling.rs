@@ -53,7 +53,7 @@ use crate::toolpath::{Move, PathError, Toolpath};
 pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
 
 /// The certificate's bound may exceed the deepest penetration by this part of the tolerance.
-const CERTIFICATE_GAP: f64 = 0.01;
+const CERTIFICATE_GAP: f64 = 0.02;
 
 const TOP_ACCURACY_MM: f64 = 1e-6;
 

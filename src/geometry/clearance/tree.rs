@@ -27,6 +27,11 @@ impl PatchTree {
         tree
     }
 
+    /// The box of the whole surface.
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.nodes[self.nodes.len() - 1].bounds
+    }
+
     /// Adds the patches of two index ranges; answers the index of their node. The depth is the logarithm of
     /// their number.
     fn add(&mut self, surface: &dyn Surface, i: [usize; 2], j: [usize; 2]) -> usize {

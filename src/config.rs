@@ -130,7 +130,9 @@ mod tests {
         use clap::CommandFactory;
         let command = Cli::command();
         command.clone().debug_assert();
-        for argument in command.get_arguments().filter(|a| !["help", "version"].contains(&a.get_id().as_str())) {
+        for argument in
+            command.get_arguments().filter(|a| !["help", "version"].contains(&a.get_id().as_str()))
+        {
             let variable = argument.get_env().and_then(|v| v.to_str()).unwrap_or_default();
             assert!(variable.starts_with("TOOLPATHD_"), "{} has no variable", argument.get_id());
         }

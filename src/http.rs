@@ -34,11 +34,12 @@ pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What the handlers share.
 pub struct App {
-    compute: Compute,
+    pub compute: Compute,
     limits: Limits,
     queue: usize,
     workers: usize,
     deadline: Duration,
+    header_timeout: Duration,
     body_timeout: Duration,
     draining: AtomicBool,
 }
@@ -54,6 +55,7 @@ impl App {
             queue,
             workers,
             deadline: settings.deadline_s,
+            header_timeout: settings.header_timeout_s,
             body_timeout: settings.body_timeout_s,
             draining: AtomicBool::new(false),
         }))

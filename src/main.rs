@@ -7,7 +7,7 @@ use clap::Parser;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use toolpathd::config::{Cli, Command, LogFormat, Settings};
-use toolpathd::http::{App, contract, serve};
+use toolpathd::http::{App, contract, router, serve};
 use tracing_subscriber::EnvFilter;
 
 type Failure = Box<dyn std::error::Error>;
@@ -48,7 +48,7 @@ fn run(settings: &Settings) -> Result<(), Failure> {
                 _ = interrupt.recv() => {}
             }
         };
-        serve::serve(listener, app, settings.header_timeout_s, stop).await?;
+        serve::serve(listener, router(&app), &app, stop).await?;
         Ok(())
     })
 }

@@ -10,6 +10,7 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_path_to_error::{Path, Segment};
 
+use super::dto::object::Object;
 use super::dto::tagged;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
@@ -36,13 +37,16 @@ pub fn decode<'de, T: Deserialize<'de>>(body: &'de [u8]) -> Result<T, ApiError> 
     decode_at(text).map_err(|error| ApiError::invalid(vec![error]))
 }
 
-/// Decodes text that is known to be JSON; pointers are relative to it.
+/// Decodes an object from text that is known to be JSON; pointers are relative to it.
 pub fn decode_at<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, FieldError> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
-        let at = pointer_of(error.path());
-        explain(&at, &error.into_inner().to_string())
-    })
+    match serde_path_to_error::deserialize(&mut deserializer) {
+        Ok(Object(value)) => Ok(value),
+        Err(error) => {
+            let at = pointer_of(error.path());
+            Err(explain(&at, &error.into_inner().to_string()))
+        }
+    }
 }
 
 fn pointer_of(path: &Path) -> Pointer {

@@ -5,6 +5,7 @@ pub mod check;
 pub mod cutting;
 pub mod meta;
 pub mod milling;
+pub mod object;
 pub mod point;
 pub mod program;
 pub mod strategy;

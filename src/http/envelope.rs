@@ -37,6 +37,8 @@ pub async fn wrap(mut request: Request, next: Next) -> Response {
     let headers = response.headers_mut();
     headers.insert(request_id::HEADER, id.header_value());
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
+    // Of any answer: what is a problem today may be an answer of some type tomorrow.
+    headers.insert(header::VARY, HeaderValue::from_static("Accept"));
     answered.with(response.status());
     response
 }
@@ -49,8 +51,7 @@ pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
 /// Gives a failure the body it only announces, and a failure of the framework the same shape.
 fn into_problem(response: Response, id: &RequestId) -> Response {
     let (mut parts, _) = response.into_parts();
-    let error =
-        parts.extensions.remove::<ApiError>().unwrap_or_else(|| ApiError::from_status(parts.status));
+    let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| ApiError::from_status(parts.status));
     let mut problem = error.into_problem(id.as_str());
     for name in [header::ALLOW, header::CONNECTION] {
         if let Some(value) = parts.headers.remove(&name) {

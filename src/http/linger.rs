@@ -60,7 +60,8 @@ impl Drop for Lingering {
 
 async fn drain(mut body: Incoming) {
     let mut total = 0;
-    while let Some(Ok(frame)) = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
+    while let Some(Ok(frame)) = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await
+    {
         total += frame.data_ref().map_or(0, Bytes::len);
         if total > MAX_BYTES {
             return;

@@ -121,8 +121,7 @@ fn add_problems(document: &mut Value) {
 fn add_examples(document: &mut Value) {
     for (path, name, text) in EXAMPLES {
         let value: Value = serde_json::from_str(text).unwrap_or_default();
-        let examples =
-            &mut document["paths"][path]["post"]["requestBody"]["content"][JSON]["examples"];
+        let examples = &mut document["paths"][path]["post"]["requestBody"]["content"][JSON]["examples"];
         examples[name] = json!({ "value": value });
     }
 }

@@ -88,7 +88,6 @@ impl IntoResponse for Encoded {
         let mut response = self.body.into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, self.content_type);
-        headers.insert(header::VARY, HeaderValue::from_static("Accept"));
         if let Some(disposition) = self.disposition {
             headers.insert(header::CONTENT_DISPOSITION, disposition);
         }

@@ -33,18 +33,19 @@ const DRAIN_LIMIT: Duration = Duration::from_secs(28);
 /// Pause after a failed accept; the usual reason, no free file descriptor, does not pass at once.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
-/// Serves until `stop` resolves, and then until every request that has reached this process is answered.
+/// Serves `router` until `stop` resolves, and then until every request that has reached this process is
+/// answered; `app` is told when that begins.
 ///
 /// # Errors
 /// When the listener cannot be used.
 pub async fn serve(
     listener: TcpListener,
-    app: Arc<App>,
-    header_timeout: Duration,
+    router: Router,
+    app: &App,
     stop: impl Future<Output = ()>,
 ) -> io::Result<()> {
     let (announce, draining) = watch::channel(false);
-    let connections = Connections { router: super::router(&app), header_timeout, draining };
+    let connections = Connections { router, header_timeout: app.header_timeout, draining };
     let mut open = JoinSet::new();
     tokio::pin!(stop);
     loop {

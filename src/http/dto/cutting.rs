@@ -28,7 +28,7 @@ pub struct Cutting {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     spindle_rpm: Option<f64>,
     #[serde(default)]
-    #[schema(inline, default = "off")]
+    #[schema(default = "off")]
     coolant: Coolant,
     /// Absolute height of rapids between distant places. Default: 20 mm above the top of the surface.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]

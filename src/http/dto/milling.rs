@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
+use super::object;
 use super::program::Program;
 use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
@@ -22,26 +23,28 @@ use crate::toolpath::units::Tolerance;
 #[serde(deny_unknown_fields)]
 pub struct MillRequest {
     surface: Surface,
+    #[serde(deserialize_with = "object::required")]
     tool: Tool,
     strategy: Strategy,
     /// The proved distance between the path as written and the exact one is at most this.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
     #[serde(default)]
-    #[schema(inline, default = "arcs")]
+    #[schema(default = "arcs")]
     interpolation: Interpolation,
     /// Upper bound for the distance of neighbouring CL points. Default: none but what the tolerance asks for.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
     #[serde(default, rename = "engine")]
-    #[schema(inline, default = "offset_section")]
+    #[schema(default = "offset_section")]
     _engine: Engine,
     /// Where the passes end: `on`, the cutter's contact reaches the edge.
     #[serde(default, rename = "boundary")]
-    #[schema(inline, default = "on")]
+    #[schema(default = "on")]
     _boundary: Boundary,
+    #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object::required")]
     program: Program,
     /// Texts of the caller under names of the caller, returned as they came: at most 32.
     #[schema(schema_with = meta::schema)]

@@ -27,7 +27,7 @@ pub struct Program {
     #[schema(max_length = 1000)]
     name: Option<String>,
     #[serde(default)]
-    #[schema(inline, default = "mm")]
+    #[schema(default = "mm")]
     units: Units,
     /// Decimals of a written coordinate. Default: 3 with mm, 4 with inches.
     #[schema(minimum = 1, maximum = 6)]

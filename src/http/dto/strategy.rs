@@ -45,13 +45,13 @@ pub struct ClCartesian {
     _kind: ClCartesianKind,
     /// `zx`: planes of constant y; `yz`: planes of constant x.
     #[serde(default)]
-    #[schema(inline, default = "zx")]
+    #[schema(default = "zx")]
     plane: Plane,
     /// Largest distance of neighbouring planes.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepover_mm: f64,
     #[serde(default)]
-    #[schema(inline, default = "zigzag")]
+    #[schema(default = "zigzag")]
     direction: Direction,
     /// Whether passes are trimmed where they would cut into the part. Always so: `false` is refused.
     #[serde(default = "yes")]
@@ -61,6 +61,7 @@ pub struct ClCartesian {
 
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = SectionPlane)]
 pub enum Plane {
     #[default]
     Zx,
@@ -69,6 +70,7 @@ pub enum Plane {
 
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = CutDirection)]
 pub enum Direction {
     OneWay,
     #[default]
@@ -88,13 +90,7 @@ pub struct Sections {
 
 impl Strategy {
     /// Collects what is wrong with the strategy at `at`, for a surface of the given extents along x and y.
-    pub fn check(
-        &self,
-        at: &Pointer,
-        extent: [f64; 2],
-        max_sections: usize,
-        violations: &mut Violations,
-    ) {
+    pub fn check(&self, at: &Pointer, extent: [f64; 2], max_sections: usize, violations: &mut Violations) {
         let Strategy::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, direction: _, trim }) = self;
         let at_stepover = at.field("stepover_mm");
         violations.number(&at_stepover, *stepover_mm, Range::POSITIVE, "mm");
@@ -119,7 +115,8 @@ impl Strategy {
 /// Converts what has been checked.
 impl From<Strategy> for Sections {
     fn from(strategy: Strategy) -> Self {
-        let Strategy::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, direction, trim: _ }) = strategy;
+        let Strategy::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, direction, trim: _ }) =
+            strategy;
         Self {
             plane: match plane {
                 Plane::Zx => core::SectionPlane::Zx,

@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 use utoipa::openapi::schema::{ArrayBuilder, Schema};
 
 use super::check::Violations;
+use super::object;
 use super::point::{Point, row_schema};
 use super::tagged;
 use crate::config::Limits;
@@ -22,8 +23,7 @@ pub enum Surface {
 }
 
 /// Surfaces of the contract that this version cannot read.
-const LATER: [&str; 6] =
-    ["ferguson", "parallel_sweep", "normal_sweep", "ruled", "bezier_patches", "nurbs"];
+const LATER: [&str; 6] = ["ferguson", "parallel_sweep", "normal_sweep", "ruled", "bezier_patches", "nurbs"];
 
 impl<'de> Deserialize<'de> for Surface {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -54,12 +54,13 @@ pub struct PointGrid {
     points: Vec<Vec<Point>>,
     /// How the mixed derivatives at the points are chosen: those of the cubic spline, or zero.
     #[serde(default)]
-    #[schema(inline, default = "spline")]
+    #[schema(default = "spline")]
     twist: Twist,
     /// The end conditions of the splines; `clamped` takes the tangents of `end_tangents`.
     #[serde(default)]
-    #[schema(inline, default = "natural")]
+    #[schema(default = "natural")]
     ends: Ends,
+    #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
 }
 

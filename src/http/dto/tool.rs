@@ -49,10 +49,6 @@ impl From<Tool> for core::Tool {
     fn from(tool: Tool) -> Self {
         let Tool { shape: Shape::Ball, diameter_mm, number, length_offset } = tool;
         let number = number.unwrap_or(1);
-        core::Tool {
-            radius_mm: diameter_mm / 2.0,
-            number,
-            length_offset: length_offset.unwrap_or(number),
-        }
+        core::Tool { radius_mm: diameter_mm / 2.0, number, length_offset: length_offset.unwrap_or(number) }
     }
 }

@@ -9,7 +9,7 @@ use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
 use crate::toolpath as core;
 
-/// An answer that holds a toolpath, with the report `R` of its operation.
+/// An answer that holds a toolpath, with the report of its operation.
 #[derive(Serialize, ToSchema)]
 pub struct ToolpathAnswer<R: ToSchema> {
     pub engine_version: &'static str,
@@ -90,10 +90,12 @@ impl From<core::Toolpath> for Toolpath {
 
 /// Moves are converted one pass at a time while they are written: a whole second toolpath is never held.
 fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(toolpath.passes().iter().map(|pass| Pass {
-        level: pass.level(),
-        moves: pass.moves().iter().map(Move::from).collect(),
-    }))
+    serializer.collect_seq(
+        toolpath
+            .passes()
+            .iter()
+            .map(|pass| Pass { level: pass.level(), moves: pass.moves().iter().map(Move::from).collect() }),
+    )
 }
 
 /// A connected run of moves.
@@ -109,13 +111,28 @@ pub struct Pass {
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Move {
     /// At the machine's traverse rate.
-    Rapid { to: Point },
+    Rapid {
+        to: Point,
+    },
     /// Straight, at feed.
-    Line { to: Point, feed_mm_per_min: f64, role: Role },
+    Line {
+        to: Point,
+        feed_mm_per_min: f64,
+        role: Role,
+    },
     /// As G2 and G3 in G17, G18 and G19: `cw` is seen from the positive end of the plane's normal. `to` equal to the
     /// start in the plane is one full turn; `to` may differ along the normal (a helix).
-    Arc { to: Point, center: Point, plane: Plane, direction: Direction, feed_mm_per_min: f64, role: Role },
-    Dwell { seconds: f64 },
+    Arc {
+        to: Point,
+        center: Point,
+        plane: Plane,
+        direction: Direction,
+        feed_mm_per_min: f64,
+        role: Role,
+    },
+    Dwell {
+        seconds: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]

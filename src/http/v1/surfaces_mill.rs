@@ -43,8 +43,7 @@ impl FromRequestParts<Arc<App>> for Wanted {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, ApiError> {
-        let StrictQuery(MillQuery { format, toolpath }) =
-            StrictQuery::from_request_parts(parts, app).await?;
+        let StrictQuery(MillQuery { format, toolpath }) = StrictQuery::from_request_parts(parts, app).await?;
         let representation = Representation::choose(&parts.headers, format)?;
         Ok(Self { representation, with_toolpath: toolpath.unwrap_or(true) })
     }

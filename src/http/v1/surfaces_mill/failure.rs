@@ -41,8 +41,10 @@ impl From<Error> for ApiError {
             Error::Grid(grid) => grid.into(),
             Error::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
             Error::OffsetFolds { at } => Self::new(Code::OffsetFolds, detail).at(at.into()),
-            Error::HeightBelowTop { field, value_mm: _, top_mm: _ } => Self::new(Code::HeightBelowTop, detail)
-                .blaming(&cutting.field(field), FieldCode::HeightBelowTop),
+            Error::HeightBelowTop { field, value_mm: _, top_mm: _ } => {
+                Self::new(Code::HeightBelowTop, detail)
+                    .blaming(&cutting.field(field), FieldCode::HeightBelowTop)
+            }
             Error::ClearanceBelowRetract { clearance_mm: _, retract_mm: _ } => {
                 let at = cutting.field("clearance_z_mm");
                 Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])

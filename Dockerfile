@@ -25,5 +25,6 @@ COPY --from=builder /toolpathd /toolpathd
 ENV TOOLPATHD_LISTEN=0.0.0.0:8080 \
     TOOLPATHD_LOG_FORMAT=json
 EXPOSE 8080
+HEALTHCHECK --interval=10s --timeout=4s CMD ["/toolpathd", "healthcheck"]
 USER 65532:65532
 ENTRYPOINT ["/toolpathd"]

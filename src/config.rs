@@ -21,6 +21,8 @@ pub enum Command {
     Serve,
     /// Print the OpenAPI contract
     Openapi,
+    /// Ask the service at the listen address of this machine whether it lives; exit code 0 if so
+    Healthcheck,
 }
 
 /// How log lines are written.
@@ -64,7 +66,7 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub body_timeout_s: Duration,
 
-    /// Seconds a request may wait and compute
+    /// Seconds a request may wait and compute; at shutdown nothing is waited for longer than 28 s
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
 

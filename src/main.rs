@@ -1,7 +1,9 @@
 //! The binary: reads the settings, then serves or prints the contract.
 
-use std::io::Write;
+use std::io::{Read, Write};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Parser;
 use tokio::net::TcpListener;
@@ -16,6 +18,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome = match cli.command {
         Some(Command::Openapi) => print_contract(),
+        Some(Command::Healthcheck) => check_health(&cli.settings),
         None | Some(Command::Serve) => run(&cli.settings),
     };
     match outcome {
@@ -29,6 +32,26 @@ fn main() -> ExitCode {
 
 fn print_contract() -> Result<(), Failure> {
     Ok(writeln!(std::io::stdout(), "{}", contract())?)
+}
+
+/// For images that hold nothing else to ask with.
+fn check_health(settings: &Settings) -> Result<(), Failure> {
+    const PATIENCE: Duration = Duration::from_secs(3);
+    let mut address = settings.listen;
+    match address.ip() {
+        ip if !ip.is_unspecified() => {}
+        IpAddr::V4(_) => address.set_ip(Ipv4Addr::LOCALHOST.into()),
+        IpAddr::V6(_) => address.set_ip(Ipv6Addr::LOCALHOST.into()),
+    }
+    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer)?;
+    match answer.split(' ').nth(1) {
+        Some("200") => Ok(()),
+        _ => Err(format!("{address} does not answer as it should").into()),
+    }
 }
 
 fn run(settings: &Settings) -> Result<(), Failure> {

@@ -9,6 +9,7 @@ use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::body::{Bytes, HttpBody};
+use axum::http::{HeaderMap, header};
 use hyper::body::{Frame, Incoming, SizeHint};
 use tokio::time::timeout;
 
@@ -17,11 +18,15 @@ const MAX_TIME: Duration = Duration::from_secs(5);
 const MAX_BYTES: usize = 256 * 1024 * 1024;
 
 /// A body which is drained when it is dropped before its end.
-pub struct Lingering(Option<Incoming>);
+pub struct Lingering {
+    body: Option<Incoming>,
+    /// Whether the caller holds the body back until it is asked for (`Expect: 100-continue`).
+    is_held_back: bool,
+}
 
 impl Lingering {
-    pub fn new(body: Incoming) -> Self {
-        Self(Some(body))
+    pub fn new(headers: &HeaderMap, body: Incoming) -> Self {
+        Self { body: Some(body), is_held_back: headers.contains_key(header::EXPECT) }
     }
 }
 
@@ -33,26 +38,29 @@ impl HttpBody for Lingering {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, hyper::Error>>> {
-        let Some(body) = &mut self.0 else { return Poll::Ready(None) };
+        // Asking for the first part releases the body.
+        self.is_held_back = false;
+        let Some(body) = &mut self.body else { return Poll::Ready(None) };
         let frame = Pin::new(body).poll_frame(context);
         if let Poll::Ready(None | Some(Err(_))) = frame {
-            self.0 = None;
+            self.body = None;
         }
         frame
     }
 
     fn is_end_stream(&self) -> bool {
-        self.0.as_ref().is_none_or(HttpBody::is_end_stream)
+        self.body.as_ref().is_none_or(HttpBody::is_end_stream)
     }
 
     fn size_hint(&self) -> SizeHint {
-        self.0.as_ref().map_or_else(|| SizeHint::with_exact(0), HttpBody::size_hint)
+        self.body.as_ref().map_or_else(|| SizeHint::with_exact(0), HttpBody::size_hint)
     }
 }
 
 impl Drop for Lingering {
     fn drop(&mut self) {
-        if let Some(body) = self.0.take().filter(|body| !body.is_end_stream()) {
+        let rest = self.body.take().filter(|body| !self.is_held_back && !body.is_end_stream());
+        if let Some(body) = rest {
             tokio::spawn(timeout(MAX_TIME, drain(body)));
         }
     }

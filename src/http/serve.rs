@@ -126,7 +126,9 @@ async fn connection(
         let closing = closing.clone();
         async move {
             let version = request.version();
-            let response = router.oneshot(request.map(|body| Body::new(Lingering::new(body)))).await;
+            let (parts, body) = request.into_parts();
+            let body = Body::new(Lingering::new(&parts.headers, body));
+            let response = router.oneshot(Request::from_parts(parts, body)).await;
             drop(busy);
             response.map(|mut response| {
                 if *closing.borrow() && version <= Version::HTTP_11 {

@@ -123,6 +123,21 @@ async fn headers_and_bodies_that_stop_arriving_end_and_delay_nobody() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_caller_that_waits_to_be_asked_is_not_asked_for_what_is_too_large() {
+    let app = app(&["--workers", "1", "--body-limit", "1000"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let mut stream = connect(address);
+        let head = post_head(MILL, 20_000_000).replace("Host", "Expect: 100-continue\r\nHost");
+        write(&mut stream, &head);
+        assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 413"));
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large() {
     let app = app(&["--workers", "1", "--body-limit", "1000"]);
     let server = Server::start(&app).await;

@@ -99,6 +99,19 @@ fn an_idle_program_ends_soon() {
 }
 
 #[test]
+fn health_is_told_by_the_exit_code() {
+    let program = Program::start();
+    let healthcheck = |address: &str| {
+        let arguments = ["healthcheck", "--listen", address];
+        Command::new(env!("CARGO_BIN_EXE_toolpathd")).args(arguments).status().expect("a status").success()
+    };
+    assert!(healthcheck(&program.address.to_string()));
+    assert!(healthcheck(&format!("0.0.0.0:{}", program.address.port())));
+    drop(program);
+    assert!(!healthcheck("127.0.0.1:9"));
+}
+
+#[test]
 fn the_contract_is_printed() {
     let output = Command::new(env!("CARGO_BIN_EXE_toolpathd")).arg("openapi").output().expect("its output");
     assert!(output.status.success());

@@ -22,6 +22,9 @@ const LATER_FIELDS: [&str; 4] = ["scallop_height_mm", "allowance_mm", "pitch_mm"
 const LATER_VALUES: [(&str, &[&str]); 3] =
     [("shape", &["flat", "bull_nose"]), ("engine", &["contact"]), ("boundary", &["inside", "past"])];
 
+/// A member with a longer name than this is not pointed at, but the object it is in.
+const MAX_NAME_BYTES: usize = 200;
+
 /// Decodes a request body.
 ///
 /// # Errors
@@ -50,7 +53,11 @@ pub fn decode_at<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, FieldErr
 }
 
 fn pointer_of(path: &Path) -> Pointer {
-    path.iter().fold(Pointer::root(), |at, segment| match segment {
+    let is_short = |segment: &&Segment| match segment {
+        Segment::Map { key } => key.len() <= MAX_NAME_BYTES,
+        _ => true,
+    };
+    path.iter().take_while(is_short).fold(Pointer::root(), |at, segment| match segment {
         Segment::Seq { index } => at.index(*index),
         Segment::Map { key } | Segment::Enum { variant: key } => at.field(key),
         Segment::Unknown => at,
@@ -69,15 +76,11 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
         return FieldError::new(&at.field(name), FieldCode::MissingField, format!("`{name}` is required"));
     }
     if let (Some(name), true) = (named, message.starts_with("unknown field")) {
-        let at = if at.as_str().ends_with(Pointer::root().field(name).as_str().trim_start_matches('#')) {
-            at.clone()
-        } else {
-            at.field(name)
-        };
+        // The path already ends with the name.
         return if LATER_FIELDS.contains(&name) {
-            FieldError::new(&at, FieldCode::Unsupported, format!("`{name}` is not supported yet"))
+            FieldError::new(at, FieldCode::Unsupported, format!("`{name}` is not supported yet"))
         } else {
-            FieldError::new(&at, FieldCode::UnknownField, message)
+            FieldError::new(at, FieldCode::UnknownField, message)
         };
     }
     if let (Some(value), true) = (named, message.starts_with("unknown variant")) {

@@ -11,7 +11,10 @@ use super::pointer::Pointer;
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
 /// Most entries of `errors` in one answer; `detail` tells when there are more.
-const MAX_ERRORS: usize = 100;
+pub const MAX_ERRORS: usize = 100;
+
+/// A text of the caller may be in a detail, at any length.
+const MAX_DETAIL_CHARACTERS: usize = 500;
 
 /// Seconds after which a refused caller may try again.
 const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("1");
@@ -149,7 +152,7 @@ pub struct FieldError {
 
 impl FieldError {
     pub fn new(at: &Pointer, code: FieldCode, detail: impl Into<String>) -> Self {
-        Self { pointer: at.as_str().to_owned(), code, detail: detail.into() }
+        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()) }
     }
 }
 
@@ -190,19 +193,23 @@ pub struct ApiError {
 
 impl ApiError {
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
-        let detail = detail.into();
+        let detail = shortened(detail.into());
         Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
     }
 
     /// A body that breaks rules. When all that breaks them is merely not built yet, the code says so.
-    pub fn invalid(mut errors: Vec<FieldError>) -> Self {
+    pub fn invalid(errors: Vec<FieldError>) -> Self {
+        Self::invalid_among(errors.len(), errors)
+    }
+
+    /// As [`Self::invalid`], where `errors` are the first of `total` violations.
+    pub fn invalid_among(total: usize, errors: Vec<FieldError>) -> Self {
         let all_unsupported = errors.iter().all(|error| error.code == FieldCode::Unsupported);
         let code = if all_unsupported { Code::Unsupported } else { Code::InvalidRequest };
         let detail = match errors.as_slice() {
             [only] => format!("{}: {}", only.pointer, only.detail),
-            several => format!("{} violations; the first at {}", several.len(), first_pointer(several)),
+            several => format!("{total} violations; the first at {}", first_pointer(several)),
         };
-        errors.truncate(MAX_ERRORS);
         Self { errors, ..Self::new(code, detail) }
     }
 
@@ -229,6 +236,10 @@ impl ApiError {
 
     pub fn code(&self) -> Code {
         self.code
+    }
+
+    pub fn detail(&self) -> &str {
+        &self.detail
     }
 
     pub fn errors(&self) -> &[FieldError] {
@@ -262,6 +273,13 @@ impl ApiError {
     }
 }
 
+fn shortened(text: String) -> String {
+    match text.char_indices().nth(MAX_DETAIL_CHARACTERS) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}
+
 fn first_pointer(errors: &[FieldError]) -> &str {
     errors.first().map_or("#", |error| &error.pointer)
 }
@@ -292,10 +310,8 @@ mod tests {
     }
 
     #[test]
-    fn many_violations_are_counted_but_not_all_listed() {
-        let one = FieldError::new(&Pointer::root(), FieldCode::TooLarge, "");
-        let error = ApiError::invalid(vec![one; 5000]);
-        assert_eq!(error.errors().len(), MAX_ERRORS);
-        assert!(error.detail.starts_with("5000 violations"));
+    fn details_do_not_return_a_whole_body() {
+        let error = ApiError::new(Code::MalformedJson, "\u{e9}".repeat(10_000));
+        assert_eq!(error.detail.chars().count(), MAX_DETAIL_CHARACTERS + 3);
     }
 }

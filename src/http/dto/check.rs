@@ -1,6 +1,6 @@
 //! Range checks that collect every violation instead of ending at the first.
 
-use crate::http::error::{ApiError, FieldCode, FieldError};
+use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 use crate::http::pointer::Pointer;
 
 /// Coordinates and lengths beyond a kilometre are mistakes, mm.
@@ -23,13 +23,19 @@ impl Range {
     pub const COORDINATE: Range = Range { min: -MAX_MAGNITUDE_MM, max: MAX_MAGNITUDE_MM };
 }
 
-/// The violations found so far.
+/// The violations found so far: the first of them, and how many there are.
 #[derive(Debug, Default)]
-pub struct Violations(Vec<FieldError>);
+pub struct Violations {
+    first: Vec<FieldError>,
+    total: usize,
+}
 
 impl Violations {
     pub fn add(&mut self, at: &Pointer, code: FieldCode, detail: impl Into<String>) {
-        self.0.push(FieldError::new(at, code, detail));
+        self.total += 1;
+        if self.first.len() < MAX_ERRORS {
+            self.first.push(FieldError::new(at, code, detail));
+        }
     }
 
     /// Looks at a number of the given unit.
@@ -68,12 +74,28 @@ impl Violations {
 
     /// The error of a body in which there is a violation.
     pub fn into_error(self) -> ApiError {
-        ApiError::invalid(self.0)
+        ApiError::invalid_among(self.total, self.first)
     }
 
     /// # Errors
     /// When there is a violation, with all of them.
     pub fn result(self) -> Result<(), ApiError> {
-        if self.0.is_empty() { Ok(()) } else { Err(self.into_error()) }
+        if self.total == 0 { Ok(()) } else { Err(self.into_error()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_violations_are_counted_but_not_all_listed() {
+        let mut violations = Violations::default();
+        for k in 0..5000 {
+            violations.number(&Pointer::root().index(k), -1.0, Range::POSITIVE, "mm");
+        }
+        let error = violations.result().expect_err("violations");
+        assert_eq!(error.errors().len(), MAX_ERRORS);
+        assert_eq!(error.detail(), "5000 violations; the first at #/0");
     }
 }

@@ -32,8 +32,9 @@ pub fn check(meta: &Meta, at: &Pointer, violations: &mut Violations) {
         return;
     }
     for (key, value) in meta {
-        let at = at.field(key);
-        violations.text(&at, key, MAX_KEY_CHARACTERS);
-        violations.text(&at, value, MAX_TEXT_CHARACTERS);
+        violations.text(at, key, MAX_KEY_CHARACTERS);
+        if value.len() > MAX_TEXT_CHARACTERS {
+            violations.text(&at.field(key), value, MAX_TEXT_CHARACTERS);
+        }
     }
 }

@@ -18,7 +18,7 @@ const NUMBERS: (u32, u32) = (1, 99_999_999);
 #[serde(deny_unknown_fields)]
 pub struct Program {
     /// A name listed by `/v1/dialects`. Default: `linuxcnc`.
-    #[schema(max_length = 1000)]
+    #[schema(schema_with = dialects::schema)]
     dialect: Option<String>,
     /// Default: 1.
     #[schema(minimum = 1, maximum = 99_999_999)]
@@ -63,7 +63,8 @@ impl Program {
         let Self { dialect, number, name, units: _, decimals, block_numbers: _, work_offset: _ } = self;
         if let Some(dialect) = dialect.as_deref().filter(|name| !dialects::is_known(name)) {
             let known = dialects::names().join("`, `");
-            let detail = format!("`{}` is unknown, expected `{known}`", shortened(dialect));
+            let shown: String = dialect.chars().take(40).collect();
+            let detail = format!("`{shown}` is unknown, expected `{known}`");
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
         }
         if let Some(number) = *number {
@@ -101,9 +102,4 @@ impl Program {
         };
         (dialect.unwrap_or_else(|| dialects::DEFAULT.to_owned()), program)
     }
-}
-
-/// Enough of a text to recognise it by.
-fn shortened(text: &str) -> String {
-    text.chars().take(40).collect()
 }

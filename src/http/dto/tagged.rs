@@ -12,7 +12,7 @@ use crate::http::decode::decode_at;
 use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 
-/// Separates the parts of a packed error; JSON text cannot hold it unescaped.
+/// Begins a packed error, as no message of a decoder begins, and separates its parts.
 const MARK: char = '\u{1}';
 
 #[derive(Deserialize)]
@@ -55,7 +55,7 @@ fn pack(error: &FieldError) -> String {
 
 /// The error inside an outer decoder's message.
 pub fn unpack(message: &str) -> Option<FieldError> {
-    let mut parts = message.split(MARK).skip(1);
+    let mut parts = message.strip_prefix(MARK)?.split(MARK);
     let (pointer, code, detail) = (parts.next()?, parts.next()?, parts.next()?);
     let code = *CODES.get(code.parse::<usize>().ok()?)?;
     Some(FieldError { pointer: pointer.to_owned(), code, detail: detail.to_owned() })

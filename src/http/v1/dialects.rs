@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use utoipa::ToSchema;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
@@ -15,6 +16,16 @@ pub fn names() -> Vec<&'static str> {
 
 pub fn is_known(name: &str) -> bool {
     names().contains(&name)
+}
+
+/// The name of one of them.
+pub fn schema() -> Schema {
+    ObjectBuilder::new()
+        .schema_type(Type::String)
+        .enum_values(Some(names()))
+        .default(Some(DEFAULT.into()))
+        .description(Some("A name listed by `/v1/dialects`."))
+        .into()
 }
 
 #[derive(Debug, Serialize, ToSchema)]

@@ -74,6 +74,10 @@ fn answer(
 ) -> Result<Encoded, ApiError> {
     let accepted = request.convert(limits)?;
     let plan = surface_milling::plan(&accepted.job, budget)?;
+    represent(plan, accepted, wanted, id)
+}
+
+fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> Result<Encoded, ApiError> {
     match wanted.representation {
         Representation::Gcode(media_type) => {
             let text = nc_text(&plan, &accepted)?;
@@ -127,5 +131,74 @@ impl From<&surface_milling::Warning> for Warning {
                 detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::to_bytes;
+    use axum::response::IntoResponse;
+    use nalgebra::Point3;
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::http::decode::decode;
+    use crate::operations::surface_milling::Report;
+    use crate::toolpath::tool::{Coolant, Cutting};
+    use crate::toolpath::units::FeedRate;
+    use crate::toolpath::{Role, Toolpath};
+
+    const ONE_PASS: &[u8] = include_bytes!("../../../openapi/examples/surfaces-mill/one-pass.json");
+
+    fn plan() -> Plan {
+        let rate = FeedRate::from_mm_per_min(500.0).expect("a feed");
+        let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 2.0));
+        builder.rapid(Point3::new(10.0, 0.0, 2.0)).expect("a rapid");
+        builder.line(Point3::new(10.0, 0.0, 0.0), rate, Role::Plunge).expect("a line");
+        Plan {
+            toolpath: builder.finish().expect("a toolpath"),
+            report: Report {
+                n_passes: 1,
+                n_cl_points: 2,
+                deviation_max_mm: 0.001,
+                gouge_max_mm: 0.0,
+                n_arcs: 0,
+                n_lines: 1,
+            },
+            cutting: Cutting {
+                feed: rate,
+                plunge_feed: rate,
+                rapid_feed: rate,
+                spindle_rpm: None,
+                coolant: Coolant::Off,
+                clearance_z_mm: 20.0,
+                retract_z_mm: 2.0,
+            },
+            warnings: vec![surface_milling::Warning::NoSpindleSpeed],
+        }
+    }
+
+    async fn answer_of(with_toolpath: bool) -> Value {
+        let mut accepted = decode::<MillRequest>(ONE_PASS)
+            .and_then(|request| request.convert(&Limits::DEFAULT))
+            .expect("legal");
+        accepted.meta = Some([("part_id".to_owned(), "7".to_owned())].into());
+        let wanted = Wanted { representation: Representation::Json, with_toolpath };
+        let id = RequestId::of(&Default::default());
+        let encoded = represent(plan(), accepted, &wanted, &id).expect("an answer");
+        let body = to_bytes(encoded.into_response().into_body(), usize::MAX).await.expect("a body");
+        serde_json::from_slice(&body).expect("JSON")
+    }
+
+    #[tokio::test]
+    async fn the_answer_has_the_members_of_the_contract() {
+        let answer = answer_of(true).await;
+        assert_eq!(answer["engine_version"], ENGINE_VERSION);
+        assert_eq!(answer["meta"], json!({ "part_id": "7" }));
+        assert_eq!(answer["warnings"][0]["code"], "no_spindle_speed");
+        assert_eq!(answer["report"]["deviation_max_mm"], 0.001);
+        assert_eq!(answer["measures"]["bounds"]["min"].as_array().map(Vec::len), Some(3));
+        assert_eq!(answer["toolpath"]["passes"][0]["moves"][1]["role"], "plunge");
+        assert_eq!(answer_of(false).await.get("toolpath"), None);
     }
 }

@@ -92,6 +92,10 @@ async fn every_fault_has_its_code_and_its_pointer() {
         ("/program", json!({ "units": "foot" }), "unknown_value", "#/program/units"),
         ("/program", json!({ "work_offset": "G60" }), "unknown_value", "#/program/work_offset"),
         ("/program", json!({ "name": "x".repeat(1001) }), "too_long", "#/program/name"),
+        ("/tool/tool", json!(1), "unknown_field", "#/tool/tool"),
+        ("/cutting/cutting", json!(1), "unknown_field", "#/cutting/cutting"),
+        ("/cutting", json!({ "x".repeat(1000): 1 }), "unknown_field", "#/cutting"),
+        ("/meta", json!({ "x".repeat(1000): "1" }), "too_long", "#/meta"),
         ("/meta", json!({ "a/b": 1 }), "wrong_type", "#/meta/a~1b"),
         ("/meta", json!({ "part": "x".repeat(1001) }), "too_long", "#/meta/part"),
     ] {

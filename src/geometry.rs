@@ -1,5 +1,8 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
+pub mod arc_fit;
+pub mod clearance;
 pub mod curve;
 pub mod plane;
+pub mod section;
 pub mod surface;

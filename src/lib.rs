@@ -5,4 +5,5 @@ pub mod config;
 pub mod geometry;
 pub mod http;
 pub mod operations;
+pub mod post;
 pub mod toolpath;

@@ -7,8 +7,11 @@
 //! * A rapid has no feed; every feed move has one.
 //! * Nothing is modal and nothing is text; modal words belong to `post` alone.
 
+pub mod flatten;
+pub mod measure;
 pub mod path;
 pub mod program;
+pub mod quantize;
 pub mod tool;
 pub mod units;
 

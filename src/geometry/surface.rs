@@ -1,3 +1,55 @@
-//! Surfaces: what they are made from and how they are evaluated.
+//! Surfaces: what they are made from, how they are evaluated, and what is proved of them.
+//!
+//! Every kind of surface is brought to Bezier patches over a grid of unit squares: patch (i, j) covers
+//! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
 
+pub mod bezier;
+pub mod offset;
+pub mod patch;
 pub mod point_grid;
+pub mod regularity;
+mod spline;
+
+pub use bezier::BezierSurface;
+pub use patch::Patch;
+
+use nalgebra::{Point3, Vector3};
+
+/// A point of a surface with its derivatives to second order; mm per unit of parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jet {
+    pub point: Point3<f64>,
+    pub du: Vector3<f64>,
+    pub dv: Vector3<f64>,
+    pub duu: Vector3<f64>,
+    pub duv: Vector3<f64>,
+    pub dvv: Vector3<f64>,
+}
+
+impl Jet {
+    /// The normal du x dv, not of unit length.
+    pub fn normal(&self) -> Vector3<f64> {
+        self.du.cross(&self.dv)
+    }
+}
+
+/// A surface made of Bezier patches.
+pub trait Surface: Sync {
+    /// Numbers of patches along u and v.
+    fn spans(&self) -> [usize; 2];
+
+    /// The patch over i..=i+1, j..=j+1; both indices are within [`Surface::spans`].
+    fn patch(&self, i: usize, j: usize) -> &Patch;
+
+    /// The jet at (u, v). Beyond the domain the outermost patch is continued.
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        let [nu, nv] = self.spans();
+        let (i, j) = (span_of(u, nu), span_of(v, nv));
+        self.patch(i, j).jet(u - i as f64, v - j as f64)
+    }
+}
+
+/// The index of the unit span that holds `t`, of `n` spans.
+pub fn span_of(t: f64, n: usize) -> usize {
+    (t.max(0.0) as usize).min(n - 1)
+}

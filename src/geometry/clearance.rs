@@ -1,0 +1,228 @@
+//! Certified clearance between a moving ball cutter and a surface.
+//!
+//! # Method
+//! The cutter of radius R with its shank is everything within R of the axis ray that rises from the ball's
+//! centre. While the tip follows a curve, the ray sweeps a set W. A surface point P is penetrated by
+//! R - dist(P, W), and the deepest penetration over all P of the surface is wanted. It is found by branch and
+//! bound over pairs of a piece of the path and a part of a patch with its control net:
+//! 1. *Far*: for a unit vector m that does not point up, dist(P, W) is at least m . P - max m . C over the
+//!    piece. The least m . P is that of the control points.
+//! 2. *Shank*: a point of the part that is above a centre keeps from its axis at least that difference over
+//!    the length of the horizontal part of m. Where this is enough, the ball alone matters.
+//! 3. *Ball*: the squared distance to a line, to a point, or (`ball`) a lower bound of that to a circle is a
+//!    polynomial of degree (6, 6) over the part. Its least Bernstein coefficient bounds it. Along the line
+//!    of contact this polynomial hardly varies, so the bound is tight on large parts.
+//! 4. What is not decided is halved. The deepest penetration found at the parts' centres tells which parts
+//!    cannot matter.
+//!
+//! # Guarantees
+//! `bound_mm` is never below the true deepest penetration, for every point of every move; rounding is
+//! counted. It exceeds the penetration found by at most `gap`, unless the limit of work is reached, where
+//! it is larger but still a bound. Nothing about the path is assumed, nor about the surface beyond its nets.
+//!
+//! # Degenerate input
+//! Curves of length zero are points. Helices are replaced by chords, and the chords' height is counted.
+//!
+//! # Cost
+//! O(n log m) for n pieces of path and m patches: the parts examined for a piece number some tens.
+
+mod ball;
+mod path;
+mod tree;
+
+use std::collections::BinaryHeap;
+
+use nalgebra::{Point3, Vector3};
+
+use super::surface::{Patch, Surface};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::curve::Curve;
+use path::Piece;
+use tree::PatchTree;
+
+/// Pairs halved for one piece. Some tens are usual; beyond this the bound at hand is taken.
+const PAIR_LIMIT: usize = 20_000;
+
+/// Parts of a patch are not halved below this part of the radius: their nets are points to the arithmetic.
+const SMALLEST_PART: f64 = 1e-9;
+
+/// Rounding of one bound in parts of the coordinates' magnitude: some hundred operations of half an ulp each.
+const ROUNDING: f64 = 1e-13;
+
+/// The deepest penetration of a cutter into a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Penetration {
+    /// Proved upper bound, mm, zero or more.
+    pub bound_mm: f64,
+    /// The deepest that was found, mm; zero where none was.
+    pub found_mm: f64,
+    /// The surface point where it was found.
+    pub at: Option<Point3<f64>>,
+}
+
+impl Penetration {
+    pub const NONE: Penetration = Penetration { bound_mm: 0.0, found_mm: 0.0, at: None };
+}
+
+/// A surface made ready for the question how deep a ball cutter cuts into it.
+pub struct Clearance<'a> {
+    surface: &'a dyn Surface,
+    tree: PatchTree,
+    radius: f64,
+}
+
+impl<'a> Clearance<'a> {
+    /// The cutter has `radius` mm and an axis along +z.
+    pub fn new(surface: &'a dyn Surface, radius: f64) -> Self {
+        Self { surface, tree: PatchTree::new(surface), radius }
+    }
+
+    /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm.
+    /// The control may leave the curve by `slack` mm; that much is added to the bound.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn penetrate(
+        &self,
+        tip: &Curve,
+        slack: f64,
+        gap: f64,
+        deepest: &mut Penetration,
+        budget: &Budget,
+    ) -> Result<(), Stopped> {
+        let mut near = Vec::new();
+        for piece in path::pieces(tip, self.radius, slack, 0.25 * gap) {
+            budget.check()?;
+            near.clear();
+            self.tree.collect(&piece.reach(self.radius), &mut near);
+            self.search(piece, &near, gap, deepest);
+        }
+        Ok(())
+    }
+
+    /// The deepest penetration along several curves.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn penetration(&self, tips: &[Curve], gap: f64, budget: &Budget) -> Result<Penetration, Stopped> {
+        let mut deepest = Penetration::NONE;
+        for tip in tips {
+            self.penetrate(tip, 0.0, gap, &mut deepest, budget)?;
+        }
+        Ok(deepest)
+    }
+
+    /// Best first: the pair with the largest bound is halved next, until that bound is good enough.
+    fn search(&self, piece: Piece, near: &[(usize, usize)], gap: f64, deepest: &mut Penetration) {
+        let mut open = Open::default();
+        for &(i, j) in near {
+            self.add(piece, *self.surface.patch(i, j), gap, deepest, &mut open);
+        }
+        for _ in 0..PAIR_LIMIT {
+            let Some((bound, piece, part)) = open.pop() else { return };
+            let [along_u, along_v] = part.extents();
+            let size = along_u.max(along_v);
+            if bound <= deepest.found_mm + gap || size < SMALLEST_PART * self.radius {
+                deepest.bound_mm = deepest.bound_mm.max(bound);
+            } else if size < piece.length() / 8.0 {
+                piece.halves().into_iter().for_each(|half| self.add(half, part, gap, deepest, &mut open));
+            } else {
+                part.split().into_iter().for_each(|half| self.add(piece, half, gap, deepest, &mut open));
+            }
+        }
+        if let Some((bound, ..)) = open.pop() {
+            deepest.bound_mm = deepest.bound_mm.max(bound);
+        }
+    }
+
+    /// Examines a pair and keeps it open where it may matter.
+    fn add(&self, piece: Piece, part: Patch, gap: f64, deepest: &mut Penetration, open: &mut Open) {
+        let depth = self.examine(&piece, &part, deepest.found_mm + gap);
+        if let Some(found) = depth.found
+            && found > deepest.found_mm
+        {
+            deepest.found_mm = found;
+            deepest.at = Some(part.center().into());
+        }
+        if depth.bound <= deepest.found_mm + gap {
+            deepest.bound_mm = deepest.bound_mm.max(depth.bound);
+        } else {
+            open.push(depth.bound, piece, part);
+        }
+    }
+
+    /// Bounds the penetration of one part by one piece; the search ends at `enough`.
+    fn examine(&self, piece: &Piece, part: &Patch, enough: f64) -> Depth {
+        let center = part.center();
+        let nearest = piece.nearest(&center);
+        let reach = self.radius + piece.slack;
+        let rounding = ROUNDING * (piece.magnitude() + part.bounds().magnitude() + reach);
+        let Some(away) = downward_unit(center - nearest) else {
+            return Depth { bound: reach, found: None };
+        };
+        let apart = part.lowest_along(&away) - piece.support(&away) - rounding;
+        let far = reach - apart;
+        if far <= enough {
+            return Depth { bound: far.max(0.0), found: None };
+        }
+        let found = Some(self.radius - piece.axis_distance(&center, &nearest));
+        let shank = if apart > 0.0 { reach - apart / away.xy().norm() } else { reach };
+        if shank > enough {
+            return Depth { bound: far.min(reach), found };
+        }
+        let ball = reach - ball::lowest_distance(piece, part) + rounding;
+        Depth { bound: far.min(ball.max(shank)).max(0.0), found }
+    }
+}
+
+struct Depth {
+    bound: f64,
+    found: Option<f64>,
+}
+
+/// Pairs that are not decided yet, the largest bound first.
+#[derive(Default)]
+struct Open {
+    heap: BinaryHeap<(Bound, usize)>,
+    pairs: Vec<(Piece, Patch)>,
+}
+
+/// A bound in mm, ordered.
+#[derive(PartialEq)]
+struct Bound(f64);
+
+impl Eq for Bound {}
+
+impl PartialOrd for Bound {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Bound {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl Open {
+    fn push(&mut self, bound: f64, piece: Piece, part: Patch) {
+        self.heap.push((Bound(bound), self.pairs.len()));
+        self.pairs.push((piece, part));
+    }
+
+    fn pop(&mut self) -> Option<(f64, Piece, Patch)> {
+        let (Bound(bound), k) = self.heap.pop()?;
+        let (piece, part) = self.pairs[k];
+        Some((bound, piece, part))
+    }
+}
+
+/// The unit vector along `v`, or along its horizontal part where it points up; `None` where neither exists.
+fn downward_unit(mut v: Vector3<f64>) -> Option<Vector3<f64>> {
+    v.z = v.z.min(0.0);
+    v.try_normalize(0.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! A lower bound of the distance between a part of a patch and a piece of the centre's path.
+//!
+//! With (a, b, h) the coordinates of a surface point about the centre of a circle of radius r, h along its
+//! normal, and q = a^2 + b^2, the squared distance to the circle is q + r^2 - 2 r sqrt(q) + h^2. The root is
+//! concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2; hence
+//! distance^2 >= q (c - r) / c + r (r - c) + h^2,
+//! a polynomial in the parameters of the part. With c taken at the part's centre the loss is of second order
+//! in the change of q, and along the line of contact q is nearly constant.
+
+use nalgebra::Vector3;
+
+use super::path::Piece;
+use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::surface::Patch;
+
+/// One coordinate of a control net.
+type Net = [[f64; 4]; 4];
+
+/// Never above the least distance between the piece and the part, mm; its rounding is the caller's.
+pub(super) fn lowest_distance(piece: &Piece, part: &Patch) -> f64 {
+    let squared = match &piece.curve {
+        Curve::Line(line) => to_line(line, part),
+        Curve::Arc(arc) => to_arc(arc, part),
+    };
+    squared.max(0.0).sqrt()
+}
+
+fn coordinate(part: &Patch, origin: &Vector3<f64>, axis: &Vector3<f64>) -> Net {
+    part.net.map(|row| row.map(|p| (p - origin).dot(axis)))
+}
+
+fn all(net: &Net, holds: impl Fn(f64) -> bool) -> bool {
+    net.iter().flatten().all(|x| holds(*x))
+}
+
+fn to_point(part: &Patch, point: &Vector3<f64>) -> f64 {
+    let nets = [0, 1, 2].map(|c| coordinate(part, point, &Vector3::ith(c, 1.0)));
+    lowest_sum_of_squares(&nets, [1.0; 3])
+}
+
+fn to_line(line: &Line, part: &Patch) -> f64 {
+    let along = line.end - line.start;
+    let length = along.norm();
+    let Some(along) = along.try_normalize(0.0) else { return to_point(part, &line.start.coords) };
+    let fraction = coordinate(part, &line.start.coords, &along);
+    if all(&fraction, |t| t < 0.0) {
+        return to_point(part, &line.start.coords);
+    }
+    if all(&fraction, |t| t > length) {
+        return to_point(part, &line.end.coords);
+    }
+    let across = along.cross(&Vector3::ith(along.iamin(), 1.0)).normalize();
+    let third = along.cross(&across);
+    let nets = [across, third].map(|axis| coordinate(part, &line.start.coords, &axis));
+    lowest_sum_of_squares(&nets, [1.0; 2])
+}
+
+fn to_arc(arc: &Arc, part: &Patch) -> f64 {
+    let center = arc.center().coords;
+    let [a, b, h] = arc.plane().axes().map(|c| coordinate(part, &center, &Vector3::ith(c, 1.0)));
+    let local = |p: nalgebra::Point3<f64>| arc.plane().to_local(&p) - arc.plane().to_local(&arc.center());
+    let (start, end) = (local(arc.start()), local(arc.end()));
+    let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
+    // Beyond an end: behind the radius to it, and on its side of the bisector of both ends. The arc turns by
+    // at most a quarter, so the nearest point of the arc is then that end.
+    let each = |holds: &dyn Fn(f64, f64) -> bool| {
+        a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| holds(*a, *b))
+    };
+    let turned = |from: &Vector3<f64>, a: f64, b: f64| sense * (from.x * b - from.y * a);
+    let nearer_end = |a: f64, b: f64| (end.x - start.x) * a + (end.y - start.y) * b;
+    if each(&|a, b| turned(&start, a, b) < 0.0 && nearer_end(a, b) < 0.0) {
+        return to_point(part, &arc.start().coords);
+    }
+    if each(&|a, b| turned(&end, a, b) > 0.0 && nearer_end(a, b) > 0.0) {
+        return to_point(part, &arc.end().coords);
+    }
+    let r = arc.radius();
+    let at_center = part.center() - center;
+    let [ia, ib, _] = arc.plane().axes();
+    let c = at_center[ia].hypot(at_center[ib]);
+    if c <= 1e-3 * r {
+        return 0.0;
+    }
+    let weight = (c - r) / c;
+    lowest_sum_of_squares(&[a, b, h], [weight, weight, 1.0]) + r * (r - c)
+}
+
+/// The least Bernstein coefficient, of degree (6, 6), of the weighted sum of squares of bicubics.
+fn lowest_sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> f64 {
+    let mut sum = [[0.0; 7]; 7];
+    for (net, weight) in nets.iter().zip(weights) {
+        let mut scaled = *net;
+        for (row, cu) in scaled.iter_mut().zip(BINOMIAL_3) {
+            for (x, cv) in row.iter_mut().zip(BINOMIAL_3) {
+                *x *= cu * cv;
+            }
+        }
+        for i in 0..4 {
+            // The product of rows i and k counts twice where they differ.
+            for k in i..4 {
+                let weight = if i == k { weight } else { 2.0 * weight };
+                let target = &mut sum[i + k];
+                for (x, j) in scaled[i].iter().zip(0..) {
+                    for (y, l) in scaled[k].iter().zip(0..) {
+                        target[j + l] += weight * x * y;
+                    }
+                }
+            }
+        }
+    }
+    let mut lowest = f64::INFINITY;
+    for (row, cu) in sum.iter().zip(BINOMIAL_6) {
+        for (x, cv) in row.iter().zip(BINOMIAL_6) {
+            lowest = lowest.min(x / (cu * cv));
+        }
+    }
+    lowest
+}
+
+const BINOMIAL_3: [f64; 4] = [1.0, 3.0, 3.0, 1.0];
+const BINOMIAL_6: [f64; 7] = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];

@@ -1,0 +1,376 @@
+//! Sections of the offset of a surface with planes at right angles to x or y.
+//!
+//! # Method
+//! Ju, section 3, for a plane x_axis = c and the offset S + R n:
+//! 1. `boundary` cuts the four boundary curves of the offset into stretches on which x_axis is monotone; the
+//!    plane meets each stretch at most once. These are the initial intersection points (3.1).
+//! 2. From each of them that no section has reached yet, [`trace`](Sections::chains) follows the section
+//!    (3.2): a step along the tangent m x n to the predicted point G, then Newton's method to the point of the
+//!    section in the plane through G at right angles to the tangent.
+//! 3. A section ends at another initial intersection point.
+//!
+//! # Guarantees
+//! Given the proof of [`regularity`](super::surface::regularity): every point lies on the section to within
+//! rounding, and between consecutive points the section leaves the chord by at most the chord height asked
+//! for, because its curvature is bounded over the patches around both.
+//!
+//! # Degenerate input
+//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: it shifts the
+//! outermost planes inward by [`INSET_MM`].
+//!
+//! # Cost
+//! O(boundary stretches + points) a plane.
+//!
+//! # Differences from the paper
+//! The boundary is not replaced by a polygon whose corners might step over a pair of intersections between
+//! them: extremes are found from sign changes of the derivative, at 16 places a span. The step follows the
+//! curvature bound. Sections that never meet the boundary do not exist, by the same proof (a closed section
+//! needs a fold or an overhang).
+//!
+//! # Reference
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", eq. 2 and 3.
+
+mod boundary;
+
+use nalgebra::{Point3, Vector3};
+
+use super::surface::offset::{OffsetJet, offset};
+use super::surface::regularity::SectionCurvature;
+use super::surface::{Surface, span_of};
+use crate::budget::{Budget, Stopped};
+use boundary::{Boundary, BoundaryPoint};
+
+/// How far the outermost planes lie inside the extent of the offset, mm: enough for a plane along a straight
+/// edge to meet the edges at its ends, invisible in any program.
+pub const INSET_MM: f64 = 1e-6;
+
+/// Points of one section; at 0.01 mm apart this is a section of two metres.
+const POINT_LIMIT: usize = 200_000;
+
+/// Newton steps for one point; two or three are usual.
+const NEWTON_LIMIT: usize = 12;
+
+/// A step is halved at most this often before the section counts as lost.
+const HALVING_LIMIT: u32 = 40;
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SectionError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the section was lost near {at}")]
+    Lost { at: Point3<f64> },
+    #[error("one section needs more than {limit} points")]
+    TooManyPoints { limit: usize },
+}
+
+/// One connected section: points of the offset surface, from boundary to boundary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    pub points: Vec<Point3<f64>>,
+    /// The section leaves the polygon through the points by at most this, mm.
+    pub chord_height_mm: f64,
+    /// The largest curvature bound met, 1/mm.
+    pub curvature_bound: f64,
+}
+
+/// The spacing of the points of a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spacing {
+    /// Largest height of the section over the chord of neighbouring points, mm.
+    pub chord_height_mm: f64,
+    /// Largest distance of neighbouring points, mm.
+    pub step_length_mm: f64,
+}
+
+/// All sections of one offset surface with planes at right angles to one axis.
+pub struct Sections<'a> {
+    surface: &'a dyn Surface,
+    radius: f64,
+    axis: usize,
+    curvature: SectionCurvature,
+    boundary: Boundary,
+}
+
+/// A place on the offset surface with its parameters.
+#[derive(Clone, Copy)]
+struct Place {
+    u: f64,
+    v: f64,
+    jet: OffsetJet,
+}
+
+impl<'a> Sections<'a> {
+    /// `curvature` is the proof for the same surface, radius (mm) and axis (0 is x, 1 is y).
+    pub fn new(surface: &'a dyn Surface, radius: f64, axis: usize, curvature: SectionCurvature) -> Self {
+        let boundary = Boundary::new(surface, radius, axis);
+        Self { surface, radius, axis, curvature, boundary }
+    }
+
+    /// The least and the largest coordinate of the offset along the axis, mm. They lie on the boundary, since
+    /// inside no normal is parallel to the axis.
+    pub fn extent(&self) -> [f64; 2] {
+        self.boundary.extent()
+    }
+
+    /// The sections with the plane at `at` mm along the axis, in no particular order or sense.
+    ///
+    /// # Errors
+    /// When a section is lost (the surface is not as regular as it was proved to be), has too many points, or
+    /// the budget stops.
+    pub fn chains(&self, at: f64, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+        let mut open = self.boundary.crossings(self.surface, at);
+        let mut chains = Vec::new();
+        while let Some(start) = open.pop() {
+            budget.check()?;
+            if let Some((chain, reached)) = self.trace(start, &open, at, spacing, budget)? {
+                if let Some(k) = reached {
+                    open.remove(k);
+                }
+                chains.push(chain);
+            }
+        }
+        Ok(chains)
+    }
+
+    /// Follows the section from `start`; with the chain comes the index in `open` of the crossing it reached.
+    /// `None` when the section does not enter the surface there.
+    fn trace(
+        &self,
+        start: BoundaryPoint,
+        open: &[BoundaryPoint],
+        at: f64,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
+        let (u, v) = start.parameters();
+        let Some(mut here) = self.place(u, v) else { return Ok(None) };
+        let Some(sense) = self.inward_sense(&start, &here) else { return Ok(None) };
+        let mut chain = Chain { points: vec![here.jet.point], chord_height_mm: 0.0, curvature_bound: 0.0 };
+        loop {
+            if chain.points.len() >= POINT_LIMIT {
+                return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
+            }
+            if chain.points.len().is_multiple_of(1024) {
+                budget.check()?;
+            }
+            let next = self.step(&here, sense, at, spacing, &mut chain)?;
+            if self.is_inside(next.u, next.v) {
+                chain.points.push(next.jet.point);
+                here = next;
+                continue;
+            }
+            let reach = 1.5 * (next.jet.point - here.jet.point).norm();
+            let distance = |point: &BoundaryPoint| {
+                let (u, v) = point.parameters();
+                let near = (u - here.u).abs() <= 1.0 && (v - here.v).abs() <= 1.0;
+                let place = if near { self.place(u, v) } else { None };
+                place.map_or(f64::INFINITY, |place| (place.jet.point - here.jet.point).norm())
+            };
+            let nearest = open
+                .iter()
+                .enumerate()
+                .map(|(k, point)| (distance(point), k))
+                .filter(|(d, _)| *d <= reach)
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let end = match nearest {
+                Some((_, k)) => Some(open[k]),
+                None => self.boundary.crossing_between(self.surface, at, (here.u, here.v), (next.u, next.v)),
+            };
+            if let Some(place) = end.and_then(|end| self.place(end.parameters().0, end.parameters().1)) {
+                chain.points.push(place.jet.point);
+            }
+            return Ok(Some((chain, nearest.map(|(_, k)| k))));
+        }
+    }
+
+    /// The next point of the section, at most one step from `here`; it may lie beyond the boundary.
+    fn step(
+        &self,
+        here: &Place,
+        sense: f64,
+        at: f64,
+        spacing: Spacing,
+        chain: &mut Chain,
+    ) -> Result<Place, SectionError> {
+        let tangent = self.tangent(&here.jet, sense);
+        let curvature = self.curvature_at(here.u, here.v);
+        let mut length = spacing.step_length_mm.min(chord_for_height(spacing.chord_height_mm, curvature));
+        for _ in 0..HALVING_LIMIT {
+            if let Some(next) = self.corrected(here, tangent, length, at) {
+                let chord = (next.jet.point - here.jet.point).norm();
+                let curvature = curvature.max(self.curvature_at(next.u, next.v));
+                let height = chord_height(chord, curvature);
+                let forward = self.tangent(&next.jet, sense).dot(&tangent) > 0.5;
+                if forward && chord <= 1.5 * length && height <= 1.01 * spacing.chord_height_mm {
+                    chain.chord_height_mm = chain.chord_height_mm.max(height);
+                    chain.curvature_bound = chain.curvature_bound.max(curvature);
+                    return Ok(next);
+                }
+            }
+            length *= 0.5;
+        }
+        Err(SectionError::Lost { at: here.jet.point })
+    }
+
+    /// Newton's method for the point of the section in the plane at `length` along `tangent`.
+    fn corrected(&self, here: &Place, tangent: Vector3<f64>, length: f64, at: f64) -> Option<Place> {
+        let predicted = here.jet.point + tangent * length;
+        let mut place = *here;
+        let mut residual = [here.jet.point[self.axis] - at, -length];
+        // A thousandth of the smallest legal tolerance, or the rounding of large coordinates.
+        let accurate = 1e-10f64.max(1e-15 * here.jet.point.coords.amax());
+        for _ in 0..NEWTON_LIMIT {
+            let (gu, gv) = (place.jet.du[self.axis], place.jet.dv[self.axis]);
+            let (hu, hv) = (place.jet.du.dot(&tangent), place.jet.dv.dot(&tangent));
+            let det = gu * hv - gv * hu;
+            let du = (residual[0] * hv - residual[1] * gv) / det;
+            let dv = (residual[1] * gu - residual[0] * hu) / det;
+            let (u, v) = (place.u - du, place.v - dv);
+            // Half a span at a time, so that the curvature bounds around both ends cover what lies between.
+            if !((u - here.u).abs() <= 0.5 && (v - here.v).abs() <= 0.5) {
+                return None;
+            }
+            place = self.place(u, v)?;
+            residual = [place.jet.point[self.axis] - at, (place.jet.point - predicted).dot(&tangent)];
+            if residual[0].abs() <= accurate && residual[1].abs() <= 1e-6 * length + accurate {
+                return Some(place);
+            }
+        }
+        None
+    }
+
+    fn place(&self, u: f64, v: f64) -> Option<Place> {
+        let jet = offset(&self.surface.jet(u, v), self.radius)?;
+        Some(Place { u, v, jet })
+    }
+
+    /// Ju eq. 3: the unit tangent of the section.
+    fn tangent(&self, jet: &OffsetJet, sense: f64) -> Vector3<f64> {
+        let mut plane_normal = Vector3::zeros();
+        plane_normal[self.axis] = sense;
+        jet.normal.cross(&plane_normal).normalize()
+    }
+
+    /// The sign with which the tangent at a boundary point leads into the surface.
+    fn inward_sense(&self, start: &BoundaryPoint, here: &Place) -> Option<f64> {
+        let (gu, gv) = (here.jet.du[self.axis], here.jet.dv[self.axis]);
+        let (inward_u, inward_v) = start.inward();
+        // Along the section gu du + gv dv = 0: (du, dv) is (-gv, gu) or its opposite.
+        let into = -gv * inward_u + gu * inward_v;
+        if into == 0.0 {
+            return None;
+        }
+        let along = (here.jet.du * -gv + here.jet.dv * gu) * into.signum();
+        let sense = along.dot(&self.tangent(&here.jet, 1.0));
+        (sense != 0.0).then(|| sense.signum())
+    }
+
+    fn is_inside(&self, u: f64, v: f64) -> bool {
+        let [nu, nv] = self.surface.spans();
+        (0.0..=nu as f64).contains(&u) && (0.0..=nv as f64).contains(&v)
+    }
+
+    fn curvature_at(&self, u: f64, v: f64) -> f64 {
+        let [nu, nv] = self.surface.spans();
+        self.curvature.around(span_of(u, nu), span_of(v, nv))
+    }
+}
+
+/// Height over its chord of an arc of curvature `curvature` (1/mm), mm; infinite where the chord is too long
+/// for the bound to say anything.
+pub fn chord_height(chord: f64, curvature: f64) -> f64 {
+    let half_turn = 0.5 * chord * curvature;
+    if half_turn >= 1.0 {
+        return f64::INFINITY;
+    }
+    0.5 * chord * half_turn / (1.0 + (1.0 - half_turn * half_turn).sqrt())
+}
+
+/// The chord with the given height under an arc of curvature `curvature`, mm.
+fn chord_for_height(height: f64, curvature: f64) -> f64 {
+    if curvature > 0.0 { (8.0 * height / curvature).sqrt().min(1.0 / curvature) } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+    use crate::geometry::surface::{BezierSurface, regularity};
+
+    fn grid(n: usize, side: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
+        let at = |i: usize| side * (i as f64 / (n - 1) as f64 - 0.5);
+        let points = (0..n)
+            .map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect())
+            .collect();
+        PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }.surface().unwrap()
+    }
+
+    const SPACING: Spacing = Spacing { chord_height_mm: 1e-3, step_length_mm: 5.0 };
+
+    fn sections(surface: &BezierSurface, radius: f64, axis: usize) -> Sections<'_> {
+        let curvature = regularity::prove(surface, radius, axis, &Budget::unlimited()).unwrap();
+        Sections::new(surface, radius, axis, curvature)
+    }
+
+    #[test]
+    fn sections_of_a_sphere_are_circles() {
+        let cap = grid(41, 30.0, |x, y| (1600.0 - x * x - y * y).sqrt());
+        for axis in [0, 1] {
+            let sections = sections(&cap, 5.0, axis);
+            let [low, high] = sections.extent();
+            for k in 1..10 {
+                let at = low + (high - low) * k as f64 / 10.0;
+                let chains = sections.chains(at, SPACING, &Budget::unlimited()).unwrap();
+                assert_eq!(chains.len(), 1);
+                let radius = (45.0f64 * 45.0 - at * at).sqrt();
+                for p in &chains[0].points {
+                    assert!((p[axis] - at).abs() < 1e-9);
+                    assert!((p[1 - axis].hypot(p.z) - radius).abs() < 1e-4, "{p}");
+                }
+                assert!(chains[0].chord_height_mm <= 1.01e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_along_an_edge_follows_it() {
+        let plate = grid(5, 40.0, |x, _| 0.3 * x);
+        let sections = sections(&plate, 4.0, 1);
+        let [low, high] = sections.extent();
+        assert!((low + 20.0).abs() < 1e-12 && (high - 20.0).abs() < 1e-12);
+        for at in [low + INSET_MM, high - INSET_MM] {
+            let chains = sections.chains(at, SPACING, &Budget::unlimited()).unwrap();
+            assert_eq!(chains.len(), 1);
+            let points = &chains[0].points;
+            let length = (points[points.len() - 1] - points[0]).norm();
+            assert!((length - 40.0 * 1.09f64.sqrt()).abs() < 1e-5, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_plane_may_hold_several_sections() {
+        // The boundary at y = 20 waves in plan, so that a plane near it cuts the crests only.
+        let n = 33;
+        let points = (0..n)
+            .map(|i| {
+                let x = i as f64 * 60.0 / (n - 1) as f64;
+                let wave = 2.0 * (x * std::f64::consts::TAU / 20.0).sin();
+                (0..5).map(|j| Point3::new(x, (20.0 + wave) * j as f64 / 4.0, 0.0)).collect()
+            })
+            .collect();
+        let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot };
+        let surface = grid.surface().unwrap();
+        let sections = sections(&surface, 3.0, 1);
+        let chains = sections.chains(21.0, SPACING, &Budget::unlimited()).unwrap();
+        assert_eq!(chains.len(), 3);
+        assert_eq!(sections.chains(10.0, SPACING, &Budget::unlimited()).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn chord_height_is_that_of_the_circle() {
+        let (r, half) = (10.0f64, 0.3f64);
+        let chord = 2.0 * r * half.sin();
+        assert!((chord_height(chord, 1.0 / r) - r * (1.0 - half.cos())).abs() < 1e-12);
+        assert_eq!(chord_height(21.0, 0.1), f64::INFINITY);
+    }
+}

@@ -1,0 +1,304 @@
+//! Proof that a ball cutter can follow a surface: the normal points up and the offset does not fold.
+//!
+//! # Method
+//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball
+//! about the mean of its control vectors. Parameters are changed linearly so that the first fundamental form
+//! at the centre is the identity; then the principal curvatures over the box are those at the centre, widened
+//! by the radii of the balls. A box is finished when
+//! 1. the upward component of the normal is positive over all of it, and
+//! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
+//!    at the centre;
+//!
+//! otherwise it is halved. A centre that violates a condition is the place of the answer `Overhang` or
+//! `Folds`; so is a box that is still undecided at the depth limit, which means that the condition holds by
+//! less than the arithmetic can tell.
+//!
+//! # Guarantees
+//! `Ok` is a proof over the whole surface: n . z > 0, every concave curvature below 1 / R. The bounds hold
+//! for the offset surface and for its plane sections.
+//!
+//! # Cost
+//! O(boxes); the number of boxes a patch falls with the square of its size over its radius of curvature and
+//! grows with the inverse square of the margin of condition 2.
+
+use nalgebra::{Point3, Vector3};
+
+use super::{Patch, Surface};
+use crate::budget::{Budget, Stopped};
+
+/// Why a surface cannot be followed by the cutter.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Irregular {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the upward normal vanishes or turns down near {at}")]
+    Overhang { at: Point3<f64> },
+    #[error("the offset folds near {at}")]
+    Folds { at: Point3<f64> },
+}
+
+/// For each patch of a surface, an upper bound of the curvature (1/mm) of the sections of its offset with the
+/// planes at right angles to one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionCurvature {
+    spans: [usize; 2],
+    bounds: Vec<f64>,
+}
+
+impl SectionCurvature {
+    /// The bound, 1/mm, over patch (i, j) and the patches around it.
+    pub fn around(&self, i: usize, j: usize) -> f64 {
+        let [nu, nv] = self.spans;
+        let mut bound = 0.0f64;
+        for i in i.saturating_sub(1)..=(i + 1).min(nu - 1) {
+            for j in j.saturating_sub(1)..=(j + 1).min(nv - 1) {
+                bound = bound.max(self.bounds[i * nv + j]);
+            }
+        }
+        bound
+    }
+}
+
+/// Halvings of one patch. Two million times smaller than a patch, a box that is still undecided violates the
+/// condition, or holds it by less than a micrometre's part of the cutter.
+const DEPTH_LIMIT: u32 = 42;
+
+/// Boxes of one patch. A fold or an overhang is found at a box's centre long before; only a surface that
+/// touches the condition along a curve comes here.
+const BOX_LIMIT: usize = 200_000;
+
+/// Proves that a ball of `radius` mm can follow `surface`, whose normal points up at its first corner, and
+/// bounds the curvature of the offset's sections by planes at right angles to `axis` (0 is x, 1 is y).
+///
+/// # Errors
+/// The place where the proof fails, or the budget's stop.
+pub fn prove(
+    surface: &dyn Surface,
+    radius: f64,
+    axis: usize,
+    budget: &Budget,
+) -> Result<SectionCurvature, Irregular> {
+    let spans = surface.spans();
+    let mut bounds = Vec::with_capacity(spans[0] * spans[1]);
+    for i in 0..spans[0] {
+        budget.check()?;
+        for j in 0..spans[1] {
+            bounds.push(prove_patch(surface.patch(i, j), radius, axis, budget)?);
+        }
+    }
+    Ok(SectionCurvature { spans, bounds })
+}
+
+fn prove_patch(patch: &Patch, radius: f64, axis: usize, budget: &Budget) -> Result<f64, Irregular> {
+    let mut bound = 0.0f64;
+    let mut stack = vec![(*patch, 0u32)];
+    let mut boxes = 0usize;
+    while let Some((part, depth)) = stack.pop() {
+        boxes += 1;
+        if boxes.is_multiple_of(1024) {
+            budget.check()?;
+        }
+        match examine(&part, radius, axis) {
+            Finding::Holds { section_curvature } => bound = bound.max(section_curvature),
+            Finding::Undecided(_) if depth < DEPTH_LIMIT && boxes < BOX_LIMIT => {
+                stack.extend(part.split().map(|half| (half, depth + 1)));
+            }
+            Finding::Undecided(Doubt::Normal) | Finding::Overhang => {
+                return Err(Irregular::Overhang { at: part.center().into() });
+            }
+            Finding::Undecided(Doubt::Curvature) | Finding::Folds => {
+                return Err(Irregular::Folds { at: part.center().into() });
+            }
+        }
+    }
+    Ok(bound)
+}
+
+enum Doubt {
+    Normal,
+    Curvature,
+}
+
+enum Finding {
+    Holds { section_curvature: f64 },
+    Undecided(Doubt),
+    Overhang,
+    Folds,
+}
+
+/// A ball of vectors: every vector of a control net lies in it, and so does every value of the polynomial.
+#[derive(Clone, Copy)]
+struct Ball {
+    center: Vector3<f64>,
+    radius: f64,
+}
+
+impl Ball {
+    fn around<const N: usize>(vectors: [Vector3<f64>; N]) -> Self {
+        let center = vectors.iter().sum::<Vector3<f64>>() / N as f64;
+        let squared = vectors.iter().map(|v| (v - center).norm_squared()).fold(0.0, f64::max);
+        // One part in 1e14 covers the rounding of the differences above.
+        Self { center, radius: squared.sqrt() + 1e-14 * (1.0 + center.amax()) }
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        Self { center: self.center * factor, radius: self.radius * factor.abs() }
+    }
+
+    fn plus(self, other: Ball) -> Self {
+        Self { center: self.center + other.center, radius: self.radius + other.radius }
+    }
+
+    fn reach(self) -> f64 {
+        self.center.norm() + self.radius
+    }
+
+    fn cross(self, other: Ball) -> Self {
+        let radius = self.center.norm() * other.radius + self.radius * other.reach();
+        Self { center: self.center.cross(&other.center), radius }
+    }
+}
+
+fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
+    let n = &part.net;
+    let du = Ball::around::<12>(std::array::from_fn(|k| (n[k / 4 + 1][k % 4] - n[k / 4][k % 4]) * 3.0));
+    let dv = Ball::around::<12>(std::array::from_fn(|k| (n[k % 4][k / 4 + 1] - n[k % 4][k / 4]) * 3.0));
+    let cross = du.cross(dv);
+    let length = cross.center.norm();
+    let at_center = part.jet(0.5, 0.5);
+    if at_center.normal().z <= 0.0 {
+        return Finding::Overhang;
+    }
+    if cross.center.z <= cross.radius {
+        return Finding::Undecided(Doubt::Normal);
+    }
+    let duu = Ball::around::<8>(std::array::from_fn(|k| {
+        let (a, b) = (k / 4, k % 4);
+        (n[a][b] - n[a + 1][b] * 2.0 + n[a + 2][b]) * 6.0
+    }));
+    let dvv = Ball::around::<8>(std::array::from_fn(|k| {
+        let (b, a) = (k / 4, k % 4);
+        (n[a][b] - n[a][b + 1] * 2.0 + n[a][b + 2]) * 6.0
+    }));
+    let duv = Ball::around::<9>(std::array::from_fn(|k| {
+        let (a, b) = (k / 3, k % 3);
+        (n[a + 1][b + 1] - n[a + 1][b] - n[a][b + 1] + n[a][b]) * 9.0
+    }));
+    // Sa = p Su and Sb = q Su + s Sv are orthonormal at the centre.
+    let p = 1.0 / du.center.norm();
+    let along = du.center * p;
+    let shear = dv.center.dot(&along);
+    let s = 1.0 / (dv.center - along * shear).norm();
+    let q = -shear * s * p;
+    let da = du.scaled(p);
+    let db = du.scaled(q).plus(dv.scaled(s));
+    let daa = duu.scaled(p * p);
+    let dab = duu.scaled(p * q).plus(duv.scaled(p * s));
+    let dbb = duu.scaled(q * q).plus(duv.scaled(2.0 * q * s)).plus(dvv.scaled(s * s));
+
+    // First fundamental form: identity with entries off by at most `form_error`.
+    let stretch = da.radius.max(db.radius);
+    let form_error = 2.0 * stretch + stretch * stretch + 1e-14;
+    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90 degrees.
+    let normal = cross.center / length;
+    let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
+    let second = |d: Ball| (normal.dot(&d.center), d.radius + tilt * d.reach());
+    let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
+    let half_gap = (0.25 * (laa - lbb) * (laa - lbb) + lab * lab).sqrt();
+    let (high, low) = (0.5 * (laa + lbb) + half_gap, 0.5 * (laa + lbb) - half_gap);
+    let form_error = 2.0 * form_error;
+    if form_error >= 0.5 {
+        return Finding::Undecided(Doubt::Curvature);
+    }
+    let widening = eaa.max(ebb) + eab;
+    let [high, low] = [widened(high + widening, form_error), -widened(-(low - widening), form_error)];
+
+    let true_high = largest_curvature(&at_center);
+    if radius * true_high >= 1.0 {
+        return Finding::Folds;
+    }
+    let margin = 1.0 - radius * high;
+    if margin < 0.5 * (1.0 - radius * true_high) || margin <= 0.0 {
+        return Finding::Undecided(Doubt::Curvature);
+    }
+    // The section's curvature is the normal curvature of the offset over the part of the normal in the plane.
+    let mut in_plane = cross.center;
+    in_plane[axis] = 0.0;
+    let share = (in_plane.norm() - cross.radius) / (length + cross.radius);
+    if share <= 0.0 {
+        return Finding::Undecided(Doubt::Normal);
+    }
+    let offset_curvature = (high / margin).abs().max((low / (1.0 - radius * low)).abs());
+    Finding::Holds { section_curvature: offset_curvature / share }
+}
+
+/// The largest value of (value) / (1 +- error).
+fn widened(value: f64, error: f64) -> f64 {
+    if value > 0.0 { value / (1.0 - error) } else { value / (1.0 + error) }
+}
+
+/// The larger principal curvature (1/mm, positive where the surface is concave seen along its normal).
+pub fn largest_curvature(jet: &super::Jet) -> f64 {
+    let normal = jet.normal().normalize();
+    let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
+    let (l, m, n) = (normal.dot(&jet.duu), normal.dot(&jet.duv), normal.dot(&jet.dvv));
+    let det = e * g - f * f;
+    let mean = 0.5 * (e * n - 2.0 * f * m + g * l) / det;
+    let gauss = (l * n - m * m) / det;
+    mean + (mean * mean - gauss).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::surface::BezierSurface;
+    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+
+    fn grid(n: usize, half: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
+        let at = |i: usize| half * (2.0 * i as f64 / (n - 1) as f64 - 1.0);
+        let points = (0..n)
+            .map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect())
+            .collect();
+        PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }.surface().unwrap()
+    }
+
+    #[test]
+    fn a_trough_tighter_than_the_ball_folds_at_its_bottom() {
+        let trough = grid(9, 4.0, |x, _| 0.4 * x * x);
+        for axis in [0, 1] {
+            match prove(&trough, 2.5, axis, &Budget::unlimited()) {
+                Err(Irregular::Folds { at }) => assert!(at.x.abs() < 1.0, "{at}"),
+                other => panic!("{other:?}"),
+            }
+            // The radius of curvature at the bottom is 1.25.
+            assert!(prove(&trough, 1.24, axis, &Budget::unlimited()).is_ok());
+            assert!(prove(&trough, 1.26, axis, &Budget::unlimited()).is_err());
+        }
+    }
+
+    #[test]
+    fn bounds_are_above_the_truth_and_not_far() {
+        // A cylinder of radius 40 along y, convex: its offset's sections at constant y have radius 45.
+        let dome = grid(41, 30.0, |x, _| (1600.0 - x * x).sqrt());
+        let bound = prove(&dome, 5.0, 1, &Budget::unlimited()).unwrap();
+        for i in 0..40 {
+            let k = bound.around(i, 20);
+            assert!(k >= 1.0 / 45.0 - 1e-4 && k < 1.5 / 45.0, "{k}");
+        }
+    }
+
+    #[test]
+    fn an_overhang_is_found() {
+        let points = [(0.0, 0.0), (5.0, 1.0), (5.5, 6.0), (3.0, 9.0), (8.0, 12.0)];
+        let grid = PointGrid {
+            points: points
+                .iter()
+                .map(|&(x, z)| vec![Point3::new(x, 0.0, z), Point3::new(x, 9.0, z)])
+                .collect(),
+            twist: Twist::Spline,
+            ends: Ends::Natural,
+        };
+        let result = prove(&grid.surface().unwrap(), 0.1, 1, &Budget::unlimited());
+        assert!(matches!(result, Err(Irregular::Overhang { .. })), "{result:?}");
+    }
+}

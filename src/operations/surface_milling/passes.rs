@@ -1,0 +1,222 @@
+//! The passes: sections of the offset as chains of arcs and lines with a proved deviation.
+
+use nalgebra::{Point3, Vector2, Vector3};
+
+use super::{CutDirection, Error, Interpolation, Job};
+use crate::budget::Budget;
+use crate::geometry::arc_fit::{self, Shape, Shapes};
+use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::plane::Plane;
+use crate::geometry::section::{Chain, INSET_MM, Sections, Spacing, chord_height};
+use crate::toolpath::PathError;
+use crate::toolpath::quantize::quantize;
+
+/// Planes of one job.
+const PLANE_LIMIT: usize = 20_000;
+
+/// CL points of one job; a path of ten kilometres has some of the order.
+const CL_POINT_LIMIT: usize = 20_000_000;
+
+/// The part of the tolerance that the section may take between its points. Smaller parts cost points, larger
+/// ones arcs, whose number falls only with the cube root of what is left.
+const CHORD_HEIGHT_SHARE: f64 = 0.03;
+
+/// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
+const ROUNDING_STEPS: f64 = 0.8;
+
+/// Refinements of one section before the tolerance counts as not reachable.
+const REFINEMENT_LIMIT: usize = 12;
+
+/// One connected chain of cuts, in the direction of travel.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CutPass {
+    pub(super) curves: Vec<Curve>,
+    pub(super) n_points: usize,
+    /// Proved distance between the exact CL curve and the curves, as computed and as written, mm.
+    pub(super) deviation_mm: f64,
+}
+
+impl CutPass {
+    pub(super) fn start(&self) -> Point3<f64> {
+        self.curves[0].start()
+    }
+}
+
+/// All passes in the order of cutting; each deviates by at most `tolerance` mm.
+pub(super) fn cut(
+    job: &Job,
+    sections: &Sections,
+    tolerance: f64,
+    budget: &Budget,
+) -> Result<Vec<CutPass>, Error> {
+    let planes = planes(sections.extent(), job.stepover_mm)?;
+    let mut passes: Vec<CutPass> = Vec::new();
+    let mut n_points = 0;
+    for (k, at) in planes.iter().enumerate() {
+        budget.check()?;
+        budget.progress("sections", k, planes.len());
+        let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
+        for pass in cut_plane(job, sections, *at, forward, tolerance, budget)? {
+            n_points += pass.n_points;
+            if n_points > CL_POINT_LIMIT {
+                return Err(Error::TooMuchWork {
+                    what: "CL points",
+                    needed: n_points,
+                    limit: CL_POINT_LIMIT,
+                });
+            }
+            passes.push(pass);
+        }
+    }
+    if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
+}
+
+/// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent, mm.
+fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<f64>, Error> {
+    let width = high - low;
+    // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
+    let spaces = (width / stepover - 1e-9).ceil().max(1.0);
+    if spaces >= PLANE_LIMIT as f64 {
+        return Err(Error::TooMuchWork {
+            what: "section planes",
+            needed: spaces as usize,
+            limit: PLANE_LIMIT,
+        });
+    }
+    let inset = INSET_MM.min(0.25 * width);
+    let (first, last) = (low + inset, high - inset);
+    let n = spaces as usize;
+    Ok((0..=n).map(|k| first + (last - first) * (k as f64 / n as f64)).collect())
+}
+
+/// The passes of one plane, in the direction of travel.
+fn cut_plane(
+    job: &Job,
+    sections: &Sections,
+    at: f64,
+    forward: bool,
+    tolerance: f64,
+    budget: &Budget,
+) -> Result<Vec<CutPass>, Error> {
+    let mut spacing = Spacing {
+        chord_height_mm: CHORD_HEIGHT_SHARE * tolerance,
+        step_length_mm: job.step_length_mm.unwrap_or(f64::INFINITY),
+    };
+    let mut fit_tolerance =
+        tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
+    fit_tolerance = fit_tolerance.max(0.1 * tolerance);
+    let mut worst = (0.0, Point3::origin());
+    for _ in 0..REFINEMENT_LIMIT {
+        let mut chains = sections.chains(at, spacing, budget)?;
+        chains.retain(|chain| length(chain) > tolerance);
+        orient(&mut chains, 1 - job.plane.normal_axis(), forward);
+        let passes: Result<Vec<_>, Error> =
+            chains.iter().map(|chain| fit(job, chain, at, fit_tolerance)).collect();
+        let passes = passes?;
+        worst = (0.0, Point3::origin());
+        for pass in &passes {
+            if pass.deviation_mm > worst.0 {
+                worst = (pass.deviation_mm, pass.start());
+            }
+        }
+        if worst.0 <= tolerance {
+            return Ok(passes);
+        }
+        fit_tolerance = (fit_tolerance - 1.1 * (worst.0 - tolerance)).max(0.5 * fit_tolerance);
+        spacing.chord_height_mm *= 0.5;
+    }
+    Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm: worst.0, at: worst.1 })
+}
+
+fn length(chain: &Chain) -> f64 {
+    chain.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+}
+
+/// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they start.
+fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
+    let first = |chain: &Chain| chain.points[0][axis];
+    let last = |chain: &Chain| chain.points[chain.points.len() - 1][axis];
+    for chain in chains.iter_mut() {
+        if (first(chain) <= last(chain)) != forward {
+            chain.points.reverse();
+        }
+    }
+    chains.sort_by(|a, b| {
+        let order = first(a).total_cmp(&first(b));
+        if forward { order } else { order.reverse() }
+    });
+}
+
+/// Joins the CL points of a section by arcs and lines, and proves how far these leave the section.
+fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass, Error> {
+    let plane = job.plane.arc_plane();
+    let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);
+    let tips: Vec<Point3<f64>> = chain.points.iter().map(|center| center + down).collect();
+    let flat: Vec<Vector2<f64>> = tips.iter().map(|tip| plane.to_local(tip).xy()).collect();
+    let shapes = match job.interpolation {
+        Interpolation::Arcs => Shapes::ArcsAndLines,
+        Interpolation::Lines => Shapes::LinesOnly,
+    };
+    let elements = arc_fit::greedy(&flat, fit_tolerance, shapes);
+    let mut pass =
+        CutPass { curves: Vec::with_capacity(elements.len()), n_points: tips.len(), deviation_mm: 0.0 };
+    let mut start = 0;
+    for element in elements {
+        let on_plane = |p: Vector2<f64>| plane.to_workpiece(&Vector3::new(p.x, p.y, at));
+        let (from, to) = (flat[start], flat[element.end]);
+        let curve = curve(plane, [from, to].map(on_plane), element.shape, |b| {
+            on_plane(arc_fit::center(from, to, b))
+        })?;
+        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm)?;
+        pass.deviation_mm = pass.deviation_mm.max(deviation);
+        pass.curves.push(curve);
+        start = element.end;
+    }
+    Ok(pass)
+}
+
+fn curve(
+    plane: Plane,
+    [start, end]: [Point3<f64>; 2],
+    shape: Shape,
+    center: impl Fn(f64) -> Point3<f64>,
+) -> Result<Curve, Error> {
+    match shape {
+        Shape::Line => Ok(Curve::Line(Line { start, end })),
+        Shape::Arc { bulge } => {
+            let direction = if bulge > 0.0 { Direction::Cw } else { Direction::Ccw };
+            let arc = Arc::new(plane, direction, start, end, center(bulge)).map_err(PathError::from)?;
+            Ok(Curve::Arc(arc))
+        }
+    }
+}
+
+/// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
+/// written.
+///
+/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`. A point of the chord
+/// is as far from a line as its ends, and from an arc of radius r at most by the height of the chord under
+/// that arc more. The ends of both curves correspond, so the nearest points of a path that stays in so narrow
+/// a band run over all of the other: the bound holds both ways.
+fn deviation(job: &Job, curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Result<f64, Error> {
+    let chord = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
+    let heights = |curve: &Curve| match curve {
+        Curve::Line(_) => section_height,
+        Curve::Arc(arc) => section_height + chord_height(chord, 1.0 / arc.radius()),
+    };
+    let farthest = |curves: &[(Curve, f64)]| {
+        let distance = |tip: &Point3<f64>| {
+            let each = curves.iter().map(|(curve, slack)| curve.distance_to(tip) + slack + heights(curve));
+            each.fold(f64::INFINITY, f64::min)
+        };
+        tips.iter().map(distance).fold(0.0, f64::max)
+    };
+    let computed = farthest(&[(*curve, 0.0)]);
+    let written = quantize(curve, job.resolution)?;
+    if written.is_empty() {
+        // The element vanishes on the grid; what remains is its length, and half a step each way.
+        return Ok(curve.length() + job.resolution.step_mm());
+    }
+    let written: Vec<_> = written.iter().map(|written| (written.curve, written.slack_mm)).collect();
+    Ok(computed.max(farthest(&written)))
+}

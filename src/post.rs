@@ -1,0 +1,105 @@
+//! The post-processor: a toolpath becomes the text of an NC program in a dialect.
+//!
+//! # Method
+//! 1. `lower`: the toolpath becomes blocks of integers, units of the last decimal, with the approach before
+//!    and the retract behind it; curves are rounded by [`crate::toolpath::quantize`].
+//! 2. `write`: the blocks become lines of words between the dialect's start and end; modal words are left out
+//!    where they would repeat what holds.
+//! 3. `check`: the text is read back by a reader of its own and compared with the blocks.
+//!
+//! # Guarantees
+//! * What is returned has been read back: kinds, ends, senses, feeds and centres are those of the blocks, and
+//!   no two radii of an arc differ by more than 1.5 units of the last decimal.
+//! * Every cutting point of the text lies within 1.5 units of the last decimal of the toolpath, and vice
+//!   versa, in order. Nothing accumulates: ends are absolute and rounded on their own.
+//! * No motion is added but the approach to the start (Z to the clearance plane, then X and Y, then down) and
+//!   the retract to the clearance plane. A rapid that moves Z and X or Y is split: up first, down last.
+//! * User text is only ever part of a comment behind a fixed label.
+//!
+//! # Cost
+//! O(n) in the moves.
+
+pub mod dialect;
+pub mod dialects;
+pub mod read;
+
+mod check;
+mod lower;
+mod words;
+mod write;
+
+pub use dialect::{DIALECTS, Dialect, dialect};
+
+use crate::toolpath::Toolpath;
+use crate::toolpath::program::Program;
+use crate::toolpath::quantize::{Grid, QuantizeError};
+use crate::toolpath::tool::{Cutting, Tool};
+
+/// The largest number of blocks of one program.
+pub const MAX_BLOCKS: usize = 10_000_000;
+
+/// What a program is written from beside its toolpath.
+#[derive(Debug, Clone, Copy)]
+pub struct ProgramJob<'a> {
+    pub program: &'a Program,
+    pub tool: &'a Tool,
+    pub cutting: &'a Cutting,
+    pub dialect: &'a Dialect,
+    /// User text, one comment each; any characters.
+    pub comments: &'a [String],
+}
+
+/// A written program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NcProgram {
+    pub text: String,
+    /// The largest difference of the two radii of an arc block, mm.
+    pub max_radius_mismatch_mm: f64,
+    /// Blocks of motion and dwell.
+    pub blocks: usize,
+}
+
+/// Why a program is not written.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum WriteError {
+    #[error(transparent)]
+    Quantize(#[from] QuantizeError),
+    #[error("{decimals} decimals cannot be written; 1 to {max} can")]
+    Decimals { decimals: u8, max: u8 },
+    #[error("there is no work offset G{number}; G54 to G59 are")]
+    WorkOffset { number: u8 },
+    #[error("a spindle speed of {rpm} rpm cannot be written")]
+    SpindleSpeed { rpm: f64 },
+    #[error("a feed of {mm_per_min} mm/min cannot be written")]
+    Feed { mm_per_min: f64 },
+    #[error("a dwell of {seconds} s cannot be written")]
+    Dwell { seconds: f64 },
+    #[error("the program needs more than {limit} blocks")]
+    TooManyBlocks { limit: usize },
+    #[error("a line of the program is longer than the {limit} characters its control takes")]
+    LineTooLong { limit: usize },
+    #[error("the written program does not read back: {0}")]
+    Unreadable(#[from] read::ReadError),
+    #[error("line {line} of the written program reads back with another {what}")]
+    Differs { line: usize, what: &'static str },
+}
+
+/// Writes `toolpath` as a program.
+///
+/// # Errors
+/// One of [`WriteError`]; a program that does not read back as its toolpath is never returned.
+pub fn write(toolpath: &Toolpath, job: &ProgramJob) -> Result<NcProgram, WriteError> {
+    let resolution = job.program.resolution;
+    let max = job.dialect.max_decimals;
+    if !(1..=max).contains(&resolution.decimals) {
+        return Err(WriteError::Decimals { decimals: resolution.decimals, max });
+    }
+    let grid = Grid::new(resolution);
+    let blocks = lower::lower(toolpath, job.cutting, resolution)?;
+    let text = write::text(&blocks, job)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &blocks, &grid)?;
+    Ok(NcProgram { text, max_radius_mismatch_mm, blocks: blocks.len() })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,34 @@
+//! LinuxCNC.
+//!
+//! The control blends with `G64 P Q0`: it may leave the written path at joints by one unit of the last decimal
+//! and joins no blocks. Exact path mode, G61, would leave the path nowhere but stop at every joint that
+//! rounding has kinked; without either word a control keeps its speed and cuts corners as far as it likes.
+//!
+//! M30 alone ends the program; a pair of percent signs would be the other way and is not needed.
+
+use crate::post::dialect::{BlockNumbers, CommentStyle, Dialect, Frame};
+
+pub const LINUXCNC: Dialect = Dialect {
+    name: "linuxcnc",
+    description: "LinuxCNC 2.8 and later",
+    file_extension: "ngc",
+    comment: CommentStyle::Parentheses,
+    line_end: "\n",
+    // The interpreter reads 255 characters with the line end.
+    max_line_length: 240,
+    default_decimals_mm: 3,
+    default_decimals_inch: 4,
+    max_decimals: 6,
+    block_numbers: BlockNumbers { step: 10, max: 99_990 },
+    start: &[
+        Frame::Header,
+        Frame::Safety { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
+        Frame::Blending { before: "G64 P", after: " Q0" },
+        Frame::WorkOffset,
+        Frame::ToolChange,
+        Frame::LengthOffset,
+        Frame::SpindleOn,
+        Frame::CoolantOn,
+    ],
+    end: &[Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+};

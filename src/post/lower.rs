@@ -1,0 +1,133 @@
+//! Lowers a toolpath to blocks: integers only, in the order in which they will be written.
+
+use nalgebra::Point3;
+
+use super::words::{self, FeedWord};
+use super::{MAX_BLOCKS, WriteError};
+use crate::geometry::curve::{Curve, Direction};
+use crate::geometry::plane::Plane;
+use crate::toolpath::Toolpath;
+use crate::toolpath::path::Move;
+use crate::toolpath::program::Resolution;
+use crate::toolpath::quantize::{Grid, Written, quantize};
+use crate::toolpath::tool::Cutting;
+use crate::toolpath::units::FeedRate;
+
+/// The longest dwell, s: eleven days.
+const MAX_DWELL_S: f64 = 1e6;
+
+/// One block of motion or dwell. Positions are absolute, in units of the last decimal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Block {
+    /// Along the axes that are named; the others stay.
+    Rapid {
+        to: [Option<i64>; 3],
+    },
+    Line {
+        to: [i64; 3],
+        feed: FeedWord,
+    },
+    /// `center` is counted from the start along the plane's first and second axis.
+    Arc {
+        plane: Plane,
+        direction: Direction,
+        to: [i64; 3],
+        center: [i64; 2],
+        feed: FeedWord,
+    },
+    Dwell {
+        milliseconds: u64,
+    },
+}
+
+/// The blocks of the approach, of every move and of the retract.
+pub fn lower(
+    toolpath: &Toolpath,
+    cutting: &Cutting,
+    resolution: Resolution,
+) -> Result<Vec<Block>, WriteError> {
+    let grid = Grid::new(resolution);
+    let clearance = grid.units(cutting.clearance_z_mm)?;
+    let at = grid.round(&toolpath.start())?;
+    let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new() };
+    lowering.approach(clearance)?;
+    for step in toolpath.moves() {
+        match step {
+            Move::Rapid { line } => lowering.rapid(&line.end)?,
+            Move::Feed { along, rate, .. } => lowering.feed(along, *rate)?,
+            Move::Dwell { seconds } => lowering.dwell(*seconds)?,
+        }
+    }
+    if lowering.at[2] < clearance {
+        lowering.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
+    }
+    Ok(lowering.blocks)
+}
+
+struct Lowering {
+    resolution: Resolution,
+    grid: Grid,
+    at: [i64; 3],
+    blocks: Vec<Block>,
+}
+
+impl Lowering {
+    /// From an unknown place to the start: never across the part below the clearance plane.
+    fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
+        let [x, y, z] = self.at;
+        self.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
+        self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+        if z < clearance {
+            self.push(Block::Rapid { to: [None, None, Some(z)] })?;
+        }
+        Ok(())
+    }
+
+    /// A rapid along Z and across is not straight on a machine, so it is written as two: up, then across;
+    /// across, then down.
+    fn rapid(&mut self, to: &Point3<f64>) -> Result<(), WriteError> {
+        let [x, y, z] = self.grid.round(to)?;
+        let [from_x, from_y, from_z] = self.at;
+        let changed = |from: i64, to: i64| (from != to).then_some(to);
+        let across = Block::Rapid { to: [changed(from_x, x), changed(from_y, y), None] };
+        let along_z = Block::Rapid { to: [None, None, changed(from_z, z)] };
+        let order = if z > from_z { [along_z, across] } else { [across, along_z] };
+        for block in order {
+            if block != (Block::Rapid { to: [None; 3] }) {
+                self.push(block)?;
+            }
+        }
+        self.at = [x, y, z];
+        Ok(())
+    }
+
+    fn feed(&mut self, along: &Curve, rate: FeedRate) -> Result<(), WriteError> {
+        let feed = words::feed(rate, self.resolution.units)?;
+        for Written { curve, end_units: to, center_offset_units, .. } in quantize(along, self.resolution)? {
+            self.push(match (curve, center_offset_units) {
+                (Curve::Arc(arc), Some(center)) => {
+                    Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }
+                }
+                _ => Block::Line { to, feed },
+            })?;
+            self.at = to;
+        }
+        Ok(())
+    }
+
+    fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
+        if seconds > MAX_DWELL_S {
+            return Err(WriteError::Dwell { seconds });
+        }
+        let milliseconds = (seconds * 1000.0).round() as u64;
+        if milliseconds > 0 { self.push(Block::Dwell { milliseconds }) } else { Ok(()) }
+    }
+
+    fn push(&mut self, block: Block) -> Result<(), WriteError> {
+        if self.blocks.len() >= MAX_BLOCKS {
+            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
+        }
+        self.blocks.push(block);
+        Ok(())
+    }
+}

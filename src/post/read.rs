@@ -1,0 +1,279 @@
+//! Reads programs of the kind this crate writes: the control's own view of a text.
+//!
+//! # Method
+//! Line by line: the words of a block are collected (`block`), then take effect in the control's order:
+//! units, plane, feed, motion. The reader shares no code with the writer.
+//!
+//! # Guarantees
+//! A word, code or combination that is not understood is an error, never skipped.
+//!
+//! # Degenerate input
+//! A rapid whose start is not known on every axis is reported with what is known; a feed move from such a
+//! place is an error.
+//!
+//! # Cost
+//! O(n) in the characters; one line is held at a time.
+
+mod block;
+
+use nalgebra::Point3;
+
+use self::block::Words;
+use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
+use crate::geometry::plane::Plane;
+use crate::toolpath::units::FeedRate;
+
+/// What one block moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// Coordinates in mm, where they are known.
+    Rapid {
+        from: [Option<f64>; 3],
+        to: [Option<f64>; 3],
+    },
+    /// Along the exact curve nearest to the written one.
+    Feed {
+        along: Curve,
+        rate: FeedRate,
+        radius_mismatch_mm: f64,
+        center: Option<Point3<f64>>,
+    },
+    Dwell {
+        seconds: f64,
+    },
+}
+
+/// A step and the number of its line, from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    pub line: usize,
+    pub step: Step,
+}
+
+/// A line that a control would refuse, or that this reader does not know.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("line {line}: {fault}")]
+pub struct ReadError {
+    /// From 1.
+    pub line: usize,
+    pub fault: Fault,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Fault {
+    #[error("the character {0:?} begins no word")]
+    UnknownWord(char),
+    #[error("the number after {0} cannot be read")]
+    BadNumber(char),
+    #[error("a comment is not closed")]
+    OpenComment,
+    #[error("G{0} is not known")]
+    UnknownG(f64),
+    #[error("M{0} is not known")]
+    UnknownM(f64),
+    #[error("{0} is written twice")]
+    Twice(char),
+    #[error("{0} has no meaning in this block")]
+    Unused(char),
+    #[error("{0} is missing")]
+    Missing(char),
+    #[error("two words of this block exclude each other")]
+    Conflict,
+    #[error("coordinates stand without G0, G1, G2 or G3")]
+    NoMotion,
+    #[error("a cutting block has no feed")]
+    NoFeed,
+    #[error("a cutting block starts at an unknown place")]
+    UnknownStart,
+    #[error("an arc has no centre")]
+    MissingCenter,
+    #[error("the radii at an arc's ends differ by {mismatch_mm} mm")]
+    RadiusMismatch { mismatch_mm: f64 },
+    #[error(transparent)]
+    Arc(ArcError),
+    #[error("the program has no end")]
+    NoEnd,
+}
+
+/// Reads a program step by step; after an error it yields nothing more.
+pub struct Reader<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    mismatch_limit_mm: f64,
+    line: usize,
+    is_over: bool,
+    unit_mm: f64,
+    plane: Plane,
+    motion: Option<Motion>,
+    feed: Option<FeedRate>,
+    at: [Option<f64>; 3],
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Motion {
+    Rapid,
+    Line,
+    Arc(Direction),
+}
+
+impl<'a> Reader<'a> {
+    /// Arcs whose radii differ by more than `mismatch_limit_mm` are refused.
+    pub fn new(text: &'a str, mismatch_limit_mm: f64) -> Self {
+        Self {
+            lines: text.lines().enumerate(),
+            mismatch_limit_mm,
+            line: 0,
+            is_over: false,
+            unit_mm: 1.0,
+            plane: Plane::Xy,
+            motion: None,
+            feed: None,
+            at: [None; 3],
+        }
+    }
+
+    fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        let mut motions = 0;
+        let mut is_dwell = false;
+        let (mut takes_length, mut takes_blending) = (false, false);
+        for &tenths in words.g() {
+            match tenths {
+                0 | 10 | 20 | 30 => {
+                    motions += 1;
+                    self.motion = Some(match tenths {
+                        0 => Motion::Rapid,
+                        10 => Motion::Line,
+                        20 => Motion::Arc(Direction::Cw),
+                        _ => Motion::Arc(Direction::Ccw),
+                    });
+                }
+                40 => is_dwell = true,
+                170 => self.plane = Plane::Xy,
+                180 => self.plane = Plane::Zx,
+                190 => self.plane = Plane::Yz,
+                200 => self.unit_mm = 25.4,
+                210 => self.unit_mm = 1.0,
+                430 => takes_length = true,
+                640 => takes_blending = true,
+                800 => {
+                    motions += 1;
+                    self.motion = None;
+                }
+                400 | 490 | 540 | 550 | 560 | 570 | 580 | 590 | 610 | 900 | 940 => {}
+                _ => return Err(Fault::UnknownG(f64::from(tenths) / 10.0)),
+            }
+        }
+        let mut ends = false;
+        for &tenths in words.m() {
+            match tenths {
+                20 | 300 => ends = true,
+                30 | 50 | 60 | 70 | 80 | 90 => {}
+                _ => return Err(Fault::UnknownM(f64::from(tenths) / 10.0)),
+            }
+        }
+        if motions > 1 || words.has_conflict() || (takes_blending && is_dwell) {
+            return Err(Fault::Conflict);
+        }
+        if takes_length != words.get('H').is_some() {
+            return Err(if takes_length { Fault::Missing('H') } else { Fault::Unused('H') });
+        }
+        if words.get('Q').is_some() && !takes_blending {
+            return Err(Fault::Unused('Q'));
+        }
+        if words.get('P').is_some() && !takes_blending && !is_dwell {
+            return Err(Fault::Unused('P'));
+        }
+        if let Some(feed) = words.get('F') {
+            self.feed = Some(FeedRate::from_mm_per_min(feed * self.unit_mm).ok_or(Fault::BadNumber('F'))?);
+        }
+        self.is_over |= ends;
+        if is_dwell {
+            let seconds = words.get('P').ok_or(Fault::Missing('P'))?;
+            if motions > 0 || words.first_of("XYZIJK").is_some() || seconds < 0.0 {
+                return Err(Fault::Conflict);
+            }
+            return Ok(Some(Step::Dwell { seconds }));
+        }
+        self.motion_of(words)
+    }
+
+    fn motion_of(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if words.first_of("XYZIJK").is_none() {
+            return Ok(None);
+        }
+        let motion = self.motion.ok_or(Fault::NoMotion)?;
+        let from = self.at;
+        for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
+            if let Some(value) = words.get(letter) {
+                self.at[axis] = Some(value * self.unit_mm);
+            }
+        }
+        if let (Motion::Rapid | Motion::Line, Some(letter)) = (motion, words.first_of("IJK")) {
+            return Err(Fault::Unused(letter));
+        }
+        if motion == Motion::Rapid {
+            return Ok(Some(Step::Rapid { from, to: self.at }));
+        }
+        let rate = self.feed.ok_or(Fault::NoFeed)?;
+        let start = known(from).ok_or(Fault::UnknownStart)?;
+        let end = known(self.at).ok_or(Fault::UnknownStart)?;
+        let Motion::Arc(direction) = motion else {
+            let along = Curve::Line(Line { start, end });
+            return Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }));
+        };
+        let center = self.center(words, &start)?;
+        let [s, e, c] = [start, end, center].map(|p| self.plane.to_local(&p).xy());
+        let radius_mismatch_mm = ((s - c).norm() - (e - c).norm()).abs();
+        if radius_mismatch_mm > self.mismatch_limit_mm {
+            return Err(Fault::RadiusMismatch { mismatch_mm: radius_mismatch_mm });
+        }
+        let arc = Arc::with_center_near(self.plane, direction, start, end, center).map_err(Fault::Arc)?;
+        Ok(Some(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) }))
+    }
+
+    /// The written centre: offsets from the start, of which one may be missing.
+    fn center(&self, words: &Words, start: &Point3<f64>) -> Result<Point3<f64>, Fault> {
+        const OFFSETS: [char; 3] = ['I', 'J', 'K'];
+        let [a, b, n] = self.plane.axes();
+        if words.get(OFFSETS[n]).is_some() {
+            return Err(Fault::Unused(OFFSETS[n]));
+        }
+        let offsets = [a, b].map(|axis| words.get(OFFSETS[axis]));
+        if offsets == [None; 2] {
+            return Err(Fault::MissingCenter);
+        }
+        let mut center = *start;
+        center[a] += offsets[0].unwrap_or(0.0) * self.unit_mm;
+        center[b] += offsets[1].unwrap_or(0.0) * self.unit_mm;
+        Ok(center)
+    }
+}
+
+impl Iterator for Reader<'_> {
+    type Item = Result<Placed, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.is_over {
+            let Some((index, text)) = self.lines.next() else {
+                self.is_over = true;
+                return Some(Err(ReadError { line: self.line, fault: Fault::NoEnd }));
+            };
+            self.line = index + 1;
+            match Words::of(text).and_then(|words| self.block(&words)) {
+                Ok(Some(step)) => return Some(Ok(Placed { line: self.line, step })),
+                Ok(None) => {}
+                Err(fault) => {
+                    self.is_over = true;
+                    return Some(Err(ReadError { line: self.line, fault }));
+                }
+            }
+        }
+        None
+    }
+}
+
+fn known(at: [Option<f64>; 3]) -> Option<Point3<f64>> {
+    Some(Point3::new(at[0]?, at[1]?, at[2]?))
+}
+
+#[cfg(test)]
+mod tests;

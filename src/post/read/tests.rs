@@ -1,0 +1,90 @@
+use std::f64::consts::PI;
+
+use super::*;
+
+const LIMIT_MM: f64 = 0.0015;
+
+fn read(text: &str) -> Result<Vec<Step>, ReadError> {
+    Reader::new(text, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
+}
+
+fn fault(text: &str) -> (usize, Fault) {
+    let error = read(text).unwrap_err();
+    (error.line, error.fault)
+}
+
+#[test]
+fn reads_every_kind_of_step() {
+    let text = "%\n(PROGRAM: DIE)\nN10 G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT1 M6\nG43 H1\nS1000 M3\nM8\n\
+                G0 Z50.000\nX0.000 Y0.000 ; across\ng1 z0. f300\nG18 G3 X10 I5 K0\nG19 G2 Y10. J5.\nG4 P1.5\n\
+                G17 G2 I-5 J0\nM5\nM9\nM30\nG0 X99\n%\n";
+    let steps = read(text).unwrap();
+    assert_eq!(steps.len(), 7);
+    assert_eq!(steps[0], Step::Rapid { from: [None; 3], to: [None, None, Some(50.0)] });
+    let highest = |step: &Step| match step {
+        Step::Feed { along: Curve::Arc(arc), .. } => arc.point_at(0.5),
+        _ => panic!("no arc"),
+    };
+    assert!((highest(&steps[3]) - Point3::new(5.0, 0.0, 5.0)).norm() < 1e-12);
+    assert!((highest(&steps[4]) - Point3::new(10.0, 5.0, 5.0)).norm() < 1e-12);
+    assert_eq!(steps[5], Step::Dwell { seconds: 1.5 });
+    let Step::Feed { along, rate, .. } = steps[6] else { panic!("no feed") };
+    assert!((along.length() - 10.0 * PI).abs() < 1e-12);
+    assert_eq!(rate.mm_per_min(), 300.0);
+}
+
+#[test]
+fn inches_are_read_as_millimetres() {
+    let steps = read("G20 G0 X0 Y0 Z1\nG1 X2 F10\nM2").unwrap();
+    let Step::Feed { along, rate, .. } = steps[1] else { panic!("no feed") };
+    assert_eq!((along.length(), rate.mm_per_min()), (50.8, 254.0));
+}
+
+#[test]
+fn every_fault_is_found_with_its_line() {
+    let before = "G21 F100\nG0 X0 Y0 Z0\n";
+    let cases = [
+        ("G1 X1 A5", Fault::UnknownWord('A')),
+        ("G1 Xé", Fault::BadNumber('X')),
+        ("é", Fault::UnknownWord('é')),
+        ("G1 X", Fault::BadNumber('X')),
+        ("G1 X1-2", Fault::BadNumber('X')),
+        ("G1 X1e5", Fault::UnknownWord('E')),
+        ("(OPEN", Fault::OpenComment),
+        ("G5 X1", Fault::UnknownG(5.0)),
+        ("G61.1", Fault::UnknownG(61.1)),
+        ("M98", Fault::UnknownM(98.0)),
+        ("G1 X1 X2", Fault::Twice('X')),
+        ("G1 X1 I2", Fault::Unused('I')),
+        ("G17 G2 X1 K1 I.5", Fault::Unused('K')),
+        ("X1 H2", Fault::Unused('H')),
+        ("G43", Fault::Missing('H')),
+        ("G4", Fault::Missing('P')),
+        ("X1 P2", Fault::Unused('P')),
+        ("X1 Q2", Fault::Unused('Q')),
+        ("G0 G1 X1", Fault::Conflict),
+        ("G17 G18", Fault::Conflict),
+        ("G4 P1 X1", Fault::Conflict),
+        ("G80 X1", Fault::NoMotion),
+        ("F-5", Fault::BadNumber('F')),
+        ("G2 X1", Fault::MissingCenter),
+        ("G2 X1 I0", Fault::Arc(ArcError::ZeroRadius)),
+        ("", Fault::NoEnd),
+    ];
+    for (line, wanted) in cases {
+        let (at, found) = fault(&format!("{before}{line}\n"));
+        // A centre at the start is found by its mismatch before anything else.
+        if line == "G2 X1 I0" {
+            assert!(matches!(found, Fault::RadiusMismatch { .. }));
+        } else {
+            assert_eq!((at, found), (3, wanted), "{line}");
+        }
+    }
+    assert_eq!(fault("G0 X0 Y0 Z0\nG1 X1"), (2, Fault::NoFeed));
+    assert_eq!(fault("F100 G1 X1"), (1, Fault::UnknownStart));
+    let (line, found) = fault(&format!("{before}G3 X10 I5.002 J0"));
+    assert!(
+        line == 3
+            && matches!(found, Fault::RadiusMismatch { mismatch_mm } if (mismatch_mm - 0.004).abs() < 1e-9)
+    );
+}

@@ -1,0 +1,158 @@
+//! Numbers and comments as text.
+
+use super::WriteError;
+use crate::toolpath::program::Units;
+use crate::toolpath::units::FeedRate;
+
+/// A feed is written with the fewest decimals that keep it within this part of itself.
+const FEED_AGREEMENT: f64 = 5e-5;
+const MAX_FEED_DECIMALS: u8 = 6;
+const MAX_FEED: f64 = 1e9;
+const MAX_SPINDLE_RPM: f64 = 1e6;
+
+/// A feed in units of the program a minute, `digits` times ten to the power of minus `decimals`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FeedWord {
+    pub digits: i64,
+    pub decimals: u8,
+}
+
+impl FeedWord {
+    /// In units of the program a minute.
+    pub fn value(self) -> f64 {
+        self.digits as f64 / 10f64.powi(i32::from(self.decimals))
+    }
+}
+
+/// # Errors
+/// When the feed is too small or too large for six decimals and nine digits.
+pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
+    let value = rate.mm_per_min() / units.mm();
+    (0..=MAX_FEED_DECIMALS)
+        .filter(|_| value <= MAX_FEED)
+        .map(|decimals| FeedWord {
+            digits: (value * 10f64.powi(i32::from(decimals))).round() as i64,
+            decimals,
+        })
+        .find(|word| (word.value() - value).abs() <= FEED_AGREEMENT * value)
+        .ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
+}
+
+/// A spindle speed as digits and decimals: whole numbers stay whole.
+///
+/// # Errors
+/// When the speed is no number, not above zero or above a million.
+pub fn spindle(rpm: f64) -> Result<FeedWord, WriteError> {
+    if !(rpm > 0.0 && rpm <= MAX_SPINDLE_RPM) {
+        return Err(WriteError::SpindleSpeed { rpm });
+    }
+    let decimals = if rpm == rpm.round() { 0 } else { 3 };
+    let digits = (rpm * 10f64.powi(i32::from(decimals))).round() as i64;
+    if digits == 0 { Err(WriteError::SpindleSpeed { rpm }) } else { Ok(FeedWord { digits, decimals }) }
+}
+
+/// Appends `digits` times ten to the power of minus `decimals`, always with that many decimals, never in an
+/// exponent and never as minus zero.
+pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
+    if digits < 0 {
+        text.push('-');
+    }
+    let all = format!("{:0width$}", digits.unsigned_abs(), width = usize::from(decimals) + 1);
+    let (whole, fraction) = all.split_at(all.len() - usize::from(decimals));
+    text.push_str(whole);
+    if decimals > 0 {
+        text.push('.');
+        text.push_str(fraction);
+    }
+}
+
+/// User text as it may stand in a comment: capitals, digits, space, point, underscore and minus, no longer
+/// than `limit`. Whatever else there is becomes a space, and runs of spaces become one.
+pub fn cleaned(text: &str, limit: usize) -> String {
+    let mut clean = String::new();
+    for c in text.chars() {
+        if clean.len() >= limit {
+            break;
+        }
+        match c.to_ascii_uppercase() {
+            c @ ('A'..='Z' | '0'..='9' | '.' | '_' | '-') => clean.push(c),
+            _ if clean.is_empty() || clean.ends_with(' ') => {}
+            _ => clean.push(' '),
+        }
+    }
+    clean.truncate(clean.trim_end().len());
+    clean
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn fixed(digits: i64, decimals: u8) -> String {
+        let mut text = String::new();
+        push_fixed(&mut text, digits, decimals);
+        text
+    }
+
+    #[test]
+    fn numbers_have_their_decimals_and_no_minus_zero() {
+        let cases = [(0, 3, "0.000"), (-5, 3, "-0.005"), (10_500, 3, "10.500"), (-1_234_567, 4, "-123.4567")];
+        for (digits, decimals, text) in cases {
+            assert_eq!(fixed(digits, decimals), text);
+        }
+        assert_eq!(fixed(800, 0), "800");
+        assert_eq!(fixed(i64::MIN, 6), "-9223372036854.775808");
+    }
+
+    #[test]
+    fn feeds_have_as_few_decimals_as_they_need() {
+        let word = |mm_per_min, units| {
+            let word = feed(FeedRate::from_mm_per_min(mm_per_min).unwrap(), units).unwrap();
+            fixed(word.digits, word.decimals)
+        };
+        assert_eq!(word(800.0, Units::Mm), "800");
+        assert_eq!(word(333.333, Units::Mm), "333.33");
+        assert_eq!(word(1000.0, Units::Inch), "39.37");
+        assert_eq!(word(0.05, Units::Mm), "0.05");
+        let tiny = feed(FeedRate::from_mm_per_min(1e-9).unwrap(), Units::Mm);
+        assert_eq!(tiny, Err(WriteError::Feed { mm_per_min: 1e-9 }));
+        assert!(feed(FeedRate::from_mm_per_min(1e300).unwrap(), Units::Mm).is_err());
+    }
+
+    #[test]
+    fn spindle_speeds_are_whole_where_they_are() {
+        assert_eq!(spindle(12_000.0), Ok(FeedWord { digits: 12_000, decimals: 0 }));
+        assert_eq!(spindle(12.5), Ok(FeedWord { digits: 12_500, decimals: 3 }));
+        for rpm in [0.0, -1.0, 1e-9, 1e9, f64::NAN, f64::INFINITY] {
+            assert!(spindle(rpm).is_err());
+        }
+    }
+
+    #[test]
+    fn user_text_cannot_leave_its_comment() {
+        assert_eq!(cleaned("die) G0 Z-99 (msg,%\nx", 100), "DIE G0 Z-99 MSG X");
+        assert_eq!(cleaned("Füßchen\u{2028}é", 100), "F CHEN");
+        assert_eq!(cleaned(" \n ", 100), "");
+        assert_eq!(cleaned(&"(".repeat(10_000), 100), "");
+    }
+
+    proptest! {
+        #[test]
+        fn cleaned_text_holds_only_what_it_may(text in "(?s).{0,300}", limit in 0usize..200) {
+            let clean = cleaned(&text, limit);
+            prop_assert!(clean.len() <= limit);
+            prop_assert!(clean.bytes().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-".contains(&c)));
+            prop_assert_eq!(clean.trim(), &clean);
+        }
+
+        #[test]
+        fn fixed_numbers_read_back(digits in any::<i64>(), decimals in 0u8..=6) {
+            let text = fixed(digits, decimals);
+            let read: i128 = text.replace('.', "").parse().unwrap();
+            prop_assert_eq!(read, i128::from(digits));
+            prop_assert!(!text.contains('e'));
+        }
+    }
+}

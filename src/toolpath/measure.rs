@@ -1,0 +1,144 @@
+//! Lengths, times, counts and bounds of a toolpath: computed here once, never by an operation.
+//!
+//! # Guarantees
+//! Lengths are closed forms; bounds hold the start, rapids and the extremes of arcs. Times are those of a
+//! machine without ramps: length by feed.
+//!
+//! # Cost
+//! O(n) in the moves.
+
+use nalgebra::{Point3, Vector3};
+
+use super::path::{Move, Toolpath};
+use super::units::FeedRate;
+use crate::geometry::curve::Curve;
+
+/// How many moves there are of each kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MoveCounts {
+    pub rapid: usize,
+    pub line: usize,
+    pub arc: usize,
+    pub parabola: usize,
+    pub spline: usize,
+}
+
+/// The axis-parallel box of a path, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    pub min: Point3<f64>,
+    pub max: Point3<f64>,
+}
+
+/// The figures of a toolpath. Feed moves of any role are cutting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measures {
+    pub cutting_length_mm: f64,
+    pub rapid_length_mm: f64,
+    pub cutting_time_s: f64,
+    pub rapid_time_s: f64,
+    pub dwell_time_s: f64,
+    /// Cutting, rapid and dwell time.
+    pub total_time_s: f64,
+    pub counts: MoveCounts,
+    pub bounds: Bounds,
+}
+
+/// Measures `toolpath` on a machine that traverses at `rapid_feed`.
+pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
+    let start = toolpath.start();
+    let mut measures = Measures {
+        cutting_length_mm: 0.0,
+        rapid_length_mm: 0.0,
+        cutting_time_s: 0.0,
+        rapid_time_s: 0.0,
+        dwell_time_s: 0.0,
+        total_time_s: 0.0,
+        counts: MoveCounts::default(),
+        bounds: Bounds { min: start, max: start },
+    };
+    for step in toolpath.moves() {
+        match step {
+            Move::Rapid { line } => {
+                measures.counts.rapid += 1;
+                measures.rapid_length_mm += line.length();
+                measures.bounds.include(&Curve::Line(*line));
+            }
+            Move::Feed { along, rate, .. } => {
+                match along {
+                    Curve::Line(_) => measures.counts.line += 1,
+                    Curve::Arc(_) => measures.counts.arc += 1,
+                }
+                let length = along.length();
+                measures.cutting_length_mm += length;
+                measures.cutting_time_s += length / rate.mm_per_min() * 60.0;
+                measures.bounds.include(along);
+            }
+            Move::Dwell { seconds } => measures.dwell_time_s += seconds,
+        }
+    }
+    measures.rapid_time_s = measures.rapid_length_mm / rapid_feed.mm_per_min() * 60.0;
+    measures.total_time_s = measures.cutting_time_s + measures.rapid_time_s + measures.dwell_time_s;
+    measures
+}
+
+impl Bounds {
+    fn include(&mut self, curve: &Curve) {
+        for k in 0..3 {
+            let mut axis = Vector3::zeros();
+            axis[k] = 1.0;
+            self.max[k] = self.max[k].max(curve.support(&axis));
+            self.min[k] = self.min[k].min(-curve.support(&-axis));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::geometry::curve::Direction;
+    use crate::geometry::plane::Plane;
+    use crate::toolpath::Role;
+
+    fn feed(mm_per_min: f64) -> FeedRate {
+        FeedRate::from_mm_per_min(mm_per_min).unwrap()
+    }
+
+    #[test]
+    fn lengths_times_counts_and_bounds_are_closed_forms() {
+        let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 50.0));
+        builder.rapid(Point3::new(0.0, 0.0, 2.0)).unwrap();
+        builder.line(Point3::new(0.0, 0.0, -1.0), feed(60.0), Role::Plunge).unwrap();
+        let about = (Plane::Xy, Direction::Ccw);
+        builder
+            .arc(Point3::new(20.0, 0.0, -1.0), Point3::new(10.0, 0.0, -1.0), about, feed(600.0), Role::Cut)
+            .unwrap();
+        builder.dwell(1.5).unwrap();
+        let about = (Plane::Zx, Direction::Ccw);
+        builder
+            .arc(Point3::new(30.0, 0.0, -1.0), Point3::new(25.0, 0.0, -1.0), about, feed(300.0), Role::Link)
+            .unwrap();
+        let measures = measure(&builder.finish().unwrap(), feed(4800.0));
+        assert!((measures.cutting_length_mm - (3.0 + 15.0 * PI)).abs() < 1e-12);
+        assert_eq!(measures.rapid_length_mm, 48.0);
+        assert!((measures.cutting_time_s - (3.0 + 2.0 * PI / 2.0 + PI)).abs() < 1e-12);
+        assert!((measures.rapid_time_s - 0.6).abs() < 1e-12);
+        assert_eq!(measures.dwell_time_s, 1.5);
+        assert!((measures.total_time_s - (5.1 + 2.0 * PI)).abs() < 1e-12);
+        let counts = MoveCounts { rapid: 1, line: 1, arc: 2, ..MoveCounts::default() };
+        assert_eq!(measures.counts, counts);
+        let bounds = measures.bounds;
+        assert!((bounds.min - Point3::new(0.0, -10.0, -1.0)).norm() < 1e-12);
+        assert!((bounds.max - Point3::new(30.0, 0.0, 50.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn an_empty_path_is_its_start() {
+        let start = Point3::new(1.0, 2.0, 3.0);
+        let measures = measure(&Toolpath::builder(start).finish().unwrap(), feed(1.0));
+        assert_eq!(measures.bounds, Bounds { min: start, max: start });
+        assert_eq!(measures.total_time_s, 0.0);
+    }
+}

@@ -1,0 +1,255 @@
+//! Rounds curves to the grid of the output: what a program will say, as geometry.
+//!
+//! # Method
+//! 1. Each end is rounded on its own: rounding is a function of the point alone, so curves that share a joint
+//!    share its rounded point.
+//! 2. An arc's centre is projected onto the perpendicular bisector of the rounded ends, and its offsets from
+//!    the rounded start are rounded; of the 3 x 3 grid points there, the one whose path lies nearest to the
+//!    source is taken among those whose two radii agree within one step.
+//! 3. The distance from the source to whatever a control may run for the block is bounded. An arc whose bound
+//!    is too large, whose sense or sweep would change, or whose centre cannot be found is split in two.
+//! 4. An arc that is flatter than half a step becomes a line, one of more than [`MAX_RADIUS_MM`] chords.
+//!
+//! # Guarantees
+//! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
+//!   order, whatever radius between those at its two ends a control takes; each curve carries its own bound.
+//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`].
+//! * A full turn is written only for a full turn.
+//!
+//! # Degenerate input
+//! A curve whose rounded ends coincide and that goes nowhere in between gives no curve at all. A point that
+//! has no place on the grid, or a curve that needs more than [`MAX_PIECES`], is an error.
+//!
+//! # Cost
+//! O(1) for nearly every curve; O(sqrt(radius / step)) where chords are needed.
+
+mod bound;
+mod candidate;
+
+use nalgebra::Point3;
+
+use super::program::Resolution;
+use crate::geometry::curve::{Arc, Curve, Line};
+
+/// A written curve and its source are this near to each other, in units of the last decimal.
+pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
+
+/// The largest difference of the radii at a written arc's ends, in units of the last decimal. The best of the
+/// nine centres reaches it for nearly all arcs; the others are split.
+pub const MAX_MISMATCH_STEPS: f64 = 1.0;
+
+/// Arcs flatter than this, in units of the last decimal, are written as lines: rounding could turn them over,
+/// or into a full circle.
+pub const MIN_SAGITTA_STEPS: f64 = 0.5;
+
+/// Arcs of larger radius are written as chords: controls have run whole circles on them.
+pub const MAX_RADIUS_MM: f64 = 1e4;
+
+/// One curve becomes at most this many; the chords of a full circle of radius 1 km at three decimals are half
+/// as many.
+pub const MAX_PIECES: usize = 200_000;
+
+/// Beyond this many steps from zero the products of two coordinates no longer fit their integers.
+const MAX_UNITS: f64 = 1e15;
+
+/// What is accepted of the bound; the rest is for lengths that were themselves computed with rounding.
+const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
+
+/// One curve as it will be written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Written {
+    /// The exact curve: its ends lie on the grid, and an arc's centre is the point nearest to the written one
+    /// from which both ends are equally far.
+    pub curve: Curve,
+    /// The end in units of the last decimal.
+    pub end_units: [i64; 3],
+    /// For an arc, the written centre from the start, along the plane's first and second axis, in units of the
+    /// last decimal.
+    pub center_offset_units: Option<[i64; 2]>,
+    /// Difference of the written radii at the two ends, mm.
+    pub radius_mismatch_mm: f64,
+    /// Upper bound for the distance between `curve` and any curve a control may run for the block: one about
+    /// the written centre with a radius anywhere between those at the ends. mm, both ways.
+    pub slack_mm: f64,
+    /// Upper bound for the distance between the source and any curve a control may run for the block, mm, both
+    /// ways and in order.
+    pub displacement_mm: f64,
+}
+
+/// Why a curve cannot be written.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum QuantizeError {
+    #[error("{value_mm} mm is out of the range of the output's decimals")]
+    OutOfRange { value_mm: f64 },
+    #[error("a curve needs more than {limit} blocks at this resolution")]
+    TooManyPieces { limit: usize },
+}
+
+/// The points whose coordinates can be written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    unit_mm: f64,
+    per_unit: f64,
+}
+
+impl Grid {
+    pub fn new(resolution: Resolution) -> Self {
+        Self { unit_mm: resolution.units.mm(), per_unit: 10f64.powi(i32::from(resolution.decimals)) }
+    }
+
+    /// One unit of the last decimal, mm.
+    pub fn step_mm(&self) -> f64 {
+        self.unit_mm / self.per_unit
+    }
+
+    /// One unit of the program, mm.
+    pub fn unit_mm(&self) -> f64 {
+        self.unit_mm
+    }
+
+    /// The nearest number of steps.
+    ///
+    /// # Errors
+    /// When the number would be too large, or is none.
+    pub fn units(&self, value_mm: f64) -> Result<i64, QuantizeError> {
+        let units = (value_mm / self.unit_mm * self.per_unit).round();
+        if units.abs() <= MAX_UNITS { Ok(units as i64) } else { Err(QuantizeError::OutOfRange { value_mm }) }
+    }
+
+    /// The nearest point of the grid, in steps.
+    ///
+    /// # Errors
+    /// As [`Grid::units`].
+    pub fn round(&self, p: &Point3<f64>) -> Result<[i64; 3], QuantizeError> {
+        Ok([self.units(p.x)?, self.units(p.y)?, self.units(p.z)?])
+    }
+
+    /// A number of steps in mm.
+    pub fn mm(&self, units: i64) -> f64 {
+        units as f64 / self.per_unit * self.unit_mm
+    }
+
+    /// The point of the grid, mm.
+    pub fn point(&self, units: [i64; 3]) -> Point3<f64> {
+        Point3::from(units.map(|k| self.mm(k)))
+    }
+}
+
+/// The curves that will be written for `curve`, in order; none where it vanishes on the grid.
+///
+/// # Errors
+/// When a coordinate has no place on the grid, or too many pieces are needed.
+pub fn quantize(curve: &Curve, resolution: Resolution) -> Result<Vec<Written>, QuantizeError> {
+    let grid = Grid::new(resolution);
+    let mut written = Vec::with_capacity(1);
+    match curve {
+        Curve::Line(line) => written.extend(line_between(&grid, &line.start, &line.end, 0.0)?),
+        Curve::Arc(arc) => quantize_arc(arc, &grid, &mut written)?,
+    }
+    Ok(written)
+}
+
+/// A part of the source arc between two fractions of its length.
+#[derive(Clone, Copy)]
+struct Piece<'a> {
+    arc: &'a Arc,
+    from: f64,
+    to: f64,
+}
+
+impl Piece<'_> {
+    fn start(&self) -> Point3<f64> {
+        self.arc.point_at(self.from)
+    }
+
+    fn end(&self) -> Point3<f64> {
+        self.arc.point_at(self.to)
+    }
+
+    fn sweep(&self) -> f64 {
+        self.arc.sweep() * (self.to - self.from)
+    }
+
+    fn is_full_turn(&self) -> bool {
+        let [a, b, _] = self.arc.plane().axes();
+        let (s, e) = (self.arc.start(), self.arc.end());
+        self.from == 0.0 && self.to == 1.0 && s[a] == e[a] && s[b] == e[b]
+    }
+
+    /// Height of the arc over its chord, mm.
+    fn sagitta(&self) -> f64 {
+        2.0 * self.arc.radius() * (self.sweep() / 4.0).sin().powi(2)
+    }
+
+    /// Distance from the piece to its chord, mm, matched by fractions; for sweeps up to half a turn.
+    ///
+    /// Along the chord a point runs ahead by r |sin(u a) - u sin a| <= r a^3 (u - u^3) / 6 <= 0.0642 r a^3,
+    /// with a half of the sweep and u in 0..=1.
+    fn chord_distance(&self) -> f64 {
+        self.sagitta().hypot(0.0642 * self.arc.radius() * (self.sweep() / 2.0).powi(3))
+    }
+}
+
+fn quantize_arc(arc: &Arc, grid: &Grid, written: &mut Vec<Written>) -> Result<(), QuantizeError> {
+    let step = grid.step_mm();
+    let mut open = vec![Piece { arc, from: 0.0, to: 1.0 }];
+    while let Some(piece) = open.pop() {
+        if written.len() + open.len() >= MAX_PIECES {
+            return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
+        }
+        if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
+            written.extend(line_between(grid, &piece.start(), &piece.end(), piece.chord_distance())?);
+        } else if arc.radius() > MAX_RADIUS_MM {
+            chords(&piece, grid, written)?;
+        } else if let Some(block) = candidate::best(&piece, grid)? {
+            written.push(block);
+        } else {
+            let middle = (piece.from + piece.to) / 2.0;
+            open.push(Piece { from: middle, ..piece });
+            open.push(Piece { to: middle, ..piece });
+        }
+    }
+    Ok(())
+}
+
+/// Lines along a piece, each no farther from it than half a step before its ends are rounded.
+fn chords(piece: &Piece, grid: &Grid, written: &mut Vec<Written>) -> Result<(), QuantizeError> {
+    let half_angle = 2.0 * (MIN_SAGITTA_STEPS * grid.step_mm() / (2.0 * piece.arc.radius())).sqrt().asin();
+    let count = (piece.sweep() / (2.0 * half_angle)).ceil().max(1.0);
+    if count > MAX_PIECES as f64 {
+        return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
+    }
+    let at = |k: f64| if k == count { piece.to } else { piece.from + (piece.to - piece.from) * (k / count) };
+    for k in 0..count as usize {
+        let chord = Piece { from: at(k as f64), to: at(k as f64 + 1.0), ..*piece };
+        written.extend(line_between(grid, &chord.start(), &chord.end(), chord.chord_distance())?);
+    }
+    Ok(())
+}
+
+/// The line between the rounded points, or none where they coincide; `added_mm` is the distance from the
+/// source to the line between the points themselves.
+fn line_between(
+    grid: &Grid,
+    start: &Point3<f64>,
+    end: &Point3<f64>,
+    added_mm: f64,
+) -> Result<Option<Written>, QuantizeError> {
+    let (from, to) = (grid.round(start)?, grid.round(end)?);
+    if from == to {
+        return Ok(None);
+    }
+    let line = Line { start: grid.point(from), end: grid.point(to) };
+    let moved = (line.start - start).norm().max((line.end - end).norm());
+    Ok(Some(Written {
+        curve: Curve::Line(line),
+        end_units: to,
+        center_offset_units: None,
+        radius_mismatch_mm: 0.0,
+        slack_mm: 0.0,
+        displacement_mm: moved + added_mm,
+    }))
+}
+
+#[cfg(test)]
+mod tests;

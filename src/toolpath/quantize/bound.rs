@@ -1,0 +1,189 @@
+//! The distance between an arc and everything a control may run for the block that stands for it.
+//!
+//! # Method
+//! A control turns about the written centre W, at a radius somewhere between those of the block's two ends.
+//! Against the circle of centre C and radius R two matchings are tried, and the better bound is returned:
+//! * by angle about C: the distance from C of a point at radius r is |r e + W - C|, which grows with r and with
+//!   the part of e along W - C; both have closed extremes over the sweep. At the ends the rest of the turn
+//!   counts as a chord. For a helix the height differs by the rise of the angle between the two fractions.
+//! * by fraction of the sweep, for helices: the difference of the two points at 33 fractions, plus the largest
+//!   it can grow between them by its second derivative.
+//!
+//! # Guarantees
+//! An upper bound, both ways and in order, but for the rounding of the computation itself, for which 64 units
+//! in the last place of the largest coordinate are added.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::geometry::curve::{Arc, Direction};
+
+/// The fractions at which helices are compared. With 32 intervals the remainder is below 0.5 % of the turn's
+/// square times the distance of the centres.
+const INTERVALS: u32 = 32;
+
+/// A rounded end may turn about the centre by this many radians at most; more than that is another arc.
+const MAX_TURN: f64 = 0.5;
+
+/// An arc in its plane: coordinates are (first, second, normal), mm.
+pub struct Circular {
+    pub center: Vector2<f64>,
+    pub start: Vector3<f64>,
+    pub end: Vector3<f64>,
+    pub radius: f64,
+    pub sweep: f64,
+    /// +1 counterclockwise, -1 clockwise.
+    pub sense: f64,
+}
+
+impl Circular {
+    pub fn of(arc: &Arc) -> Self {
+        let local = |p| arc.plane().to_local(&p);
+        Self {
+            center: local(arc.center()).xy(),
+            start: local(arc.start()),
+            end: local(arc.end()),
+            radius: arc.radius(),
+            sweep: arc.sweep(),
+            sense: sense(arc.direction()),
+        }
+    }
+}
+
+pub fn sense(direction: Direction) -> f64 {
+    match direction {
+        Direction::Ccw => 1.0,
+        Direction::Cw => -1.0,
+    }
+}
+
+/// What a control may run for a block.
+pub struct Family {
+    /// As written.
+    pub center: Vector2<f64>,
+    pub start: Vector3<f64>,
+    pub end: Vector3<f64>,
+    /// From the centre to the start and to the end, without the rounding of their difference.
+    pub to_start: Vector2<f64>,
+    pub to_end: Vector2<f64>,
+    pub sweep: f64,
+    pub sense: f64,
+}
+
+/// An upper bound for the distance between `family` and `arc`, mm; none where they are not the same turn.
+pub fn distance(family: &Family, arc: &Circular) -> Option<f64> {
+    let between = Between::new(family, arc)?;
+    let by_angle = between.by_angle();
+    let is_flat = family.start.z == family.end.z && arc.start.z == arc.end.z;
+    let bound = if is_flat { by_angle } else { by_angle.min(between.by_fraction()) };
+    let largest = arc.start.amax().max(arc.end.amax()).max(arc.center.amax()).max(arc.radius);
+    Some(bound + 64.0 * f64::EPSILON * largest)
+}
+
+struct Between<'a> {
+    family: &'a Family,
+    arc: &'a Circular,
+    /// From the arc's centre to the family's.
+    shift: Vector2<f64>,
+    radii: [f64; 2],
+    /// How far the family's ends are turned ahead of the arc's, each seen from its own centre, radians.
+    ahead: [f64; 2],
+}
+
+impl<'a> Between<'a> {
+    fn new(family: &'a Family, arc: &'a Circular) -> Option<Self> {
+        let (from, to) = ((arc.start.xy() - arc.center), (arc.end.xy() - arc.center));
+        let ahead =
+            [family.sense * angle(&from, &family.to_start), family.sense * angle(&to, &family.to_end)];
+        let (r0, r1) = (family.to_start.norm(), family.to_end.norm());
+        let shift = family.center - arc.center;
+        // A sweep that went round the other way differs by a whole turn.
+        let is_same_turn = (family.sweep - (arc.sweep + ahead[1] - ahead[0])).abs() < 1e-6
+            && ahead.iter().all(|turn| turn.abs() <= MAX_TURN)
+            && family.sense == arc.sense;
+        let radii = [r0.min(r1), r0.max(r1)];
+        (is_same_turn && 2.0 * shift.norm() < radii[0].min(arc.radius)).then_some(Self {
+            family,
+            arc,
+            shift,
+            radii,
+            ahead,
+        })
+    }
+
+    fn by_angle(&self) -> f64 {
+        let (family, arc) = (self.family, self.arc);
+        let [least, most] = self.extremes_along_shift();
+        let uneven = ((arc.end.xy() - arc.center).norm() - arc.radius).abs();
+        let radial =
+            self.radial(self.radii[1], most).max(-self.radial(self.radii[0], least)).max(0.0) + uneven;
+        // Of the directions in which the family's ends lie, at either radius.
+        let turned = |own: &Vector3<f64>, to_end: &Vector2<f64>| {
+            let own = own.xy() - arc.center;
+            let at = |r: f64| angle(&own, &(self.shift + to_end * (r / to_end.norm()))).abs();
+            at(self.radii[0]).max(at(self.radii[1]))
+        };
+        let turn = turned(&arc.start, &family.to_start).max(turned(&arc.end, &family.to_end));
+        let tangential = 2.0 * ((arc.radius + radial) * arc.radius).sqrt() * (turn / 2.0).sin();
+        let rise = (arc.end.z - arc.start.z).abs();
+        let lag = self.ahead[0].abs().max(self.ahead[1].abs())
+            + (self.shift.norm() / self.radii[0].min(arc.radius)).asin();
+        let at_ends = (family.start.z - arc.start.z).abs().max((family.end.z - arc.end.z).abs());
+        radial.hypot(tangential).hypot(at_ends + rise * lag / arc.sweep)
+    }
+
+    /// Distance from the arc's circle of a point at radius `r` about the family's centre, whose direction has
+    /// the part `along` on the shift. Written so that no two large numbers are subtracted but the radii.
+    fn radial(&self, r: f64, along: f64) -> f64 {
+        let reach = (r * r + 2.0 * r * along + self.shift.norm_squared()).max(0.0).sqrt();
+        let radius = self.arc.radius;
+        ((r - radius) * (r + radius) + 2.0 * r * along + self.shift.norm_squared()) / (reach + radius)
+    }
+
+    /// The least and the largest part along the shift of the family's directions.
+    fn extremes_along_shift(&self) -> [f64; 2] {
+        let family = self.family;
+        let ends = [&family.to_start, &family.to_end].map(|v| v.dot(&self.shift) / v.norm());
+        let is_passed = |direction: Vector2<f64>| {
+            let ahead = family.sense * angle(&family.to_start, &direction);
+            ahead.rem_euclid(TAU) <= family.sweep
+        };
+        let size = self.shift.norm();
+        let most = if is_passed(self.shift) { size } else { ends[0].max(ends[1]) };
+        let least = if is_passed(-self.shift) { -size } else { ends[0].min(ends[1]) };
+        [least, most]
+    }
+
+    fn by_fraction(&self) -> f64 {
+        let (family, arc) = (self.family, self.arc);
+        let from = arc.start.xy() - arc.center;
+        let own = from.y.atan2(from.x);
+        let largest_ahead = self.ahead[0].abs().max(self.ahead[1].abs());
+        let mut bound: f64 = 0.0;
+        for r in self.radii {
+            let mut largest: f64 = 0.0;
+            for k in 0..=INTERVALS {
+                let t = f64::from(k) / f64::from(INTERVALS);
+                let turned = own + arc.sense * arc.sweep * t;
+                let ahead = arc.sense * (self.ahead[0] + (self.ahead[1] - self.ahead[0]) * t);
+                let apart = self.shift + unit(turned + ahead) * r - unit(turned) * arc.radius;
+                let (z0, z1) = (family.start.z - arc.start.z, family.end.z - arc.end.z);
+                largest = largest.max(apart.norm().hypot(z0 + (z1 - z0) * t));
+            }
+            let bend = (r * family.sweep.powi(2) - arc.radius * arc.sweep.powi(2)).abs()
+                + arc.radius * arc.sweep.powi(2) * largest_ahead;
+            bound = bound.max(largest + bend / (8.0 * f64::from(INTERVALS * INTERVALS)));
+        }
+        bound + ((arc.end.xy() - arc.center).norm() - arc.radius).abs()
+    }
+}
+
+/// The angle from one vector to another, radians, in -pi..=pi.
+pub fn angle(from: &Vector2<f64>, to: &Vector2<f64>) -> f64 {
+    from.perp(to).atan2(from.dot(to)).clamp(-PI, PI)
+}
+
+fn unit(angle: f64) -> Vector2<f64> {
+    Vector2::new(angle.cos(), angle.sin())
+}

@@ -1,0 +1,136 @@
+//! The centres on the grid that an arc may be written with.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Vector2, Vector3};
+
+use super::bound::{self, Circular, Family};
+use super::{
+    ACCEPTED_STEPS, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece, QuantizeError, Written,
+};
+use crate::geometry::curve::{Arc, Curve};
+
+/// A written radius may pass the limit by this much, for the source's own radius is what the limit is for.
+const RADIUS_MARGIN: f64 = 1.01;
+
+/// A piece with its ends rounded, in its plane: (first, second, normal).
+struct Rounded<'a> {
+    piece: &'a Piece<'a>,
+    grid: &'a Grid,
+    start_units: [i64; 3],
+    end_units: [i64; 3],
+    start: Vector3<f64>,
+    end: Vector3<f64>,
+    source: Circular,
+}
+
+/// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
+pub fn best(piece: &Piece, grid: &Grid) -> Result<Option<Written>, QuantizeError> {
+    let rounded = Rounded::new(piece, grid)?;
+    let [a, b] = rounded.in_plane(rounded.start_units);
+    let [to_a, to_b] = rounded.in_plane(rounded.end_units);
+    let closes = a == to_a && b == to_b;
+    if closes != piece.is_full_turn() {
+        return Ok(None);
+    }
+    let wanted = rounded.wanted_center();
+    let (i, j) = (grid.units(wanted.x - rounded.start.x)?, grid.units(wanted.y - rounded.start.y)?);
+    let mut best: Option<Written> = None;
+    for (di, dj) in (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (di, dj))) {
+        let Some(written) = rounded.with_offsets([i + di, j + dj]) else { continue };
+        if best.is_none_or(|found| written.displacement_mm < found.displacement_mm) {
+            best = Some(written);
+        }
+    }
+    Ok(best)
+}
+
+impl<'a> Rounded<'a> {
+    fn new(piece: &'a Piece<'a>, grid: &'a Grid) -> Result<Self, QuantizeError> {
+        let plane = piece.arc.plane();
+        let (start, end) = (piece.start(), piece.end());
+        let (start_units, end_units) = (grid.round(&start)?, grid.round(&end)?);
+        let source = Circular {
+            start: plane.to_local(&start),
+            end: plane.to_local(&end),
+            sweep: piece.sweep(),
+            ..Circular::of(piece.arc)
+        };
+        Ok(Self {
+            piece,
+            grid,
+            start_units,
+            end_units,
+            start: plane.to_local(&grid.point(start_units)),
+            end: plane.to_local(&grid.point(end_units)),
+            source,
+        })
+    }
+
+    fn in_plane(&self, units: [i64; 3]) -> [i64; 2] {
+        let [a, b, _] = self.piece.arc.plane().axes();
+        [units[a], units[b]]
+    }
+
+    /// The source's centre on the bisector of the rounded ends.
+    fn wanted_center(&self) -> Vector2<f64> {
+        let chord = (self.end - self.start).xy();
+        let length = chord.norm();
+        if length == 0.0 {
+            return self.source.center;
+        }
+        let along = chord / length;
+        let middle = (self.start + self.end).xy() / 2.0;
+        self.source.center - along * (self.source.center - middle).dot(&along)
+    }
+
+    /// The arc about the start plus `offsets` (units), if it may stand for the piece.
+    fn with_offsets(&self, offsets: [i64; 2]) -> Option<Written> {
+        let (arc, grid, step) = (self.piece.arc, self.grid, self.grid.step_mm());
+        let [i, j] = offsets;
+        let ([a, b], [to_a, to_b]) = (self.in_plane(self.start_units), self.in_plane(self.end_units));
+        let (to_i, to_j) = (to_a - a - i, to_b - b - j);
+        let mismatch_units = mismatch([i, j], [to_i, to_j])?;
+        if mismatch_units > MAX_MISMATCH_STEPS {
+            return None;
+        }
+        let to_start = Vector2::new(-grid.mm(i), -grid.mm(j));
+        let to_end = Vector2::new(grid.mm(to_i), grid.mm(to_j));
+        let sense = bound::sense(arc.direction());
+        let sweep = if self.piece.is_full_turn() {
+            TAU
+        } else {
+            (sense * bound::angle(&to_start, &to_end)).rem_euclid(TAU)
+        };
+        let center = Vector2::new(grid.mm(a + i), grid.mm(b + j));
+        let family = Family { center, start: self.start, end: self.end, to_start, to_end, sweep, sense };
+        let displacement_mm = bound::distance(&family, &self.source)?;
+        if displacement_mm > ACCEPTED_STEPS * step {
+            return None;
+        }
+        let plane = arc.plane();
+        let [start, end] = [self.start, self.end].map(|p| plane.to_workpiece(&p));
+        let near = plane.to_workpiece(&Vector3::new(center.x, center.y, self.start.z));
+        let exact = Arc::with_center_near(plane, arc.direction(), start, end, near).ok()?;
+        let sagitta = 2.0 * exact.radius() * (exact.sweep() / 4.0).sin().powi(2);
+        if sagitta < MIN_SAGITTA_STEPS * step || exact.radius() > RADIUS_MARGIN * MAX_RADIUS_MM {
+            return None;
+        }
+        Some(Written {
+            curve: Curve::Arc(exact),
+            end_units: self.end_units,
+            center_offset_units: Some(offsets),
+            radius_mismatch_mm: mismatch_units * step,
+            slack_mm: bound::distance(&family, &Circular::of(&exact))?,
+            displacement_mm,
+        })
+    }
+}
+
+/// The difference of the lengths of two vectors of integers, from the exact difference of their squares; none
+/// for a vector of length zero.
+fn mismatch(from: [i64; 2], to: [i64; 2]) -> Option<f64> {
+    let squared = |v: [i64; 2]| v.iter().map(|&x| i128::from(x) * i128::from(x)).sum::<i128>();
+    let (s, e) = (squared(from), squared(to));
+    (s > 0 && e > 0).then(|| (s - e).unsigned_abs() as f64 / ((s as f64).sqrt() + (e as f64).sqrt()))
+}

@@ -42,6 +42,7 @@ pub enum Code {
     HeightBelowTop,
     ToleranceBelowDecimals,
     ToleranceNotReached,
+    SectionLost,
     NothingToCut,
     InternalError,
     Overloaded,
@@ -66,6 +67,7 @@ impl Code {
             | Code::HeightBelowTop
             | Code::ToleranceBelowDecimals
             | Code::ToleranceNotReached
+            | Code::SectionLost
             | Code::NothingToCut => StatusCode::UNPROCESSABLE_ENTITY,
             Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
             Code::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
@@ -92,6 +94,7 @@ impl Code {
             Code::HeightBelowTop => "A height is below the top of the part",
             Code::ToleranceBelowDecimals => "The tolerance is finer than the written decimals",
             Code::ToleranceNotReached => "The tolerance was not reached",
+            Code::SectionLost => "A section of the surface could not be followed",
             Code::NothingToCut => "There is nothing to cut",
             Code::InternalError => "The server failed",
             Code::Overloaded => "The server is full",
@@ -170,7 +173,7 @@ pub struct Problem {
     /// Equals the header `x-request-id`.
     request_id: String,
     errors: Vec<FieldError>,
-    /// Where on the part, mm; with `overhang`, `offset_folds` and `tolerance_not_reached`.
+    /// Where on the part, mm; with `overhang`, `offset_folds`, `section_lost` and `tolerance_not_reached`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<super::dto::point::Point>)]
     place: Option<[f64; 3]>,

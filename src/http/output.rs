@@ -96,15 +96,15 @@ impl IntoResponse for Encoded {
 }
 
 /// A file name made of the program's own name or else its number.
-pub fn file_name(name: Option<&str>, number: u32) -> String {
+pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
     /// A name longer than this is cut: file systems allow 255 bytes.
     const MAX_LENGTH: usize = 100;
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || "._-".contains(*c);
     let cleaned: String = name.unwrap_or_default().chars().filter(is_plain).take(MAX_LENGTH).collect();
     // A leading dot would hide the file.
     match cleaned.trim_start_matches('.') {
-        "" => format!("program-{number}.ngc"),
-        stem => format!("{stem}.ngc"),
+        "" => format!("program-{number}.{extension}"),
+        stem => format!("{stem}.{extension}"),
     }
 }
 
@@ -125,8 +125,8 @@ mod tests {
 
     #[test]
     fn file_names_hold_nothing_that_ends_a_header() {
-        assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3), "die7.x.ngc");
-        assert_eq!(file_name(Some("\u{fc}"), 3), "program-3.ngc");
-        assert_eq!(file_name(None, 501), "program-501.ngc");
+        assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3, "ngc"), "die7.x.ngc");
+        assert_eq!(file_name(Some("\u{fc}"), 3, "ngc"), "program-3.ngc");
+        assert_eq!(file_name(None, 501, "nc"), "program-501.nc");
     }
 }

@@ -15,6 +15,7 @@ use crate::config::Limits;
 use crate::http::error::ApiError;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
+use crate::post::Dialect;
 use crate::toolpath::program as core_program;
 use crate::toolpath::units::Tolerance;
 
@@ -80,8 +81,7 @@ pub enum Boundary {
 pub struct MillJob {
     pub job: core::Job,
     pub program: core_program::Program,
-    /// A name that is listed.
-    pub dialect: String,
+    pub dialect: &'static Dialect,
     pub meta: Option<Meta>,
 }
 

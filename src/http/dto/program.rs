@@ -8,9 +8,9 @@ use super::meta::MAX_TEXT_CHARACTERS;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::http::v1::dialects;
+use crate::post::Dialect;
 use crate::toolpath::program as core;
 
-const DECIMALS: (u32, u32) = (1, 6);
 const NUMBERS: (u32, u32) = (1, 99_999_999);
 
 /// How the NC program is written. Units and decimals also bound the rounding that the tolerance allows for.
@@ -61,12 +61,10 @@ pub enum WorkOffset {
 impl Program {
     pub fn check(&self, at: &Pointer, violations: &mut Violations) {
         let Self { dialect, number, name, units: _, decimals, block_numbers: _, work_offset: _ } = self;
-        if let Some(dialect) = dialect.as_deref().filter(|name| !dialects::is_known(name)) {
-            let known = dialects::names().join("`, `");
-            let shown: String = dialect.chars().take(40).collect();
-            let detail = format!("`{shown}` is unknown, expected `{known}`");
+        let dialect = dialects::find(dialect.as_deref()).unwrap_or_else(|detail| {
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
-        }
+            dialects::DEFAULT
+        });
         if let Some(number) = *number {
             violations.integer(&at.field("number"), number, NUMBERS);
         }
@@ -74,16 +72,17 @@ impl Program {
             violations.text(&at.field("name"), name, MAX_TEXT_CHARACTERS);
         }
         if let Some(decimals) = *decimals {
-            violations.integer(&at.field("decimals"), decimals, DECIMALS);
+            violations.integer(&at.field("decimals"), decimals, (1, dialect.max_decimals.into()));
         }
     }
 
-    /// The name of the dialect and the program, from what has been checked.
-    pub fn convert(self) -> (String, core::Program) {
+    /// Converts what has been checked.
+    pub fn convert(self) -> (&'static Dialect, core::Program) {
         let Self { dialect, number, name, units, decimals, block_numbers, work_offset } = self;
+        let dialect = dialects::find(dialect.as_deref()).unwrap_or(dialects::DEFAULT);
         let (units, usual) = match units {
-            Units::Mm => (core::Units::Mm, 3),
-            Units::Inch => (core::Units::Inch, 4),
+            Units::Mm => (core::Units::Mm, dialect.default_decimals_mm),
+            Units::Inch => (core::Units::Inch, dialect.default_decimals_inch),
         };
         let decimals = decimals.and_then(|value| u8::try_from(value).ok()).unwrap_or(usual);
         let program = core::Program {
@@ -100,6 +99,6 @@ impl Program {
                 WorkOffset::G59 => 59,
             }),
         };
-        (dialect.unwrap_or_else(|| dialects::DEFAULT.to_owned()), program)
+        (dialect, program)
     }
 }

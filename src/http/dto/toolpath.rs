@@ -8,6 +8,7 @@ use super::point::Point;
 use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
 use crate::toolpath as core;
+use crate::toolpath::measure;
 
 /// An answer that holds a toolpath, with the report of its operation.
 #[derive(Serialize, ToSchema)]
@@ -71,6 +72,31 @@ pub struct MoveCounts {
 pub struct Bounds {
     pub min: Point,
     pub max: Point,
+}
+
+impl From<measure::Measures> for Measures {
+    fn from(measures: measure::Measures) -> Self {
+        let measure::Measures {
+            cutting_length_mm,
+            rapid_length_mm,
+            cutting_time_s,
+            rapid_time_s,
+            dwell_time_s,
+            total_time_s,
+            counts: measure::MoveCounts { rapid, line, arc, parabola, spline },
+            bounds: measure::Bounds { min, max },
+        } = measures;
+        Self {
+            cutting_length_mm,
+            rapid_length_mm,
+            cutting_time_s,
+            rapid_time_s,
+            total_time_s,
+            dwell_time_s,
+            moves: MoveCounts { rapid, line, arc, parabola, spline },
+            bounds: Bounds { min: min.into(), max: max.into() },
+        }
+    }
 }
 
 /// Positions of the tool tip, mm. A move starts where the last one ended.

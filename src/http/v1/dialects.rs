@@ -6,16 +6,23 @@ use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
+use crate::post::{self, DIALECTS};
 
-pub const DEFAULT: &str = "linuxcnc";
+/// The dialect of a program that names none: the first of the table.
+pub const DEFAULT: &post::Dialect = DIALECTS[0];
 
-/// The names of the dialects.
-pub fn names() -> Vec<&'static str> {
-    vec!["linuxcnc"]
+fn names() -> impl Iterator<Item = &'static str> {
+    DIALECTS.iter().map(|dialect| dialect.name)
 }
 
-pub fn is_known(name: &str) -> bool {
-    names().contains(&name)
+/// The dialect called `name`, or else what is wrong with it.
+pub fn find(name: Option<&str>) -> Result<&'static post::Dialect, String> {
+    let Some(name) = name else { return Ok(DEFAULT) };
+    post::dialect(name).ok_or_else(|| {
+        let known: Vec<_> = names().collect();
+        let shown: String = name.chars().take(40).collect();
+        format!("`{shown}` is unknown, expected `{}`", known.join("`, `"))
+    })
 }
 
 /// The name of one of them.
@@ -23,7 +30,7 @@ pub fn schema() -> Schema {
     ObjectBuilder::new()
         .schema_type(Type::String)
         .enum_values(Some(names()))
-        .default(Some(DEFAULT.into()))
+        .default(Some(DEFAULT.name.into()))
         .description(Some("A name listed by `/v1/dialects`."))
         .into()
 }
@@ -38,12 +45,39 @@ pub struct Dialects {
 pub struct Dialect {
     /// The value of `program.dialect`.
     name: &'static str,
+    description: &'static str,
+    /// Of a program's file, without the dot.
+    file_extension: &'static str,
+    /// Decimals of a written coordinate where none are asked for.
+    default_decimals: DefaultDecimals,
+    max_decimals: u8,
+}
+
+#[derive(Debug, Serialize, ToSchema)]
+pub struct DefaultDecimals {
+    mm: u8,
+    inch: u8,
+}
+
+impl From<&post::Dialect> for Dialect {
+    fn from(dialect: &post::Dialect) -> Self {
+        Self {
+            name: dialect.name,
+            description: dialect.description,
+            file_extension: dialect.file_extension,
+            default_decimals: DefaultDecimals {
+                mm: dialect.default_decimals_mm,
+                inch: dialect.default_decimals_inch,
+            },
+            max_decimals: dialect.max_decimals,
+        }
+    }
 }
 
 /// The dialects in which programs can be written.
 #[utoipa::path(get, path = "/v1/dialects", operation_id = "listDialects", tag = "service",
     responses((status = 200, description = "All of them.", body = Dialects)))]
 pub async fn list_dialects() -> Result<Encoded, ApiError> {
-    let dialects = names().into_iter().map(|name| Dialect { name }).collect();
-    Encoded::json(&Dialects { default: DEFAULT, dialects })
+    let dialects = DIALECTS.iter().map(|&dialect| dialect.into()).collect();
+    Encoded::json(&Dialects { default: DEFAULT.name, dialects })
 }

@@ -12,14 +12,15 @@ use utoipa::IntoParams;
 use crate::budget::Budget;
 use crate::config::Limits;
 use crate::http::dto::milling::{MillJob, MillReport, MillRequest};
-use crate::http::dto::point::Point;
-use crate::http::dto::toolpath::{Bounds, Measures, MoveCounts, ToolpathAnswer, Warning, WarningCode};
-use crate::http::error::{ApiError, Code};
+use crate::http::dto::toolpath::{ToolpathAnswer, Warning, WarningCode};
+use crate::http::error::ApiError;
 use crate::http::extract::{JsonBody, StrictQuery};
 use crate::http::output::{Encoded, Format, Representation, file_name};
 use crate::http::request_id::RequestId;
 use crate::http::{App, ENGINE_VERSION};
 use crate::operations::surface_milling::{self, Plan};
+use crate::post::{self, ProgramJob};
+use crate::toolpath::measure::measure;
 
 /// How the answer is wanted.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -81,7 +82,9 @@ fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> 
     match wanted.representation {
         Representation::Gcode(media_type) => {
             let text = nc_text(&plan, &accepted)?;
-            let file_name = file_name(accepted.program.name.as_deref(), accepted.program.number);
+            let program = &accepted.program;
+            let file_name =
+                file_name(program.name.as_deref(), program.number, accepted.dialect.file_extension);
             Ok(Encoded::gcode(text, media_type, &file_name))
         }
         Representation::Json => Encoded::json(&ToolpathAnswer {
@@ -90,31 +93,18 @@ fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> 
             meta: accepted.meta,
             warnings: plan.warnings.iter().map(Warning::from).collect(),
             report: MillReport::from(&plan.report),
-            measures: measures(&plan),
+            measures: measure(&plan.toolpath, plan.cutting.rapid_feed).into(),
             toolpath: wanted.with_toolpath.then(|| plan.toolpath.into()),
         }),
     }
 }
 
 /// The program that cuts the plan.
-fn nc_text(_plan: &Plan, job: &MillJob) -> Result<String, ApiError> {
-    let detail = format!("programs in the dialect `{}` cannot be written yet", job.dialect);
-    Err(ApiError::new(Code::InternalError, detail))
-}
-
-/// The figures of the plan's toolpath.
-fn measures(plan: &Plan) -> Measures {
-    let start = Point::from(plan.toolpath.start());
-    Measures {
-        cutting_length_mm: 0.0,
-        rapid_length_mm: 0.0,
-        cutting_time_s: 0.0,
-        rapid_time_s: 0.0,
-        total_time_s: 0.0,
-        dwell_time_s: 0.0,
-        moves: MoveCounts::default(),
-        bounds: Bounds { min: start, max: start },
-    }
+fn nc_text(plan: &Plan, accepted: &MillJob) -> Result<String, ApiError> {
+    let MillJob { job, program, dialect, meta } = accepted;
+    let comments: Vec<String> = meta.iter().flatten().map(|(key, value)| format!("{key}: {value}")).collect();
+    let job = ProgramJob { program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &comments };
+    Ok(post::write(&plan.toolpath, &job)?.text)
 }
 
 impl From<&surface_milling::Warning> for Warning {
@@ -197,7 +187,9 @@ mod tests {
         assert_eq!(answer["meta"], json!({ "part_id": "7" }));
         assert_eq!(answer["warnings"][0]["code"], "no_spindle_speed");
         assert_eq!(answer["report"]["deviation_max_mm"], 0.001);
-        assert_eq!(answer["measures"]["bounds"]["min"].as_array().map(Vec::len), Some(3));
+        assert_eq!(answer["measures"]["rapid_length_mm"], 10.0);
+        assert_eq!(answer["measures"]["moves"]["line"], 1);
+        assert_eq!(answer["measures"]["bounds"]["max"], json!([10.0, 0.0, 2.0]));
         assert_eq!(answer["toolpath"]["passes"][0]["moves"][1]["role"], "plunge");
         assert_eq!(answer_of(false).await.get("toolpath"), None);
     }

@@ -21,7 +21,6 @@ async fn every_example_is_a_legal_request() {
 }
 
 #[tokio::test]
-#[ignore = "needs the operation"]
 async fn every_example_answers_in_json_as_the_contract_names_it() {
     let app = app(&["--workers", "1"]);
     for (name, body) in EXAMPLES {
@@ -42,7 +41,6 @@ async fn every_example_answers_in_json_as_the_contract_names_it() {
 }
 
 #[tokio::test]
-#[ignore = "needs the operation and the writer"]
 async fn every_example_answers_in_nc_text_under_the_name_it_was_asked_by() {
     let app = app(&["--workers", "1"]);
     for (name, body) in EXAMPLES {

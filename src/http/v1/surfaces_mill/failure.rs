@@ -6,6 +6,8 @@ use crate::http::compute::Failure;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling::Error;
+use crate::post::WriteError;
+use crate::toolpath::quantize::QuantizeError;
 
 impl From<Failure> for ApiError {
     fn from(failure: Failure) -> Self {
@@ -61,6 +63,48 @@ impl From<Error> for ApiError {
                 Self::new(Code::LimitExceeded, detail).blaming(&strategy, FieldCode::LimitExceeded)
             }
             Error::NothingToCut => Self::new(Code::NothingToCut, detail),
+            Error::SectionLost { at } => Self::new(Code::SectionLost, detail).at(at.into()),
+            Error::Quantize(quantize) => quantize.into(),
+            Error::Path(_) => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<QuantizeError> for ApiError {
+    fn from(error: QuantizeError) -> Self {
+        let decimals = Pointer::root().field("program").field("decimals");
+        let detail = error.to_string();
+        match error {
+            QuantizeError::OutOfRange { value_mm: _ } => {
+                Self::invalid(vec![FieldError::new(&decimals, FieldCode::OutOfRange, detail)])
+            }
+            QuantizeError::TooManyPieces { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&decimals, FieldCode::LimitExceeded)
+            }
+        }
+    }
+}
+
+impl From<WriteError> for ApiError {
+    fn from(error: WriteError) -> Self {
+        let program = Pointer::root().field("program");
+        let cutting = Pointer::root().field("cutting");
+        let detail = error.to_string();
+        let out_of_range = |at: Pointer, detail: String| {
+            Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
+        };
+        match error {
+            WriteError::Quantize(quantize) => quantize.into(),
+            WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
+            WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
+            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting.field("feed_mm_per_min"), detail),
+            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
+            // What is left cannot come of a legal request.
+            WriteError::Dwell { seconds: _ }
+            | WriteError::LineTooLong { limit: _ }
+            | WriteError::Unreadable(_)
+            | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
         }
     }
 }
@@ -76,6 +120,9 @@ impl From<GridError> for ApiError {
             GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
             GridError::EndTangents { side, given: _, expected: _ } => {
                 (surface.field("end_tangents").field(side), FieldCode::WrongLength)
+            }
+            GridError::EndTangentNotFinite { side } => {
+                (surface.field("end_tangents").field(side), FieldCode::TooLarge)
             }
         };
         Self::invalid(vec![FieldError::new(&at, code, error.to_string())])
@@ -127,6 +174,12 @@ mod tests {
                 &["#/strategy"],
             ),
             (Error::NothingToCut, Code::NothingToCut, &[]),
+            (Error::SectionLost { at }, Code::SectionLost, &[]),
+            (
+                Error::Quantize(QuantizeError::TooManyPieces { limit: 4 }),
+                Code::LimitExceeded,
+                &["#/program/decimals"],
+            ),
             (
                 Error::Grid(GridError::Ragged { row: 2, points: 3, expected: 4 }),
                 Code::InvalidRequest,

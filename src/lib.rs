@@ -1,7 +1,9 @@
 //! toolpathd turns part data into CNC toolpaths. The library is the whole of it; the binary serves it over HTTP.
 
 pub mod budget;
+pub mod config;
 pub mod geometry;
+pub mod http;
 pub mod operations;
 pub mod post;
 pub mod toolpath;

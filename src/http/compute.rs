@@ -1,0 +1,161 @@
+//! The bounded pool on which computations run, away from the threads that serve connections.
+//!
+//! A request first takes one of `workers + queue` tickets, or is refused at once; then it waits for one of
+//! `workers` places. Both move into the computation: a client that goes away cancels its [`Budget`], but the
+//! place is free only when the thread is.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use tokio::sync::{Semaphore, oneshot};
+use tokio::time::timeout_at;
+
+use crate::budget::Budget;
+
+/// How much later than the deadline an answer is still waited for: the time between two looks at the budget.
+const DEADLINE_SLACK: Duration = Duration::from_millis(500);
+
+/// Why there is no result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failure {
+    /// Every worker is busy and the queue is full.
+    Overloaded,
+    DeadlinePassed,
+    Panicked,
+}
+
+pub struct Compute {
+    pool: rayon::ThreadPool,
+    tickets: Arc<Semaphore>,
+    places: Arc<Semaphore>,
+    deadline: Duration,
+}
+
+impl Compute {
+    /// A pool of `workers` threads (at least one) in front of which `queue` requests may wait.
+    ///
+    /// # Errors
+    /// When the threads cannot be started.
+    pub fn new(
+        workers: usize,
+        queue: usize,
+        deadline: Duration,
+    ) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let workers = workers.max(1);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(workers)
+            .thread_name(|k| format!("compute-{k}"))
+            .build()?;
+        Ok(Self {
+            pool,
+            tickets: Arc::new(Semaphore::new(workers + queue)),
+            places: Arc::new(Semaphore::new(workers)),
+            deadline,
+        })
+    }
+
+    /// Runs `job` on the pool. Dropping the future cancels the budget the job was given.
+    ///
+    /// # Errors
+    /// When the pool is full, the deadline passes before the job ends, or the job panics.
+    pub async fn run<T, F>(&self, job: F) -> Result<T, Failure>
+    where
+        T: Send + 'static,
+        F: FnOnce(&Budget) -> T + Send + 'static,
+    {
+        let ticket = Arc::clone(&self.tickets).try_acquire_owned().map_err(|_| Failure::Overloaded)?;
+        let deadline = Instant::now() + self.deadline;
+        let place = timeout_at(deadline.into(), Arc::clone(&self.places).acquire_owned())
+            .await
+            .map_err(|_| Failure::DeadlinePassed)?
+            .map_err(|_| Failure::Overloaded)?;
+
+        let budget = Budget::unlimited().with_deadline(deadline);
+        let _cancel = CancelOnDrop(budget.clone());
+        let (answer, result) = oneshot::channel();
+        self.pool.spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| job(&budget)));
+            // Freed before the answer is sent: whoever has it may count on the place.
+            drop((place, ticket));
+            let _ = answer.send(outcome);
+        });
+        match timeout_at((deadline + DEADLINE_SLACK).into(), result).await {
+            Ok(Ok(Ok(value))) => Ok(value),
+            Ok(_) => Err(Failure::Panicked),
+            Err(_) => Err(Failure::DeadlinePassed),
+        }
+    }
+}
+
+struct CancelOnDrop(Budget);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::Stopped;
+
+    fn spin(budget: &Budget) -> Stopped {
+        loop {
+            if let Err(stopped) = budget.check() {
+                return stopped;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn pool(workers: usize, queue: usize, deadline: Duration) -> Arc<Compute> {
+        Arc::new(Compute::new(workers, queue, deadline).expect("threads"))
+    }
+
+    #[tokio::test]
+    async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
+        let compute = pool(1, 1, Duration::from_secs(20));
+        let (running, waiting) = (Arc::clone(&compute), Arc::clone(&compute));
+        let running = tokio::spawn(async move { running.run(spin).await });
+        let waiting = tokio::spawn(async move { waiting.run(|_| 7).await });
+        while compute.tickets.available_permits() > 0 {
+            tokio::task::yield_now().await;
+        }
+        assert_eq!(compute.run(|_| 0).await, Err(Failure::Overloaded));
+        running.abort();
+        assert_eq!(waiting.await.expect("no panic"), Ok(7));
+        assert_eq!(compute.run(|_| 1).await, Ok(1));
+    }
+
+    #[tokio::test]
+    async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
+        let compute = pool(1, 0, Duration::from_secs(20));
+        let (sender, stopped) = oneshot::channel();
+        let job = compute.run(move |budget| sender.send(spin(budget)));
+        assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
+        let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
+        assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
+    }
+
+    #[tokio::test]
+    async fn the_deadline_holds_for_the_deaf_and_for_the_waiting() {
+        let compute = pool(1, 1, Duration::from_millis(50));
+        assert_eq!(compute.run(spin).await, Ok(Stopped::DeadlinePassed));
+        let deaf = compute.run(|_| std::thread::sleep(Duration::from_secs(1)));
+        let waiting = async {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            compute.run(|_| ()).await
+        };
+        let (deaf, waiting) = tokio::join!(deaf, waiting);
+        assert_eq!((deaf, waiting), (Err(Failure::DeadlinePassed), Err(Failure::DeadlinePassed)));
+    }
+
+    #[tokio::test]
+    async fn a_panic_is_an_answer_and_the_pool_lives_on() {
+        let compute = pool(1, 0, Duration::from_secs(20));
+        assert_eq!(compute.run(|_| -> u8 { panic!("on purpose") }).await, Err(Failure::Panicked));
+        assert_eq!(compute.run(|_| 1).await, Ok(1));
+    }
+}

@@ -1,0 +1,249 @@
+//! Text to wire types, with a pointer to the field that is to blame.
+//!
+//! Two passes: the first reads the whole text as JSON and nothing more, so that what is not JSON is never
+//! mistaken for a wrong request; the second decodes. Decoding stops at its first error.
+
+use std::collections::HashSet;
+use std::fmt;
+
+use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_path_to_error::{Path, Segment};
+
+use super::dto::object::Object;
+use super::dto::tagged;
+use super::error::{ApiError, Code, FieldCode, FieldError};
+use super::pointer::Pointer;
+
+/// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
+const LATER_FIELDS: [&str; 4] = ["scallop_height_mm", "allowance_mm", "pitch_mm", "corner_radius_mm"];
+
+/// Values of the contract that this version does not know yet, each with the field it is a value of.
+const LATER_VALUES: [(&str, &[&str]); 3] =
+    [("shape", &["flat", "bull_nose"]), ("engine", &["contact"]), ("boundary", &["inside", "past"])];
+
+/// A member with a longer name than this is not pointed at, but the object it is in.
+const MAX_NAME_BYTES: usize = 200;
+
+/// Decodes a request body.
+///
+/// # Errors
+/// `malformed_json`, or `invalid_request` with the pointer of the first field that does not fit.
+pub fn decode<'de, T: Deserialize<'de>>(body: &'de [u8]) -> Result<T, ApiError> {
+    let malformed = |detail: String| ApiError::new(Code::MalformedJson, detail);
+    if body.iter().all(u8::is_ascii_whitespace) {
+        return Err(malformed("the body is empty".into()));
+    }
+    let text =
+        std::str::from_utf8(body).map_err(|error| malformed(format!("the body is not UTF-8: {error}")))?;
+    serde_json::from_str::<Checked>(text).map_err(|error| malformed(error.to_string()))?;
+    decode_at(text).map_err(|error| ApiError::invalid(vec![error]))
+}
+
+/// Decodes an object from text that is known to be JSON; pointers are relative to it.
+pub fn decode_at<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, FieldError> {
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    match serde_path_to_error::deserialize(&mut deserializer) {
+        Ok(Object(value)) => Ok(value),
+        Err(error) => {
+            let at = pointer_of(error.path());
+            Err(explain(&at, &error.into_inner().to_string()))
+        }
+    }
+}
+
+fn pointer_of(path: &Path) -> Pointer {
+    let is_short = |segment: &&Segment| match segment {
+        Segment::Map { key } => key.len() <= MAX_NAME_BYTES,
+        _ => true,
+    };
+    path.iter().take_while(is_short).fold(Pointer::root(), |at, segment| match segment {
+        Segment::Seq { index } => at.index(*index),
+        Segment::Map { key } | Segment::Enum { variant: key } => at.field(key),
+        Segment::Unknown => at,
+    })
+}
+
+/// Sorts an error of the decoder, which is only text, into a code.
+fn explain(at: &Pointer, message: &str) -> FieldError {
+    if let Some(inner) = tagged::unpack(message) {
+        return FieldError { pointer: at.join(&inner.pointer).as_str().to_owned(), ..inner };
+    }
+    // The place in the text; the pointer says it better.
+    let message = message.rsplit_once(" at line ").map_or(message, |(before, _)| before);
+    let named = message.split('`').nth(1);
+    if let (Some(name), true) = (named, message.starts_with("missing field")) {
+        return FieldError::new(&at.field(name), FieldCode::MissingField, format!("`{name}` is required"));
+    }
+    if let (Some(name), true) = (named, message.starts_with("unknown field")) {
+        // The path already ends with the name.
+        return if LATER_FIELDS.contains(&name) {
+            FieldError::new(at, FieldCode::Unsupported, format!("`{name}` is not supported yet"))
+        } else {
+            FieldError::new(at, FieldCode::UnknownField, message)
+        };
+    }
+    if let (Some(value), true) = (named, message.starts_with("unknown variant")) {
+        let later = LATER_VALUES
+            .iter()
+            .any(|(field, values)| at.as_str().ends_with(&format!("/{field}")) && values.contains(&value));
+        let expected = message.split_once(", ").map_or("", |(_, expected)| expected);
+        return if later {
+            let detail = format!("`{value}` is not supported yet, {expected}");
+            FieldError::new(at, FieldCode::Unsupported, detail)
+        } else {
+            FieldError::new(at, FieldCode::UnknownValue, format!("`{value}` is unknown, {expected}"))
+        };
+    }
+    let code = if message.starts_with("invalid length") || message.starts_with("trailing characters") {
+        FieldCode::WrongLength
+    } else {
+        FieldCode::WrongType
+    };
+    FieldError::new(at, code, message)
+}
+
+/// Any JSON value, read for its errors alone: syntax, numbers beyond f64, nesting, repeated keys.
+struct Checked;
+
+impl<'de> Deserialize<'de> for Checked {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Checked)
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Checked {
+    type Value = Checked;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Checked {
+    type Value = Checked;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_u64<E>(self, _: u64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_unit<E>(self) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self, A::Error> {
+        while seq.next_element::<Checked>()?.is_some() {}
+        Ok(self)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self, A::Error> {
+        let mut keys = HashSet::new();
+        while let Some(key) = map.next_key::<String>()? {
+            map.next_value::<Checked>()?;
+            if keys.contains(&key) {
+                return Err(A::Error::custom(format!("the key `{key}` is repeated")));
+            }
+            keys.insert(key);
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        #[serde(default)]
+        _list: Vec<[f64; 2]>,
+        #[serde(default)]
+        _inner: Option<Inner>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        _width: f64,
+        #[serde(default)]
+        _side: Option<Side>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum Side {
+        Left,
+    }
+
+    fn code_of(body: &str) -> Code {
+        decode::<Outer>(body.as_bytes()).expect_err(body).code()
+    }
+
+    #[test]
+    fn what_is_not_json_is_malformed_whatever_else_is_wrong() {
+        let deep = "[".repeat(100_000);
+        for body in [
+            "",
+            "  \n",
+            "{",
+            "{\"_list\": [[1, 2]",
+            "nothing",
+            "{\"_list\": [[NaN, 1]]}",
+            "{\"_list\": [[Infinity, 1]]}",
+            "{\"_list\": [[1e999, 1]]}",
+            "{\"unknown\": 1e999}",
+            "{\"unknown\": 1, \"_list\": [",
+            "{} {}",
+            "{\"_list\": [], \"_list\": []}",
+            "{\"x\": {\"a\": 1, \"a\": 2}}",
+            &deep,
+        ] {
+            assert_eq!(code_of(body), Code::MalformedJson, "{}", &body[..body.len().min(40)]);
+        }
+        assert_eq!(decode::<Outer>(b"{\"_list\": \"\xff\"}").expect_err("utf-8").code(), Code::MalformedJson);
+    }
+
+    #[test]
+    fn pointers_reach_the_field() {
+        for (body, pointer, code) in [
+            (r#"{"_lisst": 1}"#, "#/_lisst", FieldCode::UnknownField),
+            (r#"{"pitch_mm": 1}"#, "#/pitch_mm", FieldCode::Unsupported),
+            (r#"{"_list": [[1, 2], [3, "x"]]}"#, "#/_list/1/1", FieldCode::WrongType),
+            (r#"{"_list": [[1, 2], [3]]}"#, "#/_list/1", FieldCode::WrongLength),
+            (r#"{"_list": [[1, 2, 3]]}"#, "#/_list/0", FieldCode::WrongLength),
+            (r#"{"_list": 3}"#, "#/_list", FieldCode::WrongType),
+            (r#"{"_inner": {}}"#, "#/_inner/_width", FieldCode::MissingField),
+            (r#"{"_inner": {"_width": 1, "a/b": 1}}"#, "#/_inner/a~1b", FieldCode::UnknownField),
+            (r#"{"_inner": {"_width": null}}"#, "#/_inner/_width", FieldCode::WrongType),
+            (r#"{"_inner": {"_width": 1, "_side": "up"}}"#, "#/_inner/_side", FieldCode::UnknownValue),
+            (r#"{"_inner": {"_width": 1, "_side": 4}}"#, "#/_inner/_side", FieldCode::WrongType),
+            ("[]", "#", FieldCode::WrongType),
+            ("5", "#", FieldCode::WrongType),
+        ] {
+            let error = decode::<Outer>(body.as_bytes()).expect_err(body);
+            let [only] = error.errors() else { panic!("{body}: {error:?}") };
+            assert_eq!((only.pointer.as_str(), only.code), (pointer, code), "{body}: {}", only.detail);
+        }
+    }
+}

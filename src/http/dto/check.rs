@@ -1,0 +1,101 @@
+//! Range checks that collect every violation instead of ending at the first.
+
+use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
+use crate::http::pointer::Pointer;
+
+/// Coordinates and lengths beyond a kilometre are mistakes, mm.
+pub const MAX_MAGNITUDE_MM: f64 = 1e6;
+
+/// Lengths, feeds and speeds below this are mistakes; it also keeps every quotient of two of them finite.
+pub const MIN_POSITIVE: f64 = 1e-3;
+
+/// A closed range of numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct Range {
+    pub min: f64,
+    pub max: f64,
+}
+
+impl Range {
+    /// Lengths, feeds and speeds.
+    pub const POSITIVE: Range = Range { min: MIN_POSITIVE, max: MAX_MAGNITUDE_MM };
+    /// Heights and coordinates.
+    pub const COORDINATE: Range = Range { min: -MAX_MAGNITUDE_MM, max: MAX_MAGNITUDE_MM };
+}
+
+/// The violations found so far: the first of them, and how many there are.
+#[derive(Debug, Default)]
+pub struct Violations {
+    first: Vec<FieldError>,
+    total: usize,
+}
+
+impl Violations {
+    pub fn add(&mut self, at: &Pointer, code: FieldCode, detail: impl Into<String>) {
+        self.total += 1;
+        if self.first.len() < MAX_ERRORS {
+            self.first.push(FieldError::new(at, code, detail));
+        }
+    }
+
+    /// Looks at a number of the given unit.
+    pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
+        if value.abs() > MAX_MAGNITUDE_MM {
+            let detail = format!("{value:?} {unit} is beyond {MAX_MAGNITUDE_MM} {unit}");
+            self.add(at, FieldCode::TooLarge, detail);
+        } else if !(range.min..=range.max).contains(&value) {
+            let detail = format!("{value:?} {unit} is outside {:?}..={:?} {unit}", range.min, range.max);
+            self.add(at, FieldCode::OutOfRange, detail);
+        }
+    }
+
+    /// Looks at a number that may be absent.
+    pub fn optional(&mut self, at: &Pointer, value: Option<f64>, range: Range, unit: &str) {
+        if let Some(value) = value {
+            self.number(at, value, range, unit);
+        }
+    }
+
+    /// Looks at a whole number.
+    pub fn integer(&mut self, at: &Pointer, value: u32, (min, max): (u32, u32)) {
+        if !(min..=max).contains(&value) {
+            self.add(at, FieldCode::OutOfRange, format!("{value} is outside {min}..={max}"));
+        }
+    }
+
+    /// Looks at a text of the user.
+    pub fn text(&mut self, at: &Pointer, value: &str, max_characters: usize) {
+        let characters = value.chars().count();
+        if characters > max_characters {
+            let detail = format!("{characters} characters; at most {max_characters} are allowed");
+            self.add(at, FieldCode::TooLong, detail);
+        }
+    }
+
+    /// The error of a body in which there is a violation.
+    pub fn into_error(self) -> ApiError {
+        ApiError::invalid_among(self.total, self.first)
+    }
+
+    /// # Errors
+    /// When there is a violation, with all of them.
+    pub fn result(self) -> Result<(), ApiError> {
+        if self.total == 0 { Ok(()) } else { Err(self.into_error()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_violations_are_counted_but_not_all_listed() {
+        let mut violations = Violations::default();
+        for k in 0..5000 {
+            violations.number(&Pointer::root().index(k), -1.0, Range::POSITIVE, "mm");
+        }
+        let error = violations.result().expect_err("violations");
+        assert_eq!(error.errors().len(), MAX_ERRORS);
+        assert_eq!(error.detail(), "5000 violations; the first at #/0");
+    }
+}

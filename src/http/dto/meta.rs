@@ -1,0 +1,40 @@
+//! The caller's own words about a job, returned as they came.
+
+use std::collections::BTreeMap;
+
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+
+use super::check::Violations;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+
+/// Part id, operation, work order: texts of the caller under names of the caller.
+pub type Meta = BTreeMap<String, String>;
+
+pub const MAX_ENTRIES: usize = 32;
+pub const MAX_KEY_CHARACTERS: usize = 100;
+/// Of any text of the user that may end in a program's comment.
+pub const MAX_TEXT_CHARACTERS: usize = 1000;
+
+pub fn schema() -> Schema {
+    let text = ObjectBuilder::new().schema_type(Type::String).max_length(Some(MAX_TEXT_CHARACTERS));
+    ObjectBuilder::new()
+        .additional_properties(Some(text))
+        .max_properties(Some(MAX_ENTRIES))
+        .description(Some("Texts of the caller under names of the caller, returned as they came."))
+        .into()
+}
+
+pub fn check(meta: &Meta, at: &Pointer, violations: &mut Violations) {
+    if meta.len() > MAX_ENTRIES {
+        let detail = format!("{} entries; at most {MAX_ENTRIES} are allowed", meta.len());
+        violations.add(at, FieldCode::TooLong, detail);
+        return;
+    }
+    for (key, value) in meta {
+        violations.text(at, key, MAX_KEY_CHARACTERS);
+        if value.len() > MAX_TEXT_CHARACTERS {
+            violations.text(&at.field(key), value, MAX_TEXT_CHARACTERS);
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! A request for milling a surface, and its conversion to a job.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::check::{Range, Violations};
+use super::cutting::Cutting;
+use super::meta::{self, Meta};
+use super::object;
+use super::program::Program;
+use super::strategy::{Sections, Strategy};
+use super::surface::Surface;
+use super::tool::Tool;
+use crate::config::Limits;
+use crate::http::error::ApiError;
+use crate::http::pointer::Pointer;
+use crate::operations::surface_milling as core;
+use crate::post::Dialect;
+use crate::toolpath::program as core_program;
+use crate::toolpath::units::Tolerance;
+
+/// Finishing a surface with a ball cutter.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MillRequest {
+    surface: Surface,
+    #[serde(deserialize_with = "object::required")]
+    tool: Tool,
+    strategy: Strategy,
+    /// The proved distance between the path as written and the exact one is at most this.
+    #[schema(minimum = 0.000_001, maximum = 10)]
+    tolerance_mm: f64,
+    #[serde(default)]
+    #[schema(default = "arcs")]
+    interpolation: Interpolation,
+    /// Upper bound for the distance of neighbouring CL points. Default: none but what the tolerance asks for.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    step_length_mm: Option<f64>,
+    #[serde(default, rename = "engine")]
+    #[schema(default = "offset_section")]
+    _engine: Engine,
+    /// Where the passes end: `on`, the cutter's contact reaches the edge.
+    #[serde(default, rename = "boundary")]
+    #[schema(default = "on")]
+    _boundary: Boundary,
+    #[serde(deserialize_with = "object::required")]
+    cutting: Cutting,
+    #[serde(default, deserialize_with = "object::required")]
+    program: Program,
+    /// Texts of the caller under names of the caller, returned as they came: at most 32.
+    #[schema(schema_with = meta::schema)]
+    meta: Option<Meta>,
+}
+
+/// What the CL points are joined by.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    #[default]
+    Arcs,
+    Lines,
+}
+
+/// How the sections are found.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Engine {
+    #[default]
+    OffsetSection,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Boundary {
+    #[default]
+    On,
+}
+
+/// A request in the core's terms, with what the operation does not need to know.
+#[derive(Debug)]
+pub struct MillJob {
+    pub job: core::Job,
+    pub program: core_program::Program,
+    pub dialect: &'static Dialect,
+    pub meta: Option<Meta>,
+}
+
+impl MillRequest {
+    /// # Errors
+    /// `invalid_request` with every violation.
+    pub fn convert(self, limits: &Limits) -> Result<MillJob, ApiError> {
+        let Self {
+            surface,
+            tool,
+            strategy,
+            tolerance_mm,
+            interpolation,
+            step_length_mm,
+            _engine: Engine::OffsetSection,
+            _boundary: Boundary::On,
+            cutting,
+            program,
+            meta,
+        } = self;
+        let root = Pointer::root();
+        let mut violations = Violations::default();
+
+        surface.check(&root.field("surface"), limits, &mut violations);
+        tool.check(&root.field("tool"), &mut violations);
+        let (low, high) = surface.bounds();
+        let extent = [high.x - low.x, high.y - low.y];
+        strategy.check(&root.field("strategy"), extent, limits.sections, &mut violations);
+        let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
+        violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
+        violations.optional(&root.field("step_length_mm"), step_length_mm, Range::POSITIVE, "mm");
+        let cutting = cutting.convert(&root.field("cutting"), &mut violations);
+        program.check(&root.field("program"), &mut violations);
+        if let Some(meta) = &meta {
+            meta::check(meta, &root.field("meta"), &mut violations);
+        }
+        let (Some(tolerance), Some(cutting)) = (Tolerance::from_mm(tolerance_mm), cutting) else {
+            return Err(violations.into_error());
+        };
+        violations.result()?;
+
+        let Sections { plane, stepover_mm, direction } = strategy.into();
+        let (dialect, program) = program.convert();
+        let job = core::Job {
+            surface: surface.into(),
+            tool: tool.into(),
+            plane,
+            stepover_mm,
+            direction,
+            tolerance,
+            interpolation: match interpolation {
+                Interpolation::Arcs => core::Interpolation::Arcs,
+                Interpolation::Lines => core::Interpolation::Lines,
+            },
+            step_length_mm,
+            cutting,
+            resolution: program.resolution,
+        };
+        Ok(MillJob { job, program, dialect, meta })
+    }
+}
+
+/// What the planned passes are like.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct MillReport {
+    n_passes: usize,
+    n_cl_points: usize,
+    /// Proved: the path as written lies nowhere farther from the exact one.
+    deviation_max_mm: f64,
+    /// Proved: the cutter penetrates the surface nowhere deeper.
+    gouge_max_mm: f64,
+    n_arcs: usize,
+    n_lines: usize,
+}
+
+impl From<&core::Report> for MillReport {
+    fn from(report: &core::Report) -> Self {
+        let &core::Report { n_passes, n_cl_points, deviation_max_mm, gouge_max_mm, n_arcs, n_lines } = report;
+        Self { n_passes, n_cl_points, deviation_max_mm, gouge_max_mm, n_arcs, n_lines }
+    }
+}

@@ -1,0 +1,320 @@
+//! Errors as the caller sees them: problem details by RFC 9457. The only place that knows status codes of failures.
+
+use axum::body::Body;
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::pointer::Pointer;
+
+pub const PROBLEM_JSON: &str = "application/problem+json";
+
+/// Most entries of `errors` in one answer; `detail` tells when there are more.
+pub const MAX_ERRORS: usize = 100;
+
+/// A text of the caller may be in a detail, at any length.
+const MAX_DETAIL_CHARACTERS: usize = 500;
+
+/// Seconds after which a refused caller may try again.
+const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("1");
+
+/// What went wrong, as a closed list. `invalid_request` has one entry in `errors` for each violation; `unsupported`
+/// is a legal request for something this version cannot do yet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = ProblemCode)]
+pub enum Code {
+    BadRequest,
+    InvalidQuery,
+    MalformedJson,
+    NotFound,
+    MethodNotAllowed,
+    NotAcceptable,
+    RequestTimeout,
+    PayloadTooLarge,
+    UnsupportedMediaType,
+    InvalidRequest,
+    Unsupported,
+    LimitExceeded,
+    Overhang,
+    OffsetFolds,
+    HeightBelowTop,
+    ToleranceBelowDecimals,
+    ToleranceNotReached,
+    SectionLost,
+    NothingToCut,
+    InternalError,
+    Overloaded,
+    DeadlinePassed,
+}
+
+impl Code {
+    pub fn status(self) -> StatusCode {
+        match self {
+            Code::BadRequest | Code::InvalidQuery | Code::MalformedJson => StatusCode::BAD_REQUEST,
+            Code::NotFound => StatusCode::NOT_FOUND,
+            Code::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,
+            Code::NotAcceptable => StatusCode::NOT_ACCEPTABLE,
+            Code::RequestTimeout => StatusCode::REQUEST_TIMEOUT,
+            Code::PayloadTooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+            Code::UnsupportedMediaType => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Code::InvalidRequest
+            | Code::Unsupported
+            | Code::LimitExceeded
+            | Code::Overhang
+            | Code::OffsetFolds
+            | Code::HeightBelowTop
+            | Code::ToleranceBelowDecimals
+            | Code::ToleranceNotReached
+            | Code::SectionLost
+            | Code::NothingToCut => StatusCode::UNPROCESSABLE_ENTITY,
+            Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
+            Code::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
+            Code::DeadlinePassed => StatusCode::GATEWAY_TIMEOUT,
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Code::BadRequest => "The request is not understood",
+            Code::InvalidQuery => "A query parameter is not legal",
+            Code::MalformedJson => "The body is not JSON",
+            Code::NotFound => "There is nothing at this path",
+            Code::MethodNotAllowed => "The path does not have this method",
+            Code::NotAcceptable => "None of the accepted media types is on offer",
+            Code::RequestTimeout => "The body stopped arriving",
+            Code::PayloadTooLarge => "The body is too large",
+            Code::UnsupportedMediaType => "The body's media type is not read here",
+            Code::InvalidRequest => "The body is not a legal request",
+            Code::Unsupported => "This version cannot do what is asked",
+            Code::LimitExceeded => "The job is larger than this server allows",
+            Code::Overhang => "The surface does not face up everywhere",
+            Code::OffsetFolds => "The surface is curved more tightly than the cutter",
+            Code::HeightBelowTop => "A height is below the top of the part",
+            Code::ToleranceBelowDecimals => "The tolerance is finer than the written decimals",
+            Code::ToleranceNotReached => "The tolerance was not reached",
+            Code::SectionLost => "A section of the surface could not be followed",
+            Code::NothingToCut => "There is nothing to cut",
+            Code::InternalError => "The server failed",
+            Code::Overloaded => "The server is full",
+            Code::DeadlinePassed => "The computation took too long",
+        }
+    }
+
+    /// The code for a bare status from the framework.
+    fn of_status(status: StatusCode) -> Code {
+        match status {
+            StatusCode::NOT_FOUND => Code::NotFound,
+            StatusCode::METHOD_NOT_ALLOWED => Code::MethodNotAllowed,
+            StatusCode::NOT_ACCEPTABLE => Code::NotAcceptable,
+            StatusCode::REQUEST_TIMEOUT => Code::RequestTimeout,
+            StatusCode::PAYLOAD_TOO_LARGE => Code::PayloadTooLarge,
+            StatusCode::UNSUPPORTED_MEDIA_TYPE => Code::UnsupportedMediaType,
+            StatusCode::UNPROCESSABLE_ENTITY => Code::InvalidRequest,
+            StatusCode::SERVICE_UNAVAILABLE => Code::Overloaded,
+            StatusCode::GATEWAY_TIMEOUT => Code::DeadlinePassed,
+            status if status.is_client_error() => Code::BadRequest,
+            _ => Code::InternalError,
+        }
+    }
+}
+
+/// Why one place of the body is to blame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = FieldCode)]
+pub enum FieldCode {
+    UnknownField,
+    MissingField,
+    WrongType,
+    WrongLength,
+    UnknownValue,
+    UnknownDialect,
+    Unsupported,
+    OutOfRange,
+    TooLarge,
+    TooLong,
+    TooFewPoints,
+    RaggedGrid,
+    LimitExceeded,
+    HeightBelowTop,
+    ToleranceBelowDecimals,
+}
+
+/// One violation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+pub struct FieldError {
+    /// The place in the request's body, a JSON pointer as URI fragment (RFC 6901).
+    #[schema(example = "#/surface/points/2/3/1")]
+    pub pointer: String,
+    pub code: FieldCode,
+    /// The value received and the limit.
+    pub detail: String,
+}
+
+impl FieldError {
+    pub fn new(at: &Pointer, code: FieldCode, detail: impl Into<String>) -> Self {
+        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()) }
+    }
+}
+
+/// Problem details by RFC 9457: the body of every answer of 400 and above.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Problem {
+    /// Always `about:blank`: `code` tells problems apart.
+    #[serde(rename = "type")]
+    kind: &'static str,
+    title: &'static str,
+    #[schema(minimum = 400, maximum = 599)]
+    status: u16,
+    detail: String,
+    code: Code,
+    /// Equals the header `x-request-id`.
+    request_id: String,
+    errors: Vec<FieldError>,
+    /// Where on the part, mm; with `overhang`, `offset_folds`, `section_lost` and `tolerance_not_reached`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<super::dto::point::Point>)]
+    place: Option<[f64; 3]>,
+    /// The media types on offer; with `not_acceptable`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offers: Option<Vec<&'static str>>,
+}
+
+/// A failure on its way to the caller. It becomes a [`Problem`] where the request's id is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ApiError {
+    code: Code,
+    /// When the framework answered with a status of its own.
+    status: StatusCode,
+    detail: String,
+    errors: Vec<FieldError>,
+    place: Option<[f64; 3]>,
+    offers: Option<Vec<&'static str>>,
+}
+
+impl ApiError {
+    pub fn new(code: Code, detail: impl Into<String>) -> Self {
+        let detail = shortened(detail.into());
+        Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
+    }
+
+    /// A body that breaks rules. When all that breaks them is merely not built yet, the code says so.
+    pub fn invalid(errors: Vec<FieldError>) -> Self {
+        Self::invalid_among(errors.len(), errors)
+    }
+
+    /// As [`Self::invalid`], where `errors` are the first of `total` violations.
+    pub fn invalid_among(total: usize, errors: Vec<FieldError>) -> Self {
+        let all_unsupported = errors.iter().all(|error| error.code == FieldCode::Unsupported);
+        let code = if all_unsupported { Code::Unsupported } else { Code::InvalidRequest };
+        let detail = match errors.as_slice() {
+            [only] => format!("{}: {}", only.pointer, only.detail),
+            several => format!("{total} violations; the first at {}", first_pointer(several)),
+        };
+        Self { errors, ..Self::new(code, detail) }
+    }
+
+    /// The framework's own answer `status`, which has no detail.
+    pub fn from_status(status: StatusCode) -> Self {
+        let code = Code::of_status(status);
+        Self { status, ..Self::new(code, code.title()) }
+    }
+
+    pub fn blaming(mut self, at: &Pointer, code: FieldCode) -> Self {
+        self.errors.push(FieldError::new(at, code, self.detail.clone()));
+        self
+    }
+
+    pub fn at(mut self, place: [f64; 3]) -> Self {
+        self.place = Some(place);
+        self
+    }
+
+    pub fn offering(mut self, offers: impl IntoIterator<Item = &'static str>) -> Self {
+        self.offers = Some(offers.into_iter().collect());
+        self
+    }
+
+    pub fn code(&self) -> Code {
+        self.code
+    }
+
+    pub fn detail(&self) -> &str {
+        &self.detail
+    }
+
+    pub fn errors(&self) -> &[FieldError] {
+        &self.errors
+    }
+
+    /// The answer to the request with this id.
+    pub fn into_problem(self, request_id: &str) -> Response {
+        let problem = Problem {
+            kind: "about:blank",
+            title: self.code.title(),
+            status: self.status.as_u16(),
+            detail: self.detail,
+            code: self.code,
+            request_id: request_id.to_owned(),
+            errors: self.errors,
+            place: self.place,
+            offers: self.offers,
+        };
+        let body = serde_json::to_vec(&problem).unwrap_or_default();
+        let mut response = (self.status, Body::from(body)).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        headers
+            .insert(HeaderName::from_static("x-content-type-options"), HeaderValue::from_static("nosniff"));
+        if self.status == StatusCode::SERVICE_UNAVAILABLE {
+            headers.insert(header::RETRY_AFTER, RETRY_AFTER_S);
+        }
+        response
+    }
+}
+
+fn shortened(text: String) -> String {
+    match text.char_indices().nth(MAX_DETAIL_CHARACTERS) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}
+
+fn first_pointer(errors: &[FieldError]) -> &str {
+    errors.first().map_or("#", |error| &error.pointer)
+}
+
+/// Only marks the response: the body is written by the outermost layer, which knows the request's id.
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let mut response = self.status.into_response();
+        response.extensions_mut().insert(self);
+        response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_only_unsupported_says_so() {
+        let unsupported =
+            FieldError::new(&Pointer::root().field("engine"), FieldCode::Unsupported, "not yet");
+        let wrong =
+            FieldError::new(&Pointer::root().field("tool"), FieldCode::OutOfRange, "-1 is below 0.001");
+        assert_eq!(ApiError::invalid(vec![unsupported.clone()]).code(), Code::Unsupported);
+        let both = ApiError::invalid(vec![unsupported, wrong]);
+        assert_eq!(both.code(), Code::InvalidRequest);
+        assert_eq!(both.detail, "2 violations; the first at #/engine");
+    }
+
+    #[test]
+    fn details_do_not_return_a_whole_body() {
+        let error = ApiError::new(Code::MalformedJson, "\u{e9}".repeat(10_000));
+        assert_eq!(error.detail.chars().count(), MAX_DETAIL_CHARACTERS + 3);
+    }
+}

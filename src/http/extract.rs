@@ -1,0 +1,120 @@
+//! A request's body as a wire type.
+
+use std::future::poll_fn;
+use std::pin::Pin;
+use std::sync::Arc;
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{FromRequest, FromRequestParts, Query, Request};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, header};
+use serde::de::DeserializeOwned;
+use tokio::time::timeout;
+
+use super::App;
+use super::decode::decode;
+use super::error::{ApiError, Code};
+
+/// Bodies above this are decoded on a thread of their own, lest they delay the other connections.
+const DECODE_ASIDE_BYTES: usize = 64 * 1024;
+
+/// The body, decoded from JSON.
+pub struct JsonBody<T>(pub T);
+
+impl<T: DeserializeOwned + Send + 'static> FromRequest<Arc<App>> for JsonBody<T> {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
+        check_content_type(request.headers())?;
+        let bytes = read(request.into_body(), app).await?;
+        if bytes.len() <= DECODE_ASIDE_BYTES {
+            return decode(&bytes).map(Self);
+        }
+        tokio::task::spawn_blocking(move || decode(&bytes))
+            .await
+            .map_err(|_| ApiError::new(Code::InternalError, "decoding the body failed"))?
+            .map(Self)
+    }
+}
+
+/// The query, decoded strictly: a misspelt parameter must not silently do nothing.
+pub struct StrictQuery<T>(pub T);
+
+impl<T: DeserializeOwned> FromRequestParts<Arc<App>> for StrictQuery<T> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, ApiError> {
+        match Query::<T>::from_request_parts(parts, app).await {
+            Ok(Query(query)) => Ok(Self(query)),
+            Err(rejection) => {
+                let detail = rejection.body_text();
+                let detail = detail.strip_prefix("Failed to deserialize query string: ").unwrap_or(&detail);
+                Err(ApiError::new(Code::InvalidQuery, detail))
+            }
+        }
+    }
+}
+
+/// What is read as JSON: JSON, any `+json`, what curl says of `-d` when told nothing, and no type at all.
+fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
+    let Some(value) = headers.get(header::CONTENT_TYPE) else { return Ok(()) };
+    let essence = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
+    let essence = essence.to_ascii_lowercase();
+    let is_json = essence == "application/json"
+        || (essence.starts_with("application/") && essence.ends_with("+json"))
+        || essence == "application/x-www-form-urlencoded";
+    if !is_json {
+        let detail = format!("`{essence}` is not read here; send `application/json`");
+        return Err(ApiError::new(Code::UnsupportedMediaType, detail));
+    }
+    match headers.get(header::CONTENT_ENCODING) {
+        Some(coding) if !coding.as_bytes().eq_ignore_ascii_case(b"identity") => {
+            let detail = "the body is encoded; send it without `Content-Encoding`";
+            Err(ApiError::new(Code::UnsupportedMediaType, detail))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Reads the body whole, within the limit of size and as long as it makes progress.
+async fn read(mut body: Body, app: &App) -> Result<Bytes, ApiError> {
+    let limit = app.limits.body_bytes;
+    let too_large = |size: u64| {
+        let detail = format!("the body has at least {size} bytes; at most {limit} are allowed");
+        ApiError::new(Code::PayloadTooLarge, detail)
+    };
+    let announced = body.size_hint().lower();
+    if announced > limit as u64 {
+        return Err(too_large(announced));
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(announced).unwrap_or_default());
+    loop {
+        let next = timeout(app.body_timeout, next_data(&mut body)).await.map_err(|_| {
+            let seconds = app.body_timeout.as_secs_f64();
+            let detail = format!("no byte of the body arrived for {seconds} s; {} did", bytes.len());
+            ApiError::new(Code::RequestTimeout, detail)
+        })?;
+        match next {
+            None => return Ok(bytes.into()),
+            Some(Err(_)) => return Err(ApiError::new(Code::BadRequest, "the body could not be read")),
+            Some(Ok(data)) if bytes.len() + data.len() > limit => {
+                return Err(too_large((bytes.len() + data.len()) as u64));
+            }
+            Some(Ok(data)) => bytes.extend_from_slice(&data),
+        }
+    }
+}
+
+/// The next bytes of the body, of which there is at least one.
+async fn next_data(body: &mut Body) -> Option<Result<Bytes, axum::Error>> {
+    loop {
+        match poll_fn(|context| Pin::new(&mut *body).poll_frame(context)).await? {
+            Ok(frame) => match frame.into_data() {
+                Ok(data) if !data.is_empty() => return Some(Ok(data)),
+                // Trailers, and the empty frames of HTTP/2, are no progress.
+                _ => {}
+            },
+            Err(error) => return Some(Err(error)),
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Request bodies that are read to their end even if nobody wants them.
+//!
+//! A caller that is still sending when its connection is closed is told so by a reset, which can overtake
+//! the answer: it never learns that its body was too large. So what is left of a body is thrown away for a
+//! while after the answer.
+
+use std::pin::Pin;
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::body::{Bytes, HttpBody};
+use axum::http::{HeaderMap, header};
+use hyper::body::{Frame, Incoming, SizeHint};
+use tokio::time::timeout;
+
+/// How long, and how much of, an unwanted body is read.
+const MAX_TIME: Duration = Duration::from_secs(5);
+const MAX_BYTES: usize = 256 * 1024 * 1024;
+
+/// A body which is drained when it is dropped before its end.
+pub struct Lingering {
+    body: Option<Incoming>,
+    /// Whether the caller holds the body back until it is asked for (`Expect: 100-continue`).
+    is_held_back: bool,
+}
+
+impl Lingering {
+    pub fn new(headers: &HeaderMap, body: Incoming) -> Self {
+        Self { body: Some(body), is_held_back: headers.contains_key(header::EXPECT) }
+    }
+}
+
+impl HttpBody for Lingering {
+    type Data = Bytes;
+    type Error = hyper::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, hyper::Error>>> {
+        // Asking for the first part releases the body.
+        self.is_held_back = false;
+        let Some(body) = &mut self.body else { return Poll::Ready(None) };
+        let frame = Pin::new(body).poll_frame(context);
+        if let Poll::Ready(None | Some(Err(_))) = frame {
+            self.body = None;
+        }
+        frame
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.as_ref().is_none_or(HttpBody::is_end_stream)
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.as_ref().map_or_else(|| SizeHint::with_exact(0), HttpBody::size_hint)
+    }
+}
+
+impl Drop for Lingering {
+    fn drop(&mut self) {
+        let rest = self.body.take().filter(|body| !self.is_held_back && !body.is_end_stream());
+        if let Some(body) = rest {
+            tokio::spawn(timeout(MAX_TIME, drain(body)));
+        }
+    }
+}
+
+async fn drain(mut body: Incoming) {
+    let mut total = 0;
+    while let Some(Ok(frame)) = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await
+    {
+        total += frame.data_ref().map_or(0, Bytes::len);
+        if total > MAX_BYTES {
+            return;
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The contract, generated from the handlers and the wire types, and the routes it describes.
+
+use std::sync::Arc;
+
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
+use utoipa::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::error::{PROBLEM_JSON, Problem};
+use super::output::JSON;
+use super::{App, health, v1};
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "toolpathd",
+        description = "Turns part data into CNC toolpaths and NC programs. Lengths in mm, feeds in mm/min, times in s."
+    ),
+    tags(
+        (name = "surfaces", description = "Sculptured surfaces"),
+        (name = "service", description = "What this server accepts and speaks"),
+        (name = "operation", description = "For supervisors and load balancers")
+    ),
+    components(schemas(Problem, super::dto::point::Point))
+)]
+struct Document;
+
+/// Requests that are known to work, by the operation they are for.
+const EXAMPLES: [(&str, &str, &str); 3] = [
+    ("/v1/surfaces/mill", "die", include_str!("../../openapi/examples/surfaces-mill/die.json")),
+    ("/v1/surfaces/mill", "freeform", include_str!("../../openapi/examples/surfaces-mill/freeform.json")),
+    ("/v1/surfaces/mill", "one-pass", include_str!("../../openapi/examples/surfaces-mill/one-pass.json")),
+];
+
+/// Statuses of failure that any operation can answer, and those of operations with a body.
+const ANY_FAILURE: [StatusCode; 2] = [StatusCode::BAD_REQUEST, StatusCode::INTERNAL_SERVER_ERROR];
+const BODY_FAILURE: [StatusCode; 7] = [
+    StatusCode::NOT_ACCEPTABLE,
+    StatusCode::REQUEST_TIMEOUT,
+    StatusCode::PAYLOAD_TOO_LARGE,
+    StatusCode::UNSUPPORTED_MEDIA_TYPE,
+    StatusCode::UNPROCESSABLE_ENTITY,
+    StatusCode::SERVICE_UNAVAILABLE,
+    StatusCode::GATEWAY_TIMEOUT,
+];
+
+/// Every route with its documentation.
+pub fn routes() -> OpenApiRouter<Arc<App>> {
+    OpenApiRouter::with_openapi(Document::openapi())
+        .routes(routes!(v1::surfaces_mill::mill_surface))
+        .routes(routes!(v1::limits::get_limits))
+        .routes(routes!(v1::dialects::list_dialects))
+        .routes(routes!(health::livez))
+        .routes(routes!(health::readyz))
+        .routes(routes!(get_contract))
+}
+
+/// This contract.
+#[utoipa::path(get, path = "/openapi.json", operation_id = "getContract", tag = "service",
+    responses((status = 200, description = "OpenAPI 3.1.", body = Object)))]
+async fn get_contract() -> Response {
+    ([(header::CONTENT_TYPE, HeaderValue::from_static(JSON))], contract()).into_response()
+}
+
+/// The contract as formatted JSON.
+pub fn contract() -> String {
+    let mut document = serde_json::to_value(routes().into_openapi()).unwrap_or_default();
+    add_problems(&mut document);
+    add_examples(&mut document);
+    format!("{document:#}")
+}
+
+/// Gives every operation the failures it can answer.
+fn add_problems(document: &mut Value) {
+    let headers = json!({
+        "x-request-id": { "$ref": "#/components/headers/RequestId" },
+        "x-engine-version": { "$ref": "#/components/headers/EngineVersion" },
+    });
+    document["components"]["headers"] = json!({
+        "RequestId": {
+            "description": "The id sent with the request, or else one made for it.",
+            "schema": { "type": "string" },
+        },
+        "EngineVersion": {
+            "description": "The same request to the same version gives the same bytes.",
+            "schema": { "type": "string" },
+        },
+        "RetryAfter": { "description": "Whole seconds.", "schema": { "type": "integer", "minimum": 0 } },
+    });
+    let Some(paths) = document["paths"].as_object_mut() else { return };
+    for (path, item) in paths {
+        for operation in item.as_object_mut().into_iter().flat_map(|item| item.values_mut()) {
+            let has_body = operation.get("requestBody").is_some();
+            let extra: &[StatusCode] = match path.as_str() {
+                _ if has_body => &BODY_FAILURE,
+                "/readyz" => &[StatusCode::SERVICE_UNAVAILABLE],
+                _ => &[],
+            };
+            let Some(responses) = operation["responses"].as_object_mut() else { continue };
+            for response in responses.values_mut() {
+                response["headers"] = headers.clone();
+            }
+            for status in ANY_FAILURE.iter().chain(extra) {
+                let mut response = json!({
+                    "description": status.canonical_reason(),
+                    "headers": headers.clone(),
+                    "content": { PROBLEM_JSON: { "schema": { "$ref": "#/components/schemas/Problem" } } },
+                });
+                if *status == StatusCode::SERVICE_UNAVAILABLE {
+                    response["headers"]["retry-after"] = json!({ "$ref": "#/components/headers/RetryAfter" });
+                }
+                responses.insert(status.as_str().to_owned(), response);
+            }
+        }
+    }
+}
+
+fn add_examples(document: &mut Value) {
+    for (path, name, text) in EXAMPLES {
+        let value: Value = serde_json::from_str(text).unwrap_or_default();
+        let examples = &mut document["paths"][path]["post"]["requestBody"]["content"][JSON]["examples"];
+        examples[name] = json!({ "value": value });
+    }
+}

@@ -1,0 +1,215 @@
+//! The accept loop: connections with time limits, and an end in which no request is lost.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::{HeaderValue, Request, Version, header};
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use hyper_util::server::conn::auto;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep, sleep_until, timeout};
+use tower::ServiceExt;
+
+use super::App;
+use super::linger::Lingering;
+
+/// How long connections are still accepted after the signal: callers that were told of this service a moment
+/// ago, and probes that are to see it leave.
+const LAST_CALL: Duration = Duration::from_millis(500);
+
+/// How long an idle connection is kept after the signal, for a request that is already on its way.
+const IDLE_GRACE: Duration = Duration::from_millis(500);
+
+/// All is over this long after the signal, below the 30 s that supervisors commonly allow.
+const DRAIN_LIMIT: Duration = Duration::from_secs(28);
+
+/// Pause after a failed accept; the usual reason, no free file descriptor, does not pass at once.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
+
+/// Serves `router` until `stop` resolves, and then until every request that has reached this process is
+/// answered; `app` is told when that begins.
+///
+/// # Errors
+/// When the listener cannot be used.
+pub async fn serve(
+    listener: TcpListener,
+    router: Router,
+    app: &App,
+    stop: impl Future<Output = ()>,
+) -> io::Result<()> {
+    let (announce, draining) = watch::channel(false);
+    let connections = Connections { router, header_timeout: app.header_timeout, draining };
+    let mut open = JoinSet::new();
+    tokio::pin!(stop);
+    loop {
+        tokio::select! {
+            biased;
+            () = &mut stop => break,
+            accepted = listener.accept() => connections.open(accepted, &mut open).await,
+            Some(_) = open.join_next() => {}
+        }
+    }
+
+    let limit = Instant::now() + DRAIN_LIMIT;
+    tracing::info!("draining");
+    app.drain();
+    let _ = announce.send(true);
+    let last_call = sleep(LAST_CALL);
+    tokio::pin!(last_call);
+    loop {
+        tokio::select! {
+            accepted = listener.accept() => connections.open(accepted, &mut open).await,
+            () = &mut last_call => break,
+        }
+    }
+    // The kernel may have completed connections that the runtime has not heard of yet.
+    let listener = listener.into_std()?;
+    while let Ok((stream, _)) = listener.accept() {
+        if stream.set_nonblocking(true).is_ok() {
+            let stream = TcpStream::from_std(stream).map(|stream| (stream, ()));
+            connections.open(stream, &mut open).await;
+        }
+    }
+    drop(listener);
+
+    let all_closed = async { while open.join_next().await.is_some() {} };
+    if timeout(limit - Instant::now(), all_closed).await.is_err() {
+        tracing::warn!(connections = open.len(), "connections were still open at the end");
+    }
+    tracing::info!("stopped");
+    Ok(())
+}
+
+/// What every connection is made from.
+struct Connections {
+    router: Router,
+    header_timeout: Duration,
+    draining: watch::Receiver<bool>,
+}
+
+impl Connections {
+    async fn open<A>(&self, accepted: io::Result<(TcpStream, A)>, open: &mut JoinSet<()>) {
+        match accepted {
+            Ok((stream, _)) => {
+                // Answers are written whole; waiting to fill a packet only delays them.
+                let _ = stream.set_nodelay(true);
+                let (router, draining) = (self.router.clone(), self.draining.clone());
+                open.spawn(connection(stream, router, self.header_timeout, draining));
+            }
+            Err(error) => {
+                tracing::warn!(%error, "accept failed");
+                sleep(ACCEPT_PAUSE).await;
+            }
+        }
+    }
+}
+
+/// Serves one connection until either side ends it.
+async fn connection(
+    stream: TcpStream,
+    router: Router,
+    header_timeout: Duration,
+    mut draining: watch::Receiver<bool>,
+) {
+    let activity = Arc::new(Activity::default());
+    let closing = draining.clone();
+    let service = service_fn(|request: Request<hyper::body::Incoming>| {
+        let busy = Busy::new(&activity);
+        let router = router.clone();
+        let closing = closing.clone();
+        async move {
+            let version = request.version();
+            let (parts, body) = request.into_parts();
+            let body = Body::new(Lingering::new(&parts.headers, body));
+            let response = router.oneshot(Request::from_parts(parts, body)).await;
+            drop(busy);
+            response.map(|mut response| {
+                if *closing.borrow() && version <= Version::HTTP_11 {
+                    response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+                }
+                response
+            })
+        }
+    });
+    let mut builder = auto::Builder::new(TokioExecutor::new());
+    builder.http1().timer(TokioTimer::new()).header_read_timeout(header_timeout);
+    builder.http2().timer(TokioTimer::new()).keep_alive_interval(header_timeout);
+    let connection = builder.serve_connection(TokioIo::new(stream), service);
+    tokio::pin!(connection);
+
+    // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the
+    // requests of HTTP/2; this one does.
+    let mut patience = header_timeout;
+    let mut is_draining = false;
+    let mut idle_since = Instant::now();
+    let mut seen = activity.count();
+    loop {
+        tokio::select! {
+            biased;
+            result = &mut connection => {
+                if let Err(error) = result {
+                    tracing::debug!(%error, "connection ended");
+                }
+                return;
+            }
+            Ok(()) = draining.changed(), if !is_draining => {
+                is_draining = true;
+                patience = IDLE_GRACE;
+                idle_since = Instant::now();
+            }
+            () = sleep_until(idle_since + patience) => {
+                let now = activity.count();
+                let is_idle = now == seen && !activity.is_busy();
+                if is_idle || is_draining {
+                    // From here on: nothing more is read once the requests in progress are answered.
+                    connection.as_mut().graceful_shutdown();
+                    let _ = (&mut connection).await;
+                    return;
+                }
+                seen = now;
+                idle_since = Instant::now();
+            }
+        }
+    }
+}
+
+/// The requests of one connection.
+#[derive(Default)]
+struct Activity {
+    begun: AtomicUsize,
+    running: AtomicUsize,
+}
+
+impl Activity {
+    fn count(&self) -> usize {
+        self.begun.load(Ordering::Relaxed)
+    }
+
+    fn is_busy(&self) -> bool {
+        self.running.load(Ordering::Relaxed) > 0
+    }
+}
+
+/// Marks a request as running until it is dropped.
+struct Busy(Arc<Activity>);
+
+impl Busy {
+    fn new(activity: &Arc<Activity>) -> Self {
+        activity.begun.fetch_add(1, Ordering::Relaxed);
+        activity.running.fetch_add(1, Ordering::Relaxed);
+        Self(Arc::clone(activity))
+    }
+}
+
+impl Drop for Busy {
+    fn drop(&mut self) {
+        self.0.running.fetch_sub(1, Ordering::Relaxed);
+    }
+}

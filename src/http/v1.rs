@@ -1,0 +1,5 @@
+//! The endpoints of version 1, a file each.
+
+pub mod dialects;
+pub mod limits;
+pub mod surfaces_mill;

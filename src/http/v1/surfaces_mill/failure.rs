@@ -1,0 +1,194 @@
+//! The failures of milling as the caller sees them.
+
+use crate::budget::Stopped;
+use crate::geometry::surface::point_grid::GridError;
+use crate::http::compute::Failure;
+use crate::http::error::{ApiError, Code, FieldCode, FieldError};
+use crate::http::pointer::Pointer;
+use crate::operations::surface_milling::Error;
+use crate::post::WriteError;
+use crate::toolpath::quantize::QuantizeError;
+
+impl From<Failure> for ApiError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Overloaded => {
+                Self::new(Code::Overloaded, "every worker is busy and the queue is full; try again later")
+            }
+            Failure::DeadlinePassed => Stopped::DeadlinePassed.into(),
+            Failure::Panicked => Self::new(Code::InternalError, "the computation met a fault of the server"),
+        }
+    }
+}
+
+impl From<Stopped> for ApiError {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            // Nobody is left to read the answer to a cancelled request.
+            Stopped::Cancelled | Stopped::DeadlinePassed => {
+                Self::new(Code::DeadlinePassed, "the computation was not finished within the deadline")
+            }
+        }
+    }
+}
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        let detail = error.to_string();
+        let root = Pointer::root();
+        let cutting = root.field("cutting");
+        let strategy = root.field("strategy");
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Grid(grid) => grid.into(),
+            Error::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
+            Error::OffsetFolds { at } => Self::new(Code::OffsetFolds, detail).at(at.into()),
+            Error::HeightBelowTop { field, value_mm: _, top_mm: _ } => {
+                Self::new(Code::HeightBelowTop, detail)
+                    .blaming(&cutting.field(field), FieldCode::HeightBelowTop)
+            }
+            Error::ClearanceBelowRetract { clearance_mm: _, retract_mm: _ } => {
+                let at = cutting.field("clearance_z_mm");
+                Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
+            }
+            Error::ToleranceBelowResolution { tolerance_mm: _, decimals: _, least_mm: _ } => {
+                Self::new(Code::ToleranceBelowDecimals, detail)
+                    .blaming(&root.field("tolerance_mm"), FieldCode::ToleranceBelowDecimals)
+                    .blaming(&root.field("program").field("decimals"), FieldCode::ToleranceBelowDecimals)
+            }
+            Error::ToleranceNotReached { tolerance_mm: _, deviation_mm: _, at } => {
+                Self::new(Code::ToleranceNotReached, detail).at(at.into())
+            }
+            Error::TooMuchWork { what: _, needed: _, limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&strategy, FieldCode::LimitExceeded)
+            }
+            Error::NothingToCut => Self::new(Code::NothingToCut, detail),
+            Error::SectionLost { at } => Self::new(Code::SectionLost, detail).at(at.into()),
+            Error::Quantize(quantize) => quantize.into(),
+            Error::Path(_) => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<QuantizeError> for ApiError {
+    fn from(error: QuantizeError) -> Self {
+        let decimals = Pointer::root().field("program").field("decimals");
+        let detail = error.to_string();
+        match error {
+            QuantizeError::OutOfRange { value_mm: _ } => {
+                Self::invalid(vec![FieldError::new(&decimals, FieldCode::OutOfRange, detail)])
+            }
+            QuantizeError::TooManyPieces { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&decimals, FieldCode::LimitExceeded)
+            }
+        }
+    }
+}
+
+impl From<WriteError> for ApiError {
+    fn from(error: WriteError) -> Self {
+        let program = Pointer::root().field("program");
+        let cutting = Pointer::root().field("cutting");
+        let detail = error.to_string();
+        let out_of_range = |at: Pointer, detail: String| {
+            Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
+        };
+        match error {
+            WriteError::Quantize(quantize) => quantize.into(),
+            WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
+            WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
+            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting.field("feed_mm_per_min"), detail),
+            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
+            // What is left cannot come of a legal request.
+            WriteError::Dwell { seconds: _ }
+            | WriteError::LineTooLong { limit: _ }
+            | WriteError::Unreadable(_)
+            | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<GridError> for ApiError {
+    fn from(error: GridError) -> Self {
+        let surface = Pointer::root().field("surface");
+        let points = surface.field("points");
+        let (at, code) = match error {
+            GridError::TooFewRows { rows: _ } => (points, FieldCode::TooFewPoints),
+            GridError::TooFewPoints { row, points: _ } => (points.index(row), FieldCode::TooFewPoints),
+            GridError::Ragged { row, points: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
+            GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
+            GridError::EndTangents { side, given: _, expected: _ } => {
+                (surface.field("end_tangents").field(side), FieldCode::WrongLength)
+            }
+            GridError::EndTangentNotFinite { side } => {
+                (surface.field("end_tangents").field(side), FieldCode::TooLarge)
+            }
+        };
+        Self::invalid(vec![FieldError::new(&at, code, error.to_string())])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+
+    /// What the caller is told: the code and the places to blame.
+    fn told(error: Error) -> (Code, Vec<String>) {
+        let error = ApiError::from(error);
+        (error.code(), error.errors().iter().map(|error| error.pointer.clone()).collect())
+    }
+
+    #[test]
+    fn every_failure_has_its_code_and_its_places() {
+        let at = Point3::new(1.0, 2.0, 3.0);
+        for (error, code, places) in [
+            (Error::Stopped(Stopped::DeadlinePassed), Code::DeadlinePassed, &[][..]),
+            (Error::Overhang { at }, Code::Overhang, &[]),
+            (Error::OffsetFolds { at }, Code::OffsetFolds, &[]),
+            (
+                Error::HeightBelowTop { field: "retract_z_mm", value_mm: 1.0, top_mm: 2.0 },
+                Code::HeightBelowTop,
+                &["#/cutting/retract_z_mm"],
+            ),
+            (
+                Error::ClearanceBelowRetract { clearance_mm: 1.0, retract_mm: 2.0 },
+                Code::InvalidRequest,
+                &["#/cutting/clearance_z_mm"],
+            ),
+            (
+                Error::ToleranceBelowResolution { tolerance_mm: 1e-4, decimals: 3, least_mm: 0.0015 },
+                Code::ToleranceBelowDecimals,
+                &["#/tolerance_mm", "#/program/decimals"],
+            ),
+            (
+                Error::ToleranceNotReached { tolerance_mm: 0.1, deviation_mm: 0.2, at },
+                Code::ToleranceNotReached,
+                &[],
+            ),
+            (
+                Error::TooMuchWork { what: "passes", needed: 5, limit: 4 },
+                Code::LimitExceeded,
+                &["#/strategy"],
+            ),
+            (Error::NothingToCut, Code::NothingToCut, &[]),
+            (Error::SectionLost { at }, Code::SectionLost, &[]),
+            (
+                Error::Quantize(QuantizeError::TooManyPieces { limit: 4 }),
+                Code::LimitExceeded,
+                &["#/program/decimals"],
+            ),
+            (
+                Error::Grid(GridError::Ragged { row: 2, points: 3, expected: 4 }),
+                Code::InvalidRequest,
+                &["#/surface/points/2"],
+            ),
+        ] {
+            let (told_code, told_places) = told(error);
+            assert_eq!(told_code, code, "{error:?}");
+            assert_eq!(told_places, places, "{error:?}");
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! The binary: reads the settings, then serves or prints the contract.
+
+use std::io::{Read, Write};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser;
+use tokio::net::TcpListener;
+use tokio::signal::unix::{SignalKind, signal};
+use toolpathd::config::{Cli, Command, LogFormat, Settings};
+use toolpathd::http::{App, contract, router, serve};
+use tracing_subscriber::EnvFilter;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = match cli.command {
+        Some(Command::Openapi) => print_contract(),
+        Some(Command::Healthcheck) => check_health(&cli.settings),
+        None | Some(Command::Serve) => run(&cli.settings),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("toolpathd: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn print_contract() -> Result<(), Failure> {
+    Ok(writeln!(std::io::stdout(), "{}", contract())?)
+}
+
+/// For images that hold nothing else to ask with.
+fn check_health(settings: &Settings) -> Result<(), Failure> {
+    const PATIENCE: Duration = Duration::from_secs(3);
+    let mut address = settings.listen;
+    match address.ip() {
+        ip if !ip.is_unspecified() => {}
+        IpAddr::V4(_) => address.set_ip(Ipv4Addr::LOCALHOST.into()),
+        IpAddr::V6(_) => address.set_ip(Ipv6Addr::LOCALHOST.into()),
+    }
+    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer)?;
+    match answer.split(' ').nth(1) {
+        Some("200") => Ok(()),
+        _ => Err(format!("{address} does not answer as it should").into()),
+    }
+}
+
+fn run(settings: &Settings) -> Result<(), Failure> {
+    start_log(settings)?;
+    let app = App::new(settings)?;
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(async {
+        // Before the address is announced: whoever reads it may send a signal at once.
+        let mut terminate = signal(SignalKind::terminate())?;
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        let listener = TcpListener::bind(settings.listen)
+            .await
+            .map_err(|error| format!("cannot listen on {}: {error}", settings.listen))?;
+        writeln!(std::io::stdout(), "listening on http://{}", listener.local_addr()?)?;
+        let stop = async move {
+            tokio::select! {
+                _ = terminate.recv() => {}
+                _ = interrupt.recv() => {}
+            }
+        };
+        serve::serve(listener, router(&app), &app, stop).await?;
+        Ok(())
+    })
+}
+
+/// Logs go to standard error; standard output is for what was asked for.
+fn start_log(settings: &Settings) -> Result<(), Failure> {
+    let filter = EnvFilter::try_new(&settings.log)?;
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    match settings.log_format {
+        LogFormat::Text => log.init(),
+        LogFormat::Json => log.json().init(),
+    }
+    Ok(())
+}

@@ -1,0 +1,8 @@
+//! The service as its callers meet it.
+
+mod connection;
+mod decoding;
+mod negotiation;
+mod shutdown;
+mod support;
+mod surfaces;

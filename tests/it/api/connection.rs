@@ -1,0 +1,157 @@
+//! Connections that are slow, silent, or gone.
+
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::routing::post;
+use toolpathd::budget::Budget;
+use toolpathd::http::compute::Compute;
+
+use super::support::{MILL, ONE_PASS, Server, app, connect, post as post_to, post_head, read_answer, write};
+
+fn spin(budget: &Budget) {
+    while budget.check().is_ok() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Runs what waits on sockets beside the service.
+async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    tokio::task::spawn_blocking(work).await.expect("no panic")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() {
+    let app = app(&["--workers", "1"]);
+    let compute = Arc::new(Compute::new(1, 0, Duration::from_secs(20)).expect("threads"));
+    let ended = Arc::new(Mutex::new(None));
+    let begun = Arc::new(tokio::sync::Notify::new());
+    let (stopped, started) = (Arc::clone(&ended), Arc::clone(&begun));
+    let handler = move |_body: String| {
+        let (compute, stopped, started) = (Arc::clone(&compute), Arc::clone(&stopped), Arc::clone(&started));
+        async move {
+            let job = move |budget: &Budget| {
+                started.notify_one();
+                spin(budget);
+                *stopped.lock().expect("no panic") = Some(Instant::now());
+            };
+            let _ = compute.run(job).await;
+        }
+    };
+    let server = Server::with_router(&app, Router::new().route("/spin", post(handler))).await;
+    let address = server.address;
+    for _ in 0..3 {
+        let stream = aside(move || {
+            let mut stream = connect(address);
+            write(&mut stream, &format!("{}body", post_head("/spin", 4)));
+            stream
+        })
+        .await;
+        begun.notified().await;
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        assert!(ended.lock().expect("no panic").is_none());
+        let closed = Instant::now();
+        drop(stream);
+        tokio::time::sleep(Duration::from_millis(300)).await;
+        let ended = ended.lock().expect("no panic").take().expect("it has stopped");
+        assert!(ended - closed < Duration::from_millis(100), "{:?}", ended - closed);
+    }
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_full_queue_is_503_and_a_passed_deadline_504() {
+    let app = app(&["--workers", "1", "--queue", "1", "--deadline-s", "0.3"]);
+    let (running, queued) = (Arc::clone(&app), Arc::clone(&app));
+    let running = tokio::spawn(async move { running.compute.run(spin).await });
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    let queued = tokio::spawn(async move { queued.compute.run(spin).await });
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    let refused = post_to(&app, MILL, ONE_PASS, &[]).await;
+    assert_eq!((refused.status.as_u16(), refused.code().as_str()), (503, "overloaded"));
+    assert!(refused.header("retry-after").parse::<u32>().is_ok());
+    assert!(running.await.is_ok() && queued.await.is_ok());
+
+    let deaf = Arc::clone(&app);
+    let deaf =
+        tokio::spawn(async move { deaf.compute.run(|_| std::thread::sleep(Duration::from_secs(1))).await });
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    let late = post_to(&app, MILL, ONE_PASS, &[]).await;
+    assert_eq!((late.status.as_u16(), late.code().as_str()), (504, "deadline_passed"));
+    assert!(deaf.await.is_ok());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn headers_and_bodies_that_stop_arriving_end_and_delay_nobody() {
+    let app = app(&["--workers", "1", "--header-timeout-s", "0.4", "--body-timeout-s", "0.4"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        for beginning in ["", "P", "POST /v1", "POST /v1/surfaces/mill HTTP/1.1\r\nHost:"] {
+            let started = Instant::now();
+            let mut stream = connect(address);
+            write(&mut stream, beginning);
+            assert!(read_answer(&mut stream).is_none_or(|answer| answer.starts_with("HTTP/1.1 4")));
+            let waited = started.elapsed();
+            assert!(waited < Duration::from_secs(2), "{beginning:?} was kept for {waited:?}");
+        }
+
+        let mut slow = connect(address);
+        write(&mut slow, &format!("{}{{", post_head(MILL, 100)));
+        let mut quick = connect(address);
+        let started = Instant::now();
+        write(&mut quick, &format!("{}{{}}", post_head(MILL, 2)));
+        assert!(read_answer(&mut quick).expect("an answer").starts_with("HTTP/1.1 422"));
+        assert!(started.elapsed() < Duration::from_millis(300));
+        let answer = read_answer(&mut slow).expect("an answer");
+        assert!(answer.starts_with("HTTP/1.1 408"), "{answer}");
+        assert!(answer.contains("\"code\":\"request_timeout\""));
+
+        // As long as something arrives, patience is renewed.
+        let mut steady = connect(address);
+        write(&mut steady, &post_head(MILL, 4));
+        for byte in ["{", " ", " ", "}"] {
+            std::thread::sleep(Duration::from_millis(250));
+            write(&mut steady, byte);
+        }
+        assert!(read_answer(&mut steady).expect("an answer").starts_with("HTTP/1.1 422"));
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_caller_that_waits_to_be_asked_is_not_asked_for_what_is_too_large() {
+    let app = app(&["--workers", "1", "--body-limit", "1000"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let mut stream = connect(address);
+        let head = post_head(MILL, 20_000_000).replace("Host", "Expect: 100-continue\r\nHost");
+        write(&mut stream, &head);
+        assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 413"));
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large() {
+    let app = app(&["--workers", "1", "--body-limit", "1000"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let size = 20_000_000;
+        let mut stream = connect(address);
+        write(&mut stream, &post_head(MILL, size));
+        write(&mut stream, &" ".repeat(size));
+        assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 413"));
+        // The connection is as good as new.
+        write(&mut stream, &format!("{}{{}}", post_head(MILL, 2)));
+        assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 422"));
+    })
+    .await;
+    server.stop().await;
+}

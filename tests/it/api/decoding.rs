@@ -1,0 +1,186 @@
+//! Bodies that are no legal requests, each with its status, its code and the place to blame.
+
+use serde_json::{Value, json};
+
+use super::support::{Answer, MILL, ONE_PASS, app, post};
+
+/// The smallest legal request with one value put somewhere.
+fn with(pointer: &str, value: Value) -> String {
+    let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+    let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
+    let parent = body.pointer_mut(parent).expect("a parent");
+    match parent {
+        Value::Array(elements) => elements[name.parse::<usize>().expect("an index")] = value,
+        parent => parent[name] = value,
+    }
+    body.to_string()
+}
+
+async fn mill(body: impl Into<axum::body::Body>) -> Answer {
+    post(&app(&["--workers", "1"]), MILL, body, &[]).await
+}
+
+#[tokio::test]
+async fn what_is_not_json_is_400() {
+    let truncated = &ONE_PASS[..ONE_PASS.len() / 2];
+    let deep = format!("{{\"surface\":{}", "[".repeat(100_000));
+    let deep_and_closed = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
+    let nan = ONE_PASS.replace("0.01", "NaN");
+    let infinite = ONE_PASS.replace("0.01", "1e999");
+    let twice = ONE_PASS.replace("\"tolerance_mm\"", "\"tolerance_mm\": 1, \"tolerance_mm\"");
+    let trailing = format!("{ONE_PASS} x");
+    for body in ["", " \n", truncated, &deep, &deep_and_closed, &nan, &infinite, &twice, &trailing] {
+        let answer = mill(body.to_owned()).await;
+        assert_eq!(answer.status, 400, "{}", &body[..body.len().min(60)]);
+        assert_eq!(answer.code(), "malformed_json");
+    }
+    assert_eq!(mill(vec![b'"', 0xff, b'"']).await.code(), "malformed_json");
+}
+
+#[tokio::test]
+async fn every_fault_has_its_code_and_its_pointer() {
+    let row = |n: usize| json!((0..n).map(|j| json!([10, j, 0])).collect::<Vec<_>>());
+    for (pointer, value, code, blamed) in [
+        ("/tolerence_mm", json!(0.01), "unknown_field", "#/tolerence_mm"),
+        ("/tool/diametre", json!(1), "unknown_field", "#/tool/diametre"),
+        ("/surface/pionts", json!([]), "unknown_field", "#/surface/pionts"),
+        ("/strategy/trimm", json!(1), "unknown_field", "#/strategy/trimm"),
+        ("/surface/points/1/1/2", json!("x"), "wrong_type", "#/surface/points/1/1/2"),
+        ("/surface/points/1/1/2", json!(null), "wrong_type", "#/surface/points/1/1/2"),
+        ("/surface/points/1/1", json!([1, 2]), "wrong_length", "#/surface/points/1/1"),
+        ("/surface/points/1/1", json!([1, 2, 3, 4]), "wrong_length", "#/surface/points/1/1"),
+        ("/surface/points/1/1/0", json!(1e308), "too_large", "#/surface/points/1/1/0"),
+        ("/surface/points/1/1/0", json!(-1_000_001), "too_large", "#/surface/points/1/1/0"),
+        ("/surface/points/1", row(3), "ragged_grid", "#/surface/points/1"),
+        ("/surface/points", json!([row(1), row(1), row(1)]), "too_few_points", "#/surface/points/0"),
+        ("/surface/points", json!([row(3)]), "too_few_points", "#/surface/points"),
+        ("/surface/points", json!([]), "too_few_points", "#/surface/points"),
+        ("/surface", json!({}), "missing_field", "#/surface/kind"),
+        ("/surface", json!(7), "wrong_type", "#/surface"),
+        ("/surface", json!({ "kind": "point_grid" }), "missing_field", "#/surface/points"),
+        ("/surface/kind", json!("ball"), "unknown_value", "#/surface/kind"),
+        ("/surface/kind", json!(3), "wrong_type", "#/surface/kind"),
+        ("/surface/kind", json!("nurbs"), "unsupported", "#/surface/kind"),
+        ("/surface/ends", json!("clamped"), "missing_field", "#/surface/end_tangents"),
+        ("/surface/twist", json!("left"), "unknown_value", "#/surface/twist"),
+        ("/tool", json!({ "shape": "ball" }), "missing_field", "#/tool/diameter_mm"),
+        ("/tool", json!(["ball", 6]), "wrong_type", "#/tool"),
+        ("/surface", json!(["point_grid"]), "wrong_type", "#/surface"),
+        ("/program", json!([]), "wrong_type", "#/program"),
+        ("/surface/end_tangents", json!([[], [], [], []]), "wrong_type", "#/surface/end_tangents"),
+        ("/tool/shape", json!("flat"), "unsupported", "#/tool/shape"),
+        ("/tool/shape", json!("bull_nose"), "unsupported", "#/tool/shape"),
+        ("/tool/shape", json!("round"), "unknown_value", "#/tool/shape"),
+        ("/tool/diameter_mm", json!(-6), "out_of_range", "#/tool/diameter_mm"),
+        ("/tool/diameter_mm", json!(0), "out_of_range", "#/tool/diameter_mm"),
+        ("/tool/number", json!(0), "out_of_range", "#/tool/number"),
+        ("/tool/number", json!(1.5), "wrong_type", "#/tool/number"),
+        ("/tolerance_mm", json!(0), "out_of_range", "#/tolerance_mm"),
+        ("/tolerance_mm", json!(11), "out_of_range", "#/tolerance_mm"),
+        ("/strategy/kind", json!("wire_union"), "unsupported", "#/strategy/kind"),
+        ("/strategy/scallop_height_mm", json!(1), "unsupported", "#/strategy/scallop_height_mm"),
+        ("/strategy/trim", json!(false), "unsupported", "#/strategy/trim"),
+        ("/strategy/stepover_mm", json!(0), "out_of_range", "#/strategy/stepover_mm"),
+        ("/engine", json!("contact"), "unsupported", "#/engine"),
+        ("/boundary", json!("past"), "unsupported", "#/boundary"),
+        ("/cutting", json!({}), "missing_field", "#/cutting/feed_mm_per_min"),
+        ("/cutting/feed_mm_per_min", json!(-1), "out_of_range", "#/cutting/feed_mm_per_min"),
+        ("/cutting/coolant", json!("air"), "unknown_value", "#/cutting/coolant"),
+        ("/cutting/retract_z_mm", json!(1e7), "too_large", "#/cutting/retract_z_mm"),
+        ("/program", json!({ "dialect": "klingon" }), "unknown_dialect", "#/program/dialect"),
+        ("/program", json!({ "decimals": 7 }), "out_of_range", "#/program/decimals"),
+        ("/program", json!({ "units": "foot" }), "unknown_value", "#/program/units"),
+        ("/program", json!({ "work_offset": "G60" }), "unknown_value", "#/program/work_offset"),
+        ("/program", json!({ "name": "x".repeat(1001) }), "too_long", "#/program/name"),
+        ("/tool/tool", json!(1), "unknown_field", "#/tool/tool"),
+        ("/cutting/cutting", json!(1), "unknown_field", "#/cutting/cutting"),
+        ("/cutting", json!({ "x".repeat(1000): 1 }), "unknown_field", "#/cutting"),
+        ("/meta", json!({ "x".repeat(1000): "1" }), "too_long", "#/meta"),
+        ("/meta", json!({ "a/b": 1 }), "wrong_type", "#/meta/a~1b"),
+        ("/meta", json!({ "part": "x".repeat(1001) }), "too_long", "#/meta/part"),
+    ] {
+        let answer = mill(with(pointer, value.clone())).await;
+        assert_eq!(answer.status, 422, "{pointer} {value}");
+        let found = answer.violations();
+        assert_eq!(found.first(), Some(&(code.to_owned(), blamed.to_owned())), "{pointer} {value}");
+        let expected = if code == "unsupported" { "unsupported" } else { "invalid_request" };
+        assert_eq!(answer.code(), expected);
+    }
+    for body in ["[]", "7", "null", "\"x\""] {
+        let answer = mill(body).await;
+        assert_eq!(answer.violations(), [("wrong_type".to_owned(), "#".to_owned())], "{body}");
+    }
+}
+
+#[tokio::test]
+async fn all_violations_of_ranges_come_at_once_with_value_and_limit() {
+    let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+    body["surface"]["points"][0][0][0] = json!(1e308);
+    body["surface"]["points"][1][1][2] = json!(-2e6);
+    body["tool"]["diameter_mm"] = json!(-6);
+    body["tolerance_mm"] = json!(0);
+    body["cutting"]["feed_mm_per_min"] = json!(0);
+    body["program"] = json!({ "dialect": "klingon", "decimals": 0 });
+    let answer = mill(body.to_string()).await;
+    let pointers: Vec<_> = answer.violations().into_iter().map(|(_, pointer)| pointer).collect();
+    assert_eq!(
+        pointers,
+        [
+            "#/surface/points/0/0/0",
+            "#/surface/points/1/1/2",
+            "#/tool/diameter_mm",
+            "#/tolerance_mm",
+            "#/cutting/feed_mm_per_min",
+            "#/program/dialect",
+            "#/program/decimals",
+        ]
+    );
+    let problem = answer.problem();
+    let detail = problem["errors"][2]["detail"].as_str().unwrap_or_default();
+    assert!(detail.contains("-6") && detail.contains("0.001"), "{detail}");
+}
+
+#[tokio::test]
+async fn limits_name_limit_value_and_maximum() {
+    let app = app(&["--workers", "1", "--max-surface-points", "3", "--max-sections", "100"]);
+    let answer = post(&app, MILL, ONE_PASS, &[]).await;
+    assert_eq!(answer.violations(), [("limit_exceeded".to_owned(), "#/surface/points".to_owned())]);
+    let problem = answer.problem();
+    let detail = problem["errors"][0]["detail"].as_str().unwrap_or_default();
+    assert_eq!(detail, "4 surface points; at most 3 are allowed");
+    let fine = with("/strategy", json!({ "kind": "cl_cartesian", "plane": "yz", "stepover_mm": 0.01 }));
+    let app = super::support::app(&["--workers", "1", "--max-sections", "100"]);
+    let answer = post(&app, MILL, fine, &[]).await;
+    assert_eq!(answer.violations(), [("limit_exceeded".to_owned(), "#/strategy/stepover_mm".to_owned())]);
+}
+
+#[tokio::test]
+async fn a_body_over_the_limit_is_413_announced_or_not() {
+    let app = app(&["--workers", "1", "--body-limit", "1000"]);
+    let large = " ".repeat(1001);
+    let announced = post(&app, MILL, large.clone(), &[]).await;
+    assert_eq!((announced.status.as_u16(), announced.code().as_str()), (413, "payload_too_large"));
+    let stream = axum::body::Body::new(http_body_of_parts(large.into_bytes()));
+    let streamed = post(&app, MILL, stream, &[]).await;
+    assert_eq!((streamed.status.as_u16(), streamed.code().as_str()), (413, "payload_too_large"));
+    assert_ne!(post(&app, MILL, ONE_PASS, &[]).await.status, 413);
+}
+
+/// A body that does not say how long it is.
+fn http_body_of_parts(bytes: Vec<u8>) -> Parts {
+    Parts(bytes.chunks(100).map(|part| part.to_vec().into()).collect())
+}
+
+struct Parts(std::collections::VecDeque<axum::body::Bytes>);
+
+impl axum::body::HttpBody for Parts {
+    type Data = axum::body::Bytes;
+    type Error = std::convert::Infallible;
+
+    fn poll_frame(
+        mut self: std::pin::Pin<&mut Self>,
+        _: &mut std::task::Context<'_>,
+    ) -> std::task::Poll<Option<Result<hyper::body::Frame<Self::Data>, Self::Error>>> {
+        std::task::Poll::Ready(self.0.pop_front().map(|part| Ok(hyper::body::Frame::data(part))))
+    }
+}

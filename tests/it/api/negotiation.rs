@@ -1,0 +1,95 @@
+//! Media types, request ids, and the answers of the framework.
+
+use axum::body::Body;
+use axum::http::Request;
+
+use super::support::{MILL, ONE_PASS, app, get, post, send};
+
+#[tokio::test]
+async fn nothing_on_offer_is_406_with_the_offers() {
+    let app = app(&["--workers", "1"]);
+    let answer = post(&app, MILL, ONE_PASS, &[("accept", "text/html, image/*;q=0.3")]).await;
+    assert_eq!((answer.status.as_u16(), answer.code().as_str()), (406, "not_acceptable"));
+    let problem = answer.problem();
+    assert_eq!(problem["offers"][0], "application/json");
+    assert_eq!(problem["offers"][1], "text/x-gcode");
+    assert_eq!(answer.header("vary"), "Accept");
+}
+
+#[tokio::test]
+async fn queries_are_read_strictly() {
+    let app = app(&["--workers", "1"]);
+    for query in ["format=pdf", "toolpath=maybe", "tolpath=false"] {
+        let answer = post(&app, &format!("{MILL}?{query}"), ONE_PASS, &[]).await;
+        assert_eq!((answer.status.as_u16(), answer.code().as_str()), (400, "invalid_query"), "{query}");
+    }
+}
+
+#[tokio::test]
+async fn json_by_any_of_its_names_is_read_and_nothing_else() {
+    let app = app(&["--workers", "1"]);
+    let status = async |content_type: Option<&str>| {
+        let builder = Request::post(MILL);
+        let builder = content_type.into_iter().fold(builder, |b, value| b.header("content-type", value));
+        send(&app, builder.body(Body::from("{}")).expect("a request")).await
+    };
+    for content_type in [
+        None,
+        Some("application/json"),
+        Some("Application/JSON; charset=utf-8"),
+        Some("application/vnd.part+json"),
+        Some("application/x-www-form-urlencoded"),
+    ] {
+        assert_eq!(status(content_type).await.status, 422, "{content_type:?}");
+    }
+    for content_type in ["text/plain", "application/xml", "application/jsonp", "multipart/form-data", ""] {
+        let answer = status(Some(content_type)).await;
+        assert_eq!(answer.code(), "unsupported_media_type", "{content_type}");
+        assert_eq!(answer.status, 415);
+    }
+    let answer = post(&app, MILL, ONE_PASS, &[("content-encoding", "br")]).await;
+    assert_eq!(answer.code(), "unsupported_media_type");
+}
+
+#[tokio::test]
+async fn the_answers_of_the_framework_are_problems_too() {
+    let app = app(&["--workers", "1"]);
+    let missing = get(&app, "/v1/surfaces/mil").await;
+    assert_eq!((missing.status.as_u16(), missing.code().as_str()), (404, "not_found"));
+    let wrong = get(&app, MILL).await;
+    assert_eq!((wrong.status.as_u16(), wrong.code().as_str()), (405, "method_not_allowed"));
+    assert_eq!(wrong.header("allow"), "POST");
+    let wrong = post(&app, "/livez", "", &[]).await;
+    assert_eq!((wrong.status.as_u16(), wrong.header("allow")), (405, "GET,HEAD"));
+}
+
+#[tokio::test]
+async fn ids_are_echoed_or_made() {
+    let app = app(&["--workers", "1"]);
+    let echoed = post(&app, MILL, "{}", &[("x-request-id", "job-7")]).await;
+    assert_eq!(echoed.problem()["request_id"], "job-7");
+    let request = Request::get("/livez").header("x-request-id", "probe-1");
+    let alive = send(&app, request.body(Body::empty()).expect("a request")).await;
+    assert_eq!((alive.status.as_u16(), alive.header("x-request-id")), (200, "probe-1"));
+    let made = post(&app, MILL, "{}", &[("x-request-id", "a b\"c")]).await;
+    assert_eq!(made.header("x-request-id").len(), 36);
+    assert_ne!(get(&app, "/livez").await.header("x-request-id"), made.header("x-request-id"));
+}
+
+#[tokio::test]
+async fn the_service_tells_its_limits_and_dialects() {
+    let app = app(&["--workers", "3", "--queue", "5"]);
+    let limits = get(&app, "/v1/limits").await;
+    assert_eq!(limits.header("content-type"), "application/json");
+    let limits = limits.json();
+    assert_eq!((&limits["queue"], &limits["workers"]), (&5.into(), &3.into()));
+    assert_eq!(limits["body_bytes"], 16 * 1024 * 1024);
+    assert_eq!(get(&app, "/v1/dialects").await.json()["dialects"][0]["name"], "linuxcnc");
+    assert_eq!(get(&app, "/openapi.json").await.json()["openapi"], "3.1.0");
+    assert_eq!(get(&app, "/readyz").await.status, 200);
+    app.drain();
+    let answer = get(&app, "/readyz").await;
+    assert_eq!(answer.status, 503);
+    assert!(answer.header("retry-after").parse::<u32>().is_ok());
+    assert_eq!(get(&app, "/livez").await.status, 200);
+}

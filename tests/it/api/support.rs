@@ -1,0 +1,156 @@
+//! Requests without a socket, and with one.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::http::{HeaderMap, Request, StatusCode};
+use clap::Parser;
+use serde_json::Value;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+use toolpathd::config::{Cli, Settings};
+use toolpathd::http::{App, router, serve};
+use tower::ServiceExt;
+
+pub const ONE_PASS: &str = include_str!("../../../openapi/examples/surfaces-mill/one-pass.json");
+pub const MILL: &str = "/v1/surfaces/mill";
+
+/// The settings of a command line.
+pub fn settings(flags: &[&str]) -> Settings {
+    Cli::parse_from(["toolpathd"].iter().chain(flags)).settings
+}
+
+pub fn app(flags: &[&str]) -> Arc<App> {
+    App::new(&settings(flags)).expect("threads")
+}
+
+/// A finished answer.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: StatusCode,
+    pub headers: HeaderMap,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    pub fn header(&self, name: &str) -> &str {
+        self.headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default()
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).expect("JSON")
+    }
+
+    /// The problem, after a look at what every problem has.
+    pub fn problem(&self) -> Value {
+        assert_eq!(self.header("content-type"), "application/problem+json");
+        let problem = self.json();
+        assert_eq!(problem["status"], self.status.as_u16());
+        assert_eq!(problem["type"], "about:blank");
+        assert_eq!(problem["request_id"], self.header("x-request-id"));
+        for name in ["title", "detail", "code", "request_id"] {
+            assert!(problem[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {problem}");
+        }
+        assert!(problem["errors"].is_array());
+        assert_eq!(self.header("x-engine-version"), env!("CARGO_PKG_VERSION"));
+        problem
+    }
+
+    pub fn code(&self) -> String {
+        self.problem()["code"].as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Code and pointer of every violation.
+    pub fn violations(&self) -> Vec<(String, String)> {
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let problem = self.problem();
+        let errors = problem["errors"].as_array().into_iter().flatten();
+        errors.map(|error| (text(&error["code"]), text(&error["pointer"]))).collect()
+    }
+}
+
+pub async fn send(app: &Arc<App>, request: Request<Body>) -> Answer {
+    let response = router(app).oneshot(request).await.expect("infallible");
+    let (parts, body) = response.into_parts();
+    let body = to_bytes(body, usize::MAX).await.expect("a body").to_vec();
+    Answer { status: parts.status, headers: parts.headers, body }
+}
+
+pub async fn post(app: &Arc<App>, path: &str, body: impl Into<Body>, headers: &[(&str, &str)]) -> Answer {
+    let builder = Request::post(path).header("content-type", "application/json");
+    let builder = headers.iter().fold(builder, |builder, (name, value)| builder.header(*name, *value));
+    send(app, builder.body(body.into()).expect("a request")).await
+}
+
+pub async fn get(app: &Arc<App>, path: &str) -> Answer {
+    send(app, Request::get(path).body(Body::empty()).expect("a request")).await
+}
+
+/// A service on a free port of this machine.
+pub struct Server {
+    pub address: SocketAddr,
+    stop: oneshot::Sender<()>,
+    task: JoinHandle<std::io::Result<()>>,
+}
+
+impl Server {
+    pub async fn start(app: &Arc<App>) -> Self {
+        Self::with_router(app, router(app)).await
+    }
+
+    pub async fn with_router(app: &Arc<App>, router: Router) -> Self {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let (stop, stopped) = oneshot::channel();
+        let app = Arc::clone(app);
+        let task = tokio::spawn(async move {
+            let stopped = async move {
+                let _ = stopped.await;
+            };
+            serve::serve(listener, router, &app, stopped).await
+        });
+        Self { address, stop, task }
+    }
+
+    pub async fn stop(self) {
+        let _ = self.stop.send(());
+        self.task.await.expect("no panic").expect("no failure");
+    }
+}
+
+pub fn connect(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).expect("a connection");
+    stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a timeout");
+    stream
+}
+
+/// Reads one answer; `None` when the connection ended without one.
+pub fn read_answer(stream: &mut TcpStream) -> Option<String> {
+    let mut text = Vec::new();
+    let mut byte = [0];
+    while !text.ends_with(b"\r\n\r\n") {
+        match stream.read(&mut byte) {
+            Ok(1) => text.push(byte[0]),
+            _ => return None,
+        }
+    }
+    let head = String::from_utf8_lossy(&text).to_ascii_lowercase();
+    let length = head.split("content-length: ").nth(1).and_then(|rest| rest.split("\r\n").next());
+    let mut body = vec![0; length.and_then(|length| length.parse().ok()).unwrap_or(0)];
+    stream.read_exact(&mut body).ok()?;
+    text.extend(body);
+    Some(String::from_utf8_lossy(&text).into_owned())
+}
+
+pub fn write(stream: &mut TcpStream, text: &str) {
+    stream.write_all(text.as_bytes()).expect("written");
+}
+
+/// The head of a POST with a body of `length` bytes.
+pub fn post_head(path: &str, length: usize) -> String {
+    format!("POST {path} HTTP/1.1\r\nHost: here\r\nContent-Length: {length}\r\n\r\n")
+}

@@ -36,7 +36,7 @@ pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>
     fs::write(&program, text).map_err(fault)?;
     let mut child = Command::new("rs274")
         .args(["-t", "tool.tbl", "-v"])
-        .arg(format!("{name}.var"))
+        .arg(&parameters)
         .arg("-g")
         .arg(&program)
         .current_dir(directory)
@@ -61,7 +61,7 @@ pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>
         return Err(format!("refused: {}", fs::read_to_string(&complaint).map_err(fault)?));
     }
     let motions = parse(&fs::read_to_string(&canon).map_err(fault)?)?;
-    for file in [&program, &canon, &complaint] {
+    for file in [&program, &canon, &complaint, &parameters, &kept].into_iter().filter(|file| file.exists()) {
         fs::remove_file(file).map_err(fault)?;
     }
     Ok(motions)

@@ -181,7 +181,7 @@ pub fn with_text(text: &str, motions: &[Motion]) -> Result<Figures, String> {
                 let said = as_written(&along, center, rate);
                 for k in 0..=SAMPLES {
                     let t = f64::from(k) / f64::from(SAMPLES);
-                    apart = apart.max(nearest(&run.point_at(t), t, 0.1, |t| said.point_at(t)));
+                    apart = apart.max(nearest(&run.point_at(t), t, 0.1, apart, |t| said.point_at(t)));
                 }
             }
             _ => return Err(fault("another kind")),
@@ -227,7 +227,7 @@ pub fn with_toolpath(
             let share = own_length / whole;
             for k in 0..=SAMPLES {
                 let t = f64::from(k) / f64::from(SAMPLES);
-                let off = nearest(&run.point_at(t), from + share * t, slip, |t| along.point_at(t));
+                let off = nearest(&run.point_at(t), from + share * t, slip, apart, |t| along.point_at(t));
                 apart = apart.max(off);
             }
             spans.push((run, from, share));
@@ -239,7 +239,9 @@ pub fn with_toolpath(
             let off = spans
                 .iter()
                 .filter(|(_, from, share)| (from - slip..=from + share + slip).contains(&t))
-                .map(|(run, from, share)| nearest(&p, (t - from) / share, slip / share, |t| run.point_at(t)))
+                .map(|(run, from, share)| {
+                    nearest(&p, (t - from) / share, slip / share, apart, |t| run.point_at(t))
+                })
                 .fold(f64::INFINITY, f64::min);
             apart = apart.max(off);
         }
@@ -261,14 +263,25 @@ pub fn with_toolpath(
     Ok(Figures { to_path_mm, to_path_inch_mm, lengths, times, ..Figures::default() })
 }
 
-/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`.
-fn nearest(p: &Point3<f64>, guess: f64, width: f64, at: impl Fn(f64) -> Point3<f64>) -> f64 {
+/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`; but
+/// no less than `enough`, below which it is not looked for.
+fn nearest(p: &Point3<f64>, guess: f64, width: f64, enough: f64, at: impl Fn(f64) -> Point3<f64>) -> f64 {
     let off = |t: f64| (p - at(t)).norm();
-    let (mut from, mut to) = ((guess - width).clamp(0.0, 1.0), (guess + width).clamp(0.0, 1.0));
-    let ends = off(from).min(off(to));
-    while to - from > 1e-9 {
-        let (a, b) = (from + 0.382 * (to - from), from + 0.618 * (to - from));
-        if off(a) < off(b) { to = b } else { from = a }
+    let mut least = off(guess.clamp(0.0, 1.0));
+    if least <= enough {
+        return enough;
     }
-    ends.min(off((from + to) / 2.0))
+    let (mut from, mut to) = ((guess - width).clamp(0.0, 1.0), (guess + width).clamp(0.0, 1.0));
+    least = least.min(off(from)).min(off(to));
+    while to - from > 1e-8 && least > enough {
+        let (a, b) = (from + 0.382 * (to - from), from + 0.618 * (to - from));
+        let (off_a, off_b) = (off(a), off(b));
+        if off_a < off_b {
+            to = b
+        } else {
+            from = a
+        }
+        least = least.min(off_a).min(off_b);
+    }
+    least.max(enough)
 }

@@ -1,1 +1,283 @@
+use std::f64::consts::TAU;
 
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+
+use super::read::{Reader, Step};
+use super::*;
+use crate::geometry::curve::{Curve, Direction};
+use crate::geometry::plane::Plane;
+use crate::toolpath::measure::measure;
+use crate::toolpath::program::{Resolution, Units};
+use crate::toolpath::tool::Coolant;
+use crate::toolpath::units::FeedRate;
+use crate::toolpath::{Builder, Role};
+
+const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
+const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
+
+fn feed(mm_per_min: f64) -> FeedRate {
+    FeedRate::from_mm_per_min(mm_per_min).unwrap()
+}
+
+fn program(resolution: Resolution) -> Program {
+    Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None }
+}
+
+fn cutting() -> Cutting {
+    Cutting {
+        feed: feed(800.0),
+        plunge_feed: feed(400.0),
+        rapid_feed: feed(10_000.0),
+        spindle_rpm: Some(12_000.0),
+        coolant: Coolant::Flood,
+        clearance_z_mm: 45.0,
+        retract_z_mm: 12.0,
+    }
+}
+
+fn written(
+    toolpath: &Toolpath,
+    program: &Program,
+    cutting: &Cutting,
+    comments: &[String],
+) -> Result<NcProgram, WriteError> {
+    let tool = Tool { radius_mm: 5.0, number: 3, length_offset: 4 };
+    let dialect = dialect("linuxcnc").unwrap();
+    write(toolpath, &ProgramJob { program, tool: &tool, cutting, dialect, comments })
+}
+
+/// A short program with a plunge, arcs in two planes, a rapid down and a dwell.
+fn sample() -> Toolpath {
+    let mut path = Toolpath::builder(Point3::new(1.0, 2.0, 45.0));
+    path.rapid(Point3::new(0.0, 0.0, 12.0)).unwrap();
+    path.line(Point3::new(0.0, 0.0, 0.0), feed(400.0), Role::Plunge).unwrap();
+    let about = (Plane::Zx, Direction::Ccw);
+    path.arc(Point3::new(10.0, 0.0, 0.0), Point3::new(5.0, 0.0, 0.0), about, feed(800.0), Role::Cut).unwrap();
+    path.line(Point3::new(10.0, 2.0, 0.0), feed(800.0), Role::Link).unwrap();
+    path.dwell(0.25).unwrap();
+    let about = (Plane::Xy, Direction::Cw);
+    path.arc(Point3::new(10.0, 2.0, 0.0), Point3::new(8.0, 2.0, 0.0), about, feed(333.333), Role::Cut)
+        .unwrap();
+    path.rapid(Point3::new(-1e-9, 0.0, 12.0)).unwrap();
+    path.finish().unwrap()
+}
+
+#[test]
+fn a_program_reads_as_a_machinist_expects() {
+    let program = Program { name: Some("die 7 (rev. B)".into()), work_offset: Some(54), ..program(MM) };
+    let program = written(&sample(), &program, &cutting(), &["part_id: 4711".into()]).unwrap();
+    let expected = "(PROGRAM: DIE 7 REV. B)\n(TOOL: T3 BALL DIAMETER 10.000 MM)\n(NOTE: PART_ID 4711)\n\
+        G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT3 M6\nG43 H4\nS12000 M3\nM8\n\
+        G0 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
+        G18 G3 X10.000 Z0.000 I5.000 K0.000 F800\nG1 Y2.000\nG4 P0.250\n\
+        G17 G2 X10.000 Y2.000 I-2.000 J0.000 F333.33\nG0 Z12.000\nX0.000 Y0.000\nZ45.000\n\
+        M5\nM9\nM30\n";
+    assert_eq!(program.text, expected);
+    assert_eq!(program.blocks, 12);
+    assert_eq!(program.max_radius_mismatch_mm, 0.0);
+}
+
+#[test]
+fn inches_block_numbers_and_no_spindle() {
+    let program = Program { block_numbers: true, ..program(INCH) };
+    let cutting = Cutting { spindle_rpm: None, coolant: Coolant::Off, ..cutting() };
+    let text = written(&sample(), &program, &cutting, &[]).unwrap().text;
+    assert!(text.contains("G17 G20 G90"));
+    assert!(text.contains(" G64 P0.0001 Q0\n"));
+    assert!(text.contains(" G0 Z1.7717\n"));
+    assert!(text.contains("(WARNING: NO SPINDLE SPEED"));
+    assert!(!text.contains("M3\n") && !text.contains("M7") && !text.contains("M8"));
+    for (k, line) in text.lines().enumerate() {
+        assert!(line.starts_with(&format!("N{} ", 10 * (k + 1))), "{line}");
+    }
+}
+
+#[test]
+fn block_numbers_start_again_before_they_grow_too_long() {
+    let mut path = Toolpath::builder(Point3::origin());
+    for k in 0..11_000 {
+        path.line(Point3::new(f64::from(k % 2 + 1), 0.0, 0.0), feed(100.0), Role::Cut).unwrap();
+    }
+    let program = Program { block_numbers: true, ..program(MM) };
+    let text = written(&path.finish().unwrap(), &program, &cutting(), &[]).unwrap().text;
+    assert!(text.contains("\nN99990 ") && !text.contains("N100000") && text.matches("\nN20 ").count() == 2);
+}
+
+#[test]
+fn paths_without_length_are_still_whole_programs() {
+    for z in [0.0, 45.0, 100.0] {
+        let mut path = Toolpath::builder(Point3::new(0.0, 0.0, z));
+        path.line(Point3::new(0.0, 0.0, z), feed(1.0), Role::Cut).unwrap();
+        path.rapid(Point3::new(0.0, 1e-5, z)).unwrap();
+        path.dwell(0.0).unwrap();
+        let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
+        assert!(text.ends_with("M30\n") && !text.contains("G1 ") && !text.contains("-0"));
+        // The first motion is to the clearance plane or above, with a length offset in force.
+        let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
+        assert_eq!(first, format!("G0 Z{:.3}", f64::max(z, 45.0)));
+        assert!(text.find("G43") < text.find("G0 Z"));
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_an_error() {
+    let path = sample();
+    let decimals = |decimals| program(Resolution { units: Units::Mm, decimals });
+    for count in [0, 7, 255] {
+        let error = written(&path, &decimals(count), &cutting(), &[]).unwrap_err();
+        assert_eq!(error, WriteError::Decimals { decimals: count, max: 6 });
+    }
+    let offset = Program { work_offset: Some(60), ..program(MM) };
+    assert_eq!(written(&path, &offset, &cutting(), &[]), Err(WriteError::WorkOffset { number: 60 }));
+    let still = Cutting { spindle_rpm: Some(-1.0), ..cutting() };
+    assert_eq!(written(&path, &program(MM), &still, &[]), Err(WriteError::SpindleSpeed { rpm: -1.0 }));
+    let nowhere = Cutting { clearance_z_mm: f64::NAN, ..cutting() };
+    assert!(matches!(written(&path, &program(MM), &nowhere, &[]), Err(WriteError::Quantize(_))));
+    let mut path = Toolpath::builder(Point3::origin());
+    path.dwell(1e9).unwrap();
+    let long = path.finish().unwrap();
+    assert_eq!(written(&long, &program(MM), &cutting(), &[]), Err(WriteError::Dwell { seconds: 1e9 }));
+    let mut path = Toolpath::builder(Point3::origin());
+    path.line(Point3::new(1.0, 0.0, 0.0), feed(1e-12), Role::Cut).unwrap();
+    let slow = path.finish().unwrap();
+    assert_eq!(written(&slow, &program(MM), &cutting(), &[]), Err(WriteError::Feed { mm_per_min: 1e-12 }));
+}
+
+#[test]
+fn a_changed_text_does_not_pass_the_check() {
+    let blocks = lower::lower(&sample(), &cutting(), MM).unwrap();
+    let text = written(&sample(), &program(MM), &cutting(), &[]).unwrap().text;
+    let grid = Grid::new(MM);
+    assert!(check::read_back(&text, &blocks, &grid).is_ok());
+    let changes = [
+        ("Z0.000 F400", "Z0.001 F400", "place"),
+        ("F400", "F401", "feed"),
+        ("G3 X", "G2 X", "sense"),
+        ("G1 Z", "G0 Z", "kind"),
+        ("Y2.000\nG4", "Y2.000\nY2.000\nG4", "kind"),
+        ("G4 P0.250", "G4 P0.251", "dwell"),
+        ("Z45.000\nM5", "Z45.000\nX0.000\nM5", "end"),
+        ("\nZ45.000\nM5", "\nM5", "end"),
+        ("I-2.000 J0.000", "I-2.000 J0.010", "centre"),
+    ];
+    for (from, to, what) in changes {
+        assert!(text.contains(from));
+        let error = check::read_back(&text.replacen(from, to, 1), &blocks, &grid).unwrap_err();
+        assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
+    }
+}
+
+/// One random move, relative to where the tool is.
+#[derive(Debug, Clone)]
+enum Hop {
+    Rapid([f64; 3]),
+    Line([f64; 3], f64),
+    Arc { plane: Plane, direction: Direction, radius: f64, angle: f64, sweep: f64, rise: f64, rate: f64 },
+    Dwell(f64),
+}
+
+fn hops() -> impl Strategy<Value = Hop> {
+    let along = || prop::array::uniform3(-20.0..20.0f64);
+    let arc = (
+        prop::sample::select(Plane::ALL.to_vec()),
+        prop::sample::select(vec![Direction::Cw, Direction::Ccw]),
+        (-1.5..3.9f64).prop_map(|size| 10f64.powf(size)),
+        0.0..TAU,
+        prop_oneof![0.01..TAU, Just(TAU)],
+        prop_oneof![Just(0.0), -5.0..5.0f64],
+        0.1..5000.0f64,
+    );
+    prop_oneof![
+        1 => along().prop_map(Hop::Rapid),
+        3 => (along(), 0.1..5000.0f64).prop_map(|(by, rate)| Hop::Line(by, rate)),
+        6 => arc.prop_map(|(plane, direction, radius, angle, sweep, rise, rate)| {
+            Hop::Arc { plane, direction, radius, angle, sweep, rise, rate }
+        }),
+        1 => (0.0..10.0f64).prop_map(Hop::Dwell),
+    ]
+}
+
+fn hop(path: &mut Builder, hop: &Hop) -> Result<(), crate::toolpath::PathError> {
+    let at = path.at();
+    match *hop {
+        Hop::Rapid(by) => path.rapid(at + Vector3::from(by)),
+        Hop::Line(by, rate) => path.line(at + Vector3::from(by), feed(rate), Role::Cut),
+        Hop::Dwell(seconds) => path.dwell(seconds),
+        Hop::Arc { plane, direction, radius, angle, sweep, rise, rate } => {
+            let turned = if direction == Direction::Ccw { angle + sweep } else { angle - sweep };
+            let spoke = |angle: f64| Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.0);
+            let local = plane.to_local(&at);
+            let center = local - spoke(angle);
+            let mut end = if sweep == TAU { local } else { center + spoke(turned) };
+            end.z = local.z + rise;
+            let [end, center] = [end, center].map(|p| plane.to_workpiece(&p));
+            path.arc(end, center, (plane, direction), feed(rate), Role::Cut)
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_text_has_the_lengths_and_times_of_the_toolpath(hops in prop::collection::vec(hops(), 1..30), inch: bool) {
+        let mut path = Toolpath::builder(Point3::new(1.0, 2.0, 50.0));
+        for one in &hops {
+            // A centre that rounding has put off its arc is refused; the tool then stays where it is.
+            let _ = hop(&mut path, one);
+        }
+        let path = path.finish().unwrap();
+        let resolution = if inch { INCH } else { MM };
+        let program = written(&path, &program(resolution), &cutting(), &[]).unwrap();
+        prop_assert!(program.max_radius_mismatch_mm <= 1.5 * resolution.step_mm());
+        let (mut length, mut time, mut dwell) = (0.0, 0.0, 0.0);
+        for placed in Reader::new(&program.text, 1.5 * resolution.step_mm()) {
+            match placed.unwrap().step {
+                Step::Feed { along, rate, .. } => {
+                    length += along.length();
+                    time += along.length() / rate.mm_per_min() * 60.0;
+                }
+                Step::Dwell { seconds } => dwell += seconds,
+                Step::Rapid { .. } => {}
+            }
+        }
+        let measures = measure(&path, feed(10_000.0));
+        prop_assert!((length - measures.cutting_length_mm).abs() <= 1e-3 * measures.cutting_length_mm + 0.01);
+        prop_assert!((time - measures.cutting_time_s).abs() <= 1e-3 * measures.cutting_time_s + 0.1);
+        prop_assert!((dwell - measures.dwell_time_s).abs() <= 5e-4 * hops.len() as f64);
+    }
+
+    #[test]
+    fn user_text_stays_in_comments(name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool) {
+        let job = Program { name: Some(name), block_numbers: numbers, ..program(MM) };
+        let text = written(&sample(), &job, &cutting(), &[note, "x".repeat(10_000), ")\n%".repeat(3_000)]).unwrap().text;
+        prop_assert!(text.is_ascii());
+        for line in text.lines() {
+            prop_assert!(line.len() <= 240);
+            let block = line.split_once(' ').filter(|_| numbers).map_or(line, |(_, block)| block);
+            if block.contains(['(', ')', ':']) {
+                let labelled = ["(PROGRAM: ", "(NOTE: ", "(TOOL: "].iter().any(|label| block.starts_with(label));
+                prop_assert!(labelled && block.find(')') == Some(block.len() - 1) && block.rfind('(') == Some(0));
+            }
+            prop_assert!(!block.contains('%'));
+        }
+    }
+}
+
+#[test]
+fn arcs_flatter_than_half_a_unit_are_written_as_lines() {
+    let mut path = Toolpath::builder(Point3::origin());
+    let (r, half) = (5000.0, 2e-4f64);
+    let (end, center) =
+        (Point3::new(2.0 * r * half.sin(), 0.0, 0.0), Point3::new(r * half.sin(), -r * half.cos(), 0.0));
+    path.arc(end, center, (Plane::Xy, Direction::Cw), feed(100.0), Role::Cut).unwrap();
+    let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
+    let kinds: Vec<_> = Reader::new(&text, 0.0015)
+        .filter_map(|placed| match placed.unwrap().step {
+            Step::Feed { along, .. } => Some(matches!(along, Curve::Line(_))),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(kinds, [true]);
+}

@@ -1,0 +1,117 @@
+//! The interpreter as a process, and the canonical motions it prints.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use nalgebra::{Point3, Vector3};
+use toolpathd::geometry::curve::Direction;
+use toolpathd::geometry::plane::Plane;
+
+/// A program that takes the interpreter longer than this has hung it.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// One canonical motion, in mm, mm/min and s. Coordinates are rounded to the four decimals that are printed.
+#[derive(Debug, Clone, Copy)]
+pub enum Motion {
+    Rapid { to: Point3<f64> },
+    Line { to: Point3<f64>, rate: f64 },
+    Arc { plane: Plane, direction: Direction, to: Point3<f64>, center: Point3<f64>, rate: f64 },
+    Dwell { seconds: f64 },
+}
+
+/// Writes the tool table that every program may use: tools 1 to 99, without length.
+pub fn write_tool_table(directory: &Path) -> std::io::Result<()> {
+    let table: String = (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect();
+    fs::write(directory.join("tool.tbl"), table)
+}
+
+/// Runs the interpreter on `text` in `directory` and returns what the control would do.
+pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>, String> {
+    let [program, canon, complaint] =
+        ["ngc", "canon", "err"].map(|end| directory.join(format!("{name}.{end}")));
+    let fault = |error: std::io::Error| error.to_string();
+    fs::write(&program, text).map_err(fault)?;
+    let mut child = Command::new("rs274")
+        .args(["-t", "tool.tbl", "-v"])
+        .arg(&parameters)
+        .arg("-g")
+        .arg(&program)
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .stdout(File::create(&canon).map_err(fault)?)
+        .stderr(File::create(&complaint).map_err(fault)?)
+        .spawn()
+        .map_err(|error| format!("rs274: {error}"))?;
+    let begun = Instant::now();
+    let status = loop {
+        match child.try_wait().map_err(fault)? {
+            Some(status) => break status,
+            None if begun.elapsed() > PATIENCE => {
+                child.kill().map_err(fault)?;
+                child.wait().map_err(fault)?;
+                return Err("the interpreter does not come to an end".into());
+            }
+            None => sleep(Duration::from_millis(2)),
+        }
+    };
+    if !status.success() {
+        return Err(format!("refused: {}", fs::read_to_string(&complaint).map_err(fault)?));
+    }
+    let motions = parse(&fs::read_to_string(&canon).map_err(fault)?)?;
+    for file in [&program, &canon, &complaint, &parameters, &kept].into_iter().filter(|file| file.exists()) {
+        fs::remove_file(file).map_err(fault)?;
+    }
+    Ok(motions)
+}
+
+fn parse(text: &str) -> Result<Vec<Motion>, String> {
+    let (mut unit, mut rate, mut plane) = (1.0, 0.0, Plane::Xy);
+    let mut motions = Vec::new();
+    for line in text.lines() {
+        let Some((head, rest)) = line.split_once('(') else { continue };
+        let name = head.rsplit(|c: char| !(c.is_ascii_uppercase() || c == '_')).next().unwrap_or_default();
+        let arguments = rest.strip_suffix(')').ok_or_else(|| format!("cut off: {line}"))?;
+        let numbers = || -> Result<Vec<f64>, String> {
+            arguments.split(',').map(|n| n.trim().parse().map_err(|_| format!("no number: {line}"))).collect()
+        };
+        match name {
+            "USE_LENGTH_UNITS" => unit = if arguments == "CANON_UNITS_MM" { 1.0 } else { 25.4 },
+            "SET_FEED_RATE" => rate = numbers()?[0] * unit,
+            "SELECT_PLANE" => {
+                plane = match arguments {
+                    "CANON_PLANE_XY" => Plane::Xy,
+                    "CANON_PLANE_XZ" => Plane::Zx,
+                    "CANON_PLANE_YZ" => Plane::Yz,
+                    other => return Err(format!("plane {other}")),
+                }
+            }
+            "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => {
+                let n = numbers()?;
+                let to = Point3::new(n[0], n[1], n[2]) * unit;
+                motions.push(if name == "STRAIGHT_FEED" {
+                    Motion::Line { to, rate }
+                } else {
+                    Motion::Rapid { to }
+                });
+            }
+            "ARC_FEED" => {
+                let n = numbers()?;
+                let direction = match n[4] {
+                    1.0 => Direction::Ccw,
+                    -1.0 => Direction::Cw,
+                    turns => return Err(format!("an arc of {turns} turns")),
+                };
+                let [to, center] = [[n[0], n[1], n[5]], [n[2], n[3], n[5]]]
+                    .map(|local| plane.to_workpiece(&(Vector3::from(local) * unit)));
+                motions.push(Motion::Arc { plane, direction, to, center, rate });
+            }
+            "DWELL" => motions.push(Motion::Dwell { seconds: numbers()?[0] }),
+            "NURBS_FEED" | "STRAIGHT_PROBE" | "RIGID_TAP" => return Err(format!("unexpected: {line}")),
+            _ => {}
+        }
+    }
+    Ok(motions)
+}

@@ -1,0 +1,113 @@
+//! Written programs against LinuxCNC's interpreter: what it would do is what the toolpath says.
+//!
+//! * 1,000 random toolpaths in three planes, in mm and inch: the control's path lies within 1.5 units of the
+//!   last decimal of the toolpath and vice versa, in order; lengths and times agree with `measure`.
+//! * Every `*.ngc` of the directories given as arguments: the control's motions are those of our own reader.
+
+mod canon;
+mod compare;
+mod random;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{env, fs, process, thread};
+
+use toolpathd::post::{self, ProgramJob};
+use toolpathd::toolpath::program::{Program, Resolution, Units};
+
+const TOOLPATHS: usize = 1_000;
+const WORKERS: usize = 2;
+
+fn main() -> ExitCode {
+    let directory = env::temp_dir().join(format!("toolpathd-controller-{}", process::id()));
+    let result = run(&directory);
+    // What was refused stays, to be looked at.
+    if result.is_ok() && fs::remove_dir_all(&directory).is_err() {
+        eprintln!("{} is left", directory.display());
+    }
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("controller: {fault}\nsee {}", directory.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(directory: &Path) -> Result<(), String> {
+    fs::create_dir_all(directory).map_err(|error| error.to_string())?;
+    canon::write_tool_table(directory).map_err(|error| error.to_string())?;
+    let mut programs = Vec::new();
+    for argument in env::args().skip(1) {
+        programs.extend(programs_in(Path::new(&argument))?);
+    }
+    for path in &programs {
+        let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+        let motions =
+            canon::interpret(&text, directory, "example").map_err(|e| format!("{}: {e}", path.display()))?;
+        let figures = compare::with_text(&text, &motions).map_err(|e| format!("{}: {e}", path.display()))?;
+        println!("{}: {figures}", path.display());
+    }
+    let next = AtomicUsize::new(0);
+    let all: Result<Vec<compare::Figures>, String> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(|| check_random(directory, &next))).collect();
+        workers.into_iter().map(|worker| worker.join().map_err(|_| "a worker stopped".to_string())?).collect()
+    });
+    let figures = all?.into_iter().fold(compare::Figures::default(), compare::Figures::and);
+    println!("{TOOLPATHS} random toolpaths: {figures}");
+    Ok(())
+}
+
+fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures, String> {
+    let mut figures = compare::Figures::default();
+    loop {
+        let seed = next.fetch_add(1, Ordering::Relaxed);
+        if seed >= TOOLPATHS {
+            return Ok(figures);
+        }
+        let case = random::case(seed as u64);
+        // Every fourth program is in inches, where the interpreter prints less precisely.
+        let resolution = if seed % 4 == 3 {
+            Resolution { units: Units::Inch, decimals: 4 }
+        } else {
+            Resolution { units: Units::Mm, decimals: 3 }
+        };
+        let program = Program {
+            resolution,
+            number: 1,
+            name: Some(format!("random {seed}")),
+            block_numbers: seed % 5 == 0,
+            work_offset: (seed % 3 == 0).then_some(54),
+        };
+        let dialect = post::dialect("linuxcnc").ok_or("no dialect")?;
+        let job = ProgramJob {
+            program: &program,
+            tool: &case.tool,
+            cutting: &case.cutting,
+            dialect,
+            comments: &[],
+        };
+        let name = format!("random{seed}");
+        let found = post::write(&case.toolpath, &job)
+            .map_err(|error| error.to_string())
+            .and_then(|written| {
+                let motions = canon::interpret(&written.text, directory, &name)?;
+                let text = compare::with_text(&written.text, &motions)?;
+                let path = compare::with_toolpath(&case.toolpath, &motions, resolution)?;
+                Ok(text.and(path))
+            })
+            .map_err(|error| format!("{name}: {error}"))?;
+        figures = figures.and(found);
+    }
+}
+
+fn programs_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+    let mut programs: Vec<_> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "ngc"))
+        .collect();
+    programs.sort();
+    if programs.is_empty() { Err(format!("no *.ngc in {}", directory.display())) } else { Ok(programs) }
+}

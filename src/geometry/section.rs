@@ -15,8 +15,8 @@
 //! for, because its curvature is bounded over the patches around both.
 //!
 //! # Degenerate input
-//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: it shifts the
-//! outermost planes inward by [`INSET_MM`].
+//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: sections on the
+//! extent are traced [`INSET_MM`] inside it.
 //!
 //! # Cost
 //! O(boundary stretches + points) a plane.
@@ -40,7 +40,7 @@ use super::surface::{Surface, span_of};
 use crate::budget::{Budget, Stopped};
 use boundary::{Boundary, BoundaryPoint};
 
-/// How far the outermost planes lie inside the extent of the offset, mm: enough for a plane along a straight
+/// How far inside the extent of the offset its outermost sections are to be traced, mm: enough for a plane along a straight
 /// edge to meet the edges at its ends, invisible in any program.
 pub const INSET_MM: f64 = 1e-6;
 

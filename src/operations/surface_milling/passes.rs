@@ -52,11 +52,11 @@ pub(super) fn cut(
     let planes = planes(sections.extent(), job.stepover_mm)?;
     let mut passes: Vec<CutPass> = Vec::new();
     let mut n_points = 0;
-    for (k, at) in planes.iter().enumerate() {
+    for (k, plane) in planes.iter().enumerate() {
         budget.check()?;
         budget.progress("sections", k, planes.len());
         let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
-        for pass in cut_plane(job, sections, *at, forward, tolerance, budget)? {
+        for pass in cut_plane(job, sections, *plane, forward, tolerance, budget)? {
             n_points += pass.n_points;
             if n_points > CL_POINT_LIMIT {
                 return Err(Error::TooMuchWork {
@@ -71,8 +71,17 @@ pub(super) fn cut(
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
+/// A plane of sections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SectionAt {
+    /// Where the passes are cut, mm.
+    at: f64,
+    /// Where the section is traced: the same, but just inside the extent for the outermost planes, mm.
+    traced_at: f64,
+}
+
 /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent, mm.
-fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<f64>, Error> {
+fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<SectionAt>, Error> {
     let width = high - low;
     // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
     let spaces = (width / stepover - 1e-9).ceil().max(1.0);
@@ -84,16 +93,19 @@ fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<f64>, Error> {
         });
     }
     let inset = INSET_MM.min(0.25 * width);
-    let (first, last) = (low + inset, high - inset);
     let n = spaces as usize;
-    Ok((0..=n).map(|k| first + (last - first) * (k as f64 / n as f64)).collect())
+    let plane = |k: usize| {
+        let at = if k == n { high } else { low + width * (k as f64 / n as f64) };
+        SectionAt { at, traced_at: at.clamp(low + inset, high - inset) }
+    };
+    Ok((0..=n).map(plane).collect())
 }
 
 /// The passes of one plane, in the direction of travel.
 fn cut_plane(
     job: &Job,
     sections: &Sections,
-    at: f64,
+    plane: SectionAt,
     forward: bool,
     tolerance: f64,
     budget: &Budget,
@@ -107,11 +119,11 @@ fn cut_plane(
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
     let mut worst = (0.0, Point3::origin());
     for _ in 0..REFINEMENT_LIMIT {
-        let mut chains = sections.chains(at, spacing, budget)?;
+        let mut chains = sections.chains(plane.traced_at, spacing, budget)?;
         chains.retain(|chain| length(chain) > tolerance);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
-            chains.iter().map(|chain| fit(job, chain, at, fit_tolerance)).collect();
+            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance)).collect();
         let passes = passes?;
         worst = (0.0, Point3::origin());
         for pass in &passes {
@@ -147,7 +159,8 @@ fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
     });
 }
 
-/// Joins the CL points of a section by arcs and lines, and proves how far these leave the section.
+/// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves how far these leave
+/// the section.
 fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass, Error> {
     let plane = job.plane.arc_plane();
     let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);

@@ -71,8 +71,8 @@ pub struct Written {
     /// Upper bound for the distance between `curve` and any curve a control may run for the block: one about
     /// the written centre with a radius anywhere between those at the ends. mm, both ways.
     pub slack_mm: f64,
-    /// Upper bound for the distance between the source and any curve a control may run for the block, mm, both
-    /// ways and in order.
+    /// Upper bound for the distance of the source from `curve` and from any curve a control may run for the
+    /// block, mm, both ways and in order.
     pub displacement_mm: f64,
 }
 

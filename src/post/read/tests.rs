@@ -1,5 +1,7 @@
 use std::f64::consts::PI;
 
+use proptest::prelude::*;
+
 use super::*;
 
 const LIMIT_MM: f64 = 0.0015;
@@ -87,4 +89,14 @@ fn every_fault_is_found_with_its_line() {
         line == 3
             && matches!(found, Fault::RadiusMismatch { mismatch_mm } if (mismatch_mm - 0.004).abs() < 1e-9)
     );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_ends_in_steps_or_one_fault(text in "(?s)([GMXYZIJKFHPQSTN%(); \n.+-]|[0-9]|.){0,200}") {
+        let faults = Reader::new(&text, LIMIT_MM).filter(|placed| placed.is_err()).count();
+        prop_assert!(faults <= 1);
+    }
 }

@@ -71,6 +71,21 @@ pub struct Family {
     pub sense: f64,
 }
 
+impl Family {
+    /// Nothing but `arc` itself.
+    pub fn of(arc: &Circular) -> Self {
+        Self {
+            center: arc.center,
+            start: arc.start,
+            end: arc.end,
+            to_start: arc.start.xy() - arc.center,
+            to_end: arc.end.xy() - arc.center,
+            sweep: arc.sweep,
+            sense: arc.sense,
+        }
+    }
+}
+
 /// An upper bound for the distance between `family` and `arc`, mm; none where they are not the same turn.
 pub fn distance(family: &Family, arc: &Circular) -> Option<f64> {
     let between = Between::new(family, arc)?;

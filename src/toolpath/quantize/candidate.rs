@@ -104,8 +104,8 @@ impl<'a> Rounded<'a> {
         };
         let center = Vector2::new(grid.mm(a + i), grid.mm(b + j));
         let family = Family { center, start: self.start, end: self.end, to_start, to_end, sweep, sense };
-        let displacement_mm = bound::distance(&family, &self.source)?;
-        if displacement_mm > ACCEPTED_STEPS * step {
+        let of_family = bound::distance(&family, &self.source)?;
+        if of_family > ACCEPTED_STEPS * step {
             return None;
         }
         let plane = arc.plane();
@@ -116,12 +116,17 @@ impl<'a> Rounded<'a> {
         if sagitta < MIN_SAGITTA_STEPS * step || exact.radius() > RADIUS_MARGIN * MAX_RADIUS_MM {
             return None;
         }
+        let exactly = Circular::of(&exact);
+        let displacement_mm = of_family.max(bound::distance(&Family::of(&exactly), &self.source)?);
+        if displacement_mm > ACCEPTED_STEPS * step {
+            return None;
+        }
         Some(Written {
             curve: Curve::Arc(exact),
             end_units: self.end_units,
             center_offset_units: Some(offsets),
             radius_mismatch_mm: mismatch_units * step,
-            slack_mm: bound::distance(&family, &Circular::of(&exact))?,
+            slack_mm: bound::distance(&family, &exactly)?,
             displacement_mm,
         })
     }

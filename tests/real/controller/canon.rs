@@ -22,24 +22,27 @@ pub enum Motion {
     Dwell { seconds: f64 },
 }
 
-/// Writes the tool table that every program may use: tools 1 to 99, without length.
-pub fn write_tool_table(directory: &Path) -> std::io::Result<()> {
-    let table: String = (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect();
-    fs::write(directory.join("tool.tbl"), table)
+/// Tools 1 to 99, without length: every program may use them.
+fn tool_table() -> String {
+    (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect()
 }
 
-/// Runs the interpreter on `text` in `directory` and returns what the control would do.
+/// Runs the interpreter on `text` and returns what the control would do.
+///
+/// It keeps its parameters in the working directory and shares its tool table with every other interpreter of
+/// the same home, so each program has a directory of its own for both, below `directory`. What was refused
+/// stays there.
 pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>, String> {
-    let [program, canon, complaint] =
-        ["ngc", "canon", "err"].map(|end| directory.join(format!("{name}.{end}")));
+    let home = directory.join(name);
     let fault = |error: std::io::Error| error.to_string();
-    fs::write(&program, text).map_err(fault)?;
+    fs::create_dir_all(&home).map_err(fault)?;
+    fs::write(home.join("tool.tbl"), tool_table()).map_err(fault)?;
+    fs::write(home.join("program.ngc"), text).map_err(fault)?;
+    let (canon, complaint) = (home.join("canon"), home.join("complaint"));
     let mut child = Command::new("rs274")
-        .args(["-t", "tool.tbl", "-v"])
-        .arg(&parameters)
-        .arg("-g")
-        .arg(&program)
-        .current_dir(directory)
+        .args(["-t", "tool.tbl", "-g", "program.ngc"])
+        .current_dir(&home)
+        .env("HOME", &home)
         .stdin(Stdio::null())
         .stdout(File::create(&canon).map_err(fault)?)
         .stderr(File::create(&complaint).map_err(fault)?)
@@ -61,9 +64,7 @@ pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>
         return Err(format!("refused: {}", fs::read_to_string(&complaint).map_err(fault)?));
     }
     let motions = parse(&fs::read_to_string(&canon).map_err(fault)?)?;
-    for file in [&program, &canon, &complaint, &parameters, &kept].into_iter().filter(|file| file.exists()) {
-        fs::remove_file(file).map_err(fault)?;
-    }
+    fs::remove_dir_all(&home).map_err(fault)?;
     Ok(motions)
 }
 

@@ -37,7 +37,6 @@ fn main() -> ExitCode {
 
 fn run(directory: &Path) -> Result<(), String> {
     fs::create_dir_all(directory).map_err(|error| error.to_string())?;
-    canon::write_tool_table(directory).map_err(|error| error.to_string())?;
     let mut programs = Vec::new();
     for argument in env::args().skip(1) {
         programs.extend(programs_in(Path::new(&argument))?);
@@ -77,8 +76,8 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             resolution,
             number: 1,
             name: Some(format!("random {seed}")),
-            block_numbers: seed % 5 == 0,
-            work_offset: (seed % 3 == 0).then_some(54),
+            block_numbers: seed.is_multiple_of(5),
+            work_offset: seed.is_multiple_of(3).then_some(54),
         };
         let dialect = post::dialect("linuxcnc").ok_or("no dialect")?;
         let job = ProgramJob {

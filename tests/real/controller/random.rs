@@ -38,7 +38,7 @@ impl Random {
     }
 
     fn feed(&mut self) -> FeedRate {
-        let value = 10f64.powf(self.within(0.0, 3.7));
+        let value = 10f64.powf(self.within(1.0, 3.7));
         FeedRate::from_mm_per_min(value).unwrap_or_else(|| unreachable!("a power of ten is above zero"))
     }
 }

@@ -8,9 +8,10 @@ ENV RUSTFLAGS="-C target-feature=+crt-static"
 
 # The dependencies are a layer of their own: they are built again only when the manifest changes.
 COPY Cargo.toml Cargo.lock ./
-RUN mkdir -p src benches \
+# Cargo wants a file for every target that the manifest names.
+RUN mkdir -p src benches tests/real/controller \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/lib.rs \
+    && touch src/lib.rs benches/surface_milling.rs tests/real/controller/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 

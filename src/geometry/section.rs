@@ -99,6 +99,12 @@ struct Place {
     jet: OffsetJet,
 }
 
+/// A place where the boundary meets the plane.
+struct Crossing {
+    boundary: BoundaryPoint,
+    place: Place,
+}
+
 impl<'a> Sections<'a> {
     /// `curvature` is the proof for the same surface, radius (mm) and axis (0 is x, 1 is y).
     pub fn new(surface: &'a dyn Surface, radius: f64, axis: usize, curvature: SectionCurvature) -> Self {
@@ -118,11 +124,12 @@ impl<'a> Sections<'a> {
     /// When a section is lost (the surface is not as regular as it was proved to be), has too many points, or
     /// the budget stops.
     pub fn chains(&self, at: f64, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
-        let mut open = self.boundary.crossings(self.surface, at);
+        let starts = self.boundary.crossings(self.surface, at).into_iter();
+        let mut open: Vec<Crossing> = starts.filter_map(|boundary| self.crossing(boundary)).collect();
         let mut chains = Vec::new();
         while let Some(start) = open.pop() {
             budget.check()?;
-            if let Some((chain, reached)) = self.trace(start, &open, at, spacing, budget)? {
+            if let Some((chain, reached)) = self.trace(&start, &open, at, spacing, budget)? {
                 if let Some(k) = reached {
                     open.remove(k);
                 }
@@ -136,15 +143,14 @@ impl<'a> Sections<'a> {
     /// `None` when the section does not enter the surface there.
     fn trace(
         &self,
-        start: BoundaryPoint,
-        open: &[BoundaryPoint],
+        start: &Crossing,
+        open: &[Crossing],
         at: f64,
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
-        let (u, v) = start.parameters();
-        let Some(mut here) = self.place(u, v) else { return Ok(None) };
-        let Some(sense) = self.inward_sense(&start, &here) else { return Ok(None) };
+        let mut here = start.place;
+        let Some(sense) = self.inward_sense(&start.boundary, &here) else { return Ok(None) };
         let mut chain = Chain { points: vec![here.jet.point], chord_height_mm: 0.0, curvature_bound: 0.0 };
         loop {
             if chain.points.len() >= POINT_LIMIT {
@@ -154,33 +160,25 @@ impl<'a> Sections<'a> {
                 budget.check()?;
             }
             let next = self.step(&here, sense, at, spacing, &mut chain)?;
-            if self.is_inside(next.u, next.v) {
-                chain.points.push(next.jet.point);
-                here = next;
-                continue;
+            let reached = crossing_on_step(&here, &next, open, spacing);
+            if let Some(k) = reached {
+                chain.points.push(open[k].place.jet.point);
+                return Ok(Some((chain, reached)));
             }
-            let reach = 1.5 * (next.jet.point - here.jet.point).norm();
-            let distance = |point: &BoundaryPoint| {
-                let (u, v) = point.parameters();
-                let near = (u - here.u).abs() <= 1.0 && (v - here.v).abs() <= 1.0;
-                let place = if near { self.place(u, v) } else { None };
-                place.map_or(f64::INFINITY, |place| (place.jet.point - here.jet.point).norm())
-            };
-            let nearest = open
-                .iter()
-                .enumerate()
-                .map(|(k, point)| (distance(point), k))
-                .filter(|(d, _)| *d <= reach)
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            let end = match nearest {
-                Some((_, k)) => Some(open[k]),
-                None => self.boundary.crossing_between(self.surface, at, (here.u, here.v), (next.u, next.v)),
-            };
-            if let Some(place) = end.and_then(|end| self.place(end.parameters().0, end.parameters().1)) {
-                chain.points.push(place.jet.point);
+            if !self.is_inside(next.u, next.v) {
+                let (from, to) = ((here.u, here.v), (next.u, next.v));
+                let missed = self.boundary.crossing_between(self.surface, at, from, to);
+                chain.points.extend(missed.and_then(|b| self.crossing(b)).map(|c| c.place.jet.point));
+                return Ok(Some((chain, None)));
             }
-            return Ok(Some((chain, nearest.map(|(_, k)| k))));
+            chain.points.push(next.jet.point);
+            here = next;
         }
+    }
+
+    fn crossing(&self, boundary: BoundaryPoint) -> Option<Crossing> {
+        let (u, v) = boundary.parameters();
+        Some(Crossing { boundary, place: self.place(u, v)? })
     }
 
     /// The next point of the section, at most one step from `here`; it may lie beyond the boundary.
@@ -274,6 +272,22 @@ impl<'a> Sections<'a> {
         let [nu, nv] = self.surface.spans();
         self.curvature.around(span_of(u, nu), span_of(v, nv))
     }
+}
+
+/// The first of the crossings that the section passes between `here` and `next`. It may leave the surface there
+/// even if `next` lies inside again.
+fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spacing) -> Option<usize> {
+    let step = next.jet.point - here.jet.point;
+    let length = step.norm();
+    // The section keeps within the chord height of the chord; the rest is for rounding.
+    let aside = 2.0 * spacing.chord_height_mm.min(length) + 1e-9 * (1.0 + here.jet.point.coords.amax());
+    let passed = open.iter().enumerate().filter_map(|(k, crossing)| {
+        let to = crossing.place.jet.point - here.jet.point;
+        let along = to.dot(&step) / length;
+        let is_near = to.norm_squared() - along * along <= aside * aside;
+        (is_near && along >= 0.0 && along <= length).then_some((along, k))
+    });
+    passed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k)| k)
 }
 
 /// Height over its chord of an arc of curvature `curvature` (1/mm), mm; infinite where the chord is too long

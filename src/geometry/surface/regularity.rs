@@ -283,7 +283,7 @@ mod tests {
         let bound = prove(&dome, 5.0, 1, &Budget::unlimited()).unwrap();
         for i in 0..40 {
             let k = bound.around(i, 20);
-            assert!(k >= 1.0 / 45.0 - 1e-4 && k < 1.5 / 45.0, "{k}");
+            assert!((1.0 / 45.0 - 1e-4..1.5 / 45.0).contains(&k), "{k}");
         }
     }
 

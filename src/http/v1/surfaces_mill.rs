@@ -102,9 +102,20 @@ fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> 
 /// The program that cuts the plan.
 fn nc_text(plan: &Plan, accepted: &MillJob) -> Result<String, ApiError> {
     let MillJob { job, program, dialect, meta } = accepted;
-    let comments: Vec<String> = meta.iter().flatten().map(|(key, value)| format!("{key}: {value}")).collect();
+    let meta = meta.iter().flatten().map(|(key, value)| format!("{key}: {value}"));
+    let comments: Vec<String> = meta.chain([proved(&plan.report)]).collect();
     let job = ProgramJob { program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &comments };
     Ok(post::write(&plan.toolpath, &job)?.text)
+}
+
+/// The proved figures for a program's header, rounded up.
+fn proved(report: &surface_milling::Report) -> String {
+    let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
+    format!(
+        "PROVED DEVIATION {:.4} MM - GOUGE {:.4} MM",
+        up(report.deviation_max_mm),
+        up(report.gouge_max_mm)
+    )
 }
 
 impl From<&surface_milling::Warning> for Warning {

@@ -55,7 +55,6 @@ fn the_die_is_cut_within_its_tolerance_and_mostly_by_arcs() {
         job.plane = plane;
         let plan = plan(&job, &Budget::unlimited()).unwrap();
         let report = &plan.report;
-        println!("{report:?}");
         assert!(report.deviation_max_mm <= 0.01 && report.gouge_max_mm <= 0.01);
         assert!(report.n_arcs * 10 >= (report.n_arcs + report.n_lines) * 6);
         assert!((plan.cutting.retract_z_mm - 12.0).abs() < 0.2);
@@ -87,7 +86,6 @@ fn sections_of_a_spherical_cap_are_single_arcs() {
             assert!((arc.radius() - radius).abs() < 1e-4, "{} {radius}", arc.radius());
             cuts += 1;
         }
-        println!("{:?}", plan.report);
         assert_eq!(cuts, plan.report.n_passes);
     }
 }

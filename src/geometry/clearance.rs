@@ -71,6 +71,8 @@ pub struct Clearance<'a> {
     radius: f64,
     /// The largest absolute coordinate of a control point, mm.
     magnitude: f64,
+    /// Length of the pieces that paths are cut into at first, mm: that of a patch, or the ball's diameter.
+    piece_length: f64,
 }
 
 impl<'a> Clearance<'a> {
@@ -78,7 +80,10 @@ impl<'a> Clearance<'a> {
     pub fn new(surface: &'a dyn Surface, radius: f64) -> Self {
         let tree = PatchTree::new(surface);
         let magnitude = tree.bounds().magnitude();
-        Self { surface, tree, radius, magnitude }
+        let [nu, nv] = surface.spans();
+        let sizes = (0..nu).flat_map(|i| (0..nv).map(move |j| surface.patch(i, j).extents()));
+        let mean_size = sizes.map(|[u, v]| u.max(v)).sum::<f64>() / (nu * nv) as f64;
+        Self { surface, tree, radius, magnitude, piece_length: mean_size.max(2.0 * radius) }
     }
 
     /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm.
@@ -95,7 +100,7 @@ impl<'a> Clearance<'a> {
         budget: &Budget,
     ) -> Result<(), Stopped> {
         let mut near = Vec::new();
-        for piece in path::pieces(tip, self.radius, slack, 0.25 * gap) {
+        for piece in path::pieces(tip, self.radius, self.piece_length, slack, 0.25 * gap) {
             budget.check()?;
             near.clear();
             self.tree.collect(&piece.reach(self.radius), &mut near);
@@ -123,18 +128,20 @@ impl<'a> Clearance<'a> {
             self.add(piece, *self.surface.patch(i, j), gap, deepest, &mut open);
         }
         for _ in 0..PAIR_LIMIT {
-            let Some((bound, piece, part)) = open.pop() else { return };
-            let [along_u, along_v] = part.extents();
-            let size = along_u.max(along_v);
-            if bound <= deepest.found_mm + gap || size < SMALLEST_PART * self.radius {
+            let Some(Pair { bound, piece, part, halving }) = open.pop() else { return };
+            if bound <= deepest.found_mm + gap {
                 deepest.bound_mm = deepest.bound_mm.max(bound);
-            } else if size < piece.length() / 8.0 {
-                piece.halves().into_iter().for_each(|half| self.add(half, part, gap, deepest, &mut open));
-            } else {
-                part.split().into_iter().for_each(|half| self.add(piece, half, gap, deepest, &mut open));
+                return;
+            }
+            let mut add = |piece, part| self.add(piece, part, gap, deepest, &mut open);
+            match halving {
+                Halving::Piece => piece.halves().into_iter().for_each(|half| add(half, part)),
+                Halving::AlongU => part.split_u().into_iter().for_each(|half| add(piece, half)),
+                Halving::AlongV => part.split_v().into_iter().for_each(|half| add(piece, half)),
+                Halving::Never => deepest.bound_mm = deepest.bound_mm.max(bound),
             }
         }
-        if let Some((bound, ..)) = open.pop() {
+        if let Some(Pair { bound, .. }) = open.pop() {
             deepest.bound_mm = deepest.bound_mm.max(bound);
         }
     }
@@ -151,7 +158,24 @@ impl<'a> Clearance<'a> {
         if depth.bound <= deepest.found_mm + gap {
             deepest.bound_mm = deepest.bound_mm.max(depth.bound);
         } else {
-            open.push(depth.bound, piece, part);
+            let halving = self.halving(&piece, &part, depth.varies_along_u);
+            open.push(Pair { bound: depth.bound, piece, part, halving });
+        }
+    }
+
+    /// Which half would tell more: a piece that is long against the part, or the part in the direction in which
+    /// the distance varies, or else in which it is longer.
+    fn halving(&self, piece: &Piece, part: &Patch, varies_along_u: Option<bool>) -> Halving {
+        let [along_u, along_v] = part.extents();
+        let size = along_u.max(along_v);
+        if size < SMALLEST_PART * self.radius {
+            Halving::Never
+        } else if size < piece.length() / 8.0 {
+            Halving::Piece
+        } else if varies_along_u.unwrap_or(along_u >= along_v) {
+            Halving::AlongU
+        } else {
+            Halving::AlongV
         }
     }
 
@@ -162,33 +186,56 @@ impl<'a> Clearance<'a> {
         let reach = self.radius + piece.slack;
         let rounding = ROUNDING * (piece.magnitude() + self.magnitude + reach);
         let Some(away) = downward_unit(center - nearest) else {
-            return Depth { bound: reach, found: None };
+            return Depth { bound: reach, found: None, varies_along_u: None };
         };
         let apart = part.lowest_along(&away) - piece.support(&away) - rounding;
         let far = reach - apart;
         if far <= enough {
-            return Depth { bound: far.max(0.0), found: None };
+            return Depth { bound: far.max(0.0), found: None, varies_along_u: None };
         }
         let found = Some(self.radius - piece.axis_distance(&center, &nearest));
         let shank = if apart > 0.0 { reach - apart / away.xy().norm() } else { reach };
         if shank > enough {
-            return Depth { bound: far.min(reach), found };
+            return Depth { bound: far.min(reach), found, varies_along_u: None };
         }
-        let ball = reach - ball::lowest_distance(piece, part) + rounding;
-        Depth { bound: far.min(ball.max(shank)).max(0.0), found }
+        let ball = ball::nearness(piece, part);
+        let bound = far.min((reach - ball.lowest_distance + rounding).max(shank));
+        Depth { bound: bound.max(0.0), found, varies_along_u: Some(ball.varies_along_u) }
     }
 }
 
+/// What is known of the penetration of one part by one piece.
 struct Depth {
     bound: f64,
     found: Option<f64>,
+    /// Whether the distance varies more along u than along v, where that was looked at.
+    varies_along_u: Option<bool>,
+}
+
+/// What to halve next.
+#[derive(Clone, Copy)]
+enum Halving {
+    Piece,
+    AlongU,
+    AlongV,
+    /// The part is a point to the arithmetic.
+    Never,
+}
+
+/// A piece and a part that are not decided yet.
+#[derive(Clone, Copy)]
+struct Pair {
+    bound: f64,
+    piece: Piece,
+    part: Patch,
+    halving: Halving,
 }
 
 /// Pairs that are not decided yet, the largest bound first.
 #[derive(Default)]
 struct Open {
     heap: BinaryHeap<(Bound, usize)>,
-    pairs: Vec<(Piece, Patch)>,
+    pairs: Vec<Pair>,
 }
 
 /// A bound in mm, ordered.
@@ -210,15 +257,14 @@ impl Ord for Bound {
 }
 
 impl Open {
-    fn push(&mut self, bound: f64, piece: Piece, part: Patch) {
-        self.heap.push((Bound(bound), self.pairs.len()));
-        self.pairs.push((piece, part));
+    fn push(&mut self, pair: Pair) {
+        self.heap.push((Bound(pair.bound), self.pairs.len()));
+        self.pairs.push(pair);
     }
 
-    fn pop(&mut self) -> Option<(f64, Piece, Patch)> {
-        let (Bound(bound), k) = self.heap.pop()?;
-        let (piece, part) = self.pairs[k];
-        Some((bound, piece, part))
+    fn pop(&mut self) -> Option<Pair> {
+        let (_, k) = self.heap.pop()?;
+        Some(self.pairs[k])
     }
 }
 

@@ -16,13 +16,29 @@ use crate::geometry::surface::Patch;
 /// One coordinate of a control net.
 type Net = [[f64; 4]; 4];
 
-/// Never above the least distance between the piece and the part, mm; its rounding is the caller's.
-pub(super) fn lowest_distance(piece: &Piece, part: &Patch) -> f64 {
+/// How near a part is to a piece.
+pub(super) struct Nearness {
+    /// Never above the least distance, mm; its rounding is the caller's.
+    pub(super) lowest_distance: f64,
+    /// Whether the distance bends more along u than along v.
+    pub(super) varies_along_u: bool,
+}
+
+pub(super) fn nearness(piece: &Piece, part: &Patch) -> Nearness {
     let squared = match &piece.curve {
         Curve::Line(line) => to_line(line, part),
         Curve::Arc(arc) => to_arc(arc, part),
     };
-    squared.max(0.0).sqrt()
+    let [bend_u, bend_v] = squared.bends;
+    Nearness { lowest_distance: squared.lowest.max(0.0).sqrt(), varies_along_u: bend_u >= bend_v }
+}
+
+/// What the Bernstein coefficients of a squared distance say.
+struct Squared {
+    /// The least coefficient, mm^2.
+    lowest: f64,
+    /// The largest second differences along u and v, mm^2.
+    bends: [f64; 2],
 }
 
 fn coordinate(part: &Patch, origin: &Vector3<f64>, axis: &Vector3<f64>) -> Net {
@@ -33,12 +49,12 @@ fn all(net: &Net, holds: impl Fn(f64) -> bool) -> bool {
     net.iter().flatten().all(|x| holds(*x))
 }
 
-fn to_point(part: &Patch, point: &Vector3<f64>) -> f64 {
+fn to_point(part: &Patch, point: &Vector3<f64>) -> Squared {
     let nets = [0, 1, 2].map(|c| coordinate(part, point, &Vector3::ith(c, 1.0)));
-    lowest_sum_of_squares(&nets, [1.0; 3])
+    sum_of_squares(&nets, [1.0; 3])
 }
 
-fn to_line(line: &Line, part: &Patch) -> f64 {
+fn to_line(line: &Line, part: &Patch) -> Squared {
     let along = line.end - line.start;
     let length = along.norm();
     let Some(along) = along.try_normalize(0.0) else { return to_point(part, &line.start.coords) };
@@ -52,10 +68,10 @@ fn to_line(line: &Line, part: &Patch) -> f64 {
     let across = along.cross(&Vector3::ith(along.iamin(), 1.0)).normalize();
     let third = along.cross(&across);
     let nets = [across, third].map(|axis| coordinate(part, &line.start.coords, &axis));
-    lowest_sum_of_squares(&nets, [1.0; 2])
+    sum_of_squares(&nets, [1.0; 2])
 }
 
-fn to_arc(arc: &Arc, part: &Patch) -> f64 {
+fn to_arc(arc: &Arc, part: &Patch) -> Squared {
     let center = arc.center().coords;
     let [a, b, h] = arc.plane().axes().map(|c| coordinate(part, &center, &Vector3::ith(c, 1.0)));
     let local = |p: nalgebra::Point3<f64>| arc.plane().to_local(&p) - arc.plane().to_local(&arc.center());
@@ -78,15 +94,16 @@ fn to_arc(arc: &Arc, part: &Patch) -> f64 {
     let at_center = part.center() - center;
     let [ia, ib, _] = arc.plane().axes();
     let c = at_center[ia].hypot(at_center[ib]);
-    if c <= 1e-3 * r {
-        return 0.0;
-    }
+    // Any c is right; at the arc's own centre, where every point of it is equally near, none is good.
+    let c = c.max(1e-3 * r);
     let weight = (c - r) / c;
-    lowest_sum_of_squares(&[a, b, h], [weight, weight, 1.0]) + r * (r - c)
+    let mut squared = sum_of_squares(&[a, b, h], [weight, weight, 1.0]);
+    squared.lowest += r * (r - c);
+    squared
 }
 
-/// The least Bernstein coefficient, of degree (6, 6), of the weighted sum of squares of bicubics.
-fn lowest_sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> f64 {
+/// The weighted sum of squares of bicubics, by its Bernstein coefficients of degree (6, 6).
+fn sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> Squared {
     let mut sum = [[0.0; 7]; 7];
     for (net, weight) in nets.iter().zip(weights) {
         let mut scaled = *net;
@@ -108,13 +125,21 @@ fn lowest_sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> 
             }
         }
     }
-    let mut lowest = f64::INFINITY;
-    for (row, cu) in sum.iter().zip(BINOMIAL_6) {
-        for (x, cv) in row.iter().zip(BINOMIAL_6) {
-            lowest = lowest.min(x / (cu * cv));
+    let mut squared = Squared { lowest: f64::INFINITY, bends: [0.0; 2] };
+    for (row, cu) in sum.iter_mut().zip(BINOMIAL_6) {
+        for (x, cv) in row.iter_mut().zip(BINOMIAL_6) {
+            *x /= cu * cv;
+            squared.lowest = squared.lowest.min(*x);
         }
     }
-    lowest
+    for k in 0..7 {
+        for l in 1..6 {
+            let bend_u = (sum[l - 1][k] - 2.0 * sum[l][k] + sum[l + 1][k]).abs();
+            let bend_v = (sum[k][l - 1] - 2.0 * sum[k][l] + sum[k][l + 1]).abs();
+            squared.bends = [squared.bends[0].max(bend_u), squared.bends[1].max(bend_v)];
+        }
+    }
+    squared
 }
 
 const BINOMIAL_3: [f64; 4] = [1.0, 3.0, 3.0, 1.0];

@@ -1,4 +1,4 @@
-//! The path of the ball's centre, cut into pieces that are short against the ball.
+//! The path of the ball's centre, cut into pieces.
 
 use nalgebra::{Point3, Vector3};
 
@@ -19,11 +19,17 @@ pub(super) struct Piece {
     pub(super) slack: f64,
 }
 
-/// The centre's path while the tip follows `tip`, in pieces of some two radii. A helix becomes chords of a
+/// The centre's path while the tip follows `tip`, in pieces of at most `length` mm. A helix becomes chords of a
 /// height of at most `chord_height` mm, which adds to the slack.
-pub(super) fn pieces(tip: &Curve, radius: f64, slack: f64, chord_height: f64) -> impl Iterator<Item = Piece> {
+pub(super) fn pieces(
+    tip: &Curve,
+    radius: f64,
+    length: f64,
+    slack: f64,
+    chord_height: f64,
+) -> impl Iterator<Item = Piece> {
     let center = raised(tip, radius);
-    let by_length = (center.length() / (2.0 * radius)).ceil();
+    let by_length = (center.length() / length).ceil();
     let (count, slack, is_helix) = match &center {
         Curve::Line(_) => (by_length, slack, false),
         Curve::Arc(arc) if arc.rise() == 0.0 => {

@@ -196,7 +196,8 @@ impl<'a> Clearance<'a> {
         let found = Some(self.radius - piece.axis_distance(&center, &nearest));
         let shank = if apart > 0.0 { reach - apart / away.xy().norm() } else { reach };
         if shank > enough {
-            return Depth { bound: far.min(reach), found, varies_along_u: None };
+            let varies_along_u = longer_along_u(part, &away);
+            return Depth { bound: far.min(reach), found, varies_along_u };
         }
         let ball = ball::nearness(piece, part);
         let bound = far.min((reach - ball.lowest_distance + rounding).max(shank));
@@ -266,6 +267,16 @@ impl Open {
         let (_, k) = self.heap.pop()?;
         Some(self.pairs[k])
     }
+}
+
+/// Whether the part reaches farther along `direction` by its u than by its v; `None` where it hardly does either
+/// way.
+fn longer_along_u(part: &Patch, direction: &Vector3<f64>) -> Option<bool> {
+    let net = &part.net;
+    let [along_u, along_v] =
+        [net[3][0] - net[0][0] + net[3][3] - net[0][3], net[0][3] - net[0][0] + net[3][3] - net[3][0]];
+    let [by_u, by_v] = [along_u, along_v].map(|edge| edge.dot(direction).abs());
+    (by_u.max(by_v) > 0.01 * along_u.norm().max(along_v.norm())).then_some(by_u >= by_v)
 }
 
 /// The unit vector along `v`, or along its horizontal part where it points up; `None` where neither exists.

@@ -280,6 +280,11 @@ fn certify(
             return Err(Error::OffsetFolds { at });
         }
     }
+    if deepest.bound_mm > job.tolerance.mm() {
+        let at = deepest.at.unwrap_or(toolpath.start());
+        let tolerance_mm = job.tolerance.mm();
+        return Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: deepest.bound_mm, at });
+    }
     Ok(deepest)
 }
 

@@ -132,12 +132,14 @@ fn sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> Squared
             squared.lowest = squared.lowest.min(*x);
         }
     }
-    for k in 0..7 {
-        for l in 1..6 {
-            let bend_u = (sum[l - 1][k] - 2.0 * sum[l][k] + sum[l + 1][k]).abs();
-            let bend_v = (sum[k][l - 1] - 2.0 * sum[k][l] + sum[k][l + 1]).abs();
-            squared.bends = [squared.bends[0].max(bend_u), squared.bends[1].max(bend_v)];
-        }
+    let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+    for row in &sum {
+        let bends = row.windows(3).map(|w| bend(w[0], w[1], w[2]));
+        squared.bends[1] = bends.fold(squared.bends[1], f64::max);
+    }
+    for rows in sum.windows(3) {
+        let bends = (0..7).map(|k| bend(rows[0][k], rows[1][k], rows[2][k]));
+        squared.bends[0] = bends.fold(squared.bends[0], f64::max);
     }
     squared
 }

@@ -1,0 +1,165 @@
+//! Surface milling, judged by evaluators of its own: dense samples, root finding and local minimisation.
+
+mod cutter;
+mod jobs;
+mod motion;
+mod section;
+mod spline;
+mod variants;
+mod verdict;
+
+use toolpathd::budget::Budget;
+use toolpathd::geometry::surface::point_grid::Ends;
+use toolpathd::operations::surface_milling::{CutDirection, Error, Interpolation, Job, SectionPlane, plan};
+use toolpathd::toolpath::units::Tolerance;
+
+use jobs::{PLANES, die, freeform, heights, job};
+use motion::{Kind, Motion, planned};
+use verdict::judge;
+
+fn the_die_keeps_its_promises(plane: SectionPlane, direction: CutDirection) {
+    let (plan, found) = judge(&die(plane, direction)).unwrap();
+    let report = &plan.report;
+    assert!(report.n_arcs * 10 >= (report.n_arcs + report.n_lines) * 6, "{report:?}");
+    assert!(found.radius_mismatch_mm <= 0.0015, "{found:?}");
+    // The path uses its tolerance: a third of it or less would be a path cut far too fine.
+    assert!(found.deviation_mm > 0.003, "{found:?}");
+}
+
+#[test]
+fn the_die_in_zx_planes_zigzag() {
+    the_die_keeps_its_promises(SectionPlane::Zx, CutDirection::Zigzag);
+}
+
+#[test]
+fn the_die_in_zx_planes_one_way() {
+    the_die_keeps_its_promises(SectionPlane::Zx, CutDirection::OneWay);
+}
+
+#[test]
+fn the_die_in_yz_planes_zigzag() {
+    the_die_keeps_its_promises(SectionPlane::Yz, CutDirection::Zigzag);
+}
+
+#[test]
+fn the_die_in_yz_planes_one_way() {
+    the_die_keeps_its_promises(SectionPlane::Yz, CutDirection::OneWay);
+}
+
+#[test]
+fn the_freeform_keeps_its_promises_both_ways() {
+    for plane in PLANES {
+        for direction in [CutDirection::Zigzag, CutDirection::OneWay] {
+            judge(&freeform(plane, direction)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_spherical_cap_is_cut_by_one_arc_a_section() {
+    // The corners of the square slope by 60 degrees.
+    let half = 40.0 * 0.75f64.sqrt() / 2f64.sqrt();
+    let cap = |x: f64, y: f64| (1600.0 - x * x - y * y).sqrt();
+    let surface = heights(61, [-half, half], Ends::NotAKnot, cap);
+    for (plane, normal) in [(SectionPlane::Zx, 1), (SectionPlane::Yz, 0)] {
+        let job = Job { plane, ..job(surface.clone(), 10.0, 4.0, 1e-3, 4) };
+        let (plan, found) = judge(&job).unwrap();
+        assert!(found.gouge_mm < 2e-4 && found.deviation_mm < 2e-4, "{found:?}");
+        // The extent of the offset's sections: its border reaches 45/40 of the cap's half.
+        assert!(plan.report.n_passes >= (2.0 * half * 45.0 / 40.0 / 4.0) as usize);
+        for pass in planned(&plan) {
+            let cuts: Vec<_> = pass.iter().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();
+            let [Motion::Turn(turn)] = cuts[..] else { panic!("{cuts:?}") };
+            let offset = turn.center[normal];
+            let radius = (2025.0 - offset * offset).sqrt();
+            assert!((turn.radii[0] - radius).abs() < 1e-4, "{turn:?}, expected {radius}");
+            assert!((turn.center.z + 5.0).abs() < 5e-4 && turn.center[1 - normal].abs() < 5e-4, "{turn:?}");
+        }
+    }
+}
+
+#[test]
+fn a_trough_tighter_than_the_ball_is_refused_where_it_is_tightest() {
+    // Radius of curvature at x = 0: 1.25 mm, that of the ball: 2.5 mm; |x| < 0.64 is tighter than the ball.
+    let surface = heights(9, [-4.0, 4.0], Ends::NotAKnot, |x, _| 0.4 * x * x);
+    for plane in PLANES {
+        for direction in [CutDirection::Zigzag, CutDirection::OneWay] {
+            let job = Job { plane, direction, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
+            let refused = plan(&job, &Budget::unlimited());
+            let Err(Error::OffsetFolds { at }) = refused else { panic!("{refused:?}") };
+            assert!(at.x.abs() < 0.65 && at.y.abs() <= 4.0 && at.z.abs() < 0.2, "{at}");
+        }
+        // A ball that fits is not refused.
+        judge(&Job { plane, ..job(surface.clone(), 2.4, 1.0, 0.01, 3) }).unwrap();
+    }
+}
+
+fn with_tolerance(tolerance_mm: f64, decimals: u8, plane: SectionPlane) -> Job {
+    let tolerance = Tolerance::from_mm(tolerance_mm).unwrap();
+    let mut job = Job { tolerance, stepover_mm: 8.0, ..die(plane, CutDirection::Zigzag) };
+    job.resolution.decimals = decimals;
+    job
+}
+
+#[test]
+fn a_fine_tolerance_is_kept_with_more_arcs() {
+    for plane in PLANES {
+        let (fine, found) = judge(&with_tolerance(1e-3, 5, plane)).unwrap();
+        assert!(found.deviation_mm > 3e-4, "{found:?}");
+        let usual = plan(&with_tolerance(0.01, 3, plane), &Budget::unlimited()).unwrap();
+        assert!(fine.report.n_arcs > usual.report.n_arcs, "{:?} {:?}", fine.report, usual.report);
+    }
+}
+
+#[test]
+fn a_coarse_tolerance_is_kept_with_fewer_arcs_from_end_to_end() {
+    for plane in PLANES {
+        let (coarse, found) = judge(&with_tolerance(0.1, 3, plane)).unwrap();
+        assert!(found.deviation_mm > 0.03, "{found:?}");
+        let usual = plan(&with_tolerance(0.01, 3, plane), &Budget::unlimited()).unwrap();
+        assert!(coarse.report.n_arcs < usual.report.n_arcs, "{:?} {:?}", coarse.report, usual.report);
+    }
+}
+
+#[test]
+fn ends_that_rounding_moves_count_as_deviation() {
+    // Every coordinate of the ends is moved by 0.4 units of the last decimal, along x outward or inward.
+    for outward in [0.0004, -0.0004] {
+        let mut plate = job(heights(4, [0.0, 11.0], Ends::Natural, |_, _| 0.0004), 2.0, 5.5, 0.01, 3);
+        for point in plate.surface.points.iter_mut().flatten() {
+            point.x += outward * (1.0 - point.x / 5.5);
+            point.y += 0.0004;
+        }
+        let (_, found) = judge(&plate).unwrap();
+        assert!((found.deviation_mm - 0.0004 * 3f64.sqrt()).abs() < 2e-6, "{outward}: {found:?}");
+    }
+}
+
+#[test]
+fn lines_alone_keep_the_same_promises() {
+    let interpolation = Interpolation::Lines;
+    let job = Job { interpolation, stepover_mm: 8.0, ..die(SectionPlane::Zx, CutDirection::Zigzag) };
+    let (plan, _) = judge(&job).unwrap();
+    assert_eq!(plan.report.n_arcs, 0);
+    let motions: Vec<_> = planned(&plan).into_iter().flatten().collect();
+    assert!(motions.iter().all(|m| matches!(m.1, Motion::Straight { .. })));
+    let freeform = Job { interpolation, ..freeform(SectionPlane::Yz, CutDirection::OneWay) };
+    assert_eq!(judge(&freeform).unwrap().0.report.n_arcs, 0);
+}
+
+#[test]
+fn the_step_length_bounds_the_distance_of_cl_points() {
+    for step_length in [0.05, 0.4] {
+        for interpolation in [Interpolation::Arcs, Interpolation::Lines] {
+            let mut job = freeform(SectionPlane::Zx, CutDirection::Zigzag);
+            (job.step_length_mm, job.interpolation, job.stepover_mm) =
+                (Some(step_length), interpolation, 1.5);
+            let (plan, _) = judge(&job).unwrap();
+            let cuts: Vec<_> =
+                planned(&plan).into_iter().flatten().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();
+            let length: f64 = cuts.iter().map(Motion::length).sum();
+            let least = (0.999 * length / step_length).ceil() as usize;
+            assert!(plan.report.n_cl_points >= least, "{least} {:?}", plan.report);
+        }
+    }
+}

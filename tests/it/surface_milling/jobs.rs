@@ -1,0 +1,63 @@
+//! The jobs that are judged.
+
+use std::f64::consts::PI;
+
+use nalgebra::Point3;
+use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd::operations::surface_milling::{
+    CutDirection, CuttingRequest, Interpolation, Job, SectionPlane,
+};
+use toolpathd::toolpath::program::{Resolution, Units};
+use toolpathd::toolpath::tool::{Coolant, Tool};
+use toolpathd::toolpath::units::{FeedRate, Tolerance};
+
+pub const PLANES: [SectionPlane; 2] = [SectionPlane::Zx, SectionPlane::Yz];
+
+/// A square grid of heights, points along x by points along y.
+pub fn heights(n: usize, [from, to]: [f64; 2], ends: Ends, height: impl Fn(f64, f64) -> f64) -> PointGrid {
+    let node = |k: usize| from + (to - from) * k as f64 / (n - 1) as f64;
+    let row = |i: usize| {
+        (0..n).map(|j| Point3::new(node(i), node(j), height(node(i), node(j)))).collect::<Vec<_>>()
+    };
+    PointGrid { points: (0..n).map(row).collect(), twist: Twist::Spline, ends }
+}
+
+pub fn job(surface: PointGrid, diameter_mm: f64, stepover_mm: f64, tolerance_mm: f64, decimals: u8) -> Job {
+    let feed = |value| FeedRate::from_mm_per_min(value).unwrap();
+    Job {
+        surface,
+        tool: Tool { radius_mm: 0.5 * diameter_mm, number: 1, length_offset: 1 },
+        plane: SectionPlane::Zx,
+        stepover_mm,
+        direction: CutDirection::Zigzag,
+        tolerance: Tolerance::from_mm(tolerance_mm).unwrap(),
+        interpolation: Interpolation::Arcs,
+        step_length_mm: None,
+        cutting: CuttingRequest {
+            feed: feed(1000.0),
+            plunge_feed: None,
+            rapid_feed: feed(10_000.0),
+            spindle_rpm: None,
+            coolant: Coolant::Off,
+            clearance_z_mm: None,
+            retract_z_mm: None,
+        },
+        resolution: Resolution { units: Units::Mm, decimals },
+    }
+}
+
+/// The die: two hills and two hollows.
+pub fn die(plane: SectionPlane, direction: CutDirection) -> Job {
+    let wave = |x: f64, y: f64| 10.0 * (PI * x / 40.0).sin() * (PI * y / 40.0).cos();
+    let surface = heights(9, [0.0, 80.0], Ends::NotAKnot, wave);
+    Job { plane, direction, ..job(surface, 10.0, 2.0, 0.01, 3) }
+}
+
+/// A small freeform of gentle bumps.
+pub fn freeform(plane: SectionPlane, direction: CutDirection) -> Job {
+    let bumps = |x: f64, y: f64| {
+        0.3 + 1.2 * (PI * x / 12.0).sin() * (PI * y / 12.0).sin() + 0.15 * (PI * x / 6.0).sin()
+    };
+    let surface = heights(5, [0.0, 12.0], Ends::Natural, bumps);
+    Job { plane, direction, ..job(surface, 2.0, 0.5, 0.01, 3) }
+}

@@ -1,0 +1,169 @@
+//! The same part placed, turned, mirrored, numbered otherwise or measured with noise.
+
+use nalgebra::{Point3, Vector3};
+use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
+use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Report, SectionPlane};
+
+use super::jobs::{PLANES, die, heights, job};
+use super::spline::Spline;
+use super::verdict::judge;
+
+/// A die with a coarser stepover, without the symmetries of the sine.
+fn lopsided(plane: SectionPlane) -> Job {
+    let mut job = Job { stepover_mm: 16.0, ..die(plane, CutDirection::Zigzag) };
+    for point in job.surface.points.iter_mut().flatten() {
+        point.z += 0.0004 * point.x * point.x + 0.02 * point.y;
+    }
+    job
+}
+
+fn mapped(job: &Job, plane: SectionPlane, map: impl Fn(&Point3<f64>) -> Point3<f64>) -> Job {
+    let mut mapped = Job { plane, ..job.clone() };
+    for point in mapped.surface.points.iter_mut().flatten() {
+        *point = map(point);
+    }
+    mapped
+}
+
+fn renumbered(job: &Job, order: impl Fn(&[Vec<Point3<f64>>]) -> Vec<Vec<Point3<f64>>>) -> Job {
+    let surface = PointGrid { points: order(&job.surface.points), ..job.surface.clone() };
+    Job { surface, ..job.clone() }
+}
+
+/// Judges `variant`, whose report is that of the `original` but for rounding and the greedy choice of ends.
+fn is_alike(original: &Report, variant: &Job) {
+    let report = judge(variant).unwrap().0.report;
+    assert_eq!(report.n_passes, original.n_passes, "{report:?} {original:?}");
+    let near = |a: usize, b: usize| a.abs_diff(b) * 10 <= a.max(b);
+    assert!(
+        near(report.n_arcs + report.n_lines, original.n_arcs + original.n_lines),
+        "{report:?} {original:?}"
+    );
+    assert!(near(report.n_cl_points, original.n_cl_points), "{report:?} {original:?}");
+    let tolerance = variant.tolerance.mm();
+    assert!((report.deviation_max_mm - original.deviation_max_mm).abs() < 0.3 * tolerance);
+    assert!((report.gouge_max_mm - original.gouge_max_mm).abs() < 0.3 * tolerance);
+}
+
+#[test]
+fn a_turned_or_mirrored_part_is_cut_alike() {
+    for (plane, other) in [PLANES, [PLANES[1], PLANES[0]]].map(|p| (p[0], p[1])) {
+        let job = lopsided(plane);
+        let report = judge(&job).unwrap().0.report;
+        is_alike(&report, &mapped(&job, other, |p| Point3::new(-p.y, p.x, p.z)));
+        is_alike(&report, &mapped(&job, plane, |p| Point3::new(-p.x, p.y, p.z)));
+        is_alike(&report, &mapped(&job, other, |p| Point3::new(p.y, p.x, p.z)));
+    }
+}
+
+#[test]
+fn parts_that_lie_askew_are_cut_from_end_to_end() {
+    for plane in PLANES {
+        for degrees in [0.1f64, 10.0, 45.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let plate = job(heights(4, [0.0, 10.0], Ends::Natural, |x, _| 0.1 * x), 2.0, 2.0, 0.01, 3);
+            let turned = |p: &Point3<f64>| Point3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z);
+            judge(&mapped(&plate, plane, turned)).unwrap();
+        }
+        // Its CL points end at the corners.
+        let bowl = heights(4, [-5.0, 5.0], Ends::NotAKnot, |x, y| 0.01 * (x * x + y * y));
+        judge(&Job { plane, ..job(bowl, 2.0, 2.0, 0.01, 3) }).unwrap();
+    }
+}
+
+#[test]
+fn the_order_of_the_points_does_not_matter() {
+    let transposed = |points: &[Vec<Point3<f64>>]| -> Vec<Vec<_>> {
+        (0..points[0].len()).map(|j| points.iter().map(|row| row[j]).collect()).collect()
+    };
+    let rows = |points: &[Vec<_>]| points.iter().rev().cloned().collect::<Vec<_>>();
+    let columns = |points: &[Vec<Point3<f64>>]| -> Vec<Vec<_>> {
+        points.iter().map(|row| row.iter().rev().copied().collect()).collect()
+    };
+    for plane in PLANES {
+        let job = lopsided(plane);
+        let report = judge(&job).unwrap().0.report;
+        is_alike(&report, &renumbered(&job, transposed));
+        is_alike(&report, &renumbered(&job, rows));
+        is_alike(&report, &renumbered(&job, columns));
+        is_alike(&report, &renumbered(&job, |points| transposed(&rows(points))));
+    }
+}
+
+#[test]
+fn a_part_far_from_the_origin_is_cut_alike() {
+    for plane in PLANES {
+        let job = lopsided(plane);
+        let report = judge(&job).unwrap().0.report;
+        is_alike(&report, &mapped(&job, plane, |p| p + Vector3::new(1000.0, -2000.0, 300.0)));
+    }
+}
+
+/// Numbers in -1..1, the same in every run (Knuth's MMIX generator).
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// The least of 1 - radius x curvature over dense samples within `reach` of `place` in x and y: at zero or
+/// below, the offset folds there.
+fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
+    let surface = Spline::through(&job.surface);
+    let size = surface.size();
+    let mut least = f64::INFINITY;
+    for i in 0..=400 {
+        for j in 0..=400 {
+            let jet = surface.jet([size[0] * f64::from(i) / 400.0, size[1] * f64::from(j) / 400.0]);
+            if (jet.point - place).xy().norm() <= reach {
+                least = least.min(1.0 - job.tool.radius_mm * jet.hollow());
+            }
+        }
+    }
+    least
+}
+
+/// How many noisy copies of `job` are cut, and how many refused because the ball does not fit.
+fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) -> [usize; 2] {
+    let mut counts = [0, 0];
+    for seed in seeds {
+        let mut noise = Noise(seed);
+        let mut noisy = job.clone();
+        for point in noisy.surface.points.iter_mut().flatten() {
+            for k in 0..3 {
+                point[k] += amplitude_mm * noise.next();
+            }
+        }
+        match judge(&noisy) {
+            Ok(_) => {
+                let room = least_room(&noisy, Point3::origin(), f64::INFINITY);
+                assert!(room > 0.0, "seed {seed}: cut although {room}");
+                counts[0] += 1;
+            }
+            Err(Error::OffsetFolds { at }) => {
+                let room = least_room(&noisy, at, 0.5);
+                assert!(room < 0.02, "seed {seed}: refused at {at}, where {room} is left");
+                counts[1] += 1;
+            }
+            Err(other) => panic!("seed {seed}: {other}"),
+        }
+    }
+    counts
+}
+
+#[test]
+fn noisy_points_are_cut_rightly_or_refused_where_the_ball_does_not_fit() {
+    for plane in PLANES {
+        // Over 80 mm the noise hardly bends the surface.
+        let die = Job { stepover_mm: 16.0, ..die(plane, CutDirection::Zigzag) };
+        assert_eq!(cut_and_refused(&die, 0.05, 1..3), [2, 0]);
+        // Over 8 mm it bends it to about the radius of the ball.
+        let surface = heights(9, [0.0, 8.0], Ends::NotAKnot, |x, y| 0.2 * x.sin() + 0.1 * y);
+        let small = Job { plane, ..job(surface, 2.5, 2.0, 0.01, 3) };
+        let [cut, refused] = cut_and_refused(&small, 0.05, 1..11);
+        assert!(cut > 0 && refused > 0, "{cut} cut, {refused} refused");
+    }
+}

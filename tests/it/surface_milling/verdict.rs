@@ -1,0 +1,220 @@
+//! Judges a plan: every promise of its report against figures found without the product's geometry.
+
+use toolpathd::budget::Budget;
+use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Plan, SectionPlane, plan};
+
+use super::cutter::{Cutter, Depth};
+use super::motion::{Kind, Motion, planned, written};
+use super::section::{Locus, Section};
+use super::spline::Spline;
+
+/// How far the figures found here may err, mm.
+const ACCURACY_MM: f64 = 1e-6;
+
+const SAMPLE_MM: f64 = 0.05;
+
+/// Planes nearer than this to the end of the CL points are judged this far inside, mm: at the very end they
+/// only touch, and rounding decides on what.
+const OUTERMOST_MM: f64 = 1e-6;
+
+/// How far the CL curves may go on there, mm: the chord of an arc of 1 m radius with a sagitta of 1e-6 mm is
+/// 0.09 mm long.
+const OUTERMOST_REACH_MM: f64 = 0.1;
+
+/// What was found.
+#[derive(Debug, Clone, Copy)]
+pub struct Found {
+    pub gouge_mm: f64,
+    pub deviation_mm: f64,
+    pub radius_mismatch_mm: f64,
+}
+
+/// Plans `job` and holds the plan against everything that it promises.
+pub fn judge(job: &Job) -> Result<(Plan, Found), Error> {
+    let plan = plan(job, &Budget::unlimited())?;
+    let found = verify(job, &plan);
+    Ok((plan, found))
+}
+
+fn verify(job: &Job, plan: &Plan) -> Found {
+    let normal = match job.plane {
+        SectionPlane::Zx => 1,
+        SectionPlane::Yz => 0,
+    };
+    let surface = Spline::through(&job.surface);
+    let passes = planned(plan);
+    let text = written(job, plan);
+    let moves = || passes.iter().flatten().copied();
+    counts_are_true(plan, &passes);
+    order_is_kept(job, &passes, normal);
+
+    let cutter = Cutter::new(&surface, job.tool.radius_mm);
+    let retract = plan.cutting.retract_z_mm;
+    if job.cutting.retract_z_mm.is_none() {
+        assert!((retract - 2.0 - cutter.top()).abs() < 0.01, "{retract} {}", cutter.top());
+    }
+    rapids_keep_up(moves(), retract - 1e-9);
+    rapids_keep_up(text.iter().copied(), retract - 0.5 * job.resolution.step_mm() - 1e-9);
+
+    let gouge_mm = gouge(&cutter, moves().map(|m| m.1).collect(), job, plan)
+        .max(gouge(&cutter, text.iter().flat_map(|m| m.1.extremes()).collect(), job, plan))
+        .max(0.0);
+    assert!(plan.report.gouge_max_mm <= 2.0 * gouge_mm + 0.001, "{:?} found {gouge_mm}", plan.report);
+
+    let locus = Locus::new(&surface, job.tool.radius_mm, normal);
+    let planes = planes(moves(), normal);
+    let extent = locus.extent();
+    let step = job.resolution.step_mm();
+    let mut deviation_mm: f64 = 0.0;
+    for &offset in &planes {
+        let inner = offset.clamp(extent[0] + OUTERMOST_MM, extent[1] - OUTERMOST_MM);
+        let section = locus.section(inner);
+        let as_written = cuts(text.iter().copied(), normal, offset, step);
+        for path in [cuts(moves(), normal, offset, 1e-9), as_written] {
+            deviation_mm = deviation_mm.max(path_to_curves(&section, &path));
+            let back = curves_to_path(&section, &path, job.tolerance.mm());
+            if inner == offset {
+                deviation_mm = deviation_mm.max(back);
+            } else {
+                assert!(back < OUTERMOST_REACH_MM, "plane {offset}: {back} mm from the path");
+            }
+        }
+        let allowed = plan.report.deviation_max_mm + 2.0 * OUTERMOST_MM;
+        assert!(deviation_mm <= allowed, "plane {offset}: {deviation_mm} found, {:?}", plan.report);
+    }
+    assert!(plan.report.deviation_max_mm <= job.tolerance.mm() * (1.0 + 1e-12), "{:?}", plan.report);
+    let radius_mismatch_mm = text.iter().map(|m| m.1.radius_mismatch()).fold(0.0, f64::max);
+    assert!(radius_mismatch_mm <= 1.5 * job.resolution.step_mm() + 1e-9, "{radius_mismatch_mm}");
+    planes_reach_from_end_to_end(job, &planes, extent);
+    Found { gouge_mm, deviation_mm, radius_mismatch_mm }
+}
+
+fn counts_are_true(plan: &Plan, passes: &[Vec<(Kind, Motion)>]) {
+    let is = |kind: Kind| move |m: &&(Kind, Motion)| m.0 == kind;
+    let all: Vec<_> = passes.iter().flatten().collect();
+    let turns = all.iter().filter(|m| matches!(m, (Kind::Cut, Motion::Turn(_)))).count();
+    let cuts = all.iter().copied().filter(is(Kind::Cut)).count();
+    let report = &plan.report;
+    assert_eq!((report.n_arcs, report.n_arcs + report.n_lines), (turns, cuts));
+    assert_eq!(report.n_passes, passes.iter().filter(|pass| pass.iter().any(|m| m.0 == Kind::Cut)).count());
+    assert!(report.n_cl_points >= cuts + report.n_passes);
+}
+
+/// One way, every pass runs alike, with no links; zigzag, passes of neighbouring planes run against each other.
+fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
+    let runs: Vec<_> = passes
+        .iter()
+        .filter_map(|pass| {
+            let cuts: Vec<_> = pass.iter().filter(|m| m.0 == Kind::Cut).collect();
+            let (from, to) = (cuts.first()?.1.at(0.0), cuts.last()?.1.at(1.0));
+            Some((from[normal], to[1 - normal] > from[1 - normal]))
+        })
+        .collect();
+    match job.direction {
+        CutDirection::OneWay => {
+            assert!(runs.iter().all(|run| run.1 == runs[0].1), "{runs:?}");
+            assert!(passes.iter().flatten().all(|m| m.0 != Kind::Link));
+        }
+        CutDirection::Zigzag => {
+            let is_kept = |two: &[(f64, bool)]| (two[0].0 == two[1].0) == (two[0].1 == two[1].1);
+            assert!(runs.windows(2).all(is_kept), "{runs:?}");
+        }
+    }
+}
+
+/// Rapids run level at or above the retract plane; what is lower runs straight up.
+fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, floor: f64) {
+    for (kind, motion) in moves {
+        if kind == Kind::Rapid {
+            let (from, to) = (motion.at(0.0), motion.at(1.0));
+            let is_lift = from.xy() == to.xy() && to.z >= from.z;
+            assert!(to.z >= floor && (from.z >= floor || is_lift), "{from} {to} below {floor}");
+        }
+    }
+}
+
+/// The deepest penetration; the report must not be below it.
+fn gouge(cutter: &Cutter, motions: Vec<Motion>, job: &Job, plan: &Plan) -> f64 {
+    let mut depth = Depth::NONE;
+    for motion in &motions {
+        cutter.follow(motion, &mut depth);
+    }
+    let Depth { mm, tip } = depth;
+    assert!(mm <= job.tolerance.mm() + ACCURACY_MM, "{mm} mm deep at {tip}");
+    assert!(mm <= plan.report.gouge_max_mm + ACCURACY_MM, "{mm} mm deep at {tip}, {:?}", plan.report);
+    mm
+}
+
+/// The planes that are cut, in order.
+fn planes(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize) -> Vec<f64> {
+    let mut planes: Vec<f64> = Vec::new();
+    for (kind, motion) in moves {
+        if kind == Kind::Cut {
+            let offset = motion.at(0.0)[normal];
+            assert!((motion.at(1.0)[normal] - offset).abs() < 1e-9);
+            if planes.iter().all(|p| (p - offset).abs() > 1e-9) {
+                planes.push(offset);
+            }
+        }
+    }
+    planes.sort_by(f64::total_cmp);
+    planes
+}
+
+/// The planes are equally spaced and close enough, the first and last where the CL points end.
+fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], extent: [f64; 2]) {
+    let (first, last) = (planes[0], planes[planes.len() - 1]);
+    let reaches = (first - extent[0]).abs() < 0.01 && (last - extent[1]).abs() < 0.01;
+    assert!(reaches, "planes {planes:?}, CL points in {extent:?}");
+    let spacing = (last - first) / (planes.len() - 1) as f64;
+    assert!(spacing <= job.stepover_mm + 1e-9, "{spacing}");
+    for (k, plane) in planes.iter().enumerate() {
+        // The outermost may be moved inward, as far as they may be from the ends.
+        assert!((plane - first - k as f64 * spacing).abs() < 0.01, "{planes:?}");
+    }
+}
+
+fn cuts(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize, offset: f64, within: f64) -> Vec<Motion> {
+    moves
+        .filter(|m| m.0 == Kind::Cut && (m.1.at(0.0)[normal] - offset).abs() <= within)
+        .map(|m| m.1)
+        .collect()
+}
+
+/// The largest distance of a point of the path from the CL curves.
+fn path_to_curves(section: &Section, path: &[Motion]) -> f64 {
+    let mut largest: f64 = 0.0;
+    for motion in path {
+        let samples = (motion.length() / SAMPLE_MM).ceil() as usize + 1;
+        for k in 0..=samples {
+            largest = largest.max(section.distance(&motion.at(k as f64 / samples as f64)));
+        }
+    }
+    largest
+}
+
+/// The largest distance of a point of the CL curves from the path.
+fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
+    assert!(!path.is_empty(), "nothing is cut at {}", section.offset);
+    let mut largest: f64 = 0.0;
+    // The motion that was nearest last is as a rule nearest again; what cannot be the largest is not looked at.
+    let mut last = 0;
+    for p in section.points() {
+        let mut nearest = path[last].distance(p);
+        for (k, motion) in path.iter().enumerate() {
+            if nearest <= largest {
+                break;
+            }
+            let distance = motion.distance(p);
+            if distance < nearest {
+                (nearest, last) = (distance, k);
+            }
+        }
+        // Chains shorter than the tolerance are left out by rule.
+        if nearest > tolerance && section.is_speck(p, tolerance) {
+            continue;
+        }
+        largest = largest.max(nearest);
+    }
+    largest
+}

@@ -17,7 +17,7 @@
 //!   refused as folded.
 //!
 //! # Degenerate input
-//! Sections shorter than the tolerance, where a plane only touches the offset, are left out.
+//! Sections shorter than two steps of the resolution are left out: they would vanish in rounding.
 //!
 //! # Cost
 //! O(p + n log m) for n CL points, m patches and p = m proved patches.

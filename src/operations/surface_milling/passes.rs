@@ -9,7 +9,7 @@ use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 use crate::geometry::section::{Chain, INSET_MM, Sections, Spacing, chord_height};
 use crate::toolpath::PathError;
-use crate::toolpath::quantize::quantize;
+use crate::toolpath::quantize::{Grid, quantize};
 
 /// Planes of one job.
 const PLANE_LIMIT: usize = 20_000;
@@ -23,6 +23,13 @@ const CHORD_HEIGHT_SHARE: f64 = 0.03;
 
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
+
+/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
+/// instead, half a hundredth of a millimetre, to have a section.
+const TOUCH_MM: f64 = 5e-3;
+
+/// An edge is straight where the section next to it has this part of the length of that a little inside.
+const STRAIGHT_SHARE: f64 = 0.9;
 
 /// Refinements of one section before the tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
@@ -49,7 +56,7 @@ pub(super) fn cut(
     tolerance: f64,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
-    let planes = planes(sections.extent(), job.stepover_mm)?;
+    let planes = planes(job, sections, budget)?;
     let mut passes: Vec<CutPass> = Vec::new();
     let mut n_points = 0;
     for (k, plane) in planes.iter().enumerate() {
@@ -76,15 +83,16 @@ pub(super) fn cut(
 struct SectionAt {
     /// Where the passes are cut, mm.
     at: f64,
-    /// Where the section is traced: the same, but just inside the extent for the outermost planes, mm.
+    /// Where the section is traced: the same, but just inside the extent for a plane along an edge, mm.
     traced_at: f64,
 }
 
-/// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent, mm.
-fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<SectionAt>, Error> {
+/// Equally spaced planes at most the stepover apart, the first and the last on the extent of the CL points.
+fn planes(job: &Job, sections: &Sections, budget: &Budget) -> Result<Vec<SectionAt>, Error> {
+    let [low, high] = sections.extent();
     let width = high - low;
     // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
-    let spaces = (width / stepover - 1e-9).ceil().max(1.0);
+    let spaces = (width / job.stepover_mm - 1e-9).ceil().max(1.0);
     if spaces >= PLANE_LIMIT as f64 {
         return Err(Error::TooMuchWork {
             what: "section planes",
@@ -92,13 +100,34 @@ fn planes([low, high]: [f64; 2], stepover: f64) -> Result<Vec<SectionAt>, Error>
             limit: PLANE_LIMIT,
         });
     }
-    let inset = INSET_MM.min(0.25 * width);
     let n = spaces as usize;
-    let plane = |k: usize| {
-        let at = if k == n { high } else { low + width * (k as f64 / n as f64) };
-        SectionAt { at, traced_at: at.clamp(low + inset, high - inset) }
+    let first = outermost(low, 1.0, width, sections, budget)?;
+    let last = outermost(high, -1.0, width, sections, budget)?;
+    let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
+    let inner = (1..n).map(|k| SectionAt { at: between(k), traced_at: between(k) });
+    Ok(std::iter::once(first).chain(inner).chain([last]).collect())
+}
+
+/// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
+/// along a straight edge, else as far inside as [`TOUCH_MM`].
+fn outermost(
+    extent: f64,
+    inward: f64,
+    width: f64,
+    sections: &Sections,
+    budget: &Budget,
+) -> Result<SectionAt, Error> {
+    let cut_length = |at: f64| -> Result<f64, Error> {
+        let coarse = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
+        Ok(sections.chains(at, coarse, budget)?.iter().map(length).sum())
     };
-    Ok((0..=n).map(plane).collect())
+    let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
+    let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
+    if cut_length(on_edge)? >= STRAIGHT_SHARE * cut_length(inside)? {
+        Ok(SectionAt { at: extent, traced_at: on_edge })
+    } else {
+        Ok(SectionAt { at: inside, traced_at: inside })
+    }
 }
 
 /// The passes of one plane, in the direction of travel.
@@ -117,10 +146,12 @@ fn cut_plane(
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
+    // What is shorter would vanish in rounding.
+    let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (0.0, Point3::origin());
     for _ in 0..REFINEMENT_LIMIT {
         let mut chains = sections.chains(plane.traced_at, spacing, budget)?;
-        chains.retain(|chain| length(chain) > tolerance);
+        chains.retain(|chain| length(chain) > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
             chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance)).collect();
@@ -184,6 +215,12 @@ fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass,
         pass.deviation_mm = pass.deviation_mm.max(deviation);
         pass.curves.push(curve);
         start = element.end;
+    }
+    // Between its ends the path cannot leave the CL curve without passing a tip at a distance; beyond them it can.
+    let grid = Grid::new(job.resolution);
+    for end in [tips[0], tips[tips.len() - 1]] {
+        let written = grid.point(grid.round(&end)?);
+        pass.deviation_mm = pass.deviation_mm.max((written - end).norm());
     }
     Ok(pass)
 }

@@ -11,12 +11,9 @@ use toolpathd::budget::Budget;
 use toolpathd::geometry::clearance::{Clearance, Penetration};
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::operations::surface_milling::{
-    CutDirection, CuttingRequest, Interpolation, Job, SectionPlane, plan,
-};
+use toolpathd::operations::surface_milling::{Job, plan};
 use toolpathd::toolpath::Move;
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::tool::{Coolant, Tool};
+use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
 /// n x n points of z = 10 sin(pi x/40) cos(pi y/40) at 5 mm.
@@ -30,28 +27,10 @@ fn grid(n: usize) -> PointGrid {
 
 /// A job of `sections` sections over the whole grid.
 fn job(n: usize, sections: usize) -> Job {
-    let feed = |f| FeedRate::from_mm_per_min(f).unwrap();
-    Job {
-        surface: grid(n),
-        tool: Tool { radius_mm: 5.0, number: 1, length_offset: 1 },
-        plane: SectionPlane::Zx,
-        // The offset is a little wider than the grid.
-        stepover_mm: (5.0 * (n - 1) as f64 + 1.0) / (sections - 1) as f64,
-        direction: CutDirection::Zigzag,
-        tolerance: Tolerance::from_mm(0.01).unwrap(),
-        interpolation: Interpolation::Arcs,
-        step_length_mm: None,
-        cutting: CuttingRequest {
-            feed: feed(1000.0),
-            plunge_feed: None,
-            rapid_feed: feed(10_000.0),
-            spindle_rpm: None,
-            coolant: Coolant::Off,
-            clearance_z_mm: None,
-            retract_z_mm: None,
-        },
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-    }
+    // The offset is a little wider than the grid.
+    let stepover_mm = (5.0 * (n - 1) as f64 + 1.0) / (sections - 1) as f64;
+    let tolerance = Tolerance::from_mm(0.01).unwrap();
+    Job::new(grid(n), Tool::ball(5.0), stepover_mm, tolerance, FeedRate::from_mm_per_min(1000.0).unwrap())
 }
 
 fn fit(c: &mut Criterion) {

@@ -43,7 +43,7 @@ use crate::geometry::section::{SectionError, Sections};
 use crate::geometry::surface::point_grid::{GridError, PointGrid};
 use crate::geometry::surface::regularity::{self, Irregular};
 use crate::geometry::surface::{BezierSurface, Surface};
-use crate::toolpath::program::Resolution;
+use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{QuantizeError, quantize};
 use crate::toolpath::tool::{Coolant, Cutting, Tool};
 use crate::toolpath::units::{FeedRate, Tolerance};
@@ -101,13 +101,29 @@ pub struct CuttingRequest {
     pub feed: FeedRate,
     /// Default: half the feed.
     pub plunge_feed: Option<FeedRate>,
-    pub rapid_feed: FeedRate,
+    /// Default: 10,000 mm/min.
+    pub rapid_feed: Option<FeedRate>,
     pub spindle_rpm: Option<f64>,
     pub coolant: Coolant,
     /// Default: 20 mm above the top of the surface.
     pub clearance_z_mm: Option<f64>,
     /// Default: 2 mm above the top of the surface.
     pub retract_z_mm: Option<f64>,
+}
+
+impl CuttingRequest {
+    /// Cutting at `feed` with the default of everything else: no spindle speed, no coolant.
+    pub fn at_feed(feed: FeedRate) -> Self {
+        Self {
+            feed,
+            plunge_feed: None,
+            rapid_feed: None,
+            spindle_rpm: None,
+            coolant: Coolant::Off,
+            clearance_z_mm: None,
+            retract_z_mm: None,
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -125,6 +141,30 @@ pub struct Job {
     pub cutting: CuttingRequest,
     /// The resolution the program will be written with: the bounds hold after rounding to it.
     pub resolution: Resolution,
+}
+
+impl Job {
+    /// The job with the default of everything that has one, written in mm with three decimals.
+    pub fn new(
+        surface: PointGrid,
+        tool: Tool,
+        stepover_mm: f64,
+        tolerance: Tolerance,
+        feed: FeedRate,
+    ) -> Self {
+        Self {
+            surface,
+            tool,
+            plane: SectionPlane::default(),
+            stepover_mm,
+            direction: CutDirection::default(),
+            tolerance,
+            interpolation: Interpolation::default(),
+            step_length_mm: None,
+            cutting: CuttingRequest::at_feed(feed),
+            resolution: Resolution { units: Units::Mm, decimals: 3 },
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -297,6 +337,3 @@ fn warnings(job: &Job) -> Vec<Warning> {
     }
     warnings
 }
-
-#[cfg(test)]
-mod tests;

@@ -13,6 +13,13 @@ pub struct Tool {
     pub length_offset: u32,
 }
 
+impl Tool {
+    /// Tool 1 with length offset 1.
+    pub fn ball(radius_mm: f64) -> Self {
+        Self { radius_mm, number: 1, length_offset: 1 }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Coolant {
     #[default]

@@ -5,6 +5,9 @@
 pub struct FeedRate(f64);
 
 impl FeedRate {
+    /// The traverse rate of a machine of which nothing is known.
+    pub const DEFAULT_RAPID: FeedRate = FeedRate(10_000.0);
+
     pub fn from_mm_per_min(value: f64) -> Option<Self> {
         (value.is_finite() && value > 0.0).then_some(Self(value))
     }

@@ -6,11 +6,8 @@ use nalgebra::Point3;
 use proptest::prelude::*;
 use toolpathd::budget::{Budget, Stopped};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::operations::surface_milling::{
-    CutDirection, CuttingRequest, Error, Interpolation, Job, SectionPlane, plan,
-};
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::tool::{Coolant, Tool};
+use toolpathd::operations::surface_milling::{CutDirection, Error, Interpolation, Job, SectionPlane, plan};
+use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
 fn grid(rows: usize, columns: usize) -> impl Strategy<Value = PointGrid> {
@@ -44,27 +41,11 @@ fn job() -> impl Strategy<Value = Job> {
                 let values = || surface.points.iter().flatten().map(move |p| p[c]);
                 values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
             };
-            let feed = |f| FeedRate::from_mm_per_min(f).unwrap();
-            Job {
-                tool: Tool { radius_mm, number: 1, length_offset: 1 },
-                plane,
-                stepover_mm: stepover * width(0).max(width(1)) / 4.0,
-                direction,
-                tolerance: Tolerance::from_mm(tolerance).unwrap(),
-                interpolation,
-                step_length_mm: None,
-                cutting: CuttingRequest {
-                    feed: feed(1000.0),
-                    plunge_feed: None,
-                    rapid_feed: feed(10_000.0),
-                    spindle_rpm: None,
-                    coolant: Coolant::Off,
-                    clearance_z_mm: None,
-                    retract_z_mm: None,
-                },
-                resolution: Resolution { units: Units::Mm, decimals: 3 },
-                surface,
-            }
+            let stepover_mm = stepover * width(0).max(width(1)) / 4.0;
+            let tolerance = Tolerance::from_mm(tolerance).unwrap();
+            let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
+            let job = Job::new(surface, Tool::ball(radius_mm), stepover_mm, tolerance, feed);
+            Job { plane, direction, interpolation, ..job }
         },
     )
 }

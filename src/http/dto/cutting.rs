@@ -9,9 +9,6 @@ use crate::operations::surface_milling::CuttingRequest;
 use crate::toolpath::tool as core;
 use crate::toolpath::units::FeedRate;
 
-/// The machine's traverse rate where none is given, mm/min.
-const RAPID_FEED_MM_PER_MIN: f64 = 10_000.0;
-
 /// Feeds, spindle, coolant and heights.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -65,8 +62,7 @@ impl Cutting {
         };
         let cutting_feed = feed("feed_mm_per_min", feed_mm_per_min);
         let plunge_feed = plunge_feed_mm_per_min.and_then(|value| feed("plunge_feed_mm_per_min", value));
-        let rapid_feed =
-            feed("rapid_feed_mm_per_min", rapid_feed_mm_per_min.unwrap_or(RAPID_FEED_MM_PER_MIN));
+        let rapid_feed = rapid_feed_mm_per_min.and_then(|value| feed("rapid_feed_mm_per_min", value));
         violations.optional(&at.field("spindle_rpm"), spindle_rpm, Range::POSITIVE, "rpm");
         for (name, height) in [("clearance_z_mm", clearance_z_mm), ("retract_z_mm", retract_z_mm)] {
             violations.optional(&at.field(name), height, Range::COORDINATE, "mm");
@@ -74,7 +70,7 @@ impl Cutting {
         Some(CuttingRequest {
             feed: cutting_feed?,
             plunge_feed,
-            rapid_feed: rapid_feed?,
+            rapid_feed,
             spindle_rpm,
             coolant: match coolant {
                 Coolant::Off => core::Coolant::Off,

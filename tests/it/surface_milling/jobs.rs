@@ -4,11 +4,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Point3;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::operations::surface_milling::{
-    CutDirection, CuttingRequest, Interpolation, Job, SectionPlane,
-};
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::tool::{Coolant, Tool};
+use toolpathd::operations::surface_milling::{CutDirection, Job, SectionPlane};
+use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
 pub const PLANES: [SectionPlane; 2] = [SectionPlane::Zx, SectionPlane::Yz];
@@ -23,27 +20,11 @@ pub fn heights(n: usize, [from, to]: [f64; 2], ends: Ends, height: impl Fn(f64, 
 }
 
 pub fn job(surface: PointGrid, diameter_mm: f64, stepover_mm: f64, tolerance_mm: f64, decimals: u8) -> Job {
-    let feed = |value| FeedRate::from_mm_per_min(value).unwrap();
-    Job {
-        surface,
-        tool: Tool { radius_mm: 0.5 * diameter_mm, number: 1, length_offset: 1 },
-        plane: SectionPlane::Zx,
-        stepover_mm,
-        direction: CutDirection::Zigzag,
-        tolerance: Tolerance::from_mm(tolerance_mm).unwrap(),
-        interpolation: Interpolation::Arcs,
-        step_length_mm: None,
-        cutting: CuttingRequest {
-            feed: feed(1000.0),
-            plunge_feed: None,
-            rapid_feed: feed(10_000.0),
-            spindle_rpm: None,
-            coolant: Coolant::Off,
-            clearance_z_mm: None,
-            retract_z_mm: None,
-        },
-        resolution: Resolution { units: Units::Mm, decimals },
-    }
+    let tolerance = Tolerance::from_mm(tolerance_mm).unwrap();
+    let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
+    let mut job = Job::new(surface, Tool::ball(0.5 * diameter_mm), stepover_mm, tolerance, feed);
+    job.resolution.decimals = decimals;
+    job
 }
 
 /// The die: two hills and two hollows.

@@ -7,9 +7,13 @@ use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 const GAP: f64 = 2e-5;
 
 fn grid(n: usize, side: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
-    let at = |i: usize| side * (i as f64 / (n - 1) as f64 - 0.5);
-    let points =
-        (0..n).map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect()).collect();
+    oblong([n, n], [side, side], height)
+}
+
+fn oblong(n: [usize; 2], sides: [f64; 2], height: impl Fn(f64, f64) -> f64) -> BezierSurface {
+    let at = |c: usize, i: usize| sides[c] * (i as f64 / (n[c] - 1) as f64 - 0.5);
+    let point = |i, j| Point3::new(at(0, i), at(1, j), height(at(0, i), at(1, j)));
+    let points = (0..n[0]).map(|i| (0..n[1]).map(|j| point(i, j)).collect()).collect();
     PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }.surface().unwrap()
 }
 
@@ -59,6 +63,18 @@ fn the_exact_arc_over_a_sphere_cuts_nothing() {
             assert!((bound - truth).abs() < 1e-4, "{bound} {truth}");
         }
     }
+}
+
+#[test]
+fn the_exact_arc_over_a_cap_to_sixty_degrees_is_bounded_closely() {
+    let (big, radius) = (40.0f64, 5.0);
+    let widest = 60f64.to_radians();
+    let cap = oblong([141, 21], [2.0 * big * widest.sin(), 12.0], |x, y| (big * big - x * x - y * y).sqrt());
+    let center = Point3::new(0.0, 0.0, -radius);
+    let at = |angle: f64| center + Vector3::new(angle.sin(), 0.0, angle.cos()) * (big + radius);
+    let arc = Arc::new(Plane::Zx, Direction::Ccw, at(-widest), at(widest), center).unwrap();
+    let bound = deepest(&cap, radius, Curve::Arc(arc));
+    assert!(bound <= 1e-4, "{bound}");
 }
 
 #[test]

@@ -30,6 +30,7 @@ mod write;
 
 pub use dialect::{DIALECTS, Dialect, dialect};
 
+use crate::budget::{Budget, Stopped};
 use crate::toolpath::Toolpath;
 use crate::toolpath::program::Program;
 use crate::toolpath::quantize::{Grid, QuantizeError};
@@ -37,6 +38,9 @@ use crate::toolpath::tool::{Cutting, Tool};
 
 /// The largest number of blocks of one program.
 pub const MAX_BLOCKS: usize = 10_000_000;
+
+/// Blocks between two looks at the budget.
+const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 
 /// What a program is written from beside its toolpath.
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +67,8 @@ pub struct NcProgram {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WriteError {
     #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error(transparent)]
     Quantize(#[from] QuantizeError),
     #[error("{decimals} decimals cannot be written; 1 to {max} can")]
     Decimals { decimals: u8, max: u8 },
@@ -88,16 +94,16 @@ pub enum WriteError {
 ///
 /// # Errors
 /// One of [`WriteError`]; a program that does not read back as its toolpath is never returned.
-pub fn write(toolpath: &Toolpath, job: &ProgramJob) -> Result<NcProgram, WriteError> {
+pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<NcProgram, WriteError> {
     let resolution = job.program.resolution;
     let max = job.dialect.max_decimals;
     if !(1..=max).contains(&resolution.decimals) {
         return Err(WriteError::Decimals { decimals: resolution.decimals, max });
     }
     let grid = Grid::new(resolution);
-    let blocks = lower::lower(toolpath, job.cutting, resolution)?;
+    let blocks = lower::lower(toolpath, job.cutting, resolution, budget)?;
     let text = write::text(&blocks, job)?;
-    let max_radius_mismatch_mm = check::read_back(&text, &blocks, &grid)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &blocks, &grid, budget)?;
     Ok(NcProgram { text, max_radius_mismatch_mm, blocks: blocks.len() })
 }
 

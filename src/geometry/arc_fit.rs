@@ -25,8 +25,8 @@
 //! # Differences from the paper
 //! As printed the algorithm drops a tail of two points; here it becomes a line. Eq. 4 measures to the whole
 //! circle, this to the arc. Growing by doubling may end an arc later than the first failure would, where a
-//! longer arc is valid again; never earlier than half of it. An arc flatter than [`FLATTEST_MM`], or of a
-//! radius above [`LARGEST_RADIUS_MM`], is a line.
+//! longer arc is valid again; never earlier than half of it. An arc flatter than
+//! [`FLATTEST_MM`] is a line where a line fits; no arc has a radius above [`LARGEST_RADIUS_MM`].
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 4, eq. 4.
@@ -126,12 +126,26 @@ fn best_shape(points: &[Vector2<f64>], tolerance: f64, shapes: Shapes) -> Shape 
             None => low = trial,
         }
     }
-    let bulge = 0.5 * (valid[0] + valid[1]);
     let half_chord = 0.5 * (points[points.len() - 1] - points[0]).norm();
-    let height = half_chord * bulge.abs();
-    let is_flat =
-        height < FLATTEST_MM || half_chord * (1.0 + bulge * bulge) > 2.0 * LARGEST_RADIUS_MM * bulge.abs();
-    if is_flat && widest[0] <= 0.0 && widest[1] >= 0.0 { Shape::Line } else { Shape::Arc { bulge } }
+    let flattest = flattest_bulge(half_chord);
+    let best = 0.5 * (valid[0] + valid[1]);
+    let is_flat = best.abs() < flattest || best.abs() * half_chord < FLATTEST_MM;
+    if is_flat && widest[0] <= 0.0 && widest[1] >= 0.0 {
+        Shape::Line
+    } else if best.abs() >= flattest {
+        Shape::Arc { bulge: best }
+    } else {
+        Shape::Arc {
+            bulge: if widest[1] >= flattest { flattest.max(widest[0]) } else { widest[1].min(-flattest) },
+        }
+    }
+}
+
+/// The bulge over this half chord, mm, of an arc of the largest radius.
+fn flattest_bulge(half_chord: f64) -> f64 {
+    let r = LARGEST_RADIUS_MM;
+    // At radius r over half a chord h it is (r - sqrt(r^2 - h^2)) / h.
+    half_chord / (r + (r * r - half_chord * half_chord).max(0.0).sqrt())
 }
 
 /// The bulges of the arcs from the first point to the last that pass within `tolerance` of all others.
@@ -166,7 +180,9 @@ fn valid_bulges(points: &[Vector2<f64>], tolerance: f64, shapes: Shapes) -> Opti
             return None;
         }
     }
-    Some(valid)
+    let flattest = flattest_bulge(half_length);
+    let has_line = valid[0] <= 0.0 && valid[1] >= 0.0;
+    (has_line || valid[1] >= flattest || valid[0] <= -flattest).then_some(valid)
 }
 
 #[cfg(test)]

@@ -17,8 +17,9 @@
 //!
 //! # Guarantees
 //! `bound_mm` is never below the true deepest penetration, for every point of every move; rounding is
-//! counted. It exceeds the penetration found by at most `gap`, unless the limit of work is reached, where
-//! it is larger but still a bound. Nothing about the path is assumed, nor about the surface beyond its nets.
+//! counted. It exceeds the penetration found by at most `gap` and the slack of the path, unless the limit of
+//! work is reached, where it is larger but still a bound. Nothing about the path is assumed, nor about the
+//! surface beyond its nets.
 //!
 //! # Degenerate input
 //! Curves of length zero are points. Helices are replaced by chords, and the chords' height is counted.
@@ -45,6 +46,9 @@ const PAIR_LIMIT: usize = 20_000;
 
 /// Parts of a patch are not halved below this part of the radius: their nets are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-9;
+
+/// Pairs between two looks at the budget.
+const PAIRS_BETWEEN_CHECKS: usize = 256;
 
 /// Rounding of one bound in parts of the coordinates' magnitude: some hundred operations of half an ulp each.
 const ROUNDING: f64 = 1e-13;
@@ -104,7 +108,15 @@ impl<'a> Clearance<'a> {
             budget.check()?;
             near.clear();
             self.tree.collect(&piece.reach(self.radius), &mut near);
-            self.search(piece, &near, gap, deepest);
+            // What the slack adds is the same for every part, so the search need not know it; but a piece with
+            // slack must be found less deep to be good enough.
+            let bound = deepest.bound_mm.max(deepest.found_mm + gap) - piece.slack;
+            let mut own = Penetration::NONE;
+            self.search(piece, &near, Enough { gap, bound }, &mut own, budget)?;
+            if own.found_mm > deepest.found_mm {
+                (deepest.found_mm, deepest.at) = (own.found_mm, own.at);
+            }
+            deepest.bound_mm = deepest.bound_mm.max(own.bound_mm + piece.slack);
         }
         Ok(())
     }
@@ -121,19 +133,33 @@ impl<'a> Clearance<'a> {
         Ok(deepest)
     }
 
-    /// Best first: the pair with the largest bound is halved next, until that bound is good enough.
-    fn search(&self, piece: Piece, near: &[(usize, usize)], gap: f64, deepest: &mut Penetration) {
+    /// Raises `deepest` to the penetration by one piece without its slack. Best first: the pair with the largest
+    /// bound is halved next, until that bound is good enough.
+    fn search(
+        &self,
+        piece: Piece,
+        near: &[(usize, usize)],
+        enough: Enough,
+        deepest: &mut Penetration,
+        budget: &Budget,
+    ) -> Result<(), Stopped> {
         let mut open = Open::default();
-        for &(i, j) in near {
-            self.add(piece, *self.surface.patch(i, j), gap, deepest, &mut open);
-        }
-        for _ in 0..PAIR_LIMIT {
-            let Some(Pair { bound, piece, part, halving }) = open.pop() else { return };
-            if bound <= deepest.found_mm + gap {
-                deepest.bound_mm = deepest.bound_mm.max(bound);
-                return;
+        for (k, &(i, j)) in near.iter().enumerate() {
+            if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
+                budget.check()?;
             }
-            let mut add = |piece, part| self.add(piece, part, gap, deepest, &mut open);
+            self.add(piece, *self.surface.patch(i, j), enough, deepest, &mut open);
+        }
+        for k in 0..PAIR_LIMIT {
+            if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
+                budget.check()?;
+            }
+            let Some(Pair { bound, piece, part, halving }) = open.pop() else { return Ok(()) };
+            if bound <= enough.depth(deepest) {
+                deepest.bound_mm = deepest.bound_mm.max(bound);
+                return Ok(());
+            }
+            let mut add = |piece, part| self.add(piece, part, enough, deepest, &mut open);
             match halving {
                 Halving::Piece => piece.halves().into_iter().for_each(|half| add(half, part)),
                 Halving::AlongU => part.split_u().into_iter().for_each(|half| add(piece, half)),
@@ -144,18 +170,19 @@ impl<'a> Clearance<'a> {
         if let Some(Pair { bound, .. }) = open.pop() {
             deepest.bound_mm = deepest.bound_mm.max(bound);
         }
+        Ok(())
     }
 
     /// Examines a pair and keeps it open where it may matter.
-    fn add(&self, piece: Piece, part: Patch, gap: f64, deepest: &mut Penetration, open: &mut Open) {
-        let depth = self.examine(&piece, &part, deepest.found_mm + gap);
+    fn add(&self, piece: Piece, part: Patch, enough: Enough, deepest: &mut Penetration, open: &mut Open) {
+        let depth = self.examine(&piece, &part, enough.depth(deepest));
         if let Some(found) = depth.found
             && found > deepest.found_mm
         {
             deepest.found_mm = found;
             deepest.at = Some(part.center().into());
         }
-        if depth.bound <= deepest.found_mm + gap {
+        if depth.bound <= enough.depth(deepest) {
             deepest.bound_mm = deepest.bound_mm.max(depth.bound);
         } else {
             let halving = self.halving(&piece, &part, depth.varies_along_u);
@@ -183,7 +210,7 @@ impl<'a> Clearance<'a> {
     fn examine(&self, piece: &Piece, part: &Patch, enough: f64) -> Depth {
         let center = part.center();
         let nearest = piece.nearest(&center);
-        let reach = self.radius + piece.slack;
+        let reach = self.radius;
         let rounding = ROUNDING * (piece.magnitude() + self.magnitude + reach);
         let Some(away) = downward_unit(center - nearest) else {
             return Depth { bound: reach, found: None, varies_along_u: None };
@@ -193,7 +220,7 @@ impl<'a> Clearance<'a> {
         if far <= enough {
             return Depth { bound: far.max(0.0), found: None, varies_along_u: None };
         }
-        let found = Some(self.radius - piece.axis_distance(&center, &nearest));
+        let found = Some(reach - piece.axis_distance(&center, &nearest));
         let shank = if apart > 0.0 { reach - apart / away.xy().norm() } else { reach };
         if shank > enough {
             let varies_along_u = longer_along_u(part, &away);
@@ -230,6 +257,21 @@ struct Pair {
     piece: Piece,
     part: Patch,
     halving: Halving,
+}
+
+/// When a bound is good enough.
+#[derive(Clone, Copy)]
+struct Enough {
+    /// Within this of the deepest penetration that the piece was found to make, mm.
+    gap: f64,
+    /// Or not above this, mm.
+    bound: f64,
+}
+
+impl Enough {
+    fn depth(&self, deepest: &Penetration) -> f64 {
+        self.bound.max(deepest.found_mm + self.gap)
+    }
 }
 
 /// Pairs that are not decided yet, the largest bound first.

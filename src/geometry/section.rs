@@ -50,6 +50,9 @@ const POINT_LIMIT: usize = 200_000;
 /// Newton steps for one point; two or three are usual.
 const NEWTON_LIMIT: usize = 12;
 
+/// A section that is this near to the boundary has reached it.
+const SHORTEST_STEP_MM: f64 = 1e-9;
+
 /// A step is halved at most this often before the section counts as lost.
 const HALVING_LIMIT: u32 = 40;
 
@@ -69,8 +72,6 @@ pub struct Chain {
     pub points: Vec<Point3<f64>>,
     /// The section leaves the polygon through the points by at most this, mm.
     pub chord_height_mm: f64,
-    /// The largest curvature bound met, 1/mm.
-    pub curvature_bound: f64,
 }
 
 /// The spacing of the points of a section.
@@ -107,9 +108,18 @@ struct Crossing {
 
 impl<'a> Sections<'a> {
     /// `curvature` is the proof for the same surface, radius (mm) and axis (0 is x, 1 is y).
-    pub fn new(surface: &'a dyn Surface, radius: f64, axis: usize, curvature: SectionCurvature) -> Self {
-        let boundary = Boundary::new(surface, radius, axis);
-        Self { surface, radius, axis, curvature, boundary }
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn new(
+        surface: &'a dyn Surface,
+        radius: f64,
+        axis: usize,
+        curvature: SectionCurvature,
+        budget: &Budget,
+    ) -> Result<Self, Stopped> {
+        let boundary = Boundary::new(surface, radius, axis, budget)?;
+        Ok(Self { surface, radius, axis, curvature, boundary })
     }
 
     /// The least and the largest coordinate of the offset along the axis, mm. They lie on the boundary, since
@@ -146,12 +156,12 @@ impl<'a> Sections<'a> {
         start: &Crossing,
         open: &[Crossing],
         at: f64,
-        spacing: Spacing,
+        mut spacing: Spacing,
         budget: &Budget,
     ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
         let mut here = start.place;
         let Some(sense) = self.inward_sense(&start.boundary, &here) else { return Ok(None) };
-        let mut chain = Chain { points: vec![here.jet.point], chord_height_mm: 0.0, curvature_bound: 0.0 };
+        let mut chain = Chain { points: vec![here.jet.point], chord_height_mm: 0.0 };
         loop {
             if chain.points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
@@ -168,8 +178,16 @@ impl<'a> Sections<'a> {
             if !self.is_inside(next.u, next.v) {
                 let (from, to) = ((here.u, here.v), (next.u, next.v));
                 let missed = self.boundary.crossing_between(self.surface, at, from, to);
-                chain.points.extend(missed.and_then(|b| self.crossing(b)).map(|c| c.place.jet.point));
-                return Ok(Some((chain, None)));
+                if let Some(end) = missed.and_then(|boundary| self.crossing(boundary)) {
+                    chain.points.push(end.place.jet.point);
+                    return Ok(Some((chain, None)));
+                }
+                // A shorter step leaves the boundary nearer to where the section does.
+                spacing.step_length_mm = 0.5 * (next.jet.point - here.jet.point).norm();
+                if spacing.step_length_mm < SHORTEST_STEP_MM {
+                    return Ok(Some((chain, None)));
+                }
+                continue;
             }
             chain.points.push(next.jet.point);
             here = next;
@@ -201,7 +219,6 @@ impl<'a> Sections<'a> {
                 let forward = self.tangent(&next.jet, sense).dot(&tangent) > 0.5;
                 if forward && chord <= 1.5 * length && height <= 1.01 * spacing.chord_height_mm {
                     chain.chord_height_mm = chain.chord_height_mm.max(height);
-                    chain.curvature_bound = chain.curvature_bound.max(curvature);
                     return Ok(next);
                 }
             }
@@ -215,7 +232,7 @@ impl<'a> Sections<'a> {
         let predicted = here.jet.point + tangent * length;
         let mut place = *here;
         let mut residual = [here.jet.point[self.axis] - at, -length];
-        // A thousandth of the smallest legal tolerance, or the rounding of large coordinates.
+        // A ten-thousandth of the smallest legal tolerance, or the rounding of large coordinates.
         let accurate = 1e-10f64.max(1e-15 * here.jet.point.coords.amax());
         for _ in 0..NEWTON_LIMIT {
             let (gu, gv) = (place.jet.du[self.axis], place.jet.dv[self.axis]);
@@ -323,7 +340,7 @@ mod tests {
 
     fn sections(surface: &BezierSurface, radius: f64, axis: usize) -> Sections<'_> {
         let curvature = regularity::prove(surface, radius, axis, &Budget::unlimited()).unwrap();
-        Sections::new(surface, radius, axis, curvature)
+        Sections::new(surface, radius, axis, curvature, &Budget::unlimited()).unwrap()
     }
 
     #[test]

@@ -52,6 +52,9 @@ use crate::toolpath::{Move, PathError, Toolpath};
 /// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
 pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
 
+/// Section planes of one job where the caller sets no limit.
+pub const DEFAULT_PLANE_LIMIT: usize = 20_000;
+
 /// The certificate's bound may exceed the deepest penetration by this part of the tolerance.
 const CERTIFICATE_GAP: f64 = 0.02;
 
@@ -141,6 +144,8 @@ pub struct Job {
     pub cutting: CuttingRequest,
     /// The resolution the program will be written with: the bounds hold after rounding to it.
     pub resolution: Resolution,
+    /// More section planes than this are refused.
+    pub plane_limit: usize,
 }
 
 impl Job {
@@ -163,6 +168,7 @@ impl Job {
             step_length_mm: None,
             cutting: CuttingRequest::at_feed(feed),
             resolution: Resolution { units: Units::Mm, decimals: 3 },
+            plane_limit: DEFAULT_PLANE_LIMIT,
         }
     }
 }
@@ -205,13 +211,15 @@ pub enum Error {
     Grid(#[from] GridError),
     #[error("the surface's upward normal vanishes or turns down near {at}")]
     Overhang { at: Point3<f64> },
-    #[error("the offset surface folds near {at}: the surface is curved more tightly than the cutter")]
+    #[error(
+        "the offset surface folds near {at}, or is too near to folding to tell: the cutter does not fit the surface"
+    )]
     OffsetFolds { at: Point3<f64> },
     #[error("{field} is {value_mm} mm, below the top of the surface at {top_mm} mm")]
     HeightBelowTop { field: &'static str, value_mm: f64, top_mm: f64 },
     #[error("clearance_z_mm is {clearance_mm} mm, below retract_z_mm at {retract_mm} mm")]
     ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
-    #[error("a tolerance of {tolerance_mm} mm cannot be held with {decimals} decimals; {least_mm} mm can")]
+    #[error("a tolerance of {tolerance_mm} mm cannot be held with {decimals} decimals; {least_mm:.6} mm can")]
     ToleranceBelowResolution { tolerance_mm: f64, decimals: u8, least_mm: f64 },
     #[error("the tolerance of {tolerance_mm} mm was not reached; {deviation_mm} mm was proved near {at}")]
     ToleranceNotReached { tolerance_mm: f64, deviation_mm: f64, at: Point3<f64> },
@@ -261,10 +269,10 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         return Err(Error::ToleranceBelowResolution { tolerance_mm: job.tolerance.mm(), decimals, least_mm });
     }
     let surface = upward(job.surface.surface()?);
-    let cutting = heights::resolve(&job.cutting, surface.top(TOP_ACCURACY_MM))?;
+    let cutting = heights::resolve(&job.cutting, surface.top(TOP_ACCURACY_MM, budget)?)?;
     let radius = job.tool.radius_mm;
     let curvature = regularity::prove(&surface, radius, job.plane.normal_axis(), budget)?;
-    let sections = Sections::new(&surface, radius, job.plane.normal_axis(), curvature);
+    let sections = Sections::new(&surface, radius, job.plane.normal_axis(), curvature, budget)?;
     let gap = CERTIFICATE_GAP * job.tolerance.mm();
     let passes = passes::cut(job, &sections, job.tolerance.mm() - gap, budget)?;
     let clearance = Clearance::new(&surface, radius);

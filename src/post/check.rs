@@ -2,10 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::WriteError;
 use super::lower::Block;
 use super::read::{Placed, Reader, Step};
 use super::words::FeedWord;
+use super::{BLOCKS_BETWEEN_CHECKS, WriteError};
+use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::toolpath::quantize::Grid;
 use crate::toolpath::units::FeedRate;
@@ -21,12 +22,15 @@ const AGREEMENT_STEPS: f64 = 0.01;
 ///
 /// # Errors
 /// When the text cannot be read, or says anything else than `blocks`.
-pub fn read_back(text: &str, blocks: &[Block], grid: &Grid) -> Result<f64, WriteError> {
+pub fn read_back(text: &str, blocks: &[Block], grid: &Grid, budget: &Budget) -> Result<f64, WriteError> {
     let mut steps = Reader::new(text, MISMATCH_LIMIT_STEPS * grid.step_mm());
     let mut at: [Option<i64>; 3] = [None; 3];
     let mut largest_mismatch: f64 = 0.0;
     let mut line = 0;
-    for block in blocks {
+    for (k, block) in blocks.iter().enumerate() {
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+            budget.check()?;
+        }
         let Some(placed) = steps.next() else { return Err(WriteError::Differs { line, what: "end" }) };
         let placed = placed?;
         line = placed.line;

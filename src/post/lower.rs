@@ -3,7 +3,8 @@
 use nalgebra::Point3;
 
 use super::words::{self, FeedWord};
-use super::{MAX_BLOCKS, WriteError};
+use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, WriteError};
+use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::toolpath::Toolpath;
@@ -45,13 +46,17 @@ pub fn lower(
     toolpath: &Toolpath,
     cutting: &Cutting,
     resolution: Resolution,
+    budget: &Budget,
 ) -> Result<Vec<Block>, WriteError> {
     let grid = Grid::new(resolution);
     let clearance = grid.units(cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
     let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new() };
     lowering.approach(clearance)?;
-    for step in toolpath.moves() {
+    for (k, step) in toolpath.moves().enumerate() {
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+            budget.check()?;
+        }
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,
             Move::Feed { along, rate, .. } => lowering.feed(along, *rate)?,

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::read::{Reader, Step};
 use super::*;
+use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::toolpath::measure::measure;
@@ -44,7 +45,7 @@ fn written(
 ) -> Result<NcProgram, WriteError> {
     let tool = Tool { radius_mm: 5.0, number: 3, length_offset: 4 };
     let dialect = dialect("linuxcnc").unwrap();
-    write(toolpath, &ProgramJob { program, tool: &tool, cutting, dialect, comments })
+    write(toolpath, &ProgramJob { program, tool: &tool, cutting, dialect, comments }, &Budget::unlimited())
 }
 
 /// A short program with a plunge, arcs in two planes, a rapid down and a dwell.
@@ -146,10 +147,10 @@ fn what_cannot_be_written_is_an_error() {
 
 #[test]
 fn a_changed_text_does_not_pass_the_check() {
-    let blocks = lower::lower(&sample(), &cutting(), MM).unwrap();
+    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap();
     let text = written(&sample(), &program(MM), &cutting(), &[]).unwrap().text;
     let grid = Grid::new(MM);
-    assert!(check::read_back(&text, &blocks, &grid).is_ok());
+    assert!(check::read_back(&text, &blocks, &grid, &Budget::unlimited()).is_ok());
     let changes = [
         ("Z0.000 F400", "Z0.001 F400", "place"),
         ("F400", "F401", "feed"),
@@ -163,7 +164,8 @@ fn a_changed_text_does_not_pass_the_check() {
     ];
     for (from, to, what) in changes {
         assert!(text.contains(from));
-        let error = check::read_back(&text.replacen(from, to, 1), &blocks, &grid).unwrap_err();
+        let error =
+            check::read_back(&text.replacen(from, to, 1), &blocks, &grid, &Budget::unlimited()).unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
 }

@@ -13,7 +13,7 @@
 //! # Guarantees
 //! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
 //!   order, whatever radius between those at its two ends a control takes; each curve carries its own bound.
-//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`].
+//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] and [`MAX_MISMATCH_MM`].
 //! * A full turn is written only for a full turn.
 //!
 //! # Degenerate input
@@ -37,6 +37,9 @@ pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
 /// The largest difference of the radii at a written arc's ends, in units of the last decimal. The best of the
 /// nine centres reaches it for nearly all arcs; the others are split.
 pub const MAX_MISMATCH_STEPS: f64 = 1.0;
+
+/// With few decimals a step is more than controls accept: LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
+pub const MAX_MISMATCH_MM: f64 = 0.015;
 
 /// Arcs flatter than this, in units of the last decimal, are written as lines: rounding could turn them over,
 /// or into a full circle.

@@ -13,12 +13,15 @@ use super::path::Piece;
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::surface::Patch;
 
+/// Rounding of a squared distance in parts of its largest term.
+const ROUNDING: f64 = 1e-13;
+
 /// One coordinate of a control net.
 type Net = [[f64; 4]; 4];
 
 /// How near a part is to a piece.
 pub(super) struct Nearness {
-    /// Never above the least distance, mm; its rounding is the caller's.
+    /// Never above the least distance, mm, but for the rounding of the coordinates, which is the caller's.
     pub(super) lowest_distance: f64,
     /// Whether the distance bends more along u than along v.
     pub(super) varies_along_u: bool,
@@ -30,13 +33,16 @@ pub(super) fn nearness(piece: &Piece, part: &Patch) -> Nearness {
         Curve::Arc(arc) => to_arc(arc, part),
     };
     let [bend_u, bend_v] = squared.bends;
-    Nearness { lowest_distance: squared.lowest.max(0.0).sqrt(), varies_along_u: bend_u >= bend_v }
+    let lowest = squared.lowest - ROUNDING * squared.magnitude;
+    Nearness { lowest_distance: lowest.max(0.0).sqrt(), varies_along_u: bend_u >= bend_v }
 }
 
 /// What the Bernstein coefficients of a squared distance say.
 struct Squared {
     /// The least coefficient, mm^2.
     lowest: f64,
+    /// The largest term of the sums, mm^2.
+    magnitude: f64,
     /// The largest second differences along u and v, mm^2.
     bends: [f64; 2],
 }
@@ -99,6 +105,7 @@ fn to_arc(arc: &Arc, part: &Patch) -> Squared {
     let weight = (c - r) / c;
     let mut squared = sum_of_squares(&[a, b, h], [weight, weight, 1.0]);
     squared.lowest += r * (r - c);
+    squared.magnitude += r * (r - c).abs();
     squared
 }
 
@@ -125,11 +132,12 @@ fn sum_of_squares<const N: usize>(nets: &[Net; N], weights: [f64; N]) -> Squared
             }
         }
     }
-    let mut squared = Squared { lowest: f64::INFINITY, bends: [0.0; 2] };
+    let mut squared = Squared { lowest: f64::INFINITY, magnitude: 0.0, bends: [0.0; 2] };
     for (row, cu) in sum.iter_mut().zip(BINOMIAL_6) {
         for (x, cv) in row.iter_mut().zip(BINOMIAL_6) {
             *x /= cu * cv;
             squared.lowest = squared.lowest.min(*x);
+            squared.magnitude = squared.magnitude.max(x.abs());
         }
     }
     let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();

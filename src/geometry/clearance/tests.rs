@@ -142,3 +142,24 @@ fn a_cancelled_search_stops() {
     let path = [line([-5.0, 0.0, 0.0], [5.0, 0.0, 0.0])];
     assert_eq!(clearance.penetration(&path, GAP, &budget), Err(Stopped::Cancelled));
 }
+
+/// A path with slack is as deep as its curve and the slack together, and is not searched for ever.
+#[test]
+fn slack_adds_to_the_bound_and_not_to_the_work() {
+    let dome = grid(15, 34.4, |x, _| (37.3f64 * 37.3 - x * x).sqrt());
+    let clearance = Clearance::new(&dome, 5.0);
+    let center = |y: f64| Point3::new(0.0, y, -5.0 - 0.004);
+    let (gap, slack) = (2e-4, 5e-4);
+    let mut deepest = Penetration::NONE;
+    for k in 0..20 {
+        let y = k as f64 * 0.7 - 7.0;
+        let at = |angle: f64| center(y) + Vector3::new(angle.sin(), 0.0, angle.cos()) * 42.3;
+        let arc = Arc::new(Plane::Zx, Direction::Ccw, at(-0.3), at(0.3), center(y)).unwrap();
+        clearance.penetrate(&Curve::Arc(arc), slack, gap, &mut deepest, &Budget::unlimited()).unwrap();
+    }
+    assert!(deepest.found_mm <= 0.0041 && deepest.found_mm >= 0.0038, "{deepest:?}");
+    assert!(
+        deepest.bound_mm >= 0.004 + slack && deepest.bound_mm <= deepest.found_mm + gap + slack + 1e-9,
+        "{deepest:?}"
+    );
+}

@@ -15,15 +15,6 @@ pub enum Direction {
     Ccw,
 }
 
-impl Direction {
-    pub fn reversed(self) -> Self {
-        match self {
-            Direction::Cw => Direction::Ccw,
-            Direction::Ccw => Direction::Cw,
-        }
-    }
-}
-
 /// Why three points do not make an arc.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ArcError {

@@ -1,5 +1,6 @@
 //! The boundary curves of an offset surface, cut into stretches on which one coordinate is monotone.
 
+use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::offset::offset;
 
@@ -62,12 +63,17 @@ pub(super) struct Boundary {
 }
 
 impl Boundary {
-    pub(super) fn new(surface: &dyn Surface, radius: f64, axis: usize) -> Self {
+    pub(super) fn new(
+        surface: &dyn Surface,
+        radius: f64,
+        axis: usize,
+        budget: &Budget,
+    ) -> Result<Self, Stopped> {
         let mut boundary = Self { radius, axis, stretches: Vec::new() };
         for side in [Side::LowU, Side::HighU, Side::LowV, Side::HighV] {
-            boundary.add_side(surface, side);
+            boundary.add_side(surface, side, budget)?;
         }
-        boundary
+        Ok(boundary)
     }
 
     /// The least and the largest value on the boundary, mm.
@@ -112,13 +118,16 @@ impl Boundary {
         ((value[0] < at) != (value[1] < at)).then(|| self.root(surface, &Stretch { side, t, value }, at))
     }
 
-    fn add_side(&mut self, surface: &dyn Surface, side: Side) {
+    fn add_side(&mut self, surface: &dyn Surface, side: Side, budget: &Budget) -> Result<(), Stopped> {
         let [nu, nv] = surface.spans();
         let spans = if matches!(side, Side::LowU | Side::HighU) { nv } else { nu };
         let at = |k: usize| k as f64 / SAMPLES as f64;
         let mut t = 0.0;
         let mut here = self.value(surface, side, t);
         for k in 1..=spans * SAMPLES {
+            if k.is_multiple_of(1024) {
+                budget.check()?;
+            }
             let next_t = at(k);
             let next = self.value(surface, side, next_t);
             if here[1] * next[1] < 0.0 {
@@ -131,6 +140,7 @@ impl Boundary {
             }
             (t, here) = (next_t, next);
         }
+        Ok(())
     }
 
     /// The value and its derivative along the side.

@@ -1,10 +1,10 @@
 //! A composite surface of bicubic Bezier patches.
 
 use super::Surface;
-use super::patch::{Bounds, Patch};
+use super::patch::Patch;
+use crate::budget::{Budget, Stopped};
 
-/// Halvings in the search for the top; a surface that is level at its top along a whole curve comes here, and
-/// its control points are then the answer.
+/// Halvings in the search for the top.
 const TOP_HALVINGS: usize = 100_000;
 
 /// `nu` times `nv` patches, `patches[i * nv + j]` over i..=i+1, j..=j+1.
@@ -24,20 +24,23 @@ impl BezierSurface {
         Self { spans, patches }
     }
 
-    /// A box that holds the surface: that of its control points, mm.
-    pub fn bounds(&self) -> Bounds {
-        self.patches.iter().fold(Bounds::EMPTY, |all, patch| all.union(&patch.bounds()))
-    }
-
-    /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above.
-    pub fn top(&self, accuracy: f64) -> f64 {
+    /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as high
+    /// as control points on a surface that is level at its top along a whole curve.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn top(&self, accuracy: f64, budget: &Budget) -> Result<f64, Stopped> {
         let highest = |part: &Patch| part.bounds().max.z;
         let mut open: Vec<Patch> = self.patches.clone();
         let corners = |part: &Patch| [part.net[0][0].z, part.net[0][3].z, part.net[3][0].z, part.net[3][3].z];
         let mut found = open.iter().flat_map(corners).fold(f64::NEG_INFINITY, f64::max);
         let mut top = found;
-        let mut halvings = 0;
+        let (mut halvings, mut parts) = (0, 0usize);
         while let Some(part) = open.pop() {
+            parts += 1;
+            if parts.is_multiple_of(1024) {
+                budget.check()?;
+            }
             found = corners(&part).into_iter().fold(found, f64::max);
             if highest(&part) <= found + accuracy || halvings >= TOP_HALVINGS {
                 top = top.max(highest(&part));
@@ -46,7 +49,7 @@ impl BezierSurface {
                 open.extend(part.split());
             }
         }
-        top
+        Ok(top)
     }
 
     /// The same surface with u and v exchanged, so that its normal points the other way.

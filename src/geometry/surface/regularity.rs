@@ -9,9 +9,9 @@
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
 //!
-//! otherwise it is halved. A centre that violates a condition is the place of the answer `Overhang` or
-//! `Folds`; so is a box that is still undecided at the depth limit, which means that the condition holds by
-//! less than the arithmetic can tell.
+//! otherwise it is halved, across the direction in which its tangents change more. A centre that violates a
+//! condition is the place of the answer `Overhang` or `Folds`; so is a box that is still undecided at the limits
+//! of depth and number: there the condition fails, or holds by less than could be proved.
 //!
 //! # Guarantees
 //! `Ok` is a proof over the whole surface: n . z > 0, every concave curvature below 1 / R. The bounds hold
@@ -67,6 +67,10 @@ const DEPTH_LIMIT: u32 = 42;
 /// touches the condition along a curve comes here.
 const BOX_LIMIT: usize = 200_000;
 
+/// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten ulps,
+/// and that of at most nine times four terms.
+const ROUNDING: f64 = 1e-14;
+
 /// Proves that a ball of `radius` mm can follow `surface`, whose normal points up at its first corner, and
 /// bounds the curvature of the offset's sections by planes at right angles to `axis` (0 is x, 1 is y).
 ///
@@ -80,28 +84,35 @@ pub fn prove(
 ) -> Result<SectionCurvature, Irregular> {
     let spans = surface.spans();
     let mut bounds = Vec::with_capacity(spans[0] * spans[1]);
+    let mut boxes = 0;
     for i in 0..spans[0] {
-        budget.check()?;
         for j in 0..spans[1] {
-            bounds.push(prove_patch(surface.patch(i, j), radius, axis, budget)?);
+            bounds.push(prove_patch(surface.patch(i, j), radius, axis, &mut boxes, budget)?);
         }
     }
     Ok(SectionCurvature { spans, bounds })
 }
 
-fn prove_patch(patch: &Patch, radius: f64, axis: usize, budget: &Budget) -> Result<f64, Irregular> {
+/// The bound for one patch; `boxes` counts those examined in all.
+fn prove_patch(
+    patch: &Patch,
+    radius: f64,
+    axis: usize,
+    boxes: &mut usize,
+    budget: &Budget,
+) -> Result<f64, Irregular> {
     let mut bound = 0.0f64;
     let mut stack = vec![(*patch, 0u32)];
-    let mut boxes = 0usize;
+    let limit = *boxes + BOX_LIMIT;
     while let Some((part, depth)) = stack.pop() {
-        boxes += 1;
+        *boxes += 1;
         if boxes.is_multiple_of(1024) {
             budget.check()?;
         }
         match examine(&part, radius, axis) {
             Finding::Holds { section_curvature } => bound = bound.max(section_curvature),
-            Finding::Undecided(_) if depth < DEPTH_LIMIT && boxes < BOX_LIMIT => {
-                stack.extend(part.split().map(|half| (half, depth + 1)));
+            Finding::Undecided(_) if depth < DEPTH_LIMIT && *boxes < limit => {
+                stack.extend(halves(&part).map(|half| (half, depth + 1)));
             }
             Finding::Undecided(Doubt::Normal) | Finding::Overhang => {
                 return Err(Irregular::Overhang { at: part.center().into() });
@@ -112,6 +123,22 @@ fn prove_patch(patch: &Patch, radius: f64, axis: usize, budget: &Budget) -> Resu
         }
     }
     Ok(bound)
+}
+
+/// The halves across the direction along which the tangents change more, or else across the longer one.
+fn halves(part: &Patch) -> [Patch; 2] {
+    let jet = part.jet(0.5, 0.5);
+    let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
+    let turned = jet.duv.norm();
+    let by_u = jet.duu.norm() / along_u + turned / along_v;
+    let by_v = turned / along_u + jet.dvv.norm() / along_v;
+    if by_u > 2.0 * by_v {
+        part.split_u()
+    } else if by_v > 2.0 * by_u {
+        part.split_v()
+    } else {
+        part.split()
+    }
 }
 
 enum Doubt {
@@ -134,11 +161,11 @@ struct Ball {
 }
 
 impl Ball {
-    fn around<const N: usize>(vectors: [Vector3<f64>; N]) -> Self {
+    /// `rounding` is that of the differences that made the vectors.
+    fn around<const N: usize>(vectors: [Vector3<f64>; N], rounding: f64) -> Self {
         let center = vectors.iter().sum::<Vector3<f64>>() / N as f64;
         let squared = vectors.iter().map(|v| (v - center).norm_squared()).fold(0.0, f64::max);
-        // One part in 1e14 covers the rounding of the differences above.
-        Self { center, radius: squared.sqrt() + 1e-14 * (1.0 + center.amax()) }
+        Self { center, radius: squared.sqrt() + rounding }
     }
 
     fn scaled(self, factor: f64) -> Self {
@@ -161,8 +188,10 @@ impl Ball {
 
 fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
     let n = &part.net;
-    let du = Ball::around::<12>(std::array::from_fn(|k| (n[k / 4 + 1][k % 4] - n[k / 4][k % 4]) * 3.0));
-    let dv = Ball::around::<12>(std::array::from_fn(|k| (n[k % 4][k / 4 + 1] - n[k % 4][k / 4]) * 3.0));
+    let rounding = ROUNDING * part.bounds().magnitude();
+    let du = std::array::from_fn::<_, 12, _>(|k| (n[k / 4 + 1][k % 4] - n[k / 4][k % 4]) * 3.0);
+    let dv = std::array::from_fn::<_, 12, _>(|k| (n[k % 4][k / 4 + 1] - n[k % 4][k / 4]) * 3.0);
+    let [du, dv] = [du, dv].map(|vectors| Ball::around(vectors, rounding));
     let cross = du.cross(dv);
     let length = cross.center.norm();
     let at_center = part.jet(0.5, 0.5);
@@ -172,18 +201,20 @@ fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
     if cross.center.z <= cross.radius {
         return Finding::Undecided(Doubt::Normal);
     }
-    let duu = Ball::around::<8>(std::array::from_fn(|k| {
+    let duu = std::array::from_fn::<_, 8, _>(|k| {
         let (a, b) = (k / 4, k % 4);
         (n[a][b] - n[a + 1][b] * 2.0 + n[a + 2][b]) * 6.0
-    }));
-    let dvv = Ball::around::<8>(std::array::from_fn(|k| {
+    });
+    let dvv = std::array::from_fn::<_, 8, _>(|k| {
         let (b, a) = (k / 4, k % 4);
         (n[a][b] - n[a][b + 1] * 2.0 + n[a][b + 2]) * 6.0
-    }));
-    let duv = Ball::around::<9>(std::array::from_fn(|k| {
+    });
+    let duv = std::array::from_fn::<_, 9, _>(|k| {
         let (a, b) = (k / 3, k % 3);
         (n[a + 1][b + 1] - n[a + 1][b] - n[a][b + 1] + n[a][b]) * 9.0
-    }));
+    });
+    let [duu, dvv] = [duu, dvv].map(|vectors| Ball::around(vectors, rounding));
+    let duv = Ball::around(duv, rounding);
     // Sa = p Su and Sb = q Su + s Sv are orthonormal at the centre.
     let p = 1.0 / du.center.norm();
     let along = du.center * p;

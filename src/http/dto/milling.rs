@@ -139,6 +139,7 @@ impl MillRequest {
             step_length_mm,
             cutting,
             resolution: program.resolution,
+            plane_limit: limits.sections,
         };
         Ok(MillJob { job, program, dialect, meta })
     }

@@ -53,7 +53,7 @@ pub struct ClCartesian {
     #[serde(default)]
     #[schema(default = "zigzag")]
     direction: Direction,
-    /// Whether passes are trimmed where they would cut into the part. Always so: `false` is refused.
+    /// Whether a path that would cut into the part is refused. Always so; `false` is refused itself.
     #[serde(default = "yes")]
     #[schema(default = true)]
     trim: bool,

@@ -132,7 +132,8 @@ impl PointGrid {
     fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         let Self { _kind: _, points, twist: _, ends, end_tangents } = self;
         let at_points = at.field("points");
-        let total: usize = points.iter().map(Vec::len).sum();
+        // Empty rows count too, lest they make violations without end.
+        let total: usize = points.iter().map(|row| row.len().max(1)).sum();
         if total > limits.surface_points {
             let detail = format!("{total} surface points; at most {} are allowed", limits.surface_points);
             violations.add(&at_points, FieldCode::LimitExceeded, detail);

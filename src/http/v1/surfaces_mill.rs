@@ -75,13 +75,19 @@ fn answer(
 ) -> Result<Encoded, ApiError> {
     let accepted = request.convert(limits)?;
     let plan = surface_milling::plan(&accepted.job, budget)?;
-    represent(plan, accepted, wanted, id)
+    represent(plan, accepted, wanted, id, budget)
 }
 
-fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> Result<Encoded, ApiError> {
+fn represent(
+    plan: Plan,
+    accepted: MillJob,
+    wanted: &Wanted,
+    id: &RequestId,
+    budget: &Budget,
+) -> Result<Encoded, ApiError> {
     match wanted.representation {
         Representation::Gcode(media_type) => {
-            let text = nc_text(&plan, &accepted)?;
+            let text = nc_text(&plan, &accepted, budget)?;
             let program = &accepted.program;
             let file_name =
                 file_name(program.name.as_deref(), program.number, accepted.dialect.file_extension);
@@ -100,12 +106,12 @@ fn represent(plan: Plan, accepted: MillJob, wanted: &Wanted, id: &RequestId) -> 
 }
 
 /// The program that cuts the plan.
-fn nc_text(plan: &Plan, accepted: &MillJob) -> Result<String, ApiError> {
+fn nc_text(plan: &Plan, accepted: &MillJob, budget: &Budget) -> Result<String, ApiError> {
     let MillJob { job, program, dialect, meta } = accepted;
     let meta = meta.iter().flatten().map(|(key, value)| format!("{key}: {value}"));
     let comments: Vec<String> = meta.chain([proved(&plan.report)]).collect();
     let job = ProgramJob { program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &comments };
-    Ok(post::write(&plan.toolpath, &job)?.text)
+    Ok(post::write(&plan.toolpath, &job, budget)?.text)
 }
 
 /// The proved figures for a program's header, rounded up.
@@ -186,7 +192,7 @@ mod tests {
         accepted.meta = Some([("part_id".to_owned(), "7".to_owned())].into());
         let wanted = Wanted { representation: Representation::Json, with_toolpath };
         let id = RequestId::of(&Default::default());
-        let encoded = represent(plan(), accepted, &wanted, &id).expect("an answer");
+        let encoded = represent(plan(), accepted, &wanted, &id, &Budget::unlimited()).expect("an answer");
         let body = to_bytes(encoded.into_response().into_body(), usize::MAX).await.expect("a body");
         serde_json::from_slice(&body).expect("JSON")
     }

@@ -11,11 +11,11 @@ use crate::geometry::section::{Chain, INSET_MM, Sections, Spacing, chord_height}
 use crate::toolpath::PathError;
 use crate::toolpath::quantize::{Grid, quantize};
 
-/// Planes of one job.
-const PLANE_LIMIT: usize = 20_000;
-
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
+
+/// Arcs and lines of one job; as a program they are some thirty megabytes.
+const CURVE_LIMIT: usize = 1_000_000;
 
 /// The part of the tolerance that the section may take between its points. Smaller parts cost points, larger
 /// ones arcs, whose number falls only with the cube root of what is left.
@@ -30,6 +30,12 @@ const TOUCH_MM: f64 = 5e-3;
 
 /// An edge is straight where the section next to it has this part of the length of that a little inside.
 const STRAIGHT_SHARE: f64 = 0.9;
+
+/// How exactly a tip lies on its section, mm.
+const ACCURACY_MM: f64 = 2e-10;
+
+/// Rounding of a distance in parts of the coordinates.
+const ROUNDING: f64 = 1e-14;
 
 /// Refinements of one section before the tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
@@ -58,7 +64,7 @@ pub(super) fn cut(
 ) -> Result<Vec<CutPass>, Error> {
     let planes = planes(job, sections, budget)?;
     let mut passes: Vec<CutPass> = Vec::new();
-    let mut n_points = 0;
+    let (mut n_points, mut n_curves) = (0, 0);
     for (k, plane) in planes.iter().enumerate() {
         budget.check()?;
         budget.progress("sections", k, planes.len());
@@ -70,6 +76,14 @@ pub(super) fn cut(
                     what: "CL points",
                     needed: n_points,
                     limit: CL_POINT_LIMIT,
+                });
+            }
+            n_curves += pass.curves.len();
+            if n_curves > CURVE_LIMIT {
+                return Err(Error::TooMuchWork {
+                    what: "arcs and lines",
+                    needed: n_curves,
+                    limit: CURVE_LIMIT,
                 });
             }
             passes.push(pass);
@@ -93,12 +107,9 @@ fn planes(job: &Job, sections: &Sections, budget: &Budget) -> Result<Vec<Section
     let width = high - low;
     // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
     let spaces = (width / job.stepover_mm - 1e-9).ceil().max(1.0);
-    if spaces >= PLANE_LIMIT as f64 {
-        return Err(Error::TooMuchWork {
-            what: "section planes",
-            needed: spaces as usize,
-            limit: PLANE_LIMIT,
-        });
+    let limit = job.plane_limit;
+    if spaces >= limit as f64 {
+        return Err(Error::TooMuchWork { what: "section planes", needed: spaces as usize + 1, limit });
     }
     let n = spaces as usize;
     let first = outermost(low, 1.0, width, sections, budget)?;
@@ -216,12 +227,6 @@ fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass,
         pass.curves.push(curve);
         start = element.end;
     }
-    // Between its ends the path cannot leave the CL curve without passing a tip at a distance; beyond them it can.
-    let grid = Grid::new(job.resolution);
-    for end in [tips[0], tips[tips.len() - 1]] {
-        let written = grid.point(grid.round(&end)?);
-        pass.deviation_mm = pass.deviation_mm.max((written - end).norm());
-    }
     Ok(pass)
 }
 
@@ -245,28 +250,31 @@ fn curve(
 /// written.
 ///
 /// Between neighbouring tips the CL curve leaves their chord by at most `section_height`. A point of the chord
-/// is as far from a line as its ends, and from an arc of radius r at most by the height of the chord under
-/// that arc more. The ends of both curves correspond, so the nearest points of a path that stays in so narrow
-/// a band run over all of the other: the bound holds both ways.
+/// is as far from a line as its ends, and from an arc, which lies as far away as the tips at most, by the height
+/// of the chord under that arc more. Ends correspond to ends, so the nearest points of a path that stays in so
+/// narrow a band run over all of the other: the bound holds both ways. What is written in several pieces is
+/// bounded by its displacement from `curve`.
 fn deviation(job: &Job, curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Result<f64, Error> {
     let chord = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
-    let heights = |curve: &Curve| match curve {
-        Curve::Line(_) => section_height,
-        Curve::Arc(arc) => section_height + chord_height(chord, 1.0 / arc.radius()),
-    };
-    let farthest = |curves: &[(Curve, f64)]| {
-        let distance = |tip: &Point3<f64>| {
-            let each = curves.iter().map(|(curve, slack)| curve.distance_to(tip) + slack + heights(curve));
-            each.fold(f64::INFINITY, f64::min)
+    let bound = |curve: &Curve| {
+        let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
+        let arc_height = match curve {
+            Curve::Line(_) => 0.0,
+            Curve::Arc(arc) => chord_height(chord, 1.0 / (arc.radius() - farthest).max(0.0)),
         };
-        tips.iter().map(distance).fold(0.0, f64::max)
+        farthest + arc_height + section_height + ACCURACY_MM + ROUNDING * tips[0].coords.amax()
     };
-    let computed = farthest(&[(*curve, 0.0)]);
-    let written = quantize(curve, job.resolution)?;
-    if written.is_empty() {
+    let computed = bound(curve);
+    let written = match &quantize(curve, job.resolution)?[..] {
         // The element vanishes on the grid; what remains is its length, and half a step each way.
-        return Ok(curve.length() + job.resolution.step_mm());
+        [] => curve.length() + job.resolution.step_mm(),
+        [only] => bound(&only.curve) + only.slack_mm,
+        pieces => computed + pieces.iter().map(|piece| piece.displacement_mm).fold(0.0, f64::max),
+    };
+    let grid = Grid::new(job.resolution);
+    let mut deviation = computed.max(written);
+    for end in [tips[0], tips[tips.len() - 1]] {
+        deviation = deviation.max((grid.point(grid.round(&end)?) - end).norm());
     }
-    let written: Vec<_> = written.iter().map(|written| (written.curve, written.slack_mm)).collect();
-    Ok(computed.max(farthest(&written)))
+    Ok(deviation)
 }

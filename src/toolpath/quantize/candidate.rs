@@ -6,7 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece, QuantizeError, Written,
+    ACCEPTED_STEPS, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece,
+    QuantizeError, Written,
 };
 use crate::geometry::curve::{Arc, Curve};
 
@@ -91,7 +92,7 @@ impl<'a> Rounded<'a> {
         let ([a, b], [to_a, to_b]) = (self.in_plane(self.start_units), self.in_plane(self.end_units));
         let (to_i, to_j) = (to_a - a - i, to_b - b - j);
         let mismatch_units = mismatch([i, j], [to_i, to_j])?;
-        if mismatch_units > MAX_MISMATCH_STEPS {
+        if mismatch_units > MAX_MISMATCH_STEPS || mismatch_units * step > MAX_MISMATCH_MM {
             return None;
         }
         let to_start = Vector2::new(-grid.mm(i), -grid.mm(j));

@@ -60,7 +60,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
         assert_eq!(grid.round(&block.curve.start()).unwrap(), at);
         assert_eq!(grid.point(block.end_units), block.curve.end());
         assert!(block.displacement_mm <= limit);
-        assert!(block.radius_mismatch_mm <= MAX_MISMATCH_STEPS * step);
+        assert!(block.radius_mismatch_mm <= (MAX_MISMATCH_STEPS * step).min(MAX_MISMATCH_MM));
         if let Curve::Arc(exact) = block.curve {
             assert_eq!((exact.plane(), exact.direction()), (arc.plane(), arc.direction()));
             assert!(exact.sweep() <= arc.sweep() + 1.0);

@@ -1,6 +1,7 @@
 //! Tip curves of a toolpath and of the text written from it, with angles and radii of their own.
 
 use nalgebra::{Point3, Vector3};
+use toolpathd::budget::Budget;
 use toolpathd::geometry::curve::{Curve, Direction};
 use toolpathd::geometry::plane::Plane;
 use toolpathd::operations::surface_milling::{Job, Plan};
@@ -155,7 +156,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
     let dialect = post::dialect("linuxcnc").unwrap();
     let target =
         ProgramJob { program: &program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &[] };
-    let text = post::write(&plan.toolpath, &target).unwrap().text;
+    let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
     let links: Vec<Motion> =
         planned(plan).into_iter().flatten().filter(|m| m.0 == Kind::Link).map(|m| m.1).collect();

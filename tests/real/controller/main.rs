@@ -13,6 +13,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, fs, process, thread};
 
+use toolpathd::budget::Budget;
 use toolpathd::post::{self, ProgramJob};
 use toolpathd::toolpath::program::{Program, Resolution, Units};
 
@@ -88,7 +89,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             comments: &[],
         };
         let name = format!("random{seed}");
-        let found = post::write(&case.toolpath, &job)
+        let found = post::write(&case.toolpath, &job, &Budget::unlimited())
             .map_err(|error| error.to_string())
             .and_then(|written| {
                 let motions = canon::interpret(&written.text, directory, &name)?;

@@ -94,6 +94,7 @@ impl From<WriteError> for ApiError {
             Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
         };
         match error {
+            WriteError::Stopped(stopped) => stopped.into(),
             WriteError::Quantize(quantize) => quantize.into(),
             WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
             WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),

@@ -44,8 +44,8 @@ use boundary::{Boundary, BoundaryPoint};
 /// edge to meet the edges at its ends, invisible in any program.
 pub const INSET_MM: f64 = 1e-6;
 
-/// Points of one section; at 0.01 mm apart this is a section of two metres.
-const POINT_LIMIT: usize = 200_000;
+/// Points of one section; at 0.01 mm apart this is a section of ten metres.
+const POINT_LIMIT: usize = 1_000_000;
 
 /// Newton steps for one point; two or three are usual.
 const NEWTON_LIMIT: usize = 12;

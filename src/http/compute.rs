@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::{Semaphore, oneshot};
 use tokio::time::timeout_at;
 
-use crate::budget::Budget;
+use crate::budget::{Budget, ProgressSink};
 
 /// How much later than the deadline an answer is still waited for: the time between two looks at the budget.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
@@ -71,7 +71,7 @@ impl Compute {
             .map_err(|_| Failure::DeadlinePassed)?
             .map_err(|_| Failure::Overloaded)?;
 
-        let budget = Budget::unlimited().with_deadline(deadline);
+        let budget = Budget::unlimited().with_deadline(deadline).with_progress(Arc::new(Log));
         let _cancel = CancelOnDrop(budget.clone());
         let (answer, result) = oneshot::channel();
         self.pool.spawn(move || {
@@ -85,6 +85,15 @@ impl Compute {
             Ok(_) => Err(Failure::Panicked),
             Err(_) => Err(Failure::DeadlinePassed),
         }
+    }
+}
+
+/// Writes progress to the log.
+struct Log;
+
+impl ProgressSink for Log {
+    fn progress(&self, stage: &'static str, done: usize, total: usize) {
+        tracing::trace!(stage, done, total, "progress");
     }
 }
 

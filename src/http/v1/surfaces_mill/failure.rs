@@ -99,7 +99,8 @@ impl From<WriteError> for ApiError {
             WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
             WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
             WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
-            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting.field("feed_mm_per_min"), detail),
+            // It may be the plunge feed, given or half of the other.
+            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
             // What is left cannot come of a legal request.
             WriteError::Dwell { seconds: _ }

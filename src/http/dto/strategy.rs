@@ -4,7 +4,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
-use super::check::{Range, Violations};
+use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::tagged;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -99,7 +99,9 @@ impl Strategy {
             Plane::Yz => extent[0],
         };
         let sections = (across / stepover_mm.max(f64::MIN_POSITIVE)).ceil() + 1.0;
-        if *stepover_mm >= Range::POSITIVE.min && sections > max_sections as f64 {
+        // Points beyond the legal magnitude are to blame themselves.
+        let is_legal = *stepover_mm >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;
+        if is_legal && sections > max_sections as f64 {
             let detail = format!(
                 "{stepover_mm} mm over {across} mm makes {sections} sections; at most {max_sections} are allowed"
             );

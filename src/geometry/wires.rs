@@ -47,6 +47,13 @@ pub struct WireJob {
     pub wire_limit: usize,
 }
 
+impl WireJob {
+    /// Whether the wires are curves of constant parameter, which any surface has.
+    pub fn runs_along_a_parameter(&self) -> bool {
+        matches!(self.along, Along::U | Along::V)
+    }
+}
+
 /// Points of one model.
 pub const POINT_LIMIT: usize = 2_000_000;
 

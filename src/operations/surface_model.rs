@@ -170,7 +170,8 @@ mod tests {
     use crate::geometry::wires::Along;
 
     fn grid(height: impl Fn(f64, f64) -> f64, ends: Ends, n: usize) -> Source {
-        let row = |i: usize| (0..n).map(|j| Point3::new(i as f64, j as f64, height(i as f64, j as f64))).collect();
+        let row =
+            |i: usize| (0..n).map(|j| Point3::new(i as f64, j as f64, height(i as f64, j as f64))).collect();
         Source::PointGrid(PointGrid { points: (0..n).map(row).collect(), twist: Twist::Spline, ends })
     }
 
@@ -226,7 +227,11 @@ mod tests {
         };
         let roof = Source::NetGrid(NetGrid { nets: vec![vec![net(0.0, 0.0)], vec![net(1.0, 3.0)]] });
         let model = modelled(roof, None);
-        assert!(matches!(model.warnings[..], [Warning::NotSmooth(NotSmooth::Edge { .. })]), "{:?}", model.warnings);
+        assert!(
+            matches!(model.warnings[..], [Warning::NotSmooth(NotSmooth::Edge { .. })]),
+            "{:?}",
+            model.warnings
+        );
         let mut pole = net(0.2, 0.0);
         pole[0] = [Point3::new(0.0, 1.5, 0.0); 4];
         let model = modelled(Source::NetGrid(NetGrid { nets: vec![vec![pole]] }), None);

@@ -19,6 +19,7 @@ use tower::ServiceExt;
 
 use super::App;
 use super::linger::Lingering;
+use super::refusal::Explained;
 
 /// How long connections are still accepted after the signal: callers that were told of this service a moment
 /// ago, and probes that are to see it leave.
@@ -141,7 +142,7 @@ async fn connection(
     let mut builder = auto::Builder::new(TokioExecutor::new());
     builder.http1().timer(TokioTimer::new()).header_read_timeout(header_timeout);
     builder.http2().timer(TokioTimer::new()).keep_alive_interval(header_timeout);
-    let connection = builder.serve_connection(TokioIo::new(stream), service);
+    let connection = builder.serve_connection(TokioIo::new(Explained::new(stream)), service);
     tokio::pin!(connection);
 
     // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the

@@ -13,6 +13,8 @@ use sha2::{Digest, Sha256};
 
 use super::support::{Answer, MILL, ONE_PASS, app, get, post, send};
 
+const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
+
 fn gzip(text: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(text).expect("memory");
@@ -87,7 +89,7 @@ async fn the_digest_is_of_the_bytes_received_in_each_form_and_coding() {
     for format in ["json", "gcode", "svg", "html"] {
         let path = format!("{MILL}?format={format}");
         let ask = async |coding: &str| {
-            post(&app, &path, ONE_PASS, &[("accept-encoding", coding), ("x-request-id", "one")]).await
+            post(&app, &path, DIE, &[("accept-encoding", coding), ("x-request-id", "one")]).await
         };
         let plain = ask("identity").await;
         assert_eq!(plain.header("content-encoding"), "");
@@ -121,6 +123,8 @@ async fn what_is_not_computed_is_coded_too_but_for_what_is_small_and_for_problem
     };
     assert_eq!(gunzip(&ask("/openapi.json").await), get(&app, "/openapi.json").await.body);
     assert_eq!(ask("/livez").await.body, b"ok\n");
+    let small = post(&app, &format!("{MILL}?format=gcode"), ONE_PASS, &[("accept-encoding", "gzip")]).await;
+    assert!(small.header("content-encoding").is_empty() && small.body.len() < 1024);
     assert_eq!(ask("/v1/nothing").await.code(), "not_found");
     let problem = post(&app, MILL, "{}", &[("accept-encoding", "gzip")]).await;
     assert_eq!((problem.code().as_str(), problem.header("repr-digest")), ("invalid_request", ""));

@@ -175,7 +175,7 @@ impl Proof<'_> {
                     self.note(followed.slope);
                 }
                 Finding::Followed(_) | Finding::Undecided(_) if may_halve => {
-                    stack.extend(halves(&part).map(|half| (half, depth + 1)));
+                    stack.extend(part.split_by_bend().map(|half| (half, depth + 1)));
                 }
                 Finding::Undecided(Doubt::Curvature) | Finding::Folds => {
                     return Err(Irregular::Folds { at: part.center().into() });
@@ -193,22 +193,6 @@ impl Proof<'_> {
         let known = self.slopes[class].get_or_insert(slope);
         known.share = known.share.min(slope.share);
         known.concavity = known.concavity.max(slope.concavity);
-    }
-}
-
-/// The halves across the direction along which the tangents change more, or else across the longer one.
-fn halves<P: Patch>(part: &P) -> [P; 2] {
-    let jet = part.jet(0.5, 0.5);
-    let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
-    let turned = jet.duv.norm();
-    let by_u = jet.duu.norm() / along_u + turned / along_v;
-    let by_v = turned / along_u + jet.dvv.norm() / along_v;
-    if by_u > 2.0 * by_v {
-        part.split_u()
-    } else if by_v > 2.0 * by_u {
-        part.split_v()
-    } else {
-        part.split()
     }
 }
 

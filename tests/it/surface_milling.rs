@@ -2,6 +2,7 @@
 
 mod cutter;
 mod jobs;
+mod kinds;
 mod motion;
 mod section;
 mod spline;
@@ -140,7 +141,8 @@ fn ends_that_rounding_moves_count_as_deviation() {
 #[test]
 fn lines_alone_keep_the_same_promises() {
     let interpolation = Interpolation::Lines;
-    let job = Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
+    let job =
+        Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
     let (plan, _) = judge(&job).unwrap();
     assert_eq!(plan.report.n_arcs, 0);
     let motions: Vec<_> = planned(&plan).into_iter().flatten().collect();

@@ -96,6 +96,13 @@ pub struct DerivativeBounds {
     pub dvv: Ball,
 }
 
+impl DerivativeBounds {
+    /// A set that holds the normals du x dv.
+    pub fn normal(&self) -> Ball {
+        self.du.cross(self.dv)
+    }
+}
+
 /// What the Bernstein coefficients of a sum of squares say.
 #[derive(Debug, Clone, Copy)]
 pub struct SquareBound {

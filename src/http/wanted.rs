@@ -98,7 +98,11 @@ impl<O: Offers> IntoParams for Wanted<O> {
         };
         vec![
             parameter("format", "Overrides `Accept`.", format),
-            parameter("toolpath", "Whether the JSON answer holds the toolpath. Default: true.", toolpath),
+            parameter(
+                "toolpath",
+                "Whether the JSON answer holds the toolpath. Default: unless it holds the program's text.",
+                toolpath,
+            ),
         ]
     }
 }

@@ -1,6 +1,7 @@
 //! What an answer is represented as, and how it is sent.
 
 mod accept;
+pub mod page;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};

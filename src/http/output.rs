@@ -1,6 +1,7 @@
 //! What an answer is represented as, and how it is sent.
 
 mod accept;
+#[allow(dead_code)]
 pub mod page;
 
 use axum::body::Bytes;

@@ -52,7 +52,10 @@ pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f6
 
 /// The column of a sheet without a drawing.
 pub fn refusal(scene: &Scene, reason: &str) -> String {
-    notes(scene.notes.iter().map(String::as_str), Some(reason), TOP_MM) + &title(scene.title) + &moves(scene)
+    notes(scene.notes.iter().map(String::as_str), None, TOP_MM)
+        + &title(scene.title)
+        + &moves(scene)
+        + &line("middle", 0.5 * (BORDER_MM[0] + COLUMN_X_MM), 0.5 * (BORDER_MM[1] + BORDER_MM[3]), reason)
 }
 
 /// The legend, and where it ends.
@@ -117,10 +120,12 @@ fn bounds(layout: &Layout) -> String {
         line(class, LEFT_MM, y, cells[0]) + &numbers.collect::<String>()
     };
     let y = BLOCK_Y_MM + 18.0;
+    // A micrometre, or finer where the ticks are.
+    let decimals = layout.step.decimals().max(2) + 1;
     let mut out = row(y, "head", ["mm", "min", "max", "extent"]);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let [low, high, extent] =
-            [min[axis], max[axis], max[axis] - min[axis]].map(|mm| with_decimals(mm, 3));
+            [min[axis], max[axis], max[axis] - min[axis]].map(|mm| with_decimals(mm, decimals));
         out += &row(y + LINE_MM * (axis as f64 + 1.0), "", [name, &low, &high, &extent]);
     }
     out
@@ -146,7 +151,7 @@ fn scale(scale: RoundNumber) -> String {
     format!(
         "{}{}<path d=\"M{} {}h{}v1.6h-{}z\"/>\n<rect x=\"{}\" y=\"{}\" width=\"{half}\" height=\"1.6\"/>\n{}{}{}",
         line("title", x, BLOCK_Y_MM + 45.0, &format!("Scale {}", scale.as_scale())),
-        line("", x + 36.0, BLOCK_Y_MM + 57.0, "A4, first angle"),
+        line("right", LEFT_MM + WIDTH_MM, y + 5.0, "A4, first angle"),
         fixed(x),
         fixed(y),
         fixed(bar),
@@ -155,7 +160,7 @@ fn scale(scale: RoundNumber) -> String {
         fixed(y),
         line("", x, y + 5.0, "0"),
         line("middle", x + bar, y + 5.0, &format!("{} mm", with_decimals(length.value(), length.decimals()))),
-        first_angle(Point2::new(x + 44.0, BLOCK_Y_MM + 47.5)),
+        first_angle(Point2::new(LEFT_MM + WIDTH_MM - 14.0, BLOCK_Y_MM + 46.5)),
     )
 }
 

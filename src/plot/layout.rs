@@ -5,7 +5,7 @@
 
 use nalgebra::{Point2, Point3};
 
-use super::number::RoundNumber;
+use super::number::{RoundNumber, with_decimals};
 use super::view::View;
 use super::{Scene, text};
 use crate::toolpath::measure::{Bounds, measure};
@@ -120,6 +120,5 @@ fn step(bounds: &Bounds, scale: RoundNumber) -> RoundNumber {
 
 /// The width of the widest number, mm of paper.
 fn number_width(largest: f64, step: RoundNumber) -> f64 {
-    let digits = largest.max(1.0).log10().floor() + 2.0 + step.decimals() as f64;
-    (digits + 1.0) * text::SIZE_MM * text::width("0")
+    text::SIZE_MM * text::width(&with_decimals(-largest, step.decimals()))
 }

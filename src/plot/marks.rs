@@ -8,9 +8,10 @@ use super::{Scene, class};
 use crate::geometry::curve::Curve;
 use crate::toolpath::{Move, Role, Toolpath};
 
-/// Arrows are this far apart along the path on paper, mm, but not more than [`MAX_ARROWS`].
+/// Arrows are at least so far apart along the path, mm of paper, and each has so much of the plan, mm2.
 const ARROW_SPACING_MM: f64 = 40.0;
-const MAX_ARROWS: f64 = 16.0;
+const ARROW_AREA_MM2: f64 = 600.0;
+const MOST_ARROWS: f64 = 16.0;
 
 /// Start, end and, in the plan, directions. In the other views passes lie over each other.
 pub fn draw(scene: &Scene, view: &View) -> String {
@@ -48,7 +49,9 @@ pub fn arrow(at: Point2<f64>, along: Vector2<f64>) -> String {
 fn arrows(toolpath: &Toolpath, view: &View) -> String {
     let cuts = || toolpath.moves().filter_map(cut);
     let length: f64 = cuts().map(|curve| curve.length()).sum();
-    let count = (length * view.scale() / ARROW_SPACING_MM).ceil().min(MAX_ARROWS);
+    let [_, _, width, height] = view.frame;
+    let most = (width * height / ARROW_AREA_MM2).ceil().min(MOST_ARROWS);
+    let count = (length * view.scale() / ARROW_SPACING_MM).ceil().min(most);
     let spacing = length / count;
     let (mut out, mut next, mut passed) = (String::new(), 0.5 * spacing, 0.0);
     for curve in cuts() {

@@ -78,20 +78,14 @@ impl Pen {
 
     /// Draws a line; one that starts where the last stroke ended continues it.
     pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>) {
-        let run = match self.run {
-            Some(run) if run.last == from => run,
-            _ => {
-                self.end_run();
-                Run { anchor: from, last: from, cone: None }
-            }
+        let Some(run) = self.run.filter(|run| run.last == from) else {
+            self.end_run();
+            self.run = Some(Run::new(from, to));
+            return;
         };
         self.run = Some(run.through(to).unwrap_or_else(|| {
             self.write_line(run.anchor, run.last);
-            Run { anchor: run.last, last: run.last, cone: None }.through(to).unwrap_or(Run {
-                anchor: run.last,
-                last: to,
-                cone: None,
-            })
+            Run::new(run.last, to)
         }));
     }
 
@@ -170,15 +164,19 @@ impl Pen {
 }
 
 impl Run {
+    fn new(anchor: Point2<f64>, to: Point2<f64>) -> Self {
+        let arm = to - anchor;
+        let distance = arm.norm();
+        // So near to the anchor every stroke from it is near.
+        let cone = (distance > THIN_MM).then(|| Cone::around(arm, distance));
+        Self { anchor, last: to, cone }
+    }
+
     /// The run through `to` as well, if one stroke can be both.
     fn through(&self, to: Point2<f64>) -> Option<Run> {
+        let Some(cone) = self.cone else { return Some(Run::new(self.anchor, to)) };
         let (reach, arm) = ((self.last - self.anchor).norm(), to - self.anchor);
         let distance = arm.norm();
-        let Some(cone) = self.cone else {
-            // So near to the anchor every stroke from it is near.
-            let cone = (distance > THIN_MM).then(|| Cone::around(arm, distance));
-            return Some(Run { last: to, cone, ..*self });
-        };
         let angle = cone.first.perp(&arm).atan2(cone.first.dot(&arm));
         if distance < reach || angle < cone.low || angle > cone.high {
             return None;

@@ -93,7 +93,7 @@ mod tests {
             "<tr><th>part_id</th><td>DIE-7</td></tr>",
             "<tr><th>&lt;b&gt;</th><td>&quot;&amp;</td></tr>",
             "<tr><th>passes</th><td>42</td></tr>",
-            "<tr><th>gouge max</th><td>0.009783 mm</td></tr>",
+            "<tr><th>max gouge</th><td>0.009783 mm</td></tr>",
             "<tr><th>places</th><td>500 entries</td></tr>",
             "<tr><th>total time</th><td>3812.44 s (1:03:32)</td></tr>",
             "<tr><th>cutting length</th><td>3551.317 mm</td></tr>",

@@ -43,8 +43,13 @@ impl Label {
         // A box has no unit in its name.
         let unit = if name == "bounds" { Some("mm") } else { unit };
         let stem = stem.strip_prefix("n_").unwrap_or(stem);
+        let is_bound = stem.ends_with("_max");
+        let stem = match stem.strip_suffix("_max") {
+            Some(what) => format!("max_{what}"),
+            None => stem.to_owned(),
+        };
         let words: Vec<String> = stem.split('_').map(word).collect();
-        Self { words: escape(&clean(&words.join(" "))), unit, is_bound: stem.ends_with("_max") }
+        Self { words: escape(&clean(&words.join(" "))), unit, is_bound }
     }
 }
 
@@ -66,6 +71,7 @@ mod tests {
             ("curvature_max_concave_per_mm", "curvature max concave", Some("1/mm")),
             ("total_time_s", "total time", Some("s")),
             ("n_passes", "passes", None),
+            ("gouge_max_mm", "max gouge", Some("mm")),
             ("bounds", "bounds", Some("mm")),
             ("a<b", "a&lt;b", None),
         ] {

@@ -41,10 +41,13 @@ fn wrap(rows: &str) -> String {
     if rows.is_empty() { String::new() } else { format!("<table>\n{rows}</table>\n") }
 }
 
-/// A row for each member; an object among them becomes a heading and its own rows.
+/// A row for each member; after them each object among them, as a heading and its own rows.
 fn members_as_rows(members: &Map<String, Value>, unit: Option<&'static str>, depth: usize) -> String {
     let mut rows = String::new();
-    for (name, value) in members.iter().take(MOST_MEMBERS) {
+    let mut shown: Vec<_> = members.iter().take(MOST_MEMBERS).collect();
+    // Below a heading stand its own rows alone; and of a box, the least comes first.
+    shown.sort_by_key(|(name, value)| (value.is_object() || is_grid(value), *name == "max"));
+    for (name, value) in shown {
         let mut label = Label::of(name);
         label.unit = label.unit.or(unit);
         rows += &match value {
@@ -72,6 +75,10 @@ fn heading(words: &str) -> String {
 
 fn row(label: &Label, value: &Value) -> String {
     format!("<tr><th>{}</th><td>{}</td></tr>\n", label.words, cell(value, label))
+}
+
+fn is_grid(value: &Value) -> bool {
+    value.get(0).is_some_and(Value::is_object)
 }
 
 /// A list of like objects: a column for each member of the first.

@@ -24,6 +24,8 @@ const LEGEND_LINE_MM: f64 = 4.8;
 const SAMPLE_MM: f64 = 13.0;
 /// A note takes at most so many lines.
 const LINES_A_NOTE: usize = 2;
+/// The place for a number in the table of bounds.
+const NUMBER_MM: f64 = 18.5;
 /// The longest scale bar.
 const BAR_MM: f64 = 30.0;
 
@@ -120,8 +122,10 @@ fn bounds(layout: &Layout) -> String {
         line(class, LEFT_MM, y, cells[0]) + &numbers.collect::<String>()
     };
     let y = BLOCK_Y_MM + 18.0;
-    // A micrometre, or finer where the ticks are.
-    let decimals = layout.step.decimals().max(2) + 1;
+    // A micrometre, or finer where the ticks are, as far as there is room.
+    let widest = -min.coords.amax().max(max.coords.amax());
+    let fits = |decimals: &usize| text::width(&with_decimals(widest, *decimals)) * SIZE_MM < NUMBER_MM;
+    let decimals = (0..=layout.step.decimals().max(2) + 1).rev().find(fits).unwrap_or(0);
     let mut out = row(y, "head", ["mm", "min", "max", "extent"]);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let [low, high, extent] =

@@ -15,8 +15,9 @@ const STYLE: &str = include_str!("page/style.css");
 
 /// Members of an answer that come first, in this order.
 const FIRST: [&str; 4] = ["meta", "warnings", "report", "measures"];
-/// Members that are not shown as tables: those of the footer, and the toolpath, which is the picture.
-const NOT_TABLES: [&str; 3] = ["engine_version", "request_id", "toolpath"];
+/// Members that are not shown as tables: those of the footer, the toolpath, which is the picture, and NC text, which is
+/// asked for as such.
+const NOT_TABLES: [&str; 4] = ["engine_version", "request_id", "toolpath", "nc"];
 
 /// The page of `answer`, with `svg` in it as it is.
 pub fn page(title: &str, svg: &str, answer: &Value) -> String {

@@ -4,6 +4,7 @@ mod coding;
 mod connection;
 mod decoding;
 mod events;
+mod models;
 mod negotiation;
 mod shutdown;
 mod support;

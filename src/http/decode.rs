@@ -16,11 +16,10 @@ use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
 
 /// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
-const LATER_FIELDS: [&str; 4] = ["scallop_height_mm", "allowance_mm", "pitch_mm", "corner_radius_mm"];
+const LATER_FIELDS: [&str; 4] = ["scallop_height_mm", "allowance_mm", "pitch_mm", "axis"];
 
 /// Values of the contract that this version does not know yet, each with the field it is a value of.
-const LATER_VALUES: [(&str, &[&str]); 3] =
-    [("shape", &["flat", "bull_nose"]), ("engine", &["contact"]), ("boundary", &["inside", "past"])];
+const LATER_VALUES: [(&str, &[&str]); 2] = [("engine", &["contact"]), ("boundary", &["inside", "past"])];
 
 /// A member with a longer name than this is not pointed at, but the object it is in.
 const MAX_NAME_BYTES: usize = 200;

@@ -29,7 +29,6 @@
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
 
-mod heights;
 mod links;
 mod passes;
 
@@ -43,9 +42,10 @@ use crate::geometry::section::{SectionError, Sections};
 use crate::geometry::surface::point_grid::{GridError, PointGrid};
 use crate::geometry::surface::regularity::{self, Irregular};
 use crate::geometry::surface::{BezierSurface, Surface};
+use crate::toolpath::cutting::{Cutting, CuttingRequest, HeightError};
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{QuantizeError, quantize};
-use crate::toolpath::tool::{Coolant, Cutting, Tool};
+use crate::toolpath::tool::Tool;
 use crate::toolpath::units::{FeedRate, Tolerance};
 use crate::toolpath::{Move, PathError, Toolpath};
 
@@ -96,37 +96,6 @@ pub enum Interpolation {
     #[default]
     Arcs,
     Lines,
-}
-
-/// Cutting conditions; what is absent is chosen from the part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CuttingRequest {
-    pub feed: FeedRate,
-    /// Default: half the feed.
-    pub plunge_feed: Option<FeedRate>,
-    /// Default: 10,000 mm/min.
-    pub rapid_feed: Option<FeedRate>,
-    pub spindle_rpm: Option<f64>,
-    pub coolant: Coolant,
-    /// Default: 20 mm above the top of the surface.
-    pub clearance_z_mm: Option<f64>,
-    /// Default: 2 mm above the top of the surface.
-    pub retract_z_mm: Option<f64>,
-}
-
-impl CuttingRequest {
-    /// Cutting at `feed` with the default of everything else: no spindle speed, no coolant.
-    pub fn at_feed(feed: FeedRate) -> Self {
-        Self {
-            feed,
-            plunge_feed: None,
-            rapid_feed: None,
-            spindle_rpm: None,
-            coolant: Coolant::Off,
-            clearance_z_mm: None,
-            retract_z_mm: None,
-        }
-    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -245,6 +214,19 @@ impl From<Irregular> for Error {
     }
 }
 
+impl From<HeightError> for Error {
+    fn from(error: HeightError) -> Self {
+        match error {
+            HeightError::BelowTop { field, value_mm, top_mm } => {
+                Self::HeightBelowTop { field, value_mm, top_mm }
+            }
+            HeightError::ClearanceBelowRetract { clearance_mm, retract_mm } => {
+                Self::ClearanceBelowRetract { clearance_mm, retract_mm }
+            }
+        }
+    }
+}
+
 impl From<SectionError> for Error {
     fn from(error: SectionError) -> Self {
         match error {
@@ -269,7 +251,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         return Err(Error::ToleranceBelowResolution { tolerance_mm: job.tolerance.mm(), decimals, least_mm });
     }
     let surface = upward(job.surface.surface()?);
-    let cutting = heights::resolve(&job.cutting, surface.top(TOP_ACCURACY_MM, budget)?)?;
+    let cutting = job.cutting.above(surface.top(TOP_ACCURACY_MM, budget)?)?;
     let radius = job.tool.radius_mm;
     let curvature = regularity::prove(&surface, radius, job.plane.normal_axis(), budget)?;
     let sections = Sections::new(&surface, radius, job.plane.normal_axis(), curvature, budget)?;

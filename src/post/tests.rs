@@ -3,14 +3,17 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
+use super::dialect::{Comment, Point};
+use super::dialects::fanuc::FANUC;
 use super::read::{Reader, Step};
 use super::*;
 use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
+use crate::toolpath::cutting::{Coolant, CuttingRequest};
 use crate::toolpath::measure::measure;
 use crate::toolpath::program::{Resolution, Units};
-use crate::toolpath::tool::Coolant;
+use crate::toolpath::tool::Shape;
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Builder, Role};
 
@@ -26,26 +29,35 @@ fn program(resolution: Resolution) -> Program {
 }
 
 fn cutting() -> Cutting {
-    Cutting {
-        feed: feed(800.0),
-        plunge_feed: feed(400.0),
-        rapid_feed: feed(10_000.0),
+    let request = CuttingRequest {
         spindle_rpm: Some(12_000.0),
         coolant: Coolant::Flood,
-        clearance_z_mm: 45.0,
-        retract_z_mm: 12.0,
-    }
+        ..CuttingRequest::at_feed(feed(800.0))
+    };
+    request.at_heights(45.0, 12.0)
 }
 
+const TOOL: Tool = Tool { shape: Shape::Ball, radius_mm: 5.0, number: 3, length_offset: 4 };
+
+fn written_in(
+    dialect: &Dialect,
+    toolpath: &Toolpath,
+    program: &Program,
+    cutting: &Cutting,
+    comments: &[String],
+) -> Result<NcProgram, WriteError> {
+    let job = ProgramJob { program, tool: Some(&TOOL), cutting, dialect, comments };
+    write(toolpath, &job, &Budget::unlimited())
+}
+
+/// In the default dialect.
 fn written(
     toolpath: &Toolpath,
     program: &Program,
     cutting: &Cutting,
     comments: &[String],
 ) -> Result<NcProgram, WriteError> {
-    let tool = Tool { radius_mm: 5.0, number: 3, length_offset: 4 };
-    let dialect = dialect("linuxcnc").unwrap();
-    write(toolpath, &ProgramJob { program, tool: &tool, cutting, dialect, comments }, &Budget::unlimited())
+    written_in(DIALECTS[0], toolpath, program, cutting, comments)
 }
 
 /// A short program with a plunge, arcs in two planes, a rapid down and a dwell.
@@ -65,10 +77,15 @@ fn sample() -> Toolpath {
 }
 
 #[test]
-fn a_program_reads_as_a_machinist_expects() {
+fn a_linuxcnc_program_reads_as_a_machinist_expects() {
     let program = Program { name: Some("die 7 (rev. B)".into()), work_offset: Some(54), ..program(MM) };
     let program = written(&sample(), &program, &cutting(), &["part_id: 4711".into()]).unwrap();
-    let expected = "(PROGRAM: DIE 7 REV. B)\n(TOOL: T3 BALL DIAMETER 10.000 MM)\n(NOTE: PART_ID 4711)\n\
+    let expected = "(PROGRAM: DIE 7 REV. B)\n(NOTE: PART_ID 4711)\n\
+        (WRITTEN: FOR LINUXCNC - MM - 3 DECIMALS - WORK OFFSET G54)\n(TOOL: T3 H4 BALL DIAMETER 10.000 MM)\n\
+        (FEED: CUT 333.33 TO 800 PLUNGE 400 LINK 800 MM PER MIN)\n(SPINDLE: 12000 RPM - COOLANT FLOOD)\n\
+        (RANGE: X 0.000 TO 10.000 Y 0.000 TO 4.000 Z 0.000 TO 45.000 MM)\n\
+        (TIME: 6 S - WITH ACCELERATION 6 S)\n(ROUNDING: WITHIN 0.0001 MM OF THE TOOLPATH)\n\
+        (WARNING: TOOL T3 IS CUT WITH THE LENGTH OFFSET H4)\n\
         G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT3 M6\nG43 H4\nS12000 M3\nM8\n\
         G0 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
         G18 G3 X10.000 Z0.000 I5.000 K0.000 F800\nG1 Y2.000\nG4 P0.250\n\
@@ -77,6 +94,73 @@ fn a_program_reads_as_a_machinist_expects() {
     assert_eq!(program.text, expected);
     assert_eq!(program.blocks, 12);
     assert_eq!(program.max_radius_mismatch_mm, 0.0);
+}
+
+#[test]
+fn a_fanuc_program_reads_as_a_machinist_expects() {
+    let program = Program { name: Some("die 7".into()), number: 501, work_offset: Some(55), ..program(MM) };
+    let text = written_in(&FANUC, &sample(), &program, &cutting(), &[]).unwrap().text;
+    let expected = "%\nO0501\n(PROGRAM = DIE 7)\n(WRITTEN = FOR FANUC - MM - 3 DECIMALS - WORK OFFSET G55)\n\
+        (TOOL = T3 H4 BALL DIAMETER 10.000 MM)\n\
+        (FEED = CUT 333.33 TO 800 PLUNGE 400 LINK 800 MM PER MIN)\n(SPINDLE = 12000 RPM - COOLANT FLOOD)\n\
+        (RANGE = X 0.000 TO 10.000 Y 0.000 TO 4.000 Z 0.000 TO 45.000 MM)\n\
+        (TIME = 6 S - WITH ACCELERATION 6 S)\n(ROUNDING = WITHIN 0.0001 MM OF THE TOOLPATH)\n\
+        (WARNING = TOOL T3 IS CUT WITH THE LENGTH OFFSET H4)\n\
+        G21\nG17 G90 G40 G49 G80 G94\nG55\nT3 M6\nS12000 M3\nM8\n\
+        G0 G43 H4 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400.\n\
+        G18 G3 X10.000 Z0.000 I5.000 K0.000 F800.\nG1 Y2.000\nG4 P250\n\
+        G17 G2 X10.000 Y2.000 I-2.000 J0.000 F333.33\nG0 Z12.000\nX0.000 Y0.000\nZ45.000\n\
+        M5\nM9\nM30\n%\n";
+    assert_eq!(text, expected);
+}
+
+#[test]
+fn fanuc_refuses_what_its_control_does_not_read() {
+    let refused = |path: &Toolpath, program: &Program, cutting: &Cutting| {
+        written_in(&FANUC, path, program, cutting, &[]).unwrap_err()
+    };
+    for number in [0, 10_000] {
+        let error = refused(&sample(), &Program { number, ..program(MM) }, &cutting());
+        assert_eq!(error, WriteError::ProgramNumber { number, max: 9999 });
+    }
+    let fast = Cutting { spindle_rpm: Some(100_000.0), ..cutting() };
+    assert_eq!(refused(&sample(), &program(MM), &fast), WriteError::SpindleSpeed { rpm: 100_000.0 });
+    // 99999.999 mm has eight digits, 100 m has nine.
+    let reach = |x: f64| {
+        let mut path = Toolpath::builder(Point3::origin());
+        path.line(Point3::new(x, 0.0, 0.0), feed(100.0), Role::Cut).unwrap();
+        path.finish().unwrap()
+    };
+    assert_eq!(refused(&reach(-100_000.0), &program(MM), &cutting()), WriteError::TooManyDigits { limit: 8 });
+    assert!(written_in(&FANUC, &reach(-99_999.999), &program(MM), &cutting(), &[]).is_ok());
+    let error = refused(&sample(), &program(Resolution { units: Units::Mm, decimals: 5 }), &cutting());
+    assert_eq!(error, WriteError::Decimals { decimals: 5, max: 4 });
+}
+
+#[test]
+fn headers_are_in_the_units_of_the_program_and_a_page_at_most() {
+    let bull_nose = Tool { shape: Shape::BullNose { corner_radius_mm: 1.27 }, radius_mm: 6.35, ..TOOL };
+    let notes: Vec<String> = (0..100).map(|k| format!("note {k} {}", "x".repeat(1000))).collect();
+    for dialect in DIALECTS {
+        let (program, cutting) = (program(INCH), cutting());
+        let job = ProgramJob {
+            program: &program,
+            tool: Some(&bull_nose),
+            cutting: &cutting,
+            dialect,
+            comments: &notes,
+        };
+        let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
+        let header: Vec<&str> = text.lines().filter(|line| line.starts_with('(')).collect();
+        assert!(header.len() <= 60 && header.iter().all(|line| line.len() <= 120));
+        assert!(text.contains("T3 H4 BULL NOSE DIAMETER 0.5000 CORNER RADIUS 0.0500 INCH)"));
+        assert!(text.contains("Y 0.0000 TO 0.1575 Z 0.0000 TO 1.7717 INCH)"));
+        assert!(text.contains("CUT 13.123 TO 31.496"));
+        assert!(text.contains("60 MORE ARE LEFT OUT)"));
+        let job = ProgramJob { tool: None, comments: &[], ..job };
+        let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
+        assert!(!text.contains("(TOOL") && text.contains("\nT1 M6\n") && text.contains("G43 H1"));
+    }
 }
 
 #[test]
@@ -92,6 +176,12 @@ fn inches_block_numbers_and_no_spindle() {
     for (k, line) in text.lines().enumerate() {
         assert!(line.starts_with(&format!("N{} ", 10 * (k + 1))), "{line}");
     }
+    // The marks and the number of a Fanuc program have no block number.
+    let text = written_in(&FANUC, &sample(), &program, &cutting, &[]).unwrap().text;
+    let numbered: Vec<bool> = text.lines().map(|line| line.starts_with('N')).collect();
+    let n = numbered.len();
+    assert!(numbered.iter().enumerate().all(|(k, &is)| is == (2..n - 1).contains(&k)));
+    assert!(text.contains("N10 (WRITTEN = ") && text.contains(" G20\n"));
 }
 
 #[test]
@@ -112,12 +202,16 @@ fn paths_without_length_are_still_whole_programs() {
         path.line(Point3::new(0.0, 0.0, z), feed(1.0), Role::Cut).unwrap();
         path.rapid(Point3::new(0.0, 1e-5, z)).unwrap();
         path.dwell(0.0).unwrap();
-        let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
-        assert!(text.ends_with("M30\n") && !text.contains("G1 ") && !text.contains("-0"));
-        // The first motion is to the clearance plane or above, with a length offset in force.
-        let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
-        assert_eq!(first, format!("G0 Z{:.3}", f64::max(z, 45.0)));
-        assert!(text.find("G43") < text.find("G0 Z"));
+        let path = path.finish().unwrap();
+        for dialect in DIALECTS {
+            let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
+            assert!(text.contains("\nM30\n") && !text.contains("G1 ") && !text.contains("-0"));
+            // The first motion is to the clearance plane or above, with a length offset in force.
+            let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
+            assert!(first.ends_with(&format!(" Z{:.3}", f64::max(z, 45.0))), "{first}");
+            let moved = text.find(first).unwrap() + first.len();
+            assert!(text.find("G43").is_some_and(|at| at < moved));
+        }
     }
 }
 
@@ -147,10 +241,10 @@ fn what_cannot_be_written_is_an_error() {
 
 #[test]
 fn a_changed_text_does_not_pass_the_check() {
-    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap();
+    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap().blocks;
     let text = written(&sample(), &program(MM), &cutting(), &[]).unwrap().text;
     let grid = Grid::new(MM);
-    assert!(check::read_back(&text, &blocks, &grid, &Budget::unlimited()).is_ok());
+    assert!(check::read_back(&text, &blocks, DIALECTS[0], &grid, &Budget::unlimited()).is_ok());
     let changes = [
         ("Z0.000 F400", "Z0.001 F400", "place"),
         ("F400", "F401", "feed"),
@@ -165,7 +259,8 @@ fn a_changed_text_does_not_pass_the_check() {
     for (from, to, what) in changes {
         assert!(text.contains(from));
         let error =
-            check::read_back(&text.replacen(from, to, 1), &blocks, &grid, &Budget::unlimited()).unwrap_err();
+            check::read_back(&text.replacen(from, to, 1), &blocks, DIALECTS[0], &grid, &Budget::unlimited())
+                .unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
 }
@@ -223,7 +318,10 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_text_has_the_lengths_and_times_of_the_toolpath(hops in prop::collection::vec(hops(), 1..30), inch: bool) {
+    fn the_text_has_the_lengths_and_times_of_the_toolpath(
+        hops in prop::collection::vec(hops(), 1..30), inch: bool, numbers: bool,
+        work_offset in prop::option::of(54u8..=59), dialect in prop::sample::select(DIALECTS),
+    ) {
         let mut path = Toolpath::builder(Point3::new(1.0, 2.0, 50.0));
         for one in &hops {
             // A centre that rounding has put off its arc is refused; the tool then stays where it is.
@@ -231,10 +329,13 @@ proptest! {
         }
         let path = path.finish().unwrap();
         let resolution = if inch { INCH } else { MM };
-        let program = written(&path, &program(resolution), &cutting(), &[]).unwrap();
-        prop_assert!(program.max_radius_mismatch_mm <= 1.5 * resolution.step_mm());
+        let program = Program { block_numbers: numbers, work_offset, ..program(resolution) };
+        let program = written_in(dialect, &path, &program, &cutting(), &[]).unwrap();
+        let limit_mm = 1.5 * resolution.step_mm();
+        prop_assert!(program.max_radius_mismatch_mm <= limit_mm && program.max_displacement_mm <= limit_mm);
+        prop_assert_eq!(work_offset.is_some(), program.text.contains(&format!("G{}\n", work_offset.unwrap_or(0))));
         let (mut length, mut time, mut dwell) = (0.0, 0.0, 0.0);
-        for placed in Reader::new(&program.text, 1.5 * resolution.step_mm()) {
+        for placed in Reader::new(&program.text, dialect, limit_mm) {
             match placed.unwrap().step {
                 Step::Feed { along, rate, .. } => {
                     length += along.length();
@@ -248,23 +349,63 @@ proptest! {
         prop_assert!((length - measures.cutting_length_mm).abs() <= 1e-3 * measures.cutting_length_mm + 0.01);
         prop_assert!((time - measures.cutting_time_s).abs() <= 1e-3 * measures.cutting_time_s + 0.1);
         prop_assert!((dwell - measures.dwell_time_s).abs() <= 5e-4 * hops.len() as f64);
+        check_words(&program.text, dialect, resolution)?;
     }
 
     #[test]
-    fn user_text_stays_in_comments(name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool) {
+    fn user_text_stays_in_comments(
+        name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool,
+        dialect in prop::sample::select(DIALECTS),
+    ) {
         let job = Program { name: Some(name), block_numbers: numbers, ..program(MM) };
-        let text = written(&sample(), &job, &cutting(), &[note, "x".repeat(10_000), ")\n%".repeat(3_000)]).unwrap().text;
+        let notes = [note, "x".repeat(10_000), ")\n%".repeat(3_000)];
+        let text = written_in(dialect, &sample(), &job, &cutting(), &notes).unwrap().text;
         prop_assert!(text.is_ascii());
+        let Comment { open, separator, close } = dialect.comment;
+        let labels = ["PROGRAM", "NOTE", "WRITTEN", "TOOL", "FEED", "SPINDLE", "RANGE", "TIME", "ROUNDING", "WARNING"];
+        let mut remarks = 0;
         for line in text.lines() {
-            prop_assert!(line.len() <= 240);
-            let block = line.split_once(' ').filter(|_| numbers).map_or(line, |(_, block)| block);
-            if block.contains(['(', ')', ':']) {
-                let labelled = ["(PROGRAM: ", "(NOTE: ", "(TOOL: "].iter().any(|label| block.starts_with(label));
-                prop_assert!(labelled && block.find(')') == Some(block.len() - 1) && block.rfind('(') == Some(0));
+            prop_assert!(line.len() <= dialect.max_line_length);
+            let block = line.split_once(' ').filter(|_| numbers && line.starts_with('N')).map_or(line, |(_, block)| block);
+            let words = block.strip_prefix(open).and_then(|rest| rest.strip_suffix(close));
+            if let Some((label, rest)) = words.and_then(|words| words.split_once(separator)) {
+                let is_plain = |c: u8| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-".contains(&c);
+                prop_assert!(labels.contains(&label) && rest.bytes().all(is_plain), "{line}");
+                remarks += 1;
+            } else {
+                prop_assert!(!block.contains(['(', ')', ':', '=']), "{line}");
+                prop_assert!(!block.contains('%') || Some(block) == dialect.tape_mark);
             }
-            prop_assert!(!block.contains('%'));
+        }
+        prop_assert!(remarks >= 8);
+        prop_assert_eq!(text.matches('%').count(), if dialect.tape_mark.is_some() { 2 } else { 0 });
+    }
+}
+
+/// What stands in a text, seen as characters: the decimals of every coordinate, no lower case, no exponent, no minus
+/// zero.
+fn check_words(text: &str, dialect: &Dialect, resolution: Resolution) -> Result<(), TestCaseError> {
+    let header = |line: &&str| line.contains(dialect.comment.open);
+    for line in text.lines().filter(|line| !header(line)) {
+        prop_assert!(
+            !line.contains(|c: char| c.is_ascii_lowercase()) && line.len() <= dialect.max_line_length
+        );
+        for word in line.split(' ').filter(|word| word.starts_with(['X', 'Y', 'Z', 'I', 'J', 'K'])) {
+            let (whole, fraction) = word[1..].split_once('.').expect("a decimal point");
+            let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit());
+            prop_assert!(
+                is_digits(whole.strip_prefix('-').unwrap_or(whole)) && is_digits(fraction),
+                "{line}"
+            );
+            prop_assert_eq!(fraction.len(), usize::from(resolution.decimals));
+            let is_zero = word[1..].bytes().all(|c| b"-.0".contains(&c));
+            prop_assert!(!is_zero || !whole.starts_with('-'), "{line}");
+        }
+        for word in line.split(' ').filter(|word| word.starts_with('F')) {
+            prop_assert!(word.contains('.') || dialect.numbers.point == Point::WhereNeeded, "{line}");
         }
     }
+    Ok(())
 }
 
 #[test]
@@ -275,7 +416,7 @@ fn arcs_flatter_than_half_a_unit_are_written_as_lines() {
         (Point3::new(2.0 * r * half.sin(), 0.0, 0.0), Point3::new(r * half.sin(), -r * half.cos(), 0.0));
     path.arc(end, center, (Plane::Xy, Direction::Cw), feed(100.0), Role::Cut).unwrap();
     let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
-    let kinds: Vec<_> = Reader::new(&text, 0.0015)
+    let kinds: Vec<_> = Reader::new(&text, DIALECTS[0], 0.0015)
         .filter_map(|placed| match placed.unwrap().step {
             Step::Feed { along, .. } => Some(matches!(along, Curve::Line(_))),
             _ => None,

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
+use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::toolpath::tool as core;
 
@@ -14,6 +15,8 @@ const TABLE: (u32, u32) = (1, 99_999);
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     Ball,
+    Flat,
+    BullNose,
 }
 
 /// A cutter; positions are those of its tip.
@@ -24,6 +27,9 @@ pub struct Tool {
     shape: Shape,
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     diameter_mm: f64,
+    /// Of a `bull_nose`, and of no other: at most half the diameter.
+    #[schema(minimum = 0.001, maximum = 500_000)]
+    corner_radius_mm: Option<f64>,
     /// Number in the tool table. Default: 1.
     #[schema(minimum = 1, maximum = 99_999)]
     number: Option<u32>,
@@ -34,21 +40,55 @@ pub struct Tool {
 
 impl Tool {
     pub fn check(&self, at: &Pointer, violations: &mut Violations) {
-        let Self { shape: Shape::Ball, diameter_mm, number, length_offset } = *self;
+        let Self { shape, diameter_mm, corner_radius_mm, number, length_offset } = *self;
         violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
+        let at_corner = at.field("corner_radius_mm");
+        match (shape, corner_radius_mm) {
+            (Shape::BullNose, None) => {
+                let detail = "`corner_radius_mm` is required of a bull nose cutter";
+                violations.add(&at_corner, FieldCode::MissingField, detail);
+            }
+            (Shape::BullNose, Some(corner)) => {
+                let range = Range { max: diameter_mm / 2.0, ..Range::POSITIVE };
+                violations.number(&at_corner, corner, range, "mm");
+            }
+            (Shape::Ball | Shape::Flat, Some(_)) => {
+                let detail = "only a bull nose cutter has a `corner_radius_mm`";
+                violations.add(&at_corner, FieldCode::UnknownField, detail);
+            }
+            (Shape::Ball | Shape::Flat, None) => {}
+        }
         for (name, value) in [("number", number), ("length_offset", length_offset)] {
             if let Some(value) = value {
                 violations.integer(&at.field(name), value, TABLE);
             }
         }
     }
+
+    /// As [`Self::check`], for an operation that knows balls alone.
+    pub fn check_ball(&self, at: &Pointer, violations: &mut Violations) {
+        if self.shape != Shape::Ball {
+            let detail = "this operation supports no other shape than `ball` yet";
+            violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
+        }
+        self.check(at, violations);
+    }
 }
 
 /// Converts what has been checked.
 impl From<Tool> for core::Tool {
     fn from(tool: Tool) -> Self {
-        let Tool { shape: Shape::Ball, diameter_mm, number, length_offset } = tool;
+        let Tool { shape, diameter_mm, corner_radius_mm, number, length_offset } = tool;
         let number = number.unwrap_or(1);
-        core::Tool { radius_mm: diameter_mm / 2.0, number, length_offset: length_offset.unwrap_or(number) }
+        core::Tool {
+            shape: match (shape, corner_radius_mm) {
+                (Shape::Ball, _) => core::Shape::Ball,
+                (Shape::BullNose, Some(corner_radius_mm)) => core::Shape::BullNose { corner_radius_mm },
+                (Shape::Flat, _) | (Shape::BullNose, None) => core::Shape::Flat,
+            },
+            radius_mm: diameter_mm / 2.0,
+            number,
+            length_offset: length_offset.unwrap_or(number),
+        }
     }
 }

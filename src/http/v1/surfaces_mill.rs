@@ -12,7 +12,7 @@ use utoipa::IntoParams;
 use crate::budget::Budget;
 use crate::config::Limits;
 use crate::http::dto::milling::{MillJob, MillReport, MillRequest};
-use crate::http::dto::toolpath::{ToolpathAnswer, Warning, WarningCode};
+use crate::http::dto::toolpath::{Measures, ToolpathAnswer, Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::{JsonBody, StrictQuery};
 use crate::http::output::{Encoded, Format, Representation, file_name};
@@ -20,7 +20,6 @@ use crate::http::request_id::RequestId;
 use crate::http::{App, ENGINE_VERSION};
 use crate::operations::surface_milling::{self, Plan};
 use crate::post::{self, ProgramJob};
-use crate::toolpath::measure::measure;
 
 /// How the answer is wanted.
 #[derive(Debug, Deserialize, IntoParams)]
@@ -99,7 +98,7 @@ fn represent(
             meta: accepted.meta,
             warnings: plan.warnings.iter().map(Warning::from).collect(),
             report: MillReport::from(&plan.report),
-            measures: measure(&plan.toolpath, plan.cutting.rapid_feed).into(),
+            measures: Measures::of(&plan.toolpath, &plan.cutting),
             toolpath: wanted.with_toolpath.then(|| plan.toolpath.into()),
         }),
     }
@@ -110,7 +109,8 @@ fn nc_text(plan: &Plan, accepted: &MillJob, budget: &Budget) -> Result<String, A
     let MillJob { job, program, dialect, meta } = accepted;
     let meta = meta.iter().flatten().map(|(key, value)| format!("{key}: {value}"));
     let comments: Vec<String> = meta.chain([proved(&plan.report)]).collect();
-    let job = ProgramJob { program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &comments };
+    let job =
+        ProgramJob { program, tool: Some(&job.tool), cutting: &plan.cutting, dialect, comments: &comments };
     Ok(post::write(&plan.toolpath, &job, budget)?.text)
 }
 
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::http::decode::decode;
     use crate::operations::surface_milling::Report;
-    use crate::toolpath::tool::{Coolant, Cutting};
+    use crate::toolpath::cutting::CuttingRequest;
     use crate::toolpath::units::FeedRate;
     use crate::toolpath::{Role, Toolpath};
 
@@ -172,15 +172,7 @@ mod tests {
                 n_arcs: 0,
                 n_lines: 1,
             },
-            cutting: Cutting {
-                feed: rate,
-                plunge_feed: rate,
-                rapid_feed: rate,
-                spindle_rpm: None,
-                coolant: Coolant::Off,
-                clearance_z_mm: 20.0,
-                retract_z_mm: 2.0,
-            },
+            cutting: CuttingRequest::at_feed(rate).at_heights(20.0, 2.0),
             warnings: vec![surface_milling::Warning::NoSpindleSpeed],
         }
     }

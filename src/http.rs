@@ -2,6 +2,7 @@
 //!
 //! Everything about status codes, media types and JSON is in this layer and nowhere below it.
 
+mod answer;
 pub mod compute;
 mod decode;
 mod dto;
@@ -16,6 +17,7 @@ mod pointer;
 mod request_id;
 pub mod serve;
 mod v1;
+mod wanted;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -10,7 +10,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::error::{PROBLEM_JSON, Problem};
-use super::output::JSON;
+use super::output::{JSON, Representation};
 use super::{App, health, v1};
 
 #[derive(OpenApi)]
@@ -21,6 +21,7 @@ use super::{App, health, v1};
     ),
     tags(
         (name = "surfaces", description = "Sculptured surfaces"),
+        (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
@@ -29,10 +30,17 @@ use super::{App, health, v1};
 struct Document;
 
 /// Requests that are known to work, by the operation they are for.
-const EXAMPLES: [(&str, &str, &str); 3] = [
+const EXAMPLES: [(&str, &str, &str); 6] = [
     ("/v1/surfaces/mill", "die", include_str!("../../openapi/examples/surfaces-mill/die.json")),
     ("/v1/surfaces/mill", "freeform", include_str!("../../openapi/examples/surfaces-mill/freeform.json")),
     ("/v1/surfaces/mill", "one-pass", include_str!("../../openapi/examples/surfaces-mill/one-pass.json")),
+    ("/v1/programs/write", "contour", include_str!("../../openapi/examples/programs-write/contour.json")),
+    (
+        "/v1/programs/write",
+        "inch-fanuc",
+        include_str!("../../openapi/examples/programs-write/inch-fanuc.json"),
+    ),
+    ("/v1/programs/write", "one-line", include_str!("../../openapi/examples/programs-write/one-line.json")),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.
@@ -51,6 +59,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
 pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::surfaces_mill::mill_surface))
+        .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(health::livez))
@@ -68,9 +77,30 @@ async fn get_contract() -> Response {
 /// The contract as formatted JSON.
 pub fn contract() -> String {
     let mut document = serde_json::to_value(routes().into_openapi()).unwrap_or_default();
+    add_representations(&mut document);
     add_problems(&mut document);
     add_examples(&mut document);
     format!("{document:#}")
+}
+
+/// Gives every computing operation the media types of what its `format` names; the handler documents JSON alone.
+fn add_representations(document: &mut Value) {
+    let paths = document["paths"].as_object_mut();
+    for post in paths.into_iter().flat_map(|paths| paths.values_mut()).filter_map(|item| item.get_mut("post"))
+    {
+        let parameters = post["parameters"].as_array().into_iter().flatten();
+        let format = parameters.clone().find(|parameter| parameter["name"] == "format");
+        let names = format.and_then(|format| format["schema"]["enum"].as_array()).cloned();
+        for name in names.into_iter().flatten() {
+            let Ok(offer) = serde_json::from_value::<Representation>(name) else { continue };
+            let content = &mut post["responses"]["200"]["content"];
+            for media_type in offer.media_types() {
+                if content.get(media_type).is_none() {
+                    content[media_type] = json!({ "schema": { "type": "string" } });
+                }
+            }
+        }
+    }
 }
 
 /// Gives every operation the failures it can answer.

@@ -2,4 +2,5 @@
 
 pub mod dialects;
 pub mod limits;
+pub mod programs_write;
 pub mod surfaces_mill;

@@ -3,6 +3,7 @@
 mod connection;
 mod decoding;
 mod negotiation;
+mod programs;
 mod shutdown;
 mod support;
 mod surfaces;

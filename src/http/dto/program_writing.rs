@@ -13,6 +13,7 @@ use super::tool::Tool;
 use super::toolpath::Toolpath;
 use crate::config::Limits;
 use crate::http::error::{ApiError, FieldCode};
+use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::post::{Dialect, NcProgram};
 use crate::toolpath as core;
@@ -58,10 +59,10 @@ pub struct WriteJob {
     pub meta: Option<Meta>,
 }
 
-impl WriteRequest {
-    /// # Errors
-    /// `invalid_request` with every violation; `feed_required` where nothing but feeds is missing.
-    pub fn convert(self, limits: &Limits) -> Result<WriteJob, ApiError> {
+impl IntoJob for WriteRequest {
+    type Job = WriteJob;
+
+    fn into_job(self, limits: &Limits) -> Result<WriteJob, ApiError> {
         let Self { toolpath, program, cutting, tool, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
@@ -132,6 +133,8 @@ pub struct WriteReport {
     /// Proved: no point of the cutting moves is farther from the program, nor the other way round, whatever of what it
     /// allows the control does.
     deviation_max_mm: f64,
+    /// The part of it that comes of arcs whose radii did not agree as they were sent.
+    arc_adjustment_max_mm: f64,
     /// The two radii of an arc block differ nowhere by more.
     radius_mismatch_max_mm: f64,
     /// Blocks of motion and dwell.
@@ -148,6 +151,7 @@ impl WriteReport {
         let program::Resolution { units, decimals } = job.program.resolution;
         Self {
             deviation_max_mm: written.max_displacement_mm + job.moved_mm,
+            arc_adjustment_max_mm: job.moved_mm,
             radius_mismatch_max_mm: written.max_radius_mismatch_mm,
             n_blocks: written.blocks,
             n_bytes: written.text.len(),

@@ -60,9 +60,13 @@ pub fn lower(
     let at = grid.round(&toolpath.start())?;
     let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
+    let mut checked = 0;
     for (k, step) in toolpath.moves().enumerate() {
-        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+        // One move may become very many blocks, and very many moves none.
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
+        {
             budget.check()?;
+            checked = lowering.blocks.len();
         }
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,

@@ -40,24 +40,23 @@ pub struct Tool {
 
 impl Tool {
     pub fn check(&self, at: &Pointer, violations: &mut Violations) {
-        let Self { shape, diameter_mm, corner_radius_mm, number, length_offset } = *self;
-        violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
-        let at_corner = at.field("corner_radius_mm");
-        match (shape, corner_radius_mm) {
-            (Shape::BullNose, None) => {
-                let detail = "`corner_radius_mm` is required of a bull nose cutter";
-                violations.add(&at_corner, FieldCode::MissingField, detail);
-            }
-            (Shape::BullNose, Some(corner)) => {
-                let range = Range { max: diameter_mm / 2.0, ..Range::POSITIVE };
-                violations.number(&at_corner, corner, range, "mm");
-            }
-            (Shape::Ball | Shape::Flat, Some(_)) => {
-                let detail = "only a bull nose cutter has a `corner_radius_mm`";
-                violations.add(&at_corner, FieldCode::UnknownField, detail);
-            }
-            (Shape::Ball | Shape::Flat, None) => {}
+        self.check_corner(&at.field("corner_radius_mm"), violations);
+        self.check_numbers(at, violations);
+    }
+
+    /// As [`Self::check`], for an operation that knows balls alone.
+    pub fn check_ball(&self, at: &Pointer, violations: &mut Violations) {
+        if self.shape == Shape::Ball {
+            return self.check(at, violations);
         }
+        let detail = "this operation supports no other shape than `ball` yet";
+        violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
+        self.check_numbers(at, violations);
+    }
+
+    fn check_numbers(&self, at: &Pointer, violations: &mut Violations) {
+        let Self { shape: _, diameter_mm, corner_radius_mm: _, number, length_offset } = *self;
+        violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
         for (name, value) in [("number", number), ("length_offset", length_offset)] {
             if let Some(value) = value {
                 violations.integer(&at.field(name), value, TABLE);
@@ -65,13 +64,22 @@ impl Tool {
         }
     }
 
-    /// As [`Self::check`], for an operation that knows balls alone.
-    pub fn check_ball(&self, at: &Pointer, violations: &mut Violations) {
-        if self.shape != Shape::Ball {
-            let detail = "this operation supports no other shape than `ball` yet";
-            violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
+    fn check_corner(&self, at: &Pointer, violations: &mut Violations) {
+        match (self.shape, self.corner_radius_mm) {
+            (Shape::BullNose, None) => {
+                let detail = "`corner_radius_mm` is required of a bull nose cutter";
+                violations.add(at, FieldCode::MissingField, detail);
+            }
+            (Shape::BullNose, Some(corner)) => {
+                let range = Range { max: self.diameter_mm / 2.0, ..Range::POSITIVE };
+                violations.number(at, corner, range, "mm");
+            }
+            (Shape::Ball | Shape::Flat, Some(_)) => {
+                let detail = "only a bull nose cutter has a `corner_radius_mm`";
+                violations.add(at, FieldCode::UnknownField, detail);
+            }
+            (Shape::Ball | Shape::Flat, None) => {}
         }
-        self.check(at, violations);
     }
 }
 

@@ -32,6 +32,9 @@ async fn write(body: &Value) -> Answer {
 fn with(name: &str, pointer: &str, value: Value) -> Value {
     let mut body = example(name);
     let (parent, member) = pointer.rsplit_once('/').expect("a pointer");
+    if body.pointer(parent).is_none() {
+        body[parent.trim_start_matches('/')] = json!({});
+    }
     let parent = body.pointer_mut(parent).expect("a member");
     match parent {
         Value::Array(elements) => elements[member.parse::<usize>().expect("an index")] = value,
@@ -142,7 +145,7 @@ async fn moves_are_refused_where_they_are_wrong() {
     }
     let answer = write(&with("contour", &format!("{moves}/4/center/0"), json!(20.1))).await;
     let detail = answer.problem()["errors"][0]["detail"].as_str().expect("a detail").to_owned();
-    assert!(detail.contains("10.0") && detail.contains("9.9"), "{detail}");
+    assert!(detail.contains("10.0004") && detail.contains("9.89"), "{detail}");
 }
 
 #[tokio::test]
@@ -258,6 +261,16 @@ async fn the_number_of_moves_is_limited_and_many_are_quick() {
     let begun = Instant::now();
     assert_eq!(post(&app(&["--workers", "1"]), WRITE, body, &[]).await.status, 200);
     assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+}
+
+#[tokio::test]
+async fn a_body_of_few_arcs_does_not_make_a_program_without_end() {
+    // Each circle of a kilometre is some hundred thousand chords.
+    let circle = json!({ "kind": "arc", "to": [0, 0, 0], "center": [900_000, 0, 0], "plane": "xy", "direction": "cw",
+                         "feed_mm_per_min": 500 });
+    let body = json!({ "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": vec![circle; 100] }] } });
+    let answer = write(&body).await;
+    assert_eq!((answer.status.as_u16(), answer.code().as_str()), (422, "limit_exceeded"));
 }
 
 #[tokio::test]

@@ -3,19 +3,23 @@
 //! Everything about status codes, media types and JSON is in this layer and nowhere below it.
 
 mod answer;
+mod coding;
 pub mod compute;
 mod decode;
 mod dto;
 mod envelope;
 mod error;
+mod events;
 mod extract;
 mod health;
 mod linger;
 mod openapi;
 mod output;
 mod pointer;
+mod refusal;
 mod request_id;
 pub mod serve;
+mod timing;
 mod v1;
 mod wanted;
 
@@ -25,6 +29,7 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::middleware::from_fn;
+use tokio::sync::Semaphore;
 use tower_http::catch_panic::CatchPanicLayer;
 
 use crate::config::{Limits, Settings};
@@ -37,6 +42,8 @@ pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// What the handlers share.
 pub struct App {
     pub compute: Compute,
+    /// Turns of decoding large bodies.
+    decoders: Arc<Semaphore>,
     limits: Limits,
     queue: usize,
     workers: usize,
@@ -53,6 +60,7 @@ impl App {
         let (workers, queue) = (settings.workers(), usize::from(settings.queue));
         Ok(Arc::new(Self {
             compute: Compute::new(workers, queue, settings.deadline_s)?,
+            decoders: Arc::new(Semaphore::new(workers)),
             limits: settings.limits(),
             queue,
             workers,
@@ -78,6 +86,7 @@ pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
         .with_state(Arc::clone(app))
+        .layer(coding::layer())
         .layer(CatchPanicLayer::custom(envelope::panicked))
         .layer(from_fn(envelope::wrap))
 }

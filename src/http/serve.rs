@@ -19,6 +19,7 @@ use tower::ServiceExt;
 
 use super::App;
 use super::linger::Lingering;
+use super::refusal::Explained;
 
 /// How long connections are still accepted after the signal: callers that were told of this service a moment
 /// ago, and probes that are to see it leave.
@@ -29,6 +30,9 @@ const IDLE_GRACE: Duration = Duration::from_millis(500);
 
 /// All is over this long after the signal, below the 30 s that supervisors commonly allow.
 const DRAIN_LIMIT: Duration = Duration::from_secs(28);
+
+/// Largest head of a request over HTTP/2, about what HTTP/1 takes; a larger one is refused below every layer.
+const MAX_HEADER_BYTES: u32 = 400 * 1024;
 
 /// Pause after a failed accept; the usual reason, no free file descriptor, does not pass at once.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -140,8 +144,12 @@ async fn connection(
     });
     let mut builder = auto::Builder::new(TokioExecutor::new());
     builder.http1().timer(TokioTimer::new()).header_read_timeout(header_timeout);
-    builder.http2().timer(TokioTimer::new()).keep_alive_interval(header_timeout);
-    let connection = builder.serve_connection(TokioIo::new(stream), service);
+    builder
+        .http2()
+        .timer(TokioTimer::new())
+        .keep_alive_interval(header_timeout)
+        .max_header_list_size(MAX_HEADER_BYTES);
+    let connection = builder.serve_connection(TokioIo::new(Explained::new(stream)), service);
     tokio::pin!(connection);
 
     // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the

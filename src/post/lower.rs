@@ -60,12 +60,13 @@ pub fn lower(
     let at = grid.round(&toolpath.start())?;
     let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
-    let mut checked = 0;
+    let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
         // One move may become very many blocks, and very many moves none.
         if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
         {
             budget.check()?;
+            budget.progress("lowering", k, total);
             checked = lowering.blocks.len();
         }
         match step {

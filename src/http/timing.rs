@@ -1,0 +1,43 @@
+//! How long the steps of an answer took, for the header `Server-Timing`.
+
+use std::time::Duration;
+
+use axum::http::{HeaderName, HeaderValue};
+
+pub const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Waiting for a place on the pool.
+    pub queue: Duration,
+    /// Decoding the body and converting it to a job; not its arrival.
+    pub parse: Duration,
+    pub compute: Duration,
+    /// Representing the outcome.
+    pub encode: Duration,
+}
+
+impl Timing {
+    /// The header's value; milliseconds.
+    pub fn header_value(&self) -> HeaderValue {
+        let Self { queue, parse, compute, encode } = *self;
+        let steps = [("queue", queue), ("parse", parse), ("compute", compute), ("encode", encode)];
+        let text = steps.map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
+        HeaderValue::from_str(&text).unwrap_or(HeaderValue::from_static(""))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_milliseconds() {
+        let of = Duration::from_micros;
+        let timing = Timing { queue: of(0), parse: of(1), compute: of(2_500_000), encode: of(1500) };
+        assert_eq!(
+            timing.header_value(),
+            "queue;dur=0.000, parse;dur=0.001, compute;dur=2500.000, encode;dur=1.500"
+        );
+    }
+}

@@ -227,7 +227,7 @@ mod tests {
     fn pointers_reach_the_field() {
         for (body, pointer, code) in [
             (r#"{"_lisst": 1}"#, "#/_lisst", FieldCode::UnknownField),
-            (r#"{"corner_radius_mm": 1}"#, "#/corner_radius_mm", FieldCode::Unsupported),
+            (r#"{"axis": 1}"#, "#/axis", FieldCode::Unsupported),
             (r#"{"_list": [[1, 2], [3, "x"]]}"#, "#/_list/1/1", FieldCode::WrongType),
             (r#"{"_list": [[1, 2], [3]]}"#, "#/_list/1", FieldCode::WrongLength),
             (r#"{"_list": [[1, 2, 3]]}"#, "#/_list/0", FieldCode::WrongLength),

@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::response::{IntoResponse, Response};
-use nalgebra::Point3;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -19,6 +18,7 @@ use super::timing::{SERVER_TIMING, Timing};
 use super::wanted::{Form, Wanted};
 use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
+use crate::geometry::wires::Wire;
 use crate::plot::{self, Scene};
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
@@ -37,8 +37,8 @@ pub struct Outcome<R> {
     pub cut: Option<Cut>,
     /// The program, where the JSON answer is to hold it; else it is written when it is asked for.
     pub nc: Option<String>,
-    /// Curves on the surface, for pictures, mm.
-    pub surface_wires: Vec<Vec<Point3<f64>>>,
+    /// Draws curves on the surface for a picture, mm.
+    pub surface_wires: Box<dyn Fn() -> Vec<Wire> + Send>,
 }
 
 /// A toolpath with all that its program is written from.
@@ -163,7 +163,7 @@ fn picture<R>(outcome: &Outcome<R>) -> String {
         title: &title(outcome),
         notes: &notes(outcome),
         toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
-        surface: &outcome.surface_wires,
+        surface: &(outcome.surface_wires)(),
     })
 }
 
@@ -185,6 +185,7 @@ fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
 mod tests {
     use axum::body::to_bytes;
     use axum::http::header;
+    use nalgebra::Point3;
     use serde_json::{Value, json};
 
     use super::*;
@@ -229,7 +230,7 @@ mod tests {
             report: Report { n_passes: 1 },
             cut,
             nc: nc.map(str::to_owned),
-            surface_wires: vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]],
+            surface_wires: Box::new(|| vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]]),
         }
     }
 

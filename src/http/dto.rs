@@ -6,6 +6,7 @@ pub mod check;
 pub mod cutting;
 pub mod meta;
 pub mod milling;
+pub mod modelling;
 pub mod moves;
 pub mod object;
 pub mod point;

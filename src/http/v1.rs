@@ -4,3 +4,4 @@ pub mod dialects;
 pub mod limits;
 pub mod programs_write;
 pub mod surfaces_mill;
+pub mod surfaces_model;

@@ -47,6 +47,14 @@ impl Offers for Programs {
     ];
 }
 
+/// A surface that is looked at.
+pub enum Models {}
+
+impl Offers for Models {
+    const OFFERS: &'static [Representation] =
+        &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
+}
+
 /// The query of every computing endpoint.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -61,10 +61,15 @@ pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
     let second = |d: Ball| (normal.dot(&d.center), d.radius + tilt * d.reach());
     let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
-    let half_gap = (0.25 * (laa - lbb) * (laa - lbb) + lab * lab).sqrt();
-    let (high, low) = (0.5 * (laa + lbb) + half_gap, 0.5 * (laa + lbb) - half_gap);
-    let widening = eaa.max(ebb) + eab;
-    Some([-widened(-(low - widening), form_error), widened(high + widening, form_error)])
+    // The larger eigenvalue grows with both diagonal entries and with the size of the other one.
+    let high = larger_eigenvalue(laa + eaa, lbb + ebb, lab.abs() + eab);
+    let low = -larger_eigenvalue(eaa - laa, ebb - lbb, lab.abs() + eab);
+    Some([-widened(-low, form_error), widened(high, form_error)])
+}
+
+/// Of the symmetric matrix with this diagonal and this other entry.
+fn larger_eigenvalue(a: f64, b: f64, other: f64) -> f64 {
+    0.5 * (a + b) + (0.5 * (a - b)).hypot(other)
 }
 
 /// The largest value of (value) / (1 +- error).
@@ -99,7 +104,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
         }
         let Some(Bounded { bound, part }) = search.open.pop() else { return Ok(None) };
         if bound <= search.found + GAP_SHARE * search.found.abs() + flat {
-            return Ok(Some(bound));
+            return Ok(bound.is_finite().then_some(bound));
         }
         part.split_by_bend().into_iter().for_each(|half| search.add(half));
     }
@@ -168,7 +173,7 @@ mod tests {
     fn the_bottom_of_a_bowl_is_its_most_concave_place() {
         let bowl = grid(9, |x, y| 0.1 * x * x + 0.05 * y * y);
         let bound = most_concave(&bowl, &Budget::unlimited()).unwrap().unwrap();
-        assert!(bound >= 0.2 && bound <= 0.2021, "{bound}");
+        assert!(bound >= 0.2 && bound <= 0.2025, "{bound}");
     }
 
     #[test]

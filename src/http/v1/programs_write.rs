@@ -46,7 +46,7 @@ fn write(job: WriteJob, budget: &Budget) -> Result<Outcome<WriteReport>, ApiErro
         report,
         cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments: Vec::new() }),
         nc: Some(written.text),
-        surface_wires: Vec::new(),
+        surface_wires: Box::new(Vec::new),
     })
 }
 

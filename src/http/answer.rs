@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::dto::answer::Answer;
@@ -89,9 +90,14 @@ where
     let ticket = app.compute.admit()?;
     if is_streamed {
         let app = Arc::clone(app);
-        return Ok(events::stream(request_id, |listener| async move {
-            let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
-            Ok(encoded)
+        // The stream outlives the handler, and the span in which it was called.
+        let span = Span::current();
+        return Ok(events::stream(request_id, |listener| {
+            let computation = async move {
+                let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
+                Ok(encoded)
+            };
+            computation.instrument(span)
         }));
     }
     let (encoded, timing) = app.compute.run_admitted(ticket, None, compute).await??;

@@ -113,7 +113,7 @@ impl<O: Offers> IntoParams for Wanted<O> {
             parameter("format", "Overrides `Accept`.", format),
             parameter(
                 "toolpath",
-                "Whether the JSON answer holds the toolpath. Default: true, unless it holds a program.",
+                "Whether the JSON answer holds the toolpath. Default: unless it holds the program's text.",
                 toolpath,
             ),
         ]

@@ -23,6 +23,7 @@ use super::{App, health, v1};
     ),
     tags(
         (name = "surfaces", description = "Sculptured surfaces"),
+        (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
@@ -36,10 +37,17 @@ const EVENTS_DESCRIPTION: &str = "While the computation runs, events `progress` 
     answered as a problem with its status.";
 
 /// Requests that are known to work, by the operation they are for.
-const EXAMPLES: [(&str, &str, &str); 3] = [
+const EXAMPLES: [(&str, &str, &str); 6] = [
     ("/v1/surfaces/mill", "die", include_str!("../../openapi/examples/surfaces-mill/die.json")),
     ("/v1/surfaces/mill", "freeform", include_str!("../../openapi/examples/surfaces-mill/freeform.json")),
     ("/v1/surfaces/mill", "one-pass", include_str!("../../openapi/examples/surfaces-mill/one-pass.json")),
+    ("/v1/programs/write", "contour", include_str!("../../openapi/examples/programs-write/contour.json")),
+    (
+        "/v1/programs/write",
+        "inch-fanuc",
+        include_str!("../../openapi/examples/programs-write/inch-fanuc.json"),
+    ),
+    ("/v1/programs/write", "one-line", include_str!("../../openapi/examples/programs-write/one-line.json")),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.
@@ -64,6 +72,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
+        .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(health::livez))

@@ -6,6 +6,7 @@ mod decoding;
 mod events;
 mod models;
 mod negotiation;
+mod programs;
 mod shutdown;
 mod support;
 mod surfaces;

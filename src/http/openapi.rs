@@ -36,18 +36,25 @@ const EVENTS_DESCRIPTION: &str = "While the computation runs, events `progress` 
     `problem` (data: `Problem`). Comments keep a silent connection open. What is refused before the computation starts is \
     answered as a problem with its status.";
 
-/// Requests that are known to work, by the operation they are for.
-const EXAMPLES: [(&str, &str, &str); 6] = [
-    ("/v1/surfaces/mill", "die", include_str!("../../openapi/examples/surfaces-mill/die.json")),
-    ("/v1/surfaces/mill", "freeform", include_str!("../../openapi/examples/surfaces-mill/freeform.json")),
-    ("/v1/surfaces/mill", "one-pass", include_str!("../../openapi/examples/surfaces-mill/one-pass.json")),
-    ("/v1/programs/write", "contour", include_str!("../../openapi/examples/programs-write/contour.json")),
-    (
-        "/v1/programs/write",
-        "inch-fanuc",
-        include_str!("../../openapi/examples/programs-write/inch-fanuc.json"),
-    ),
-    ("/v1/programs/write", "one-line", include_str!("../../openapi/examples/programs-write/one-line.json")),
+/// A request that is known to work, with the operation it is for.
+macro_rules! example {
+    ($path:literal, $folder:literal, $name:literal) => {
+        ($path, $name, include_str!(concat!("../../openapi/examples/", $folder, "/", $name, ".json")))
+    };
+}
+
+/// One folder for each operation.
+const EXAMPLES: [(&str, &str, &str); 10] = [
+    example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
+    example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "bezier-patches"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "cylinder"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "die"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "freeform"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "one-pass"),
+    example!("/v1/programs/write", "programs-write", "contour"),
+    example!("/v1/programs/write", "programs-write", "inch-fanuc"),
+    example!("/v1/programs/write", "programs-write", "one-line"),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.

@@ -4,17 +4,23 @@
 
 pub mod compute;
 mod decode;
+mod docs;
 mod dto;
 mod envelope;
 mod error;
 mod extract;
 mod health;
+mod intake;
 mod linger;
+mod metrics;
+mod observe;
 mod openapi;
 mod output;
 mod pointer;
 mod request_id;
 pub mod serve;
+mod stages;
+mod trace;
 mod v1;
 
 use std::sync::Arc;
@@ -22,12 +28,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::Router;
-use axum::middleware::from_fn;
+use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::middleware::{from_fn, from_fn_with_state};
+use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::cors::CorsLayer;
 
 use crate::config::{Limits, Settings};
 use compute::Compute;
+use intake::Intake;
+use metrics::Metrics;
 pub use openapi::contract;
+use serve::Connections;
 
 /// The version of the engine: the same request gives the same bytes as long as it stands.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -35,11 +47,14 @@ pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// What the handlers share.
 pub struct App {
     pub compute: Compute,
+    metrics: Metrics,
+    intake: Arc<Intake>,
+    connections: Connections,
+    cors_origins: Vec<HeaderValue>,
     limits: Limits,
     queue: usize,
     workers: usize,
     deadline: Duration,
-    header_timeout: Duration,
     body_timeout: Duration,
     draining: AtomicBool,
 }
@@ -51,11 +66,14 @@ impl App {
         let (workers, queue) = (settings.workers(), usize::from(settings.queue));
         Ok(Arc::new(Self {
             compute: Compute::new(workers, queue, settings.deadline_s)?,
+            metrics: Metrics::default(),
+            intake: Intake::new(settings.body_memory),
+            connections: Connections::new(settings),
+            cors_origins: settings.cors_origin.clone(),
             limits: settings.limits(),
             queue,
             workers,
             deadline: settings.deadline_s,
-            header_timeout: settings.header_timeout_s,
             body_timeout: settings.body_timeout_s,
             draining: AtomicBool::new(false),
         }))
@@ -71,11 +89,32 @@ impl App {
     }
 }
 
-/// Every route, in the layers that give each answer its shape.
+/// Every route, in the layers that give each answer its shape, the outermost last.
 pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
+        .merge(docs::routes())
+        .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
         .with_state(Arc::clone(app))
         .layer(CatchPanicLayer::custom(envelope::panicked))
         .layer(from_fn(envelope::wrap))
+        .layer(option_layer(cors(&app.cors_origins)))
+        .layer(from_fn_with_state(Arc::clone(app), observe::observe))
+}
+
+/// Lets the pages of these origins call the service and read what its answers say.
+fn cors(origins: &[HeaderValue]) -> Option<CorsLayer> {
+    const EXPOSED: [HeaderName; 5] = [
+        request_id::HEADER,
+        envelope::ENGINE_VERSION_HEADER,
+        trace::HEADER,
+        header::CONTENT_DISPOSITION,
+        header::RETRY_AFTER,
+    ];
+    let layer = CorsLayer::new()
+        .allow_origin(origins.to_vec())
+        .allow_methods([Method::GET, Method::POST])
+        .allow_headers([header::ACCEPT, header::CONTENT_TYPE, request_id::HEADER, trace::HEADER])
+        .expose_headers(EXPOSED);
+    (!origins.is_empty()).then_some(layer)
 }

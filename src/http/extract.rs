@@ -14,6 +14,7 @@ use tokio::time::timeout;
 use super::App;
 use super::decode::decode;
 use super::error::{ApiError, Code};
+use super::intake::Share;
 
 /// Bodies above this are decoded on a thread of their own, lest they delay the other connections.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
@@ -26,7 +27,8 @@ impl<T: DeserializeOwned + Send + 'static> FromRequest<Arc<App>> for JsonBody<T>
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
-        let bytes = read(request.into_body(), app).await?;
+        let share = Share::of(&request)?;
+        let bytes = read(request.into_body(), &share, app).await?;
         if bytes.len() <= DECODE_ASIDE_BYTES {
             return decode(&bytes).map(Self);
         }
@@ -77,7 +79,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
 }
 
 /// Reads the body whole, within the limit of size and as long as it makes progress.
-async fn read(mut body: Body, app: &App) -> Result<Bytes, ApiError> {
+async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
     let limit = app.limits.body_bytes;
     let too_large = |size: u64| {
         let detail = format!("the body has at least {size} bytes; at most {limit} are allowed");
@@ -100,7 +102,10 @@ async fn read(mut body: Body, app: &App) -> Result<Bytes, ApiError> {
             Some(Ok(data)) if bytes.len() + data.len() > limit => {
                 return Err(too_large((bytes.len() + data.len()) as u64));
             }
-            Some(Ok(data)) => bytes.extend_from_slice(&data),
+            Some(Ok(data)) => {
+                share.take(data.len())?;
+                bytes.extend_from_slice(&data);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Everything about status codes, media types and JSON is in this layer and nowhere below it.
 
+mod answer;
 pub mod compute;
 mod decode;
 mod docs;
@@ -22,6 +23,7 @@ pub mod serve;
 mod stages;
 mod trace;
 mod v1;
+mod wanted;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

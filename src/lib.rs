@@ -5,5 +5,6 @@ pub mod config;
 pub mod geometry;
 pub mod http;
 pub mod operations;
+pub mod plot;
 pub mod post;
 pub mod toolpath;

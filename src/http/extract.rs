@@ -15,27 +15,43 @@ use super::App;
 use super::decode::decode;
 use super::error::{ApiError, Code};
 use super::intake::Share;
+use crate::config::Limits;
 
 /// Bodies above this are decoded on a thread of their own, lest they delay the other connections.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
 
-/// The body, decoded from JSON.
-pub struct JsonBody<T>(pub T);
+/// A wire type of requests, which becomes a job.
+pub trait IntoJob: DeserializeOwned + Send + 'static {
+    type Job: Send + 'static;
 
-impl<T: DeserializeOwned + Send + 'static> FromRequest<Arc<App>> for JsonBody<T> {
+    /// # Errors
+    /// `invalid_request` with every violation.
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError>;
+}
+
+/// The body: JSON that was read as a `T`, and is a legal job.
+pub struct JobBody<T: IntoJob> {
+    pub job: T::Job,
+}
+
+impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
         let share = Share::of(&request)?;
         let bytes = read(request.into_body(), &share, app).await?;
-        if bytes.len() <= DECODE_ASIDE_BYTES {
-            return decode(&bytes).map(Self);
-        }
-        tokio::task::spawn_blocking(move || decode(&bytes))
-            .await
-            .map_err(|_| ApiError::new(Code::InternalError, "decoding the body failed"))?
-            .map(Self)
+        let limits = app.limits;
+        let is_small = bytes.len() <= DECODE_ASIDE_BYTES;
+        let convert = move || decode::<T>(&bytes)?.into_job(&limits);
+        let job = if is_small {
+            convert()
+        } else {
+            tokio::task::spawn_blocking(convert)
+                .await
+                .map_err(|_| ApiError::new(Code::InternalError, "decoding the body failed"))?
+        };
+        Ok(Self { job: job? })
     }
 }
 

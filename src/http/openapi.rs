@@ -10,7 +10,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::error::{PROBLEM_JSON, Problem};
-use super::output::JSON;
+use super::output::{JSON, Representation};
 use super::{App, health, metrics, v1};
 
 #[derive(OpenApi)]
@@ -69,9 +69,30 @@ async fn get_contract() -> Response {
 /// The contract as formatted JSON.
 pub fn contract() -> String {
     let mut document = serde_json::to_value(routes().into_openapi()).unwrap_or_default();
+    add_representations(&mut document);
     add_problems(&mut document);
     add_examples(&mut document);
     format!("{document:#}")
+}
+
+/// Gives every computing operation the media types of what its `format` names; the handler documents JSON alone.
+fn add_representations(document: &mut Value) {
+    let paths = document["paths"].as_object_mut();
+    for post in paths.into_iter().flat_map(|paths| paths.values_mut()).filter_map(|item| item.get_mut("post"))
+    {
+        let parameters = post["parameters"].as_array().into_iter().flatten();
+        let format = parameters.clone().find(|parameter| parameter["name"] == "format");
+        let names = format.and_then(|format| format["schema"]["enum"].as_array()).cloned();
+        for name in names.into_iter().flatten() {
+            let Ok(offer) = serde_json::from_value::<Representation>(name) else { continue };
+            let content = &mut post["responses"]["200"]["content"];
+            for media_type in offer.media_types() {
+                if content.get(media_type).is_none() {
+                    content[media_type] = json!({ "schema": { "type": "string" } });
+                }
+            }
+        }
+    }
 }
 
 /// Gives every operation the failures it can answer.

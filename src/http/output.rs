@@ -1,57 +1,80 @@
 //! What an answer is represented as, and how it is sent.
 
 mod accept;
+pub mod page;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 use super::error::{ApiError, Code};
 
 pub const JSON: &str = "application/json";
+const SVG: &str = "image/svg+xml";
+const HTML: &str = "text/html";
 
 /// The media types by which NC text is asked for, the preferred one first.
-pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
+const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
 
-/// A representation asked for in the query, for links and for callers that cannot set headers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+/// What an answer is sent as; in the query by these names, for links and for callers that cannot set headers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Format {
-    Json,
-    Gcode,
-}
-
-/// What a toolpath is sent as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Representation {
     Json,
-    /// NC text, under the media type by which it was asked for.
-    Gcode(&'static str),
+    /// NC text.
+    Gcode,
+    /// A picture.
+    Svg,
+    /// The picture with the figures of the answer.
+    Html,
 }
 
 impl Representation {
-    /// Chooses by `format`, else by `Accept` (RFC 9110, section 12.5.1); JSON where the caller does not care.
-    ///
-    /// # Errors
-    /// `not_acceptable` with the types on offer.
-    pub fn choose(headers: &HeaderMap, format: Option<Format>) -> Result<Self, ApiError> {
-        match format {
-            Some(Format::Json) => return Ok(Self::Json),
-            Some(Format::Gcode) => return Ok(Self::Gcode(GCODE[0])),
-            None => {}
-        }
-        let offers: Vec<&'static str> = std::iter::once(JSON).chain(GCODE).collect();
-        match accept::best(headers, &offers) {
-            Some(JSON) => Ok(Self::Json),
-            Some(gcode) => Ok(Self::Gcode(gcode)),
-            None => {
-                let detail = format!("on offer are {}", offers.join(", "));
-                Err(ApiError::new(Code::NotAcceptable, detail).offering(offers))
-            }
+    /// The name in the query.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Gcode => "gcode",
+            Self::Svg => "svg",
+            Self::Html => "html",
         }
     }
+
+    /// The media types by which it is asked for, the preferred one first.
+    pub fn media_types(self) -> &'static [&'static str] {
+        match self {
+            Self::Json => &[JSON],
+            Self::Gcode => &GCODE,
+            Self::Svg => &[SVG],
+            Self::Html => &[HTML],
+        }
+    }
+}
+
+/// Chooses among `offers`, the default first, by `format`, else by `Accept` (RFC 9110, section 12.5.1); with the
+/// media type by which the choice was asked for.
+///
+/// # Errors
+/// `not_acceptable` with the types on offer.
+pub fn choose(
+    offers: &[Representation],
+    headers: &HeaderMap,
+    format: Option<Representation>,
+) -> Result<(Representation, &'static str), ApiError> {
+    let typed = offers.iter().flat_map(|offer| offer.media_types().iter().map(|name| (*offer, *name)));
+    let typed: Vec<_> = typed.collect();
+    let names: Vec<_> = typed.iter().map(|(_, name)| *name).collect();
+    let chosen = match format {
+        Some(format) => typed.iter().find(|(offer, _)| *offer == format),
+        None => {
+            let best = accept::best(headers, &names);
+            typed.iter().find(|(_, name)| Some(*name) == best)
+        }
+    };
+    chosen.copied().ok_or_else(|| {
+        ApiError::new(Code::NotAcceptable, format!("on offer are {}", names.join(", "))).offering(names)
+    })
 }
 
 /// A finished body, ready to be sent.
@@ -69,6 +92,16 @@ impl Encoded {
         let body = serde_json::to_vec(value)
             .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
         Ok(Self { content_type: HeaderValue::from_static(JSON), disposition: None, body: body.into() })
+    }
+
+    /// Text in UTF-8.
+    pub fn text(text: String, media_type: &'static str) -> Self {
+        let content_type = HeaderValue::from_str(&format!("{media_type}; charset=utf-8"));
+        Self {
+            content_type: content_type.unwrap_or(HeaderValue::from_static(media_type)),
+            disposition: None,
+            body: text.into(),
+        }
     }
 
     /// NC text under `media_type`, to be saved as `file_name`.
@@ -114,13 +147,26 @@ mod tests {
 
     #[test]
     fn the_query_overrides_the_header() {
+        let offers = [Representation::Json, Representation::Gcode];
         let mut headers = HeaderMap::new();
-        headers.insert(header::ACCEPT, HeaderValue::from_static("image/png"));
-        assert_eq!(Representation::choose(&headers, Some(Format::Json)), Ok(Representation::Json));
-        let error = Representation::choose(&headers, None).expect_err("not on offer");
-        assert_eq!(error.code(), Code::NotAcceptable);
+        headers.insert(header::ACCEPT, HeaderValue::from_static("image/svg+xml"));
+        let json = (Representation::Json, JSON);
+        assert_eq!(choose(&offers, &headers, Some(Representation::Json)), Ok(json));
+        for format in [None, Some(Representation::Svg)] {
+            let error = choose(&offers, &headers, format).expect_err("not on offer");
+            assert_eq!(error.code(), Code::NotAcceptable);
+        }
         headers.insert(header::ACCEPT, HeaderValue::from_static("text/plain, */*;q=0.1"));
-        assert_eq!(Representation::choose(&headers, None), Ok(Representation::Gcode("text/plain")));
+        assert_eq!(choose(&offers, &headers, None), Ok((Representation::Gcode, "text/plain")));
+    }
+
+    #[test]
+    fn the_names_are_those_that_the_query_is_read_by() {
+        for offer in [Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html]
+        {
+            let read: Representation = serde_json::from_value(offer.name().into()).expect("a name");
+            assert_eq!(read, offer);
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::error::ApiError;
+use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 use crate::post::Dialect;
@@ -85,10 +86,10 @@ pub struct MillJob {
     pub meta: Option<Meta>,
 }
 
-impl MillRequest {
-    /// # Errors
-    /// `invalid_request` with every violation.
-    pub fn convert(self, limits: &Limits) -> Result<MillJob, ApiError> {
+impl IntoJob for MillRequest {
+    type Job = MillJob;
+
+    fn into_job(self, limits: &Limits) -> Result<MillJob, ApiError> {
         let Self {
             surface,
             tool,

@@ -1,32 +1,13 @@
-//! Answers that hold a toolpath.
+//! A toolpath with its measures, and warnings, as they are answered.
 
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
-use super::meta::{self, Meta};
 use super::point::Point;
 use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
 use crate::toolpath as core;
 use crate::toolpath::measure;
-
-/// An answer that holds a toolpath, with the report of its operation.
-#[derive(Serialize, ToSchema)]
-pub struct ToolpathAnswer<R: ToSchema> {
-    pub engine_version: &'static str,
-    /// Equals the header `x-request-id`; the only member that differs between runs.
-    pub request_id: String,
-    /// As it was sent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(schema_with = meta::schema)]
-    pub meta: Option<Meta>,
-    pub warnings: Vec<Warning>,
-    pub report: R,
-    pub measures: Measures,
-    /// Absent with `?toolpath=false`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub toolpath: Option<Toolpath>,
-}
 
 /// Something to know that does not stop the job.
 #[derive(Debug, Serialize, ToSchema)]

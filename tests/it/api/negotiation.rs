@@ -8,7 +8,7 @@ use super::support::{MILL, ONE_PASS, app, get, post, send};
 #[tokio::test]
 async fn nothing_on_offer_is_406_with_the_offers() {
     let app = app(&["--workers", "1"]);
-    let answer = post(&app, MILL, ONE_PASS, &[("accept", "text/html, image/*;q=0.3")]).await;
+    let answer = post(&app, MILL, ONE_PASS, &[("accept", "image/png, application/xml;q=0.3")]).await;
     assert_eq!((answer.status.as_u16(), answer.code().as_str()), (406, "not_acceptable"));
     let problem = answer.problem();
     assert_eq!(problem["offers"][0], "application/json");

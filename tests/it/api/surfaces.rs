@@ -55,3 +55,20 @@ async fn every_example_answers_in_nc_text_under_the_name_it_was_asked_by() {
         }
     }
 }
+
+#[tokio::test]
+async fn every_example_answers_in_pictures_by_query_and_by_header() {
+    let app = app(&["--workers", "1"]);
+    for (name, body) in EXAMPLES {
+        for (format, media_type, start) in
+            [("svg", "image/svg+xml", "<svg"), ("html", "text/html", "<!DOCTYPE")]
+        {
+            let by_query =
+                post(&app, &format!("{MILL}?format={format}"), body, &[("x-request-id", "one")]).await;
+            assert_eq!(by_query.header("content-type"), format!("{media_type}; charset=utf-8"), "{name}");
+            assert!(by_query.body.starts_with(start.as_bytes()), "{name} {format}");
+            let headers = [("accept", media_type), ("x-request-id", "one")];
+            assert_eq!(post(&app, MILL, body, &headers).await.body, by_query.body, "{name} {format}");
+        }
+    }
+}

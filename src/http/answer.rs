@@ -1,0 +1,283 @@
+//! From a job to its answer: the computation on the pool, and the outcome in the form in which it is wanted.
+
+use axum::response::{IntoResponse, Response};
+use nalgebra::Point3;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::dto::answer::Answer;
+use super::dto::meta::Meta;
+use super::dto::toolpath::Warning;
+use super::error::{ApiError, Code};
+use super::extract::{IntoJob, JobBody};
+use super::output::{Encoded, Representation, file_name, page};
+use super::wanted::{Form, Wanted};
+use super::{App, ENGINE_VERSION};
+use crate::budget::Budget;
+use crate::plot::{self, Scene};
+use crate::post::{self, Dialect, ProgramJob};
+use crate::toolpath::Toolpath;
+use crate::toolpath::measure::measure;
+use crate::toolpath::program::Program;
+use crate::toolpath::tool::{Cutting, Tool};
+
+/// The entry of `meta` by which a picture is called.
+const PART_ID: &str = "part_id";
+
+/// What a computation comes to, before it is known in which form it is wanted.
+pub struct Outcome<R> {
+    pub meta: Option<Meta>,
+    pub warnings: Vec<Warning>,
+    pub report: R,
+    pub cut: Option<Cut>,
+    /// The program, where the JSON answer is to hold it; else it is written when it is asked for.
+    pub nc: Option<String>,
+    /// Curves on the surface, for pictures, mm.
+    pub surface_wires: Vec<Vec<Point3<f64>>>,
+}
+
+/// A toolpath with all that its program is written from.
+pub struct Cut {
+    pub toolpath: Toolpath,
+    pub tool: Tool,
+    pub cutting: Cutting,
+    pub program: Program,
+    pub dialect: &'static Dialect,
+    /// What is to be said of it beside the caller's own `meta`, for the program's header and below the picture.
+    pub comments: Vec<String>,
+}
+
+/// Computes `plan` of the body's job on the pool and answers what comes of it as it is wanted.
+///
+/// # Errors
+/// When there is no place on the pool, or the plan or its representation fails.
+pub async fn answer<O, T, R, F>(
+    app: &App,
+    wanted: Wanted<O>,
+    body: JobBody<T>,
+    plan: F,
+) -> Result<Response, ApiError>
+where
+    T: IntoJob,
+    R: Serialize + ToSchema,
+    F: FnOnce(T::Job, &Budget) -> Result<Outcome<R>, ApiError> + Send + 'static,
+{
+    let form = wanted.form;
+    let compute = move |budget: &Budget| represent(plan(body.job, budget)?, &form, budget);
+    let encoded = app.compute.run(compute).await??;
+    Ok(encoded.into_response())
+}
+
+fn represent<R: Serialize + ToSchema>(
+    outcome: Outcome<R>,
+    form: &Form,
+    budget: &Budget,
+) -> Result<Encoded, ApiError> {
+    match form.representation {
+        Representation::Json => Encoded::json(&envelope(outcome, form)),
+        Representation::Gcode => program(outcome, form.media_type, budget),
+        Representation::Svg => Ok(Encoded::text(picture(&outcome), form.media_type)),
+        Representation::Html => {
+            let (title, svg) = (title(&outcome), picture(&outcome));
+            let bare = Form { with_toolpath: Some(false), ..form.clone() };
+            let figures = serde_json::to_value(envelope(outcome, &bare))
+                .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
+            Ok(Encoded::text(page::page(&title, &svg, &figures), form.media_type))
+        }
+    }
+}
+
+fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
+    let Outcome { meta, warnings, report, cut, nc, surface_wires: _ } = outcome;
+    // A caller that asked for text has the toolpath already.
+    let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
+    Answer {
+        engine_version: ENGINE_VERSION,
+        request_id: form.request_id.as_str().to_owned(),
+        meta,
+        warnings,
+        report,
+        measures: cut.as_ref().map(|cut| measure(&cut.toolpath, cut.cutting.rapid_feed).into()),
+        nc,
+        toolpath: cut.filter(|_| with_toolpath).map(|cut| cut.toolpath.into()),
+    }
+}
+
+/// The NC program, written here unless it was part of the computation.
+fn program<R>(
+    mut outcome: Outcome<R>,
+    media_type: &'static str,
+    budget: &Budget,
+) -> Result<Encoded, ApiError> {
+    let written = outcome.nc.take();
+    let comments = notes(&outcome);
+    let Some(cut) = outcome.cut else {
+        return Err(ApiError::new(Code::InternalError, "there is no toolpath to write a program of"));
+    };
+    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = &cut;
+    let text = match written {
+        Some(text) => text,
+        None => {
+            let job = ProgramJob { program, tool, cutting, dialect, comments: &comments };
+            post::write(toolpath, &job, budget)?.text
+        }
+    };
+    let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
+    Ok(Encoded::gcode(text, media_type, &file_name))
+}
+
+fn picture<R>(outcome: &Outcome<R>) -> String {
+    plot::svg(&Scene {
+        title: &title(outcome),
+        notes: &notes(outcome),
+        toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
+        surface: &outcome.surface_wires,
+    })
+}
+
+/// The part's id, or else the program's name.
+fn title<R>(outcome: &Outcome<R>) -> String {
+    let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
+    let name = || outcome.cut.as_ref().and_then(|cut| cut.program.name.as_ref());
+    let kind = if outcome.cut.is_some() { "Toolpath" } else { "Surface" };
+    part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
+}
+
+/// The caller's own words and those of the operation.
+fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
+    let meta = outcome.meta.iter().flatten().map(|(key, value)| format!("{key}: {value}"));
+    let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
+    meta.chain(comments).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::to_bytes;
+    use axum::http::header;
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::http::dto::toolpath::WarningCode;
+    use crate::http::request_id::RequestId;
+    use crate::toolpath::Role;
+    use crate::toolpath::program::{Resolution, Units};
+    use crate::toolpath::tool::Coolant;
+    use crate::toolpath::units::FeedRate;
+
+    #[derive(Serialize, ToSchema)]
+    struct Report {
+        n_passes: usize,
+    }
+
+    fn cut() -> Cut {
+        let rate = FeedRate::from_mm_per_min(500.0).expect("a feed");
+        let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 2.0));
+        builder.rapid(Point3::new(10.0, 0.0, 2.0)).expect("a rapid");
+        builder.line(Point3::new(10.0, 0.0, 0.0), rate, Role::Plunge).expect("a line");
+        Cut {
+            toolpath: builder.finish().expect("a toolpath"),
+            tool: Tool::ball(3.0),
+            cutting: Cutting {
+                feed: rate,
+                plunge_feed: rate,
+                rapid_feed: rate,
+                spindle_rpm: None,
+                coolant: Coolant::Off,
+                clearance_z_mm: 20.0,
+                retract_z_mm: 2.0,
+            },
+            program: Program {
+                resolution: Resolution { units: Units::Mm, decimals: 3 },
+                number: 1,
+                name: Some("die".to_owned()),
+                block_numbers: false,
+                work_offset: None,
+            },
+            dialect: post::DIALECTS[0],
+            comments: vec!["PROVED".to_owned()],
+        }
+    }
+
+    fn outcome(cut: Option<Cut>, nc: Option<&str>) -> Outcome<Report> {
+        let warning = Warning { code: WarningCode::NoSpindleSpeed, detail: "none".to_owned() };
+        Outcome {
+            meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
+            warnings: vec![warning],
+            report: Report { n_passes: 1 },
+            cut,
+            nc: nc.map(str::to_owned),
+            surface_wires: vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]],
+        }
+    }
+
+    /// Content type and text of the answer.
+    async fn shown(
+        outcome: Outcome<Report>,
+        representation: Representation,
+        with_toolpath: Option<bool>,
+    ) -> Result<(String, String), ApiError> {
+        let request_id = RequestId::of(&Default::default());
+        let media_type = representation.media_types()[0];
+        let form = Form { representation, media_type, with_toolpath, request_id };
+        let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
+        let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
+        let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");
+        Ok((content_type, String::from_utf8(body.into()).expect("UTF-8")))
+    }
+
+    async fn json_of(outcome: Outcome<Report>, with_toolpath: Option<bool>) -> Value {
+        let (_, text) = shown(outcome, Representation::Json, with_toolpath).await.expect("an answer");
+        serde_json::from_str(&text).expect("JSON")
+    }
+
+    #[tokio::test]
+    async fn the_answer_has_the_members_of_the_contract() {
+        let answer = json_of(outcome(Some(cut()), None), None).await;
+        assert_eq!(answer["engine_version"], ENGINE_VERSION);
+        assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
+        assert_eq!(answer["warnings"][0]["code"], "no_spindle_speed");
+        assert_eq!(answer["report"]["n_passes"], 1);
+        assert_eq!(answer["measures"]["rapid_length_mm"], 10.0);
+        assert_eq!(answer["measures"]["moves"]["line"], 1);
+        assert_eq!(answer["measures"]["bounds"]["max"], json!([10.0, 0.0, 2.0]));
+        assert_eq!(answer["toolpath"]["passes"][0]["moves"][1]["role"], "plunge");
+        assert_eq!(answer.get("nc"), None);
+    }
+
+    #[tokio::test]
+    async fn what_there_is_not_or_is_not_wanted_is_left_out() {
+        let surface = json_of(outcome(None, None), None).await;
+        let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
+        assert_eq!(members, ["engine_version", "meta", "report", "request_id", "warnings"]);
+        assert_eq!(json_of(outcome(Some(cut()), None), Some(false)).await.get("toolpath"), None);
+        let written = json_of(outcome(Some(cut()), Some("M2")), None).await;
+        assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2")));
+        assert!(json_of(outcome(Some(cut()), Some("M2")), Some(true)).await["toolpath"].is_object());
+    }
+
+    #[tokio::test]
+    async fn a_program_is_written_once_and_says_what_the_caller_and_the_operation_say() {
+        let (content_type, text) =
+            shown(outcome(Some(cut()), None), Representation::Gcode, None).await.expect("NC text");
+        assert_eq!(content_type, "text/x-gcode; charset=us-ascii");
+        assert!(text.contains("PART_ID 7") && text.contains("PROVED"), "{text}");
+        let written = shown(outcome(Some(cut()), Some("M2\n")), Representation::Gcode, None).await;
+        assert_eq!(written.expect("NC text").1, "M2\n");
+        let error = shown(outcome(None, None), Representation::Gcode, None).await.expect_err("no toolpath");
+        assert_eq!(error.code(), Code::InternalError);
+    }
+
+    #[tokio::test]
+    async fn pictures_are_called_by_the_part() {
+        let picture = shown(outcome(Some(cut()), None), Representation::Svg, None).await;
+        let (content_type, text) = picture.expect("a picture");
+        assert_eq!(content_type, "image/svg+xml; charset=utf-8");
+        assert!(text.contains("7 &lt;b&gt;") && text.contains("PROVED"), "{text}");
+        let page = shown(outcome(None, None), Representation::Html, None).await;
+        let (content_type, text) = page.expect("a page");
+        assert_eq!(content_type, "text/html; charset=utf-8");
+        assert!(text.contains("<title>7 &lt;b&gt;</title>") && text.contains("<svg"), "{text}");
+        assert_eq!(title(&Outcome { meta: None, ..outcome(Some(cut()), None) }), "die");
+        assert_eq!(title(&Outcome { meta: None, ..outcome(None, None) }), "Surface");
+    }
+}

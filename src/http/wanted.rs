@@ -1,0 +1,88 @@
+//! How an answer is wanted: by the query, by `Accept`, and among what its endpoint offers.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+use serde::Deserialize;
+use utoipa::IntoParams;
+use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
+use utoipa::openapi::schema::{ObjectBuilder, Type};
+
+use super::App;
+use super::error::ApiError;
+use super::extract::StrictQuery;
+use super::output::{self, Representation};
+use super::request_id::RequestId;
+
+/// What the endpoints of one kind answer in, the default first.
+pub trait Offers {
+    const OFFERS: &'static [Representation];
+}
+
+/// A job that ends in a toolpath, whose program can be written.
+pub enum Toolpaths {}
+
+impl Offers for Toolpaths {
+    const OFFERS: &'static [Representation] =
+        &[Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html];
+}
+
+/// The query of every computing endpoint.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnswerQuery {
+    format: Option<Representation>,
+    toolpath: Option<bool>,
+}
+
+/// The form of one answer.
+#[derive(Debug, Clone)]
+pub struct Form {
+    pub representation: Representation,
+    /// One of the representation's, as it was asked for.
+    pub media_type: &'static str,
+    /// Whether the JSON answer holds the toolpath, where the caller says.
+    pub with_toolpath: Option<bool>,
+    pub request_id: RequestId,
+}
+
+/// The form in which the caller wants the answer of an endpoint that offers `O`.
+pub struct Wanted<O> {
+    pub form: Form,
+    offers: PhantomData<O>,
+}
+
+impl<O: Offers> FromRequestParts<Arc<App>> for Wanted<O> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, ApiError> {
+        let request_id = RequestId::from_request_parts(parts, app).await?;
+        let StrictQuery(query) = StrictQuery::<AnswerQuery>::from_request_parts(parts, app).await?;
+        let (representation, media_type) = output::choose(O::OFFERS, &parts.headers, query.format)?;
+        let form = Form { representation, media_type, with_toolpath: query.toolpath, request_id };
+        Ok(Self { form, offers: PhantomData })
+    }
+}
+
+/// The query as the endpoint's own offers leave it.
+impl<O: Offers> IntoParams for Wanted<O> {
+    fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let names = O::OFFERS.iter().map(|offer| offer.name());
+        let format = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names));
+        let toolpath = ObjectBuilder::new().schema_type(Type::Boolean);
+        let parameter = |name: &str, description: &str, schema: ObjectBuilder| {
+            ParameterBuilder::new()
+                .name(name)
+                .parameter_in(ParameterIn::Query)
+                .description(Some(description))
+                .schema(Some(schema))
+                .build()
+        };
+        vec![
+            parameter("format", "Overrides `Accept`.", format),
+            parameter("toolpath", "Whether the JSON answer holds the toolpath. Default: true.", toolpath),
+        ]
+    }
+}

@@ -20,7 +20,7 @@ mod output;
 mod pointer;
 mod request_id;
 pub mod serve;
-mod stages;
+mod timing;
 mod trace;
 mod v1;
 mod wanted;

@@ -2,14 +2,20 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 use axum::extract::{Request, State};
 use axum::http::Method;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use tokio::time::sleep;
 
 use super::App;
 use super::error::{ApiError, Code};
+
+/// How long a refusal is held back. Callers that come back at once would otherwise take the processors from the
+/// computations that they wait for.
+const REFUSAL_PAUSE: Duration = Duration::from_millis(20);
 
 /// The memory for request bodies, shared by all requests.
 #[derive(Debug)]
@@ -83,6 +89,7 @@ impl Drop for Taken {
 /// memory.
 pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     if request.method() == Method::POST && app.compute.is_full() {
+        sleep(REFUSAL_PAUSE).await;
         return ApiError::from(super::compute::Failure::Overloaded).into_response();
     }
     let share = app.intake.share();

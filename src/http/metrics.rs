@@ -18,7 +18,7 @@ use prometheus_client::registry::{Registry, Unit};
 
 use super::App;
 use super::error::{ApiError, Code};
-use super::stages::StageTimes;
+use super::timing::Timing;
 
 const OPENMETRICS: HeaderValue =
     HeaderValue::from_static("application/openmetrics-text; version=1.0.0; charset=utf-8");
@@ -61,7 +61,7 @@ pub struct Answered<'a> {
     pub status: StatusCode,
     /// What the body says, of a failure.
     pub code: Option<Code>,
-    pub stages: StageTimes,
+    pub timing: Option<Timing>,
     pub duration: Duration,
     pub received_bytes: u64,
     pub sent_bytes: u64,
@@ -174,7 +174,7 @@ impl Metrics {
     }
 
     pub fn answered(&self, answered: Answered<'_>) {
-        let Answered { route, method, status, code, stages, duration, received_bytes, sent_bytes } = answered;
+        let Answered { route, method, status, code, timing, duration, received_bytes, sent_bytes } = answered;
         let outcome = Outcome { route: route.to_owned(), method: known(method), status: status.as_u16() };
         self.requests.get_or_create(&outcome).inc();
         let route = Route { route: outcome.route };
@@ -184,7 +184,7 @@ impl Metrics {
         if let Some(code) = code {
             self.problems.get_or_create(&Problem { code: code.to_string() }).inc();
         }
-        for (stage, duration) in stages.iter() {
+        for (stage, duration) in timing.iter().flat_map(Timing::steps) {
             self.stages.get_or_create(&Stage { stage }).observe(duration.as_secs_f64());
         }
     }

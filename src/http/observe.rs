@@ -19,7 +19,7 @@ use super::App;
 use super::error::Code;
 use super::metrics::Answered;
 use super::request_id::RequestId;
-use super::stages::StageTimes;
+use super::timing::Timing;
 use super::trace::{self, Trace};
 
 /// The route of what no route was found for.
@@ -68,7 +68,7 @@ struct Record {
 struct Answer {
     status: StatusCode,
     code: Option<Code>,
-    stages: StageTimes,
+    timing: Option<Timing>,
 }
 
 impl Record {
@@ -102,7 +102,7 @@ impl Record {
         self.answer = Some(Answer {
             status: response.status(),
             code: extensions.get().copied(),
-            stages: extensions.get().copied().unwrap_or_default(),
+            timing: extensions.get().copied(),
         });
         self.is_whole = self.method == Method::HEAD || response.body().is_end_stream();
     }
@@ -115,18 +115,19 @@ impl Record {
     }
 
     fn tell_answered(&self, route: &str, received_bytes: u64, answer: Answer) {
-        let Answer { status, code, stages } = answer;
+        let Answer { status, code, timing } = answer;
         let (duration, sent_bytes) = (self.started.elapsed(), self.sent_bytes);
-        let stage_ms = |stage: Option<Duration>| stage.map(milliseconds);
+        let step_ms =
+            |step: fn(&Timing) -> Duration| timing.as_ref().map(|timing| milliseconds(step(timing)));
         tracing::info!(
             route,
             status = status.as_u16(),
             code = code.map(tracing::field::display),
             duration_ms = milliseconds(duration),
-            queue_ms = stage_ms(stages.queue),
-            parse_ms = stage_ms(stages.parse),
-            compute_ms = stage_ms(stages.compute),
-            encode_ms = stage_ms(stages.encode),
+            queue_ms = step_ms(|timing| timing.queue),
+            parse_ms = step_ms(|timing| timing.parse),
+            compute_ms = step_ms(|timing| timing.compute),
+            encode_ms = step_ms(|timing| timing.encode),
             received_bytes,
             sent_bytes,
             "answered"
@@ -137,7 +138,7 @@ impl Record {
             method,
             status,
             code,
-            stages,
+            timing,
             duration,
             received_bytes,
             sent_bytes,

@@ -11,6 +11,7 @@ use toolpathd::budget::Budget;
 use toolpathd::geometry::clearance::{Clearance, Penetration};
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd::geometry::surface::source::Source;
 use toolpathd::operations::surface_milling::{Job, plan};
 use toolpathd::toolpath::Move;
 use toolpathd::toolpath::tool::Tool;
@@ -30,7 +31,7 @@ fn job(n: usize, sections: usize) -> Job {
     // The offset is a little wider than the grid.
     let stepover_mm = (5.0 * (n - 1) as f64 + 1.0) / (sections - 1) as f64;
     let tolerance = Tolerance::from_mm(0.01).unwrap();
-    Job::new(grid(n), Tool::ball(5.0), stepover_mm, tolerance, FeedRate::from_mm_per_min(1000.0).unwrap())
+    Job::new(Source::PointGrid(grid(n)), Tool::ball(5.0), stepover_mm, tolerance, FeedRate::from_mm_per_min(1000.0).unwrap())
 }
 
 fn fit(c: &mut Criterion) {
@@ -61,7 +62,7 @@ fn certify(c: &mut Criterion) {
     let mut group = c.benchmark_group("certificate");
     group.sample_size(10);
     let job = job(60, 100);
-    let surface = job.surface.surface().unwrap();
+    let surface = grid(60).surface().unwrap();
     let toolpath = plan(&job, &Budget::unlimited()).unwrap().toolpath;
     let curves: Vec<Curve> = toolpath
         .moves()
@@ -73,7 +74,7 @@ fn certify(c: &mut Criterion) {
     for share in [4, 2, 1] {
         let part = &curves[..curves.len() / share];
         group.bench_with_input(BenchmarkId::from_parameter(part.len()), part, |b, part| {
-            let clearance = Clearance::new(&surface, job.tool.radius_mm);
+            let clearance = Clearance::new(&surface, job.tool.radius_mm, job.tool.radius_mm);
             b.iter(|| {
                 let mut deepest = Penetration::NONE;
                 for curve in part {

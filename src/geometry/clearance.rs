@@ -10,7 +10,7 @@
 //! 2. *Shank*: a point of the part that is above a centre keeps from its axis at least that difference over
 //!    the length of the horizontal part of m. Where this is enough, the ball alone matters.
 //! 3. *Ball*: the squared distance to a line, to a point, or (`ball`) a lower bound of that to a circle is a
-//!    polynomial of degree (6, 6) over the part. Its least Bernstein coefficient bounds it. Along the line
+//!    polynomial of twice the part's degree, or the quotient of two. Its least Bernstein coefficient bounds it. Along the line
 //!    of contact this polynomial hardly varies, so the bound is tight on large parts.
 //! 4. What is not decided is halved. The deepest penetration found at the parts' centres tells which parts
 //!    cannot matter.
@@ -36,7 +36,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::surface::{Patch, Surface};
+use super::surface::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::Curve;
 use path::Piece;
@@ -70,25 +70,27 @@ impl Penetration {
 }
 
 /// A surface made ready for the question how deep a ball cutter cuts into it.
-pub struct Clearance<'a> {
-    surface: &'a dyn Surface,
+pub struct Clearance<'a, P> {
+    surface: &'a BezierSurface<P>,
     tree: PatchTree,
     radius: f64,
+    rise: f64,
     /// The largest absolute coordinate of a control point, mm.
     magnitude: f64,
     /// Length of the pieces that paths are cut into at first, mm: that of a patch, or the ball's diameter.
     piece_length: f64,
 }
 
-impl<'a> Clearance<'a> {
-    /// The cutter has `radius` mm and an axis along +z.
-    pub fn new(surface: &'a dyn Surface, radius: f64) -> Self {
+impl<'a, P: Patch> Clearance<'a, P> {
+    /// The cutter has `radius` mm and an axis along +z. Its tip lies `rise` mm below the ball's centre: the radius, or
+    /// less than that where the ball is taken larger than the cutter is, by the stock that is to be left.
+    pub fn new(surface: &'a BezierSurface<P>, radius: f64, rise: f64) -> Self {
         let tree = PatchTree::new(surface);
         let magnitude = tree.bounds().magnitude();
         let [nu, nv] = surface.spans();
-        let sizes = (0..nu).flat_map(|i| (0..nv).map(move |j| surface.patch(i, j).extents()));
+        let sizes = surface.patches().iter().map(Patch::extents);
         let mean_size = sizes.map(|[u, v]| u.max(v)).sum::<f64>() / (nu * nv) as f64;
-        Self { surface, tree, radius, magnitude, piece_length: mean_size.max(2.0 * radius) }
+        Self { surface, tree, radius, rise, magnitude, piece_length: mean_size.max(2.0 * radius) }
     }
 
     /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm.
@@ -105,7 +107,7 @@ impl<'a> Clearance<'a> {
         budget: &Budget,
     ) -> Result<(), Stopped> {
         let mut near = Vec::new();
-        for piece in path::pieces(tip, self.radius, self.piece_length, slack, 0.25 * gap) {
+        for piece in path::pieces(tip, self.rise, self.piece_length, slack, 0.25 * gap) {
             budget.check()?;
             near.clear();
             self.tree.collect(&piece.reach(self.radius), &mut near);
@@ -144,7 +146,7 @@ impl<'a> Clearance<'a> {
         deepest: &mut Penetration,
         budget: &Budget,
     ) -> Result<(), Stopped> {
-        let mut open = Open::default();
+        let mut open = Open { heap: BinaryHeap::new(), pairs: Vec::new() };
         for (k, &(i, j)) in near.iter().enumerate() {
             if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
                 budget.check()?;
@@ -175,7 +177,7 @@ impl<'a> Clearance<'a> {
     }
 
     /// Examines a pair and keeps it open where it may matter.
-    fn add(&self, piece: Piece, part: Patch, enough: Enough, deepest: &mut Penetration, open: &mut Open) {
+    fn add(&self, piece: Piece, part: P, enough: Enough, deepest: &mut Penetration, open: &mut Open<P>) {
         let depth = self.examine(&piece, &part, enough.depth(deepest));
         if let Some(found) = depth.found
             && found > deepest.found_mm
@@ -193,7 +195,7 @@ impl<'a> Clearance<'a> {
 
     /// Which half would tell more: a piece that is long against the part, or the part in the direction in which
     /// the distance varies, or else in which it is longer.
-    fn halving(&self, piece: &Piece, part: &Patch, varies_along_u: Option<bool>) -> Halving {
+    fn halving(&self, piece: &Piece, part: &P, varies_along_u: Option<bool>) -> Halving {
         let [along_u, along_v] = part.extents();
         let size = along_u.max(along_v);
         if size < SMALLEST_PART * self.radius {
@@ -208,7 +210,7 @@ impl<'a> Clearance<'a> {
     }
 
     /// Bounds the penetration of one part by one piece; the search ends at `enough`.
-    fn examine(&self, piece: &Piece, part: &Patch, enough: f64) -> Depth {
+    fn examine(&self, piece: &Piece, part: &P, enough: f64) -> Depth {
         let center = part.center();
         let nearest = piece.nearest(&center);
         let reach = self.radius;
@@ -253,10 +255,10 @@ enum Halving {
 
 /// A piece and a part that are not decided yet.
 #[derive(Clone, Copy)]
-struct Pair {
+struct Pair<P> {
     bound: f64,
     piece: Piece,
-    part: Patch,
+    part: P,
     halving: Halving,
 }
 
@@ -276,10 +278,9 @@ impl Enough {
 }
 
 /// Pairs that are not decided yet, the largest bound first.
-#[derive(Default)]
-struct Open {
+struct Open<P> {
     heap: BinaryHeap<(Bound, usize)>,
-    pairs: Vec<Pair>,
+    pairs: Vec<Pair<P>>,
 }
 
 /// A bound in mm, ordered.
@@ -300,13 +301,13 @@ impl Ord for Bound {
     }
 }
 
-impl Open {
-    fn push(&mut self, pair: Pair) {
+impl<P: Patch> Open<P> {
+    fn push(&mut self, pair: Pair<P>) {
         self.heap.push((Bound(pair.bound), self.pairs.len()));
         self.pairs.push(pair);
     }
 
-    fn pop(&mut self) -> Option<Pair> {
+    fn pop(&mut self) -> Option<Pair<P>> {
         let (_, k) = self.heap.pop()?;
         Some(self.pairs[k])
     }
@@ -314,10 +315,9 @@ impl Open {
 
 /// Whether the part reaches farther along `direction` by its u than by its v; `None` where it hardly does either
 /// way.
-fn longer_along_u(part: &Patch, direction: &Vector3<f64>) -> Option<bool> {
-    let net = &part.net;
-    let [along_u, along_v] =
-        [net[3][0] - net[0][0] + net[3][3] - net[0][3], net[0][3] - net[0][0] + net[3][3] - net[3][0]];
+fn longer_along_u(part: &impl Patch, direction: &Vector3<f64>) -> Option<bool> {
+    let [p00, p01, p10, p11] = part.corners();
+    let [along_u, along_v] = [p10 - p00 + p11 - p01, p01 - p00 + p11 - p10];
     let [by_u, by_v] = [along_u, along_v].map(|edge| edge.dot(direction).abs());
     (by_u.max(by_v) > 0.01 * along_u.norm().max(along_v.norm())).then_some(by_u >= by_v)
 }

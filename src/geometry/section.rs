@@ -35,7 +35,7 @@ mod boundary;
 use nalgebra::{Point3, Vector3};
 
 use super::surface::offset::{OffsetJet, offset};
-use super::surface::regularity::SectionCurvature;
+use super::surface::regularity::Regularity;
 use super::surface::{Surface, span_of};
 use crate::budget::{Budget, Stopped};
 use boundary::{Boundary, BoundaryPoint};
@@ -74,6 +74,13 @@ pub struct Chain {
     pub chord_height_mm: f64,
 }
 
+impl Chain {
+    /// The length of the polygon, mm.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    }
+}
+
 /// The spacing of the points of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spacing {
@@ -88,7 +95,7 @@ pub struct Sections<'a> {
     surface: &'a dyn Surface,
     radius: f64,
     axis: usize,
-    curvature: SectionCurvature,
+    regularity: &'a Regularity,
     boundary: Boundary,
 }
 
@@ -107,7 +114,7 @@ struct Crossing {
 }
 
 impl<'a> Sections<'a> {
-    /// `curvature` is the proof for the same surface, radius (mm) and axis (0 is x, 1 is y).
+    /// `regularity` is the proof for the same surface, radius (mm) and axis (0 is x, 1 is y).
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -115,11 +122,11 @@ impl<'a> Sections<'a> {
         surface: &'a dyn Surface,
         radius: f64,
         axis: usize,
-        curvature: SectionCurvature,
+        regularity: &'a Regularity,
         budget: &Budget,
     ) -> Result<Self, Stopped> {
         let boundary = Boundary::new(surface, radius, axis, budget)?;
-        Ok(Self { surface, radius, axis, curvature, boundary })
+        Ok(Self { surface, radius, axis, regularity, boundary })
     }
 
     /// The least and the largest coordinate of the offset along the axis, mm. They lie on the boundary, since
@@ -287,7 +294,7 @@ impl<'a> Sections<'a> {
 
     fn curvature_at(&self, u: f64, v: f64) -> f64 {
         let [nu, nv] = self.surface.spans();
-        self.curvature.around(span_of(u, nu), span_of(v, nv))
+        self.regularity.section_curvature_around(span_of(u, nu), span_of(v, nv))
     }
 }
 
@@ -338,16 +345,25 @@ mod tests {
 
     const SPACING: Spacing = Spacing { chord_height_mm: 1e-3, step_length_mm: 5.0 };
 
-    fn sections(surface: &BezierSurface, radius: f64, axis: usize) -> Sections<'_> {
-        let curvature = regularity::prove(surface, radius, axis, &Budget::unlimited()).unwrap();
-        Sections::new(surface, radius, axis, curvature, &Budget::unlimited()).unwrap()
+    fn prove(surface: &BezierSurface, radius: f64, axis: usize) -> Regularity {
+        regularity::prove(surface, radius, axis, &Budget::unlimited()).unwrap()
+    }
+
+    fn sections<'a>(
+        surface: &'a BezierSurface,
+        radius: f64,
+        axis: usize,
+        regularity: &'a Regularity,
+    ) -> Sections<'a> {
+        Sections::new(surface, radius, axis, regularity, &Budget::unlimited()).unwrap()
     }
 
     #[test]
     fn sections_of_a_sphere_are_circles() {
         let cap = grid(41, 30.0, |x, y| (1600.0 - x * x - y * y).sqrt());
         for axis in [0, 1] {
-            let sections = sections(&cap, 5.0, axis);
+            let regularity = prove(&cap, 5.0, axis);
+            let sections = sections(&cap, 5.0, axis, &regularity);
             let [low, high] = sections.extent();
             for k in 1..10 {
                 let at = low + (high - low) * k as f64 / 10.0;
@@ -366,7 +382,8 @@ mod tests {
     #[test]
     fn a_plane_along_an_edge_follows_it() {
         let plate = grid(5, 40.0, |x, _| 0.3 * x);
-        let sections = sections(&plate, 4.0, 1);
+        let regularity = prove(&plate, 4.0, 1);
+        let sections = sections(&plate, 4.0, 1, &regularity);
         let [low, high] = sections.extent();
         assert!((low + 20.0).abs() < 1e-12 && (high - 20.0).abs() < 1e-12);
         for at in [low + INSET_MM, high - INSET_MM] {
@@ -391,7 +408,8 @@ mod tests {
             .collect();
         let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot };
         let surface = grid.surface().unwrap();
-        let sections = sections(&surface, 3.0, 1);
+        let regularity = prove(&surface, 3.0, 1);
+        let sections = sections(&surface, 3.0, 1, &regularity);
         let chains = sections.chains(21.0, SPACING, &Budget::unlimited()).unwrap();
         assert_eq!(chains.len(), 3);
         assert_eq!(sections.chains(10.0, SPACING, &Budget::unlimited()).unwrap().len(), 1);

@@ -1,17 +1,25 @@
 //! Surfaces: what they are made from, how they are evaluated, and what is proved of them.
 //!
-//! Every kind of surface is brought to Bezier patches over a grid of unit squares: patch (i, j) covers
+//! Every kind of surface ([`source`]) is brought to Bezier patches over a grid of unit squares: patch (i, j) covers
 //! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
 
+pub mod ball;
 pub mod bezier;
+pub mod ferguson;
+pub mod joints;
+pub mod net_grid;
+pub mod nurbs;
 pub mod offset;
 pub mod patch;
 pub mod point_grid;
 pub mod regularity;
+pub mod source;
+
+mod hermite;
 mod spline;
 
 pub use bezier::BezierSurface;
-pub use patch::Patch;
+pub use patch::{BicubicPatch, Patch, RationalPatch};
 
 use nalgebra::{Point3, Vector3};
 
@@ -33,20 +41,13 @@ impl Jet {
     }
 }
 
-/// A surface made of Bezier patches.
+/// A surface that can be evaluated over the unit squares of its patches.
 pub trait Surface: Sync {
     /// Numbers of patches along u and v.
     fn spans(&self) -> [usize; 2];
 
-    /// The patch over i..=i+1, j..=j+1; both indices are within [`Surface::spans`].
-    fn patch(&self, i: usize, j: usize) -> &Patch;
-
     /// The jet at (u, v). Beyond the domain the outermost patch is continued.
-    fn jet(&self, u: f64, v: f64) -> Jet {
-        let [nu, nv] = self.spans();
-        let (i, j) = (span_of(u, nu), span_of(v, nv));
-        self.patch(i, j).jet(u - i as f64, v - j as f64)
-    }
+    fn jet(&self, u: f64, v: f64) -> Jet;
 }
 
 /// The index of the unit span that holds `t`, of `n` spans.

@@ -41,6 +41,7 @@ pub enum Code {
     LimitExceeded,
     Overhang,
     OffsetFolds,
+    NotSmooth,
     HeightBelowTop,
     ToleranceBelowDecimals,
     ToleranceNotReached,
@@ -66,6 +67,7 @@ impl Code {
             | Code::LimitExceeded
             | Code::Overhang
             | Code::OffsetFolds
+            | Code::NotSmooth
             | Code::HeightBelowTop
             | Code::ToleranceBelowDecimals
             | Code::ToleranceNotReached
@@ -93,6 +95,7 @@ impl Code {
             Code::LimitExceeded => "The job is larger than this server allows",
             Code::Overhang => "The surface does not face up everywhere",
             Code::OffsetFolds => "The surface is curved more tightly than the cutter",
+            Code::NotSmooth => "The surface has an edge or a gap",
             Code::HeightBelowTop => "A height is below the top of the part",
             Code::ToleranceBelowDecimals => "The tolerance is finer than the written decimals",
             Code::ToleranceNotReached => "The tolerance was not reached",
@@ -139,6 +142,7 @@ pub enum FieldCode {
     WrongType,
     WrongLength,
     UnknownValue,
+    Conflict,
     UnknownDialect,
     Unsupported,
     OutOfRange,
@@ -146,6 +150,7 @@ pub enum FieldCode {
     TooLong,
     TooFewPoints,
     RaggedGrid,
+    PatchesApart,
     LimitExceeded,
     HeightBelowTop,
     ToleranceBelowDecimals,
@@ -182,7 +187,7 @@ pub struct Problem {
     /// Equals the header `x-request-id`.
     request_id: String,
     errors: Vec<FieldError>,
-    /// Where on the part, mm; with `overhang`, `offset_folds`, `section_lost` and `tolerance_not_reached`.
+    /// Where on the part, mm; with `overhang`, `offset_folds`, `not_smooth`, `section_lost` and `tolerance_not_reached`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<super::dto::point::Point>)]
     place: Option<[f64; 3]>,

@@ -1,10 +1,13 @@
 //! Finishing a surface with a ball cutter along parallel plane sections (CL-Cartesian machining).
 //!
 //! # Method
-//! 1. The surface is fitted to its points ([`point_grid`](crate::geometry::surface::point_grid)).
-//! 2. Its normal is proved to point up and its offset not to fold ([`regularity`]).
-//! 3. `passes`: equally spaced planes cut the offset; each section, lowered by the radius (Ju eq. 1), is a
-//!    curve of CL points, and is joined by arcs and lines (Ju, section 4).
+//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), proved to be smooth
+//!    ([`joints`]), and continued past its edges where the cutter is to run past them.
+//! 2. Its normal is proved to point up and its offset, by the radius and the stock to be left, not to fold
+//!    ([`regularity`]). From the same proof come the heights that passes leave between them (`scallop`).
+//! 3. `planes`: equally spaced planes cut the offset; where the cutter is to stay inside the `outline`, what comes
+//!    nearer to it is cut off. `passes`: each section, lowered by the radius (Ju eq. 1), is a curve of CL points, and
+//!    is joined by arcs and lines (Ju, section 4).
 //! 4. `links`: one way or zigzag, the passes are joined by links, or by retract, rapid and plunge.
 //! 5. Every move, as computed and as it will be written, is certified against the surface
 //!    ([`clearance`](crate::geometry::clearance)).
@@ -13,8 +16,10 @@
 //! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the
 //!   resolution) and the exact CL curves, and is at most the tolerance.
 //! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; it is found
-//!   without knowledge of how the path was made, and is at most the tolerance. A path that would cut deeper is
-//!   refused as folded.
+//!   without knowledge of how the path was made. Into the stock to be left they enter by the tolerance at most; a
+//!   path that would cut deeper is refused as folded.
+//! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the deviation,
+//!   and for what lies so near to an edge that the way to the next pass would leave the surface.
 //!
 //! # Degenerate input
 //! Sections shorter than two steps of the resolution are left out: they would vanish in rounding.
@@ -30,73 +35,44 @@
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
 
 mod heights;
+mod job;
 mod links;
+mod outline;
 mod passes;
+mod planes;
+mod scallop;
 
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::curve::Curve;
-use crate::geometry::plane::Plane;
 use crate::geometry::section::{SectionError, Sections};
-use crate::geometry::surface::point_grid::{GridError, PointGrid};
+use crate::geometry::surface::joints::{self, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular};
-use crate::geometry::surface::{BezierSurface, Surface};
-use crate::toolpath::program::{Resolution, Units};
+use crate::geometry::surface::source::{AnySurface, Source, SourceError};
+use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::quantize::{QuantizeError, quantize};
-use crate::toolpath::tool::{Coolant, Cutting, Tool};
-use crate::toolpath::units::{FeedRate, Tolerance};
+use crate::toolpath::tool::{Coolant, Cutting};
+use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Move, PathError, Toolpath};
+pub use job::{
+    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing,
+};
+use outline::Outline;
+use passes::Allowed;
+use planes::Slicer;
 
 /// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
 pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
-
-/// Section planes of one job where the caller sets no limit.
-pub const DEFAULT_PLANE_LIMIT: usize = 20_000;
 
 /// The certificate's bound may exceed the deepest penetration by this part of the tolerance.
 const CERTIFICATE_GAP: f64 = 0.02;
 
 const TOP_ACCURACY_MM: f64 = 1e-6;
 
-/// The planes of the sections: zx at constant y, yz at constant x.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SectionPlane {
-    #[default]
-    Zx,
-    Yz,
-}
-
-impl SectionPlane {
-    /// The index of the coordinate that is constant on a plane: 1 is y, 0 is x.
-    fn normal_axis(self) -> usize {
-        self.arc_plane().axes()[2]
-    }
-
-    fn arc_plane(self) -> Plane {
-        match self {
-            SectionPlane::Zx => Plane::Zx,
-            SectionPlane::Yz => Plane::Yz,
-        }
-    }
-}
-
-/// The order in which the sections are cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum CutDirection {
-    OneWay,
-    #[default]
-    Zigzag,
-}
-
-/// What the CL points are joined by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Interpolation {
-    #[default]
-    Arcs,
-    Lines,
-}
+/// The outline that a cutter stays inside of is known to this part of the tolerance.
+const OUTLINE_SHARE: f64 = 0.1;
 
 /// Cutting conditions; what is absent is chosen from the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,68 +106,31 @@ impl CuttingRequest {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct Job {
-    pub surface: PointGrid,
-    pub tool: Tool,
-    pub plane: SectionPlane,
-    /// Largest distance between neighbouring planes, mm.
-    pub stepover_mm: f64,
-    pub direction: CutDirection,
-    pub tolerance: Tolerance,
-    pub interpolation: Interpolation,
-    /// Upper bound for the distance of neighbouring CL points, mm.
-    pub step_length_mm: Option<f64>,
-    pub cutting: CuttingRequest,
-    /// The resolution the program will be written with: the bounds hold after rounding to it.
-    pub resolution: Resolution,
-    /// More section planes than this are refused.
-    pub plane_limit: usize,
-}
-
-impl Job {
-    /// The job with the default of everything that has one, written in mm with three decimals.
-    pub fn new(
-        surface: PointGrid,
-        tool: Tool,
-        stepover_mm: f64,
-        tolerance: Tolerance,
-        feed: FeedRate,
-    ) -> Self {
-        Self {
-            surface,
-            tool,
-            plane: SectionPlane::default(),
-            stepover_mm,
-            direction: CutDirection::default(),
-            tolerance,
-            interpolation: Interpolation::default(),
-            step_length_mm: None,
-            cutting: CuttingRequest::at_feed(feed),
-            resolution: Resolution { units: Units::Mm, decimals: 3 },
-            plane_limit: DEFAULT_PLANE_LIMIT,
-        }
-    }
-}
-
-#[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     pub n_passes: usize,
     pub n_cl_points: usize,
+    /// Distance of neighbouring planes, mm.
+    pub stepover_mm: f64,
     /// Proved distance between the path as written and the exact CL curves, mm.
     pub deviation_max_mm: f64,
     /// Proved depth of the deepest penetration of the cutter into the surface, mm; zero or more.
     pub gouge_max_mm: f64,
+    /// Proved height of what is left between passes, along the surface normal, mm; `None` where the passes are too far
+    /// apart to meet.
+    pub scallop_max_mm: Option<f64>,
     pub n_arcs: usize,
     pub n_lines: usize,
 }
 
 /// Something the caller should know that does not stop the job.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
     /// There is no spindle speed: the program starts no spindle.
     NoSpindleSpeed,
+    /// Neighbouring passes do not meet: stock of any height is left between them.
+    PassesApart { stepover_mm: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -208,7 +147,11 @@ pub enum Error {
     #[error(transparent)]
     Stopped(#[from] Stopped),
     #[error(transparent)]
-    Grid(#[from] GridError),
+    Source(#[from] SourceError),
+    #[error(transparent)]
+    NotSmooth(NotSmooth),
+    #[error("the surface cannot be continued past its edges: it has no tangents across one of them")]
+    NoWayPast,
     #[error("the surface's upward normal vanishes or turns down near {at}")]
     Overhang { at: Point3<f64> },
     #[error(
@@ -233,6 +176,15 @@ pub enum Error {
     Quantize(#[from] QuantizeError),
     #[error(transparent)]
     Path(#[from] PathError),
+}
+
+impl From<NotSmooth> for Error {
+    fn from(error: NotSmooth) -> Self {
+        match error {
+            NotSmooth::Stopped(stopped) => Self::Stopped(stopped),
+            other => Self::NotSmooth(other),
+        }
+    }
 }
 
 impl From<Irregular> for Error {
@@ -268,44 +220,76 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         let decimals = job.resolution.decimals;
         return Err(Error::ToleranceBelowResolution { tolerance_mm: job.tolerance.mm(), decimals, least_mm });
     }
-    let surface = upward(job.surface.surface()?);
-    let cutting = heights::resolve(&job.cutting, surface.top(TOP_ACCURACY_MM, budget)?)?;
-    let radius = job.tool.radius_mm;
-    let curvature = regularity::prove(&surface, radius, job.plane.normal_axis(), budget)?;
-    let sections = Sections::new(&surface, radius, job.plane.normal_axis(), curvature, budget)?;
-    let gap = CERTIFICATE_GAP * job.tolerance.mm();
-    let passes = passes::cut(job, &sections, job.tolerance.mm() - gap, budget)?;
-    let clearance = Clearance::new(&surface, radius);
-    let toolpath = links::join(job, &cutting, &passes, &clearance, budget)?;
-    let gouge = certify(&toolpath, job, &clearance, gap, budget)?;
-    let deviation_max_mm = passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max);
-    let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
-    let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
-    Ok(Plan {
-        report: Report {
-            n_passes: passes.len(),
-            n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
-            deviation_max_mm,
-            gouge_max_mm: gouge.bound_mm,
-            n_arcs,
-            n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
-        },
-        warnings: warnings(job),
-        toolpath,
-        cutting,
-    })
+    match job.surface.surface()? {
+        AnySurface::Bicubic(surface) => plan_on(surface, job, budget),
+        AnySurface::Rational(surface) => plan_on(surface, job, budget),
+    }
 }
 
-/// The surface with its normal up where it starts.
-fn upward(surface: BezierSurface) -> BezierSurface {
-    if surface.patch(0, 0).jet(0.5, 0.5).normal().z < 0.0 { surface.transposed() } else { surface }
+fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
+    let surface = match job.boundary {
+        Boundary::Past => surface.continued(job.tool.radius_mm).ok_or(Error::NoWayPast)?,
+        Boundary::Inside | Boundary::On => surface,
+    };
+    let surface = surface.upward();
+    let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
+    let cutting = heights::resolve(&job.cutting, top)?;
+
+    let (offset, axis) = (job.offset_mm(), job.plane.normal_axis());
+    let regularity = regularity::prove(&surface, offset, axis, budget)?;
+    let sections = Sections::new(&surface, offset, axis, &regularity, budget)?;
+    let slicer = Slicer::new(&sections, inside(&surface, job, budget)?);
+    let slopes = regularity.slopes();
+    let stepover = match job.spacing {
+        Spacing::Stepover(mm) => mm,
+        Spacing::ScallopHeight(mm) => scallop::spacing(job.tool.radius_mm, mm, slopes),
+    };
+    let planes = slicer.planes(job, stepover, budget)?;
+    let stepover_mm = (planes[1].at - planes[0].at).abs();
+
+    let gap = CERTIFICATE_GAP * job.tolerance.mm();
+    let allowed = Allowed { tolerance: job.tolerance.mm() - gap, jump: joints.jump(offset) };
+    let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
+    let clearance = Clearance::new(&surface, offset, job.tool.radius_mm);
+    let toolpath = links::join(job, &cutting, &passes, &clearance, budget)?;
+    let penetration = certify(&toolpath, job, &clearance, gap, budget)?;
+    let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
+    let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
+    let report = Report {
+        n_passes: passes.len(),
+        n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
+        stepover_mm,
+        deviation_max_mm: passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max),
+        gouge_max_mm: (penetration.bound_mm - job.allowance_mm).max(0.0),
+        scallop_max_mm: scallop::height(job.tool.radius_mm, stepover_mm, slopes),
+        n_arcs,
+        n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
+    };
+    let warnings = warnings(job, &report);
+    Ok(Plan { toolpath, report, cutting, warnings })
+}
+
+/// What keeps the cutter inside the outline, where it is to stay there.
+fn inside(
+    surface: &BezierSurface<impl Patch>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Option<(Outline, f64)>, Error> {
+    match job.boundary {
+        Boundary::Inside => {
+            let outline = Outline::new(surface, OUTLINE_SHARE * job.tolerance.mm(), budget)?;
+            Ok(Some((outline, job.tool.radius_mm)))
+        }
+        Boundary::On | Boundary::Past => Ok(None),
+    }
 }
 
 /// Proves how deep the cutter cuts into the surface on any move, as computed and as written.
 fn certify(
     toolpath: &Toolpath,
     job: &Job,
-    clearance: &Clearance,
+    clearance: &Clearance<impl Patch>,
     gap: f64,
     budget: &Budget,
 ) -> Result<Penetration, Error> {
@@ -336,10 +320,16 @@ fn certify(
     Ok(deepest)
 }
 
-fn warnings(job: &Job) -> Vec<Warning> {
-    let reduced = job.surface.reduced_ends();
+fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
+    let reduced = match &job.surface {
+        Source::PointGrid(grid) => grid.reduced_ends(),
+        Source::Ferguson(_) | Source::NetGrid(_) | Source::Nurbs(_) => Vec::new(),
+    };
     let mut warnings: Vec<_> =
         reduced.into_iter().map(|(direction, points)| Warning::EndsReduced { direction, points }).collect();
+    if report.scallop_max_mm.is_none() {
+        warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
+    }
     if job.cutting.spindle_rpm.is_none() {
         warnings.push(Warning::NoSpindleSpeed);
     }

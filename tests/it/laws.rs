@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use toolpathd::budget::{Budget, Stopped};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd::geometry::surface::source::Source;
 use toolpathd::operations::surface_milling::{CutDirection, Error, Interpolation, Job, SectionPlane, plan};
 use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
@@ -45,7 +46,7 @@ fn job() -> impl Strategy<Value = Job> {
             let stepover_mm = stepover * width(0).max(width(1)) / 4.0;
             let tolerance = Tolerance::from_mm(tolerance).unwrap();
             let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
-            let job = Job::new(surface, Tool::ball(radius_mm), stepover_mm, tolerance, feed);
+            let job = Job::new(Source::PointGrid(surface), Tool::ball(radius_mm), stepover_mm, tolerance, feed);
             Job { plane, direction, interpolation, ..job }
         },
     )

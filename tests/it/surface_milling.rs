@@ -10,10 +10,12 @@ mod verdict;
 
 use toolpathd::budget::Budget;
 use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::operations::surface_milling::{CutDirection, Error, Interpolation, Job, SectionPlane, plan};
+use toolpathd::operations::surface_milling::{
+    CutDirection, Error, Interpolation, Job, SectionPlane, Spacing, plan,
+};
 use toolpathd::toolpath::units::Tolerance;
 
-use jobs::{PLANES, die, freeform, heights, job};
+use jobs::{PLANES, die, freeform, heights, job, points};
 use motion::{Kind, Motion, planned};
 use verdict::judge;
 
@@ -96,7 +98,7 @@ fn a_trough_tighter_than_the_ball_is_refused_where_it_is_tightest() {
 
 fn with_tolerance(tolerance_mm: f64, decimals: u8, plane: SectionPlane) -> Job {
     let tolerance = Tolerance::from_mm(tolerance_mm).unwrap();
-    let mut job = Job { tolerance, stepover_mm: 8.0, ..die(plane, CutDirection::Zigzag) };
+    let mut job = Job { tolerance, spacing: Spacing::Stepover(8.0), ..die(plane, CutDirection::Zigzag) };
     job.resolution.decimals = decimals;
     job
 }
@@ -126,7 +128,7 @@ fn ends_that_rounding_moves_count_as_deviation() {
     // Every coordinate of the ends is moved by 0.4 units of the last decimal, along x outward or inward.
     for outward in [0.0004, -0.0004] {
         let mut plate = job(heights(4, [0.0, 11.0], Ends::Natural, |_, _| 0.0004), 2.0, 5.5, 0.01, 3);
-        for point in plate.surface.points.iter_mut().flatten() {
+        for point in points(&mut plate) {
             point.x += outward * (1.0 - point.x / 5.5);
             point.y += 0.0004;
         }
@@ -138,7 +140,7 @@ fn ends_that_rounding_moves_count_as_deviation() {
 #[test]
 fn lines_alone_keep_the_same_promises() {
     let interpolation = Interpolation::Lines;
-    let job = Job { interpolation, stepover_mm: 8.0, ..die(SectionPlane::Zx, CutDirection::Zigzag) };
+    let job = Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
     let (plan, _) = judge(&job).unwrap();
     assert_eq!(plan.report.n_arcs, 0);
     let motions: Vec<_> = planned(&plan).into_iter().flatten().collect();
@@ -152,8 +154,8 @@ fn the_step_length_bounds_the_distance_of_cl_points() {
     for step_length in [0.05, 0.4] {
         for interpolation in [Interpolation::Arcs, Interpolation::Lines] {
             let mut job = freeform(SectionPlane::Zx, CutDirection::Zigzag);
-            (job.step_length_mm, job.interpolation, job.stepover_mm) =
-                (Some(step_length), interpolation, 1.5);
+            (job.step_length_mm, job.interpolation, job.spacing) =
+                (Some(step_length), interpolation, Spacing::Stepover(1.5));
             let (plan, _) = judge(&job).unwrap();
             let cuts: Vec<_> =
                 planned(&plan).into_iter().flatten().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();

@@ -19,16 +19,16 @@ pub(super) struct Piece {
     pub(super) slack: f64,
 }
 
-/// The centre's path while the tip follows `tip`, in pieces of at most `length` mm. A helix becomes chords of a
+/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A helix becomes chords of a
 /// height of at most `chord_height` mm, which adds to the slack.
 pub(super) fn pieces(
     tip: &Curve,
-    radius: f64,
+    rise: f64,
     length: f64,
     slack: f64,
     chord_height: f64,
 ) -> impl Iterator<Item = Piece> {
-    let center = raised(tip, radius);
+    let center = raised(tip, rise);
     let by_length = (center.length() / length).ceil();
     let (count, slack, is_helix) = match &center {
         Curve::Line(_) => (by_length, slack, false),

@@ -18,7 +18,7 @@ fn oblong(n: [usize; 2], sides: [f64; 2], height: impl Fn(f64, f64) -> f64) -> B
 }
 
 fn deepest(surface: &BezierSurface, radius: f64, tip: Curve) -> f64 {
-    let clearance = Clearance::new(surface, radius);
+    let clearance = Clearance::new(surface, radius, radius);
     let depth = clearance.penetration(&[tip], GAP, &Budget::unlimited()).unwrap();
     assert!(depth.found_mm <= depth.bound_mm && depth.bound_mm <= depth.found_mm + 1.01 * GAP, "{depth:?}");
     depth.bound_mm
@@ -107,7 +107,7 @@ fn a_helix_is_bounded_by_its_lowest_turn() {
     let plate = grid(4, 60.0, |_, _| 0.0);
     let (from, to) = (Point3::new(10.0, 0.0, 6.0), Point3::new(0.0, 10.0, -0.03));
     let arc = Arc::new(Plane::Xy, Direction::Cw, from, to, Point3::new(0.0, 0.0, 6.0)).unwrap();
-    let clearance = Clearance::new(&plate, 3.0);
+    let clearance = Clearance::new(&plate, 3.0, 3.0);
     let depth = clearance.penetration(&[Curve::Arc(arc)], 1e-3, &Budget::unlimited()).unwrap();
     assert!(depth.bound_mm >= 0.03 && depth.bound_mm < 0.032, "{depth:?}");
 }
@@ -138,7 +138,7 @@ fn a_cancelled_search_stops() {
     let plate = grid(3, 20.0, |_, _| 0.0);
     let budget = Budget::unlimited();
     budget.cancel();
-    let clearance = Clearance::new(&plate, 5.0);
+    let clearance = Clearance::new(&plate, 5.0, 5.0);
     let path = [line([-5.0, 0.0, 0.0], [5.0, 0.0, 0.0])];
     assert_eq!(clearance.penetration(&path, GAP, &budget), Err(Stopped::Cancelled));
 }
@@ -147,7 +147,7 @@ fn a_cancelled_search_stops() {
 #[test]
 fn slack_adds_to_the_bound_and_not_to_the_work() {
     let dome = grid(15, 34.4, |x, _| (37.3f64 * 37.3 - x * x).sqrt());
-    let clearance = Clearance::new(&dome, 5.0);
+    let clearance = Clearance::new(&dome, 5.0, 5.0);
     let center = |y: f64| Point3::new(0.0, y, -5.0 - 0.004);
     let (gap, slack) = (2e-4, 5e-4);
     let mut deepest = Penetration::NONE;

@@ -1,7 +1,7 @@
 //! A hierarchy of boxes over the patches of a surface.
 
-use crate::geometry::surface::Surface;
-use crate::geometry::surface::patch::Bounds;
+use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::{BezierSurface, Surface};
 
 /// Index ranges of patches, halved until single, with the boxes of their control points.
 pub(super) struct PatchTree {
@@ -20,7 +20,7 @@ enum Content {
 }
 
 impl PatchTree {
-    pub(super) fn new(surface: &dyn Surface) -> Self {
+    pub(super) fn new(surface: &BezierSurface<impl Patch>) -> Self {
         let [nu, nv] = surface.spans();
         let mut tree = Self { nodes: Vec::with_capacity(2 * nu * nv) };
         tree.add(surface, [0, nu], [0, nv]);
@@ -34,7 +34,7 @@ impl PatchTree {
 
     /// Adds the patches of two index ranges; answers the index of their node. The depth is the logarithm of
     /// their number.
-    fn add(&mut self, surface: &dyn Surface, i: [usize; 2], j: [usize; 2]) -> usize {
+    fn add(&mut self, surface: &BezierSurface<impl Patch>, i: [usize; 2], j: [usize; 2]) -> usize {
         let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
         let node = if rows == 1 && columns == 1 {
             Node { bounds: surface.patch(i[0], j[0]).bounds(), content: Content::Patch(i[0], j[0]) }

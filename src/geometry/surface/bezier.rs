@@ -1,27 +1,41 @@
-//! A composite surface of bicubic Bezier patches.
+//! A composite surface of Bezier patches of one kind.
 
-use super::Surface;
-use super::patch::Patch;
+use nalgebra::Vector3;
+
+use super::patch::{BicubicPatch, Patch};
+use super::{Jet, Surface, span_of};
 use crate::budget::{Budget, Stopped};
 
 /// Halvings in the search for the top.
 const TOP_HALVINGS: usize = 100_000;
 
+/// Places a span along a side at which the length of its tangents is looked at.
+const SIDE_SAMPLES: usize = 16;
+
 /// `nu` times `nv` patches, `patches[i * nv + j]` over i..=i+1, j..=j+1.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BezierSurface {
+pub struct BezierSurface<P = BicubicPatch> {
     spans: [usize; 2],
-    patches: Vec<Patch>,
+    patches: Vec<P>,
 }
 
-impl BezierSurface {
+impl<P: Patch> BezierSurface<P> {
     /// Makes the surface whose patch (i, j) is `patch(i, j)`; both spans are at least 1.
-    pub fn from_fn(spans: [usize; 2], patch: impl Fn(usize, usize) -> Patch) -> Self {
-        let patches = (0..spans[0])
-            .flat_map(|i| (0..spans[1]).map(move |j| (i, j)))
-            .map(|(i, j)| patch(i, j))
-            .collect();
+    pub fn from_fn(spans: [usize; 2], mut patch: impl FnMut(usize, usize) -> P) -> Self {
+        let mut patches = Vec::with_capacity(spans[0] * spans[1]);
+        for i in 0..spans[0] {
+            patches.extend((0..spans[1]).map(|j| patch(i, j)));
+        }
         Self { spans, patches }
+    }
+
+    /// The patch over i..=i+1, j..=j+1; both indices are within [`Surface::spans`].
+    pub fn patch(&self, i: usize, j: usize) -> &P {
+        &self.patches[i * self.spans[1] + j]
+    }
+
+    pub fn patches(&self) -> &[P] {
+        &self.patches
     }
 
     /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as high
@@ -30,44 +44,143 @@ impl BezierSurface {
     /// # Errors
     /// Only the budget's stop.
     pub fn top(&self, accuracy: f64, budget: &Budget) -> Result<f64, Stopped> {
-        let highest = |part: &Patch| part.bounds().max.z;
-        let mut open: Vec<Patch> = self.patches.clone();
-        let corners = |part: &Patch| [part.net[0][0].z, part.net[0][3].z, part.net[3][0].z, part.net[3][3].z];
-        let mut found = open.iter().flat_map(corners).fold(f64::NEG_INFINITY, f64::max);
-        let mut top = found;
+        self.farthest_along(&Vector3::z(), accuracy, budget)
+    }
+
+    /// The largest coordinate along a unit vector, as [`Self::top`] finds it.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn farthest_along(
+        &self,
+        direction: &Vector3<f64>,
+        accuracy: f64,
+        budget: &Budget,
+    ) -> Result<f64, Stopped> {
+        let highest = |part: &P| -part.lowest_along(&-direction);
+        let at_corners = |part: &P| part.corners().map(|p| p.dot(direction)).into_iter().fold(f64::MIN, f64::max);
+        let mut open: Vec<P> = self.patches.clone();
+        let mut found = open.iter().map(at_corners).fold(f64::NEG_INFINITY, f64::max);
+        let mut farthest = found;
         let (mut halvings, mut parts) = (0, 0usize);
         while let Some(part) = open.pop() {
             parts += 1;
             if parts.is_multiple_of(1024) {
                 budget.check()?;
             }
-            found = corners(&part).into_iter().fold(found, f64::max);
+            found = found.max(at_corners(&part));
             if highest(&part) <= found + accuracy || halvings >= TOP_HALVINGS {
-                top = top.max(highest(&part));
+                farthest = farthest.max(highest(&part));
             } else {
                 halvings += 1;
                 open.extend(part.split());
             }
         }
-        Ok(top)
+        Ok(farthest)
     }
 
     /// The same surface with u and v exchanged, so that its normal points the other way.
     pub fn transposed(&self) -> Self {
         let [nu, nv] = self.spans;
-        Self::from_fn([nv, nu], |j, i| {
-            let net = &self.patch(i, j).net;
-            Patch { net: std::array::from_fn(|b| std::array::from_fn(|a| net[a][b])) }
-        })
+        Self::from_fn([nv, nu], |j, i| self.patch(i, j).transposed())
+    }
+
+    /// The surface with its normal up where it starts.
+    pub fn upward(self) -> Self {
+        if self.patch(0, 0).jet(0.5, 0.5).normal().z < 0.0 { self.transposed() } else { self }
+    }
+
+    /// The surface with straight patches added all around, tangent to it and at least `by` mm long: what a cutter
+    /// follows that runs past the edges. `None` where a side has no tangents across, or a rational one no room.
+    pub fn continued(&self, by: f64) -> Option<Self> {
+        // Four times along u, with a quarter turn between, comes round to where it started.
+        (0..4).try_fold(self.clone(), |surface, _| Some(surface.continued_along_u(by)?.turned()))
+    }
+
+    fn continued_along_u(&self, by: f64) -> Option<Self> {
+        let [nu, nv] = self.spans;
+        let places = (0..=nv * SIDE_SAMPLES).map(|k| k as f64 / SIDE_SAMPLES as f64);
+        let shortest = places.map(|v| self.jet(nu as f64, v).du.norm()).fold(f64::INFINITY, f64::min);
+        // What lies between the samples may be a little shorter.
+        let mut reach = 1.1 * by / shortest;
+        if !reach.is_finite() {
+            return None;
+        }
+        // Growing weights shorten the way; a longer reach makes up for it where there is one.
+        for _ in 0..8 {
+            let side: Option<Vec<P>> = (0..nv).map(|j| self.patch(nu - 1, j).continued(reach)).collect();
+            let side = side?;
+            let length = |p: &P| {
+                let [from_low, from_high, to_low, to_high] = p.corners();
+                (to_low - from_low).norm().min((to_high - from_high).norm())
+            };
+            let least = side.iter().map(length).fold(f64::INFINITY, f64::min);
+            if least >= by {
+                return Some(Self::from_fn([nu + 1, nv], |i, j| if i < nu { *self.patch(i, j) } else { side[j] }));
+            }
+            reach *= 1.1 * by / least;
+        }
+        None
+    }
+
+    /// The same surface with its domain turned by a quarter: the side of the largest v comes to that of the largest u.
+    fn turned(&self) -> Self {
+        let [nu, nv] = self.spans;
+        Self::from_fn([nv, nu], |i, j| self.patch(nu - 1 - j, i).turned())
     }
 }
 
-impl Surface for BezierSurface {
+impl<P: Patch> Surface for BezierSurface<P> {
     fn spans(&self) -> [usize; 2] {
         self.spans
     }
 
-    fn patch(&self, i: usize, j: usize) -> &Patch {
-        &self.patches[i * self.spans[1] + j]
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        let [nu, nv] = self.spans;
+        let (i, j) = (span_of(u, nu), span_of(v, nv));
+        self.patch(i, j).jet(u - i as f64, v - j as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dome() -> BezierSurface {
+        let at = |i: usize| [0.0, 10.0, 20.0, 30.0][i];
+        let height = |a: usize, b: usize| if (1..3).contains(&a) && (1..3).contains(&b) { 9.0 } else { 0.0 };
+        BezierSurface::from_fn([1, 2], |_, j| BicubicPatch {
+            net: std::array::from_fn(|a| {
+                std::array::from_fn(|b| Vector3::new(at(a), at(b) + 30.0 * j as f64, height(a, b)))
+            }),
+        })
+    }
+
+    #[test]
+    fn a_continued_surface_holds_the_surface_and_reaches_past_every_side() {
+        let wide = dome().continued(4.0).unwrap();
+        assert_eq!(wide.spans(), [3, 4]);
+        for (u, v) in [(0.2, 0.7), (0.9, 1.6)] {
+            assert!((wide.jet(u + 1.0, v + 1.0).point - dome().jet(u, v).point).norm() < 1e-12);
+        }
+        let corner = wide.jet(0.0, 0.0).point;
+        assert!(corner.x <= -4.0 && corner.y <= -4.0, "{corner}");
+        let corner = wide.jet(3.0, 4.0).point;
+        assert!(corner.x >= 34.0 && corner.y >= 64.0, "{corner}");
+        // No kink at the joints.
+        for v in [0.3f64, 1.2, 2.9, 3.5] {
+            let joint = |i: usize, u: f64| wide.patch(i, v as usize).jet(u, v.fract()).normal().normalize();
+            assert!((joint(0, 1.0) - joint(1, 0.0)).norm() < 1e-12);
+            assert!((joint(1, 1.0) - joint(2, 0.0)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_top_is_that_of_the_dome() {
+        // 9 times the square of 3/4.
+        let top = dome().top(1e-9, &Budget::unlimited()).unwrap();
+        assert!((top - 9.0 * 0.5625).abs() < 1e-8, "{top}");
+        let farthest = dome().farthest_along(&-Vector3::y(), 1e-9, &Budget::unlimited()).unwrap();
+        assert_eq!(farthest, 0.0);
     }
 }

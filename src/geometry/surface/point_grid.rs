@@ -32,7 +32,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::bezier::BezierSurface;
-use super::patch::Patch;
+use super::hermite::{self, Corner};
 use super::spline::{EndCondition, derivatives};
 
 /// How the mixed derivatives at the grid's points are chosen.
@@ -109,12 +109,11 @@ impl PointGrid {
             Twist::Zero => vec![vec![Vector3::zeros(); columns]; rows],
             Twist::Spline => rowwise(&du, &self.twist_conditions(rows)),
         };
-        Ok(BezierSurface::from_fn([rows - 1, columns - 1], |i, j| {
-            let corner = |a: usize, b: usize| {
-                let (i, j) = (i + a, j + b);
-                Corner { point: points[i][j], du: du[i][j], dv: dv[i][j], duv: duv[i][j] }
-            };
-            hermite_patch([[corner(0, 0), corner(0, 1)], [corner(1, 0), corner(1, 1)]])
+        Ok(hermite::surface([rows, columns], |i, j| Corner {
+            point: points[i][j],
+            du: du[i][j],
+            dv: dv[i][j],
+            duv: duv[i][j],
         }))
     }
 
@@ -194,28 +193,6 @@ impl PointGrid {
     }
 }
 
-/// What a patch's corner is made of.
-#[derive(Clone, Copy)]
-struct Corner {
-    point: Vector3<f64>,
-    du: Vector3<f64>,
-    dv: Vector3<f64>,
-    duv: Vector3<f64>,
-}
-
-/// The Bezier net of the bicubic Hermite patch with these corners, `corners[a][b]`, a along u.
-fn hermite_patch(corners: [[Corner; 2]; 2]) -> Patch {
-    let inward = [0.0, 1.0 / 3.0, -1.0 / 3.0, 0.0];
-    let net = std::array::from_fn(|a| {
-        std::array::from_fn(|b| {
-            let corner = corners[a / 2][b / 2];
-            let (s, t) = (inward[a], inward[b]);
-            corner.point + corner.du * s + corner.dv * t + corner.duv * (s * t)
-        })
-    });
-    Patch { net }
-}
-
 fn rowwise(values: &[Vec<Vector3<f64>>], ends: &dyn Fn(usize) -> EndCondition) -> Vec<Vec<Vector3<f64>>> {
     values.iter().enumerate().map(|(i, row)| derivatives(row, ends(i))).collect()
 }
@@ -227,7 +204,7 @@ fn transposed(values: &[Vec<Vector3<f64>>]) -> Vec<Vec<Vector3<f64>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::surface::{Jet, Surface};
+    use crate::geometry::surface::{Jet, Patch, Surface};
     use std::f64::consts::PI;
 
     fn wave(x: f64, y: f64) -> f64 {

@@ -9,7 +9,7 @@
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
 //!
-//! otherwise it is halved, across the direction in which its tangents change more. A centre that violates a
+//! otherwise it is halved, as it is for a while where the steepness across the planes is only roughly known, across the direction in which its tangents change more. A centre that violates a
 //! condition is the place of the answer `Overhang`; so is a box that is still undecided at the limits of depth
 //! and number: there the condition fails, or holds by less than could be proved. `Folds` names the most concave
 //! place that is found on the whole surface.
@@ -22,9 +22,11 @@
 //! O(boxes); the number of boxes a patch falls with the square of its size over its radius of curvature and
 //! grows with the inverse square of the margin of condition 2.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
-use super::{Patch, Surface};
+use super::ball::Ball;
+use super::patch::{DerivativeBounds, Patch};
+use super::{BezierSurface, Surface};
 use crate::budget::{Budget, Stopped};
 
 /// Why a surface cannot be followed by the cutter.
@@ -38,22 +40,50 @@ pub enum Irregular {
     Folds { at: Point3<f64> },
 }
 
-/// For each patch of a surface, an upper bound of the curvature (1/mm) of the sections of its offset with the
-/// planes at right angles to one axis.
+/// What is proved of a surface and of the sections of its offset with the planes at right angles to one axis.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SectionCurvature {
+pub struct Regularity {
     spans: [usize; 2],
-    bounds: Vec<f64>,
+    /// For each patch an upper bound of the curvature of the sections, 1/mm.
+    section_curvatures: Vec<f64>,
+    slopes: Vec<Slope>,
 }
 
-impl SectionCurvature {
-    /// The bound, 1/mm, over patch (i, j) and the patches around it.
-    pub fn around(&self, i: usize, j: usize) -> f64 {
+/// Places on the offset of a surface that are alike to a cutter that moves along parallel planes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slope {
+    /// Distance of two planes over that of the sections in them, along the surface: 1 where the surface does not rise
+    /// across the planes, less where it is steeper. A lower bound.
+    pub share: f64,
+    /// Largest curvature of the offset where it is concave, 1/mm; zero or more. An upper bound.
+    pub concavity: f64,
+}
+
+/// Classes of steepness, of equal shares.
+const SLOPE_CLASSES: usize = 64;
+
+/// What is known of a part that a ball can follow.
+#[derive(Debug, Clone, Copy)]
+struct Followed {
+    section_curvature: f64,
+    slope: Slope,
+    /// Whether the slope's share is nearly that at the centre.
+    is_sharp: bool,
+}
+
+impl Regularity {
+    /// The worst of the kinds of places on the offset, by steepness.
+    pub fn slopes(&self) -> &[Slope] {
+        &self.slopes
+    }
+
+    /// The bound of the sections' curvature, 1/mm, over patch (i, j) and the patches around it.
+    pub fn section_curvature_around(&self, i: usize, j: usize) -> f64 {
         let [nu, nv] = self.spans;
         let mut bound = 0.0f64;
         for i in i.saturating_sub(1)..=(i + 1).min(nu - 1) {
             for j in j.saturating_sub(1)..=(j + 1).min(nv - 1) {
-                bound = bound.max(self.bounds[i * nv + j]);
+                bound = bound.max(self.section_curvatures[i * nv + j]);
             }
         }
         bound
@@ -64,13 +94,16 @@ impl SectionCurvature {
 /// condition, or holds it by less than a micrometre's part of the cutter.
 const DEPTH_LIMIT: u32 = 42;
 
+/// A slope is sharp when its share is at least this part of that at the box's centre. Scallops grow with the inverse
+/// square of the share, so they are overestimated by no more than a tenth.
+const SHARPNESS: f64 = 0.95;
+
+/// Halvings of one patch for the sake of sharp slopes alone.
+const SHARP_DEPTH: u32 = 14;
+
 /// Boxes of one patch. A fold or an overhang is found at a box's centre long before; only a surface that
 /// touches the condition along a curve comes here.
 const BOX_LIMIT: usize = 200_000;
-
-/// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten ulps,
-/// and that of at most nine times four terms.
-const ROUNDING: f64 = 1e-14;
 
 /// Proves that a ball of `radius` mm can follow `surface`, whose normal points up at its first corner, and
 /// bounds the curvature of the offset's sections by planes at right angles to `axis` (0 is x, 1 is y).
@@ -78,28 +111,26 @@ const ROUNDING: f64 = 1e-14;
 /// # Errors
 /// The place where the proof fails, or the budget's stop.
 pub fn prove(
-    surface: &dyn Surface,
+    surface: &BezierSurface<impl Patch>,
     radius: f64,
     axis: usize,
     budget: &Budget,
-) -> Result<SectionCurvature, Irregular> {
-    let spans = surface.spans();
-    let mut bounds = Vec::with_capacity(spans[0] * spans[1]);
-    let mut boxes = 0;
-    for i in 0..spans[0] {
-        for j in 0..spans[1] {
-            match prove_patch(surface.patch(i, j), radius, axis, &mut boxes, budget) {
-                Ok(bound) => bounds.push(bound),
-                Err(Irregular::Folds { at }) => return Err(tightest(surface, at, budget)?),
-                Err(other) => return Err(other),
-            }
+) -> Result<Regularity, Irregular> {
+    let mut proof = Proof { radius, axis, boxes: 0, slopes: [None; SLOPE_CLASSES], budget };
+    let mut section_curvatures = Vec::with_capacity(surface.patches().len());
+    for patch in surface.patches() {
+        match proof.of_patch(patch) {
+            Ok(bound) => section_curvatures.push(bound),
+            Err(Irregular::Folds { at }) => return Err(tightest(surface, at, budget)?),
+            Err(other) => return Err(other),
         }
     }
-    Ok(SectionCurvature { spans, bounds })
+    let slopes = proof.slopes.into_iter().flatten().collect();
+    Ok(Regularity { spans: surface.spans(), section_curvatures, slopes })
 }
 
 /// The fold at the most concave of 5 x 5 points a patch, or at `at` where none is concave.
-fn tightest(surface: &dyn Surface, at: Point3<f64>, budget: &Budget) -> Result<Irregular, Stopped> {
+fn tightest(surface: &BezierSurface<impl Patch>, at: Point3<f64>, budget: &Budget) -> Result<Irregular, Stopped> {
     let mut worst = (0.0, at);
     let [nu, nv] = surface.spans();
     for i in 0..nu {
@@ -115,40 +146,57 @@ fn tightest(surface: &dyn Surface, at: Point3<f64>, budget: &Budget) -> Result<I
     Ok(Irregular::Folds { at: worst.1 })
 }
 
-/// The bound for one patch; `boxes` counts those examined in all.
-fn prove_patch(
-    patch: &Patch,
+struct Proof<'a> {
     radius: f64,
     axis: usize,
-    boxes: &mut usize,
-    budget: &Budget,
-) -> Result<f64, Irregular> {
-    let mut bound = 0.0f64;
-    let mut stack = vec![(*patch, 0u32)];
-    let limit = *boxes + BOX_LIMIT;
-    while let Some((part, depth)) = stack.pop() {
-        *boxes += 1;
-        if boxes.is_multiple_of(1024) {
-            budget.check()?;
+    /// Boxes examined so far.
+    boxes: usize,
+    /// The least share and the largest concavity of each class of shares.
+    slopes: [Option<Slope>; SLOPE_CLASSES],
+    budget: &'a Budget,
+}
+
+impl Proof<'_> {
+    /// The bound of the sections' curvature over one patch.
+    fn of_patch(&mut self, patch: &impl Patch) -> Result<f64, Irregular> {
+        let mut bound = 0.0f64;
+        let mut stack = vec![(*patch, 0u32)];
+        let limit = self.boxes + BOX_LIMIT;
+        while let Some((part, depth)) = stack.pop() {
+            self.boxes += 1;
+            if self.boxes.is_multiple_of(1024) {
+                self.budget.check()?;
+            }
+            let may_halve = depth < DEPTH_LIMIT && self.boxes < limit;
+            match examine(&part, self.radius, self.axis) {
+                Finding::Followed(followed) if followed.is_sharp || depth >= SHARP_DEPTH || !may_halve => {
+                    bound = bound.max(followed.section_curvature);
+                    self.note(followed.slope);
+                }
+                Finding::Followed(_) | Finding::Undecided(_) if may_halve => {
+                    stack.extend(halves(&part).map(|half| (half, depth + 1)));
+                }
+                Finding::Undecided(Doubt::Curvature) | Finding::Folds => {
+                    return Err(Irregular::Folds { at: part.center().into() });
+                }
+                Finding::Followed(_) | Finding::Undecided(Doubt::Normal) | Finding::Overhang => {
+                    return Err(Irregular::Overhang { at: part.center().into() });
+                }
+            }
         }
-        match examine(&part, radius, axis) {
-            Finding::Holds { section_curvature } => bound = bound.max(section_curvature),
-            Finding::Undecided(_) if depth < DEPTH_LIMIT && *boxes < limit => {
-                stack.extend(halves(&part).map(|half| (half, depth + 1)));
-            }
-            Finding::Undecided(Doubt::Normal) | Finding::Overhang => {
-                return Err(Irregular::Overhang { at: part.center().into() });
-            }
-            Finding::Undecided(Doubt::Curvature) | Finding::Folds => {
-                return Err(Irregular::Folds { at: part.center().into() });
-            }
-        }
+        Ok(bound)
     }
-    Ok(bound)
+
+    fn note(&mut self, slope: Slope) {
+        let class = ((slope.share * SLOPE_CLASSES as f64) as usize).min(SLOPE_CLASSES - 1);
+        let known = self.slopes[class].get_or_insert(slope);
+        known.share = known.share.min(slope.share);
+        known.concavity = known.concavity.max(slope.concavity);
+    }
 }
 
 /// The halves across the direction along which the tangents change more, or else across the longer one.
-fn halves(part: &Patch) -> [Patch; 2] {
+fn halves<P: Patch>(part: &P) -> [P; 2] {
     let jet = part.jet(0.5, 0.5);
     let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
     let turned = jet.duv.norm();
@@ -169,51 +217,14 @@ enum Doubt {
 }
 
 enum Finding {
-    Holds { section_curvature: f64 },
+    Followed(Followed),
     Undecided(Doubt),
     Overhang,
     Folds,
 }
 
-/// A ball of vectors: every vector of a control net lies in it, and so does every value of the polynomial.
-#[derive(Clone, Copy)]
-struct Ball {
-    center: Vector3<f64>,
-    radius: f64,
-}
-
-impl Ball {
-    /// `rounding` is that of the differences that made the vectors.
-    fn around<const N: usize>(vectors: [Vector3<f64>; N], rounding: f64) -> Self {
-        let center = vectors.iter().sum::<Vector3<f64>>() / N as f64;
-        let squared = vectors.iter().map(|v| (v - center).norm_squared()).fold(0.0, f64::max);
-        Self { center, radius: squared.sqrt() + rounding }
-    }
-
-    fn scaled(self, factor: f64) -> Self {
-        Self { center: self.center * factor, radius: self.radius * factor.abs() }
-    }
-
-    fn plus(self, other: Ball) -> Self {
-        Self { center: self.center + other.center, radius: self.radius + other.radius }
-    }
-
-    fn reach(self) -> f64 {
-        self.center.norm() + self.radius
-    }
-
-    fn cross(self, other: Ball) -> Self {
-        let radius = self.center.norm() * other.radius + self.radius * other.reach();
-        Self { center: self.center.cross(&other.center), radius }
-    }
-}
-
-fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
-    let n = &part.net;
-    let rounding = ROUNDING * part.bounds().magnitude();
-    let du = std::array::from_fn::<_, 12, _>(|k| (n[k / 4 + 1][k % 4] - n[k / 4][k % 4]) * 3.0);
-    let dv = std::array::from_fn::<_, 12, _>(|k| (n[k % 4][k / 4 + 1] - n[k % 4][k / 4]) * 3.0);
-    let [du, dv] = [du, dv].map(|vectors| Ball::around(vectors, rounding));
+fn examine(part: &impl Patch, radius: f64, axis: usize) -> Finding {
+    let DerivativeBounds { du, dv, duu, duv, dvv } = part.derivatives();
     let cross = du.cross(dv);
     let length = cross.center.norm();
     let at_center = part.jet(0.5, 0.5);
@@ -223,20 +234,6 @@ fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
     if cross.center.z <= cross.radius {
         return Finding::Undecided(Doubt::Normal);
     }
-    let duu = std::array::from_fn::<_, 8, _>(|k| {
-        let (a, b) = (k / 4, k % 4);
-        (n[a][b] - n[a + 1][b] * 2.0 + n[a + 2][b]) * 6.0
-    });
-    let dvv = std::array::from_fn::<_, 8, _>(|k| {
-        let (b, a) = (k / 4, k % 4);
-        (n[a][b] - n[a][b + 1] * 2.0 + n[a][b + 2]) * 6.0
-    });
-    let duv = std::array::from_fn::<_, 9, _>(|k| {
-        let (a, b) = (k / 3, k % 3);
-        (n[a + 1][b + 1] - n[a + 1][b] - n[a][b + 1] + n[a][b]) * 9.0
-    });
-    let [duu, dvv] = [duu, dvv].map(|vectors| Ball::around(vectors, rounding));
-    let duv = Ball::around(duv, rounding);
     // Sa = p Su and Sb = q Su + s Sv are orthonormal at the centre.
     let p = 1.0 / du.center.norm();
     let along = du.center * p;
@@ -282,7 +279,13 @@ fn examine(part: &Patch, radius: f64, axis: usize) -> Finding {
         return Finding::Undecided(Doubt::Normal);
     }
     let offset_curvature = (high / margin).abs().max((low / (1.0 - radius * low)).abs());
-    Finding::Holds { section_curvature: offset_curvature / share }
+    let normal_at_center = at_center.normal();
+    let true_share = 1.0 - (normal_at_center[axis] / normal_at_center.norm()).powi(2);
+    Finding::Followed(Followed {
+        section_curvature: offset_curvature / share,
+        slope: Slope { share, concavity: (high / margin).max(0.0) },
+        is_sharp: share >= SHARPNESS * true_share.sqrt(),
+    })
 }
 
 /// The largest value of (value) / (1 +- error).
@@ -304,7 +307,6 @@ pub fn largest_curvature(jet: &super::Jet) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::surface::BezierSurface;
     use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 
     fn grid(n: usize, half: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
@@ -335,7 +337,7 @@ mod tests {
         let dome = grid(41, 30.0, |x, _| (1600.0 - x * x).sqrt());
         let bound = prove(&dome, 5.0, 1, &Budget::unlimited()).unwrap();
         for i in 0..40 {
-            let k = bound.around(i, 20);
+            let k = bound.section_curvature_around(i, 20);
             assert!((1.0 / 45.0 - 1e-4..1.5 / 45.0).contains(&k), "{k}");
         }
     }

@@ -21,6 +21,10 @@ impl Range {
     pub const POSITIVE: Range = Range { min: MIN_POSITIVE, max: MAX_MAGNITUDE_MM };
     /// Heights and coordinates.
     pub const COORDINATE: Range = Range { min: -MAX_MAGNITUDE_MM, max: MAX_MAGNITUDE_MM };
+
+    pub fn holds(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value)
+    }
 }
 
 /// The violations found so far: the first of them, and how many there are.
@@ -43,7 +47,7 @@ impl Violations {
         if value.abs() > MAX_MAGNITUDE_MM {
             let detail = format!("{value:?} {unit} is beyond {MAX_MAGNITUDE_MM} {unit}");
             self.add(at, FieldCode::TooLarge, detail);
-        } else if !(range.min..=range.max).contains(&value) {
+        } else if !range.holds(value) {
             let detail = format!("{value:?} {unit} is outside {:?}..={:?} {unit}", range.min, range.max);
             self.add(at, FieldCode::OutOfRange, detail);
         }

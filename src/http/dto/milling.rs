@@ -40,10 +40,14 @@ pub struct MillRequest {
     #[serde(default, rename = "engine")]
     #[schema(default = "offset_section")]
     _engine: Engine,
-    /// Where the passes end: `on`, the cutter's contact reaches the edge.
-    #[serde(default, rename = "boundary")]
+    /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
+    /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius.
+    #[serde(default)]
     #[schema(default = "on")]
-    _boundary: Boundary,
+    boundary: Boundary,
+    /// Stock to be left on the surface. Default: 0.
+    #[schema(minimum = 0, maximum = 1000)]
+    allowance_mm: Option<f64>,
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
     #[serde(default, deserialize_with = "object::required")]
@@ -73,9 +77,14 @@ pub enum Engine {
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Boundary {
+    Inside,
     #[default]
     On,
+    Past,
 }
+
+/// Stock that may be left, mm.
+const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
 /// A request in the core's terms, with what the operation does not need to know.
 #[derive(Debug)]
@@ -98,7 +107,8 @@ impl IntoJob for MillRequest {
             interpolation,
             step_length_mm,
             _engine: Engine::OffsetSection,
-            _boundary: Boundary::On,
+            boundary,
+            allowance_mm,
             cutting,
             program,
             meta,
@@ -110,29 +120,38 @@ impl IntoJob for MillRequest {
         tool.check(&root.field("tool"), &mut violations);
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
-        strategy.check(&root.field("strategy"), extent, limits.sections, &mut violations);
+        let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
+        violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");
         violations.optional(&root.field("step_length_mm"), step_length_mm, Range::POSITIVE, "mm");
         let cutting = cutting.convert(&root.field("cutting"), &mut violations);
         program.check(&root.field("program"), &mut violations);
         if let Some(meta) = &meta {
             meta::check(meta, &root.field("meta"), &mut violations);
         }
-        let (Some(tolerance), Some(cutting)) = (Tolerance::from_mm(tolerance_mm), cutting) else {
+        let (Some(tolerance), Some(cutting), Some(sections)) =
+            (Tolerance::from_mm(tolerance_mm), cutting, sections)
+        else {
             return Err(violations.into_error());
         };
         violations.result()?;
 
-        let Sections { plane, stepover_mm, direction } = strategy.into();
+        let Sections { plane, spacing, direction } = sections;
         let (dialect, program) = program.convert();
         let job = core::Job {
             surface: surface.into(),
             tool: tool.into(),
             plane,
-            stepover_mm,
+            spacing,
+            boundary: match boundary {
+                Boundary::Inside => core::Boundary::Inside,
+                Boundary::On => core::Boundary::On,
+                Boundary::Past => core::Boundary::Past,
+            },
             direction,
             tolerance,
+            allowance_mm: allowance_mm.unwrap_or(0.0),
             interpolation: match interpolation {
                 Interpolation::Arcs => core::Interpolation::Arcs,
                 Interpolation::Lines => core::Interpolation::Lines,
@@ -151,17 +170,41 @@ impl IntoJob for MillRequest {
 pub struct MillReport {
     n_passes: usize,
     n_cl_points: usize,
+    /// Distance of neighbouring planes.
+    stepover_mm: f64,
     /// Proved: the path as written lies nowhere farther from the exact one.
     deviation_max_mm: f64,
     /// Proved: the cutter penetrates the surface nowhere deeper.
     gouge_max_mm: f64,
+    /// Proved: no more is left between passes, along the normal of the surface; but for the deviation, and for what
+    /// lies so near to an edge that the way to the next pass leaves the surface. `null` where the passes are too far
+    /// apart to meet.
+    scallop_max_mm: Option<f64>,
     n_arcs: usize,
     n_lines: usize,
 }
 
 impl From<&core::Report> for MillReport {
     fn from(report: &core::Report) -> Self {
-        let &core::Report { n_passes, n_cl_points, deviation_max_mm, gouge_max_mm, n_arcs, n_lines } = report;
-        Self { n_passes, n_cl_points, deviation_max_mm, gouge_max_mm, n_arcs, n_lines }
+        let &core::Report {
+            n_passes,
+            n_cl_points,
+            stepover_mm,
+            deviation_max_mm,
+            gouge_max_mm,
+            scallop_max_mm,
+            n_arcs,
+            n_lines,
+        } = report;
+        Self {
+            n_passes,
+            n_cl_points,
+            stepover_mm,
+            deviation_max_mm,
+            gouge_max_mm,
+            scallop_max_mm,
+            n_arcs,
+            n_lines,
+        }
     }
 }

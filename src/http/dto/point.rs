@@ -17,6 +17,11 @@ use crate::http::pointer::Pointer;
 pub struct Point(pub [f64; 3]);
 
 impl Point {
+    /// Whether every coordinate is of a legal magnitude.
+    pub fn is_legal(&self) -> bool {
+        self.0.iter().all(|x| x.abs() <= MAX_MAGNITUDE_MM)
+    }
+
     /// Looks at every coordinate of element `k` of the array at `at`.
     pub fn check_in(&self, at: &Pointer, k: usize, violations: &mut Violations) {
         // Pointers are built for those to blame alone: a surface has very many points.

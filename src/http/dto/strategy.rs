@@ -36,7 +36,7 @@ pub enum ClCartesianKind {
     ClCartesian,
 }
 
-/// Passes along parallel planes, equally spaced, at most `stepover_mm` apart.
+/// Passes along parallel planes, equally spaced: exactly one of `stepover_mm` and `scallop_height_mm` says how far apart.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClCartesian {
@@ -49,7 +49,10 @@ pub struct ClCartesian {
     plane: Plane,
     /// Largest distance of neighbouring planes.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
-    stepover_mm: f64,
+    stepover_mm: Option<f64>,
+    /// Largest height left between passes, along the normal of the surface.
+    #[schema(minimum = 0.000_001, maximum = 1000)]
+    scallop_height_mm: Option<f64>,
     #[serde(default)]
     #[schema(default = "zigzag")]
     direction: Direction,
@@ -84,51 +87,75 @@ fn yes() -> bool {
 /// A strategy in the core's terms.
 pub struct Sections {
     pub plane: core::SectionPlane,
-    pub stepover_mm: f64,
+    pub spacing: core::Spacing,
     pub direction: core::CutDirection,
 }
 
+/// Heights that may be left between passes, mm.
+const SCALLOP_HEIGHT: Range = Range { min: 1e-6, max: 1000.0 };
+
 impl Strategy {
-    /// Collects what is wrong with the strategy at `at`, for a surface of the given extents along x and y.
-    pub fn check(&self, at: &Pointer, extent: [f64; 2], max_sections: usize, violations: &mut Violations) {
-        let Strategy::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, direction: _, trim }) = self;
-        let at_stepover = at.field("stepover_mm");
-        violations.number(&at_stepover, *stepover_mm, Range::POSITIVE, "mm");
-        let across = match plane {
-            Plane::Zx => extent[1],
-            Plane::Yz => extent[0],
-        };
-        let sections = (across / stepover_mm.max(f64::MIN_POSITIVE)).ceil() + 1.0;
-        // Points beyond the legal magnitude are to blame themselves.
-        let is_legal = *stepover_mm >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;
-        if is_legal && sections > max_sections as f64 {
-            let detail = format!(
-                "{stepover_mm} mm over {across} mm makes {sections} sections; at most {max_sections} are allowed"
-            );
-            violations.add(&at_stepover, FieldCode::LimitExceeded, detail);
-        }
+    /// The strategy at `at` for a surface of the given extents along x and y, or nothing with the reasons in `violations`.
+    pub fn convert(
+        self,
+        at: &Pointer,
+        extent: [f64; 2],
+        max_sections: usize,
+        violations: &mut Violations,
+    ) -> Option<Sections> {
+        let Self::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, scallop_height_mm, direction, trim }) =
+            self;
         if !trim {
             let detail = "`trim: false` is refused: an untrimmed path may cut into the part";
             violations.add(&at.field("trim"), FieldCode::Unsupported, detail);
         }
-    }
-}
-
-/// Converts what has been checked.
-impl From<Strategy> for Sections {
-    fn from(strategy: Strategy) -> Self {
-        let Strategy::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, direction, trim: _ }) =
-            strategy;
-        Self {
+        let across = match plane {
+            Plane::Zx => extent[1],
+            Plane::Yz => extent[0],
+        };
+        let at_stepover = at.field("stepover_mm");
+        let spacing = match (stepover_mm, scallop_height_mm) {
+            (Some(stepover), None) => {
+                violations.number(&at_stepover, stepover, Range::POSITIVE, "mm");
+                check_count(&at_stepover, across, stepover, max_sections, violations);
+                core::Spacing::Stepover(stepover)
+            }
+            (None, Some(height)) => {
+                violations.number(&at.field("scallop_height_mm"), height, SCALLOP_HEIGHT, "mm");
+                core::Spacing::ScallopHeight(height)
+            }
+            (None, None) => {
+                let detail = "`stepover_mm` or `scallop_height_mm` is required";
+                violations.add(&at_stepover, FieldCode::MissingField, detail);
+                return None;
+            }
+            (Some(_), Some(_)) => {
+                let detail = "`stepover_mm` and `scallop_height_mm` exclude each other";
+                violations.add(&at.field("scallop_height_mm"), FieldCode::Conflict, detail);
+                return None;
+            }
+        };
+        Some(Sections {
             plane: match plane {
                 Plane::Zx => core::SectionPlane::Zx,
                 Plane::Yz => core::SectionPlane::Yz,
             },
-            stepover_mm,
+            spacing,
             direction: match direction {
                 Direction::OneWay => core::CutDirection::OneWay,
                 Direction::Zigzag => core::CutDirection::Zigzag,
             },
-        }
+        })
+    }
+}
+
+/// Looks at the number of sections before they are made; points beyond the legal magnitude are to blame themselves.
+fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations: &mut Violations) {
+    let sections = (across / stepover.max(f64::MIN_POSITIVE)).ceil() + 1.0;
+    let is_legal = stepover >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;
+    if is_legal && sections > most as f64 {
+        let detail =
+            format!("{stepover} mm over {across} mm makes {sections} sections; at most {most} are allowed");
+        violations.add(at, FieldCode::LimitExceeded, detail);
     }
 }

@@ -22,6 +22,8 @@ pub struct Warning {
 pub enum WarningCode {
     /// The end condition fell to the interpolating polynomial, for want of points.
     EndsReduced,
+    /// Neighbouring passes do not meet: stock of any height is left between them.
+    PassesApart,
     /// The program starts no spindle.
     NoSpindleSpeed,
 }

@@ -69,6 +69,10 @@ impl From<&surface_milling::Warning> for Warning {
                     "`not_a_knot` needs 4 points along {direction}; through {points} runs the interpolating polynomial"
                 ),
             },
+            surface_milling::Warning::PassesApart { stepover_mm } => Self {
+                code: WarningCode::PassesApart,
+                detail: format!("passes {stepover_mm} mm apart do not meet everywhere: stock is left between them"),
+            },
             surface_milling::Warning::NoSpindleSpeed => Self {
                 code: WarningCode::NoSpindleSpeed,
                 detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),

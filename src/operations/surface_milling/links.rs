@@ -7,6 +7,7 @@ use super::{CERTIFICATE_GAP, CutDirection, Error, Job};
 use crate::budget::Budget;
 use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::curve::{Curve, Line};
+use crate::geometry::surface::Patch;
 use crate::toolpath::quantize::quantize;
 use crate::toolpath::tool::Cutting;
 use crate::toolpath::{Builder, Role, Toolpath};
@@ -16,7 +17,7 @@ pub(super) fn join(
     job: &Job,
     cutting: &Cutting,
     passes: &[CutPass],
-    clearance: &Clearance,
+    clearance: &Clearance<impl Patch>,
     budget: &Budget,
 ) -> Result<Toolpath, Error> {
     let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
@@ -59,7 +60,7 @@ fn is_linked(
     job: &Job,
     cutting: &Cutting,
     link: &Line,
-    clearance: &Clearance,
+    clearance: &Clearance<impl Patch>,
     budget: &Budget,
 ) -> Result<bool, Error> {
     if job.direction == CutDirection::OneWay {

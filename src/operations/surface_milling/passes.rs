@@ -2,12 +2,13 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
+use super::planes::{SectionAt, Slicer};
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{self, Shape, Shapes};
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
-use crate::geometry::section::{Chain, INSET_MM, Sections, Spacing, chord_height};
+use crate::geometry::section::{Chain, Spacing, chord_height};
 use crate::toolpath::PathError;
 use crate::toolpath::quantize::{Grid, quantize};
 
@@ -23,13 +24,6 @@ const CHORD_HEIGHT_SHARE: f64 = 0.03;
 
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
-
-/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
-/// instead, half a hundredth of a millimetre, to have a section.
-const TOUCH_MM: f64 = 5e-3;
-
-/// An edge is straight where the section next to it has this part of the length of that a little inside.
-const STRAIGHT_SHARE: f64 = 0.9;
 
 /// How exactly a tip lies on its section, mm.
 const ACCURACY_MM: f64 = 2e-10;
@@ -55,21 +49,30 @@ impl CutPass {
     }
 }
 
-/// All passes in the order of cutting; each deviates by at most `tolerance` mm.
+/// What every pass is held to, mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Allowed {
+    /// Each pass deviates by at most this.
+    pub(super) tolerance: f64,
+    /// The exact CL curve may jump by this where patches join, for the rounding of their data.
+    pub(super) jump: f64,
+}
+
+/// All passes in the order of cutting.
 pub(super) fn cut(
     job: &Job,
-    sections: &Sections,
-    tolerance: f64,
+    slicer: &Slicer,
+    planes: &[SectionAt],
+    allowed: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
-    let planes = planes(job, sections, budget)?;
     let mut passes: Vec<CutPass> = Vec::new();
     let (mut n_points, mut n_curves) = (0, 0);
     for (k, plane) in planes.iter().enumerate() {
         budget.check()?;
         budget.progress("sections", k, planes.len());
         let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
-        for pass in cut_plane(job, sections, *plane, forward, tolerance, budget)? {
+        for pass in cut_plane(job, slicer, *plane, forward, allowed, budget)? {
             n_points += pass.n_points;
             if n_points > CL_POINT_LIMIT {
                 return Err(Error::TooMuchWork {
@@ -92,62 +95,13 @@ pub(super) fn cut(
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
-/// A plane of sections.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct SectionAt {
-    /// Where the passes are cut, mm.
-    at: f64,
-    /// Where the section is traced: the same, but just inside the extent for a plane along an edge, mm.
-    traced_at: f64,
-}
-
-/// Equally spaced planes at most the stepover apart, the first and the last on the extent of the CL points.
-fn planes(job: &Job, sections: &Sections, budget: &Budget) -> Result<Vec<SectionAt>, Error> {
-    let [low, high] = sections.extent();
-    let width = high - low;
-    // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
-    let spaces = (width / job.stepover_mm - 1e-9).ceil().max(1.0);
-    let limit = job.plane_limit;
-    if spaces >= limit as f64 {
-        return Err(Error::TooMuchWork { what: "section planes", needed: spaces as usize + 1, limit });
-    }
-    let n = spaces as usize;
-    let first = outermost(low, 1.0, width, sections, budget)?;
-    let last = outermost(high, -1.0, width, sections, budget)?;
-    let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
-    let inner = (1..n).map(|k| SectionAt { at: between(k), traced_at: between(k) });
-    Ok(std::iter::once(first).chain(inner).chain([last]).collect())
-}
-
-/// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
-/// along a straight edge, else as far inside as [`TOUCH_MM`].
-fn outermost(
-    extent: f64,
-    inward: f64,
-    width: f64,
-    sections: &Sections,
-    budget: &Budget,
-) -> Result<SectionAt, Error> {
-    let cut_length = |at: f64| -> Result<f64, Error> {
-        let coarse = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
-        Ok(sections.chains(at, coarse, budget)?.iter().map(length).sum())
-    };
-    let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
-    let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
-    if cut_length(on_edge)? >= STRAIGHT_SHARE * cut_length(inside)? {
-        Ok(SectionAt { at: extent, traced_at: on_edge })
-    } else {
-        Ok(SectionAt { at: inside, traced_at: inside })
-    }
-}
-
 /// The passes of one plane, in the direction of travel.
 fn cut_plane(
     job: &Job,
-    sections: &Sections,
+    slicer: &Slicer,
     plane: SectionAt,
     forward: bool,
-    tolerance: f64,
+    Allowed { tolerance, jump }: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
     let mut spacing = Spacing {
@@ -161,11 +115,11 @@ fn cut_plane(
     let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (0.0, Point3::origin());
     for _ in 0..REFINEMENT_LIMIT {
-        let mut chains = sections.chains(plane.traced_at, spacing, budget)?;
-        chains.retain(|chain| length(chain) > shortest);
+        let mut chains = slicer.chains(plane.traced_at, spacing, budget)?;
+        chains.retain(|chain| chain.length() > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
-            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance)).collect();
+            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, jump)).collect();
         let passes = passes?;
         worst = (0.0, Point3::origin());
         for pass in &passes {
@@ -180,10 +134,6 @@ fn cut_plane(
         spacing.chord_height_mm *= 0.5;
     }
     Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm: worst.0, at: worst.1 })
-}
-
-fn length(chain: &Chain) -> f64 {
-    chain.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
 
 /// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they start.
@@ -202,8 +152,8 @@ fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
 }
 
 /// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves how far these leave
-/// the section.
-fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass, Error> {
+/// the section, which may jump by `jump` mm between its points.
+fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64, jump: f64) -> Result<CutPass, Error> {
     let plane = job.plane.arc_plane();
     let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);
     let tips: Vec<Point3<f64>> = chain.points.iter().map(|center| center + down).collect();
@@ -222,7 +172,7 @@ fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64) -> Result<CutPass,
         let curve = curve(plane, [from, to].map(on_plane), element.shape, |b| {
             on_plane(arc_fit::center(from, to, b))
         })?;
-        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm)?;
+        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm + jump)?;
         pass.deviation_mm = pass.deviation_mm.max(deviation);
         pass.curves.push(curve);
         start = element.end;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Point3;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd::geometry::surface::source::Source;
 use toolpathd::operations::surface_milling::{CutDirection, Job, SectionPlane};
 use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
@@ -22,9 +23,25 @@ pub fn heights(n: usize, [from, to]: [f64; 2], ends: Ends, height: impl Fn(f64, 
 pub fn job(surface: PointGrid, diameter_mm: f64, stepover_mm: f64, tolerance_mm: f64, decimals: u8) -> Job {
     let tolerance = Tolerance::from_mm(tolerance_mm).unwrap();
     let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
-    let mut job = Job::new(surface, Tool::ball(0.5 * diameter_mm), stepover_mm, tolerance, feed);
+    let mut job = Job::new(Source::PointGrid(surface), Tool::ball(0.5 * diameter_mm), stepover_mm, tolerance, feed);
     job.resolution.decimals = decimals;
     job
+}
+
+/// The points of a job's grid.
+pub fn points(job: &mut Job) -> impl Iterator<Item = &mut Point3<f64>> {
+    match &mut job.surface {
+        Source::PointGrid(grid) => grid.points.iter_mut().flatten(),
+        other => panic!("{other:?} is no grid"),
+    }
+}
+
+/// The grid of a job.
+pub fn grid_of(job: &Job) -> &PointGrid {
+    match &job.surface {
+        Source::PointGrid(grid) => grid,
+        other => panic!("{other:?} is no grid"),
+    }
 }
 
 /// The die: two hills and two hollows.

@@ -2,16 +2,17 @@
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
-use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Report, SectionPlane};
+use toolpathd::geometry::surface::source::Source;
+use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Report, SectionPlane, Spacing};
 
-use super::jobs::{PLANES, die, heights, job};
+use super::jobs::{PLANES, die, grid_of, heights, job, points};
 use super::spline::Spline;
 use super::verdict::judge;
 
 /// A die with a coarser stepover, without the symmetries of the sine.
 fn lopsided(plane: SectionPlane) -> Job {
-    let mut job = Job { stepover_mm: 16.0, ..die(plane, CutDirection::Zigzag) };
-    for point in job.surface.points.iter_mut().flatten() {
+    let mut job = Job { spacing: Spacing::Stepover(16.0), ..die(plane, CutDirection::Zigzag) };
+    for point in points(&mut job) {
         point.z += 0.0004 * point.x * point.x + 0.02 * point.y;
     }
     job
@@ -19,15 +20,16 @@ fn lopsided(plane: SectionPlane) -> Job {
 
 fn mapped(job: &Job, plane: SectionPlane, map: impl Fn(&Point3<f64>) -> Point3<f64>) -> Job {
     let mut mapped = Job { plane, ..job.clone() };
-    for point in mapped.surface.points.iter_mut().flatten() {
+    for point in points(&mut mapped) {
         *point = map(point);
     }
     mapped
 }
 
 fn renumbered(job: &Job, order: impl Fn(&[Vec<Point3<f64>>]) -> Vec<Vec<Point3<f64>>>) -> Job {
-    let surface = PointGrid { points: order(&job.surface.points), ..job.surface.clone() };
-    Job { surface, ..job.clone() }
+    let grid = grid_of(job);
+    let surface = PointGrid { points: order(&grid.points), ..grid.clone() };
+    Job { surface: Source::PointGrid(surface), ..job.clone() }
 }
 
 /// Judges `variant`, whose report is that of the `original` but for rounding and the greedy choice of ends.
@@ -112,7 +114,7 @@ impl Noise {
 /// The least of 1 - radius x curvature over dense samples within `reach` of `place` in x and y: at zero or
 /// below, the offset folds there.
 fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
-    let surface = Spline::through(&job.surface);
+    let surface = Spline::through(grid_of(&job));
     let size = surface.size();
     let mut least = f64::INFINITY;
     for i in 0..=400 {
@@ -132,7 +134,7 @@ fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) ->
     for seed in seeds {
         let mut noise = Noise(seed);
         let mut noisy = job.clone();
-        for point in noisy.surface.points.iter_mut().flatten() {
+        for point in points(&mut noisy) {
             for k in 0..3 {
                 point[k] += amplitude_mm * noise.next();
             }
@@ -158,7 +160,7 @@ fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) ->
 fn noisy_points_are_cut_rightly_or_refused_where_the_ball_does_not_fit() {
     for plane in PLANES {
         // Over 80 mm the noise hardly bends the surface.
-        let die = Job { stepover_mm: 16.0, ..die(plane, CutDirection::Zigzag) };
+        let die = Job { spacing: Spacing::Stepover(16.0), ..die(plane, CutDirection::Zigzag) };
         assert_eq!(cut_and_refused(&die, 0.05, 1..3), [2, 0]);
         // Over 8 mm it bends it to about the radius of the ball.
         let surface = heights(9, [0.0, 8.0], Ends::NotAKnot, |x, y| 0.2 * x.sin() + 0.1 * y);

@@ -1,9 +1,12 @@
 //! Judges a plan: every promise of its report against figures found without the product's geometry.
 
 use toolpathd::budget::Budget;
-use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Plan, SectionPlane, plan};
+use toolpathd::operations::surface_milling::{
+    CutDirection, Error, Job, Plan, SectionPlane, Spacing, plan,
+};
 
 use super::cutter::{Cutter, Depth};
+use super::jobs::grid_of;
 use super::motion::{Kind, Motion, planned, written};
 use super::section::{Locus, Section};
 use super::spline::Spline;
@@ -41,7 +44,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
         SectionPlane::Zx => 1,
         SectionPlane::Yz => 0,
     };
-    let surface = Spline::through(&job.surface);
+    let surface = Spline::through(grid_of(&job));
     let passes = planned(plan);
     let text = written(job, plan);
     let moves = || passes.iter().flatten().copied();
@@ -167,7 +170,8 @@ fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], extent: [f64; 2]) {
     let reaches = (first - extent[0]).abs() < 0.01 && (last - extent[1]).abs() < 0.01;
     assert!(reaches, "planes {planes:?}, CL points in {extent:?}");
     let spacing = (last - first) / (planes.len() - 1) as f64;
-    assert!(spacing <= job.stepover_mm + 1e-9, "{spacing}");
+    let Spacing::Stepover(stepover_mm) = job.spacing else { panic!("{:?}", job.spacing) };
+    assert!(spacing <= stepover_mm + 1e-9, "{spacing}");
     for (k, plane) in planes.iter().enumerate() {
         // The outermost may be moved inward, as far as they may be from the ends.
         assert!((plane - first - k as f64 * spacing).abs() < 0.01, "{planes:?}");

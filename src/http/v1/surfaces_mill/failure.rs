@@ -1,7 +1,6 @@
 //! The failures of milling as the caller sees them.
 
 use crate::budget::Stopped;
-use crate::geometry::surface::point_grid::GridError;
 use crate::http::compute::Failure;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
@@ -40,7 +39,12 @@ impl From<Error> for ApiError {
         let strategy = root.field("strategy");
         match error {
             Error::Stopped(stopped) => stopped.into(),
-            Error::Grid(grid) => grid.into(),
+            Error::Source(source) => source.into(),
+            Error::NotSmooth(joint) => joint.into(),
+            Error::NoWayPast => {
+                let at = root.field("boundary");
+                Self::new(Code::NotSmooth, detail).blaming(&at, FieldCode::Unsupported)
+            }
             Error::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
             Error::OffsetFolds { at } => Self::new(Code::OffsetFolds, detail).at(at.into()),
             Error::HeightBelowTop { field, value_mm: _, top_mm: _ } => {
@@ -111,31 +115,14 @@ impl From<WriteError> for ApiError {
     }
 }
 
-impl From<GridError> for ApiError {
-    fn from(error: GridError) -> Self {
-        let surface = Pointer::root().field("surface");
-        let points = surface.field("points");
-        let (at, code) = match error {
-            GridError::TooFewRows { rows: _ } => (points, FieldCode::TooFewPoints),
-            GridError::TooFewPoints { row, points: _ } => (points.index(row), FieldCode::TooFewPoints),
-            GridError::Ragged { row, points: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
-            GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
-            GridError::EndTangents { side, given: _, expected: _ } => {
-                (surface.field("end_tangents").field(side), FieldCode::WrongLength)
-            }
-            GridError::EndTangentNotFinite { side } => {
-                (surface.field("end_tangents").field(side), FieldCode::TooLarge)
-            }
-        };
-        Self::invalid(vec![FieldError::new(&at, code, error.to_string())])
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Point3;
 
     use super::*;
+    use crate::geometry::surface::joints::NotSmooth;
+    use crate::geometry::surface::nurbs::NurbsError;
+    use crate::geometry::surface::point_grid::GridError;
 
     /// What the caller is told: the code and the places to blame.
     fn told(error: Error) -> (Code, Vec<String>) {
@@ -183,9 +170,21 @@ mod tests {
                 &["#/program/decimals"],
             ),
             (
-                Error::Grid(GridError::Ragged { row: 2, points: 3, expected: 4 }),
+                Error::Source(GridError::Ragged { row: 2, points: 3, expected: 4 }.into()),
                 Code::InvalidRequest,
                 &["#/surface/points/2"],
+            ),
+            (
+                Error::Source(NurbsError::KnotCount { along: 1, found: 2, points: 3, degree: 4 }.into()),
+                Code::InvalidRequest,
+                &["#/surface/knots_v"],
+            ),
+            (Error::NotSmooth(NotSmooth::Edge { at, angle_deg: 45.0 }), Code::NotSmooth, &[]),
+            (Error::NoWayPast, Code::NotSmooth, &["#/boundary"]),
+            (
+                Error::NotSmooth(NotSmooth::Gap { at, gap_mm: 1.0, patches: [[0, 0], [0, 1]] }),
+                Code::NotSmooth,
+                &["#/surface/patches/0/1"],
             ),
         ] {
             let (told_code, told_places) = told(error);

@@ -1,0 +1,35 @@
+//! Bicubic patches from what is known at their corners.
+
+use nalgebra::Vector3;
+
+use super::bezier::BezierSurface;
+use super::patch::BicubicPatch;
+
+/// Values at a corner: mm, and mm per unit of parameter.
+#[derive(Clone, Copy)]
+pub(super) struct Corner {
+    pub(super) point: Vector3<f64>,
+    pub(super) du: Vector3<f64>,
+    pub(super) dv: Vector3<f64>,
+    pub(super) duv: Vector3<f64>,
+}
+
+/// The surface whose patches have these corners over a grid of `size` points, at least 2 each way.
+pub(super) fn surface(size: [usize; 2], corner: impl Fn(usize, usize) -> Corner) -> BezierSurface {
+    BezierSurface::from_fn([size[0] - 1, size[1] - 1], |i, j| {
+        patch([[corner(i, j), corner(i, j + 1)], [corner(i + 1, j), corner(i + 1, j + 1)]])
+    })
+}
+
+/// The Bezier net of the patch with these corners, `corners[a][b]`, a along u.
+fn patch(corners: [[Corner; 2]; 2]) -> BicubicPatch {
+    let inward = [0.0, 1.0 / 3.0, -1.0 / 3.0, 0.0];
+    let net = std::array::from_fn(|a| {
+        std::array::from_fn(|b| {
+            let corner = corners[a / 2][b / 2];
+            let (s, t) = (inward[a], inward[b]);
+            corner.point + corner.du * s + corner.dv * t + corner.duv * (s * t)
+        })
+    });
+    BicubicPatch { net }
+}

@@ -1,0 +1,427 @@
+//! Rational B-spline surfaces as Bezier patches, a patch for each pair of knot spans.
+//!
+//! # Method
+//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a and k times
+//! b. They are linear in the control points of the span, so they are found once for every span and direction, as
+//! matrices (`extraction`), by de Boor's recursion with one argument a step; then every patch is matrix, net, matrix.
+//!
+//! # Guarantees
+//! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
+//! Patches of degree up to 3 whose weights are all equal are raised to [`BicubicPatch`], which is exact.
+//!
+//! # Degenerate input
+//! Knot spans without length have no patch. Knots of multiplicity p let the surface break in its tangents, which
+//! [`joints`](super::joints) finds; of more than p inside the domain would tear it and are refused.
+//!
+//! # Cost
+//! O(p^2 q + p q^2) for each patch of degree (p, q).
+//!
+//! # Reference
+//! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.
+
+use nalgebra::{DMatrix, Point3, Vector4};
+
+use super::bezier::BezierSurface;
+use super::patch::rational::MAX_DEGREE;
+use super::patch::{BicubicPatch, RationalPatch};
+use super::source::AnySurface;
+
+/// The largest quotient of two weights: beyond it the smaller ones do nothing but harm.
+pub const MAX_WEIGHT_RATIO: f64 = 1e6;
+
+/// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be one.
+pub const SHORTEST_SPAN: f64 = 1e-9;
+
+/// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm; knot vectors of
+/// length n + degree + 1 each way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nurbs {
+    pub degree: [usize; 2],
+    pub knots: [Vec<f64>; 2],
+    pub control_points: Vec<Vec<Point3<f64>>>,
+    /// All 1 where there are none.
+    pub weights: Option<Vec<Vec<f64>>>,
+}
+
+/// Why the data make no surface. `along` is 0 for u and 1 for v.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NurbsError {
+    #[error("a degree of {degree}; 1 to {MAX_DEGREE} can be read")]
+    Degree { along: usize, degree: usize },
+    #[error("{points} control points along this direction; a degree of {degree} needs {}", degree + 1)]
+    TooFewPoints { along: usize, points: usize, degree: usize },
+    #[error("row {row} has {found} control points where row 0 has {expected}")]
+    Ragged { row: usize, found: usize, expected: usize },
+    #[error("control point [{i}][{j}] is not finite")]
+    PointNotFinite { i: usize, j: usize },
+    #[error("{found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
+    KnotCount { along: usize, found: usize, points: usize, degree: usize },
+    #[error("the knot {index} is not finite, or below the one before it")]
+    KnotsDecrease { along: usize, index: usize },
+    #[error("the knot {index} is repeated {multiplicity} times; inside the domain {degree} times are allowed")]
+    KnotMultiplicity { along: usize, index: usize, multiplicity: usize, degree: usize },
+    #[error("the domain has no length")]
+    EmptyDomain { along: usize },
+    #[error("the knot {index} follows the one before it by less than {SHORTEST_SPAN} of the domain")]
+    SpanTooShort { along: usize, index: usize },
+    #[error("{found} rows of weights for {expected} rows of control points")]
+    WeightRows { found: usize, expected: usize },
+    #[error("row {row} has {found} weights for {expected} control points")]
+    WeightColumns { row: usize, found: usize, expected: usize },
+    #[error("the weight {weight} is not above zero, or not finite")]
+    Weight { i: usize, j: usize, weight: f64 },
+    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    WeightRatio { i: usize, j: usize, weight: f64, largest: f64 },
+}
+
+impl Nurbs {
+    /// # Errors
+    /// One of [`NurbsError`].
+    pub fn surface(&self) -> Result<AnySurface, NurbsError> {
+        let size = self.checked_size()?;
+        self.check_weights(size)?;
+        for along in 0..2 {
+            check_knots(&self.knots[along], self.degree[along], size[along], along)?;
+        }
+        let spans = [0, 1].map(|along| extraction(&self.knots[along], self.degree[along], size[along]));
+        let patch = |i: usize, j: usize| self.patch([&spans[0][i], &spans[1][j]]);
+        let counts = [spans[0].len(), spans[1].len()];
+        Ok(if self.is_bicubic() {
+            AnySurface::Bicubic(BezierSurface::from_fn(counts, |i, j| raised(&patch(i, j))))
+        } else {
+            AnySurface::Rational(BezierSurface::from_fn(counts, patch))
+        })
+    }
+
+    /// The joints between patches, by the number of patches before them along u and v, across which the knots let the
+    /// tangents break; of a surface that [`Nurbs::surface`] accepts.
+    pub fn loose_joints(&self) -> [Vec<usize>; 2] {
+        let size = [self.control_points.len(), self.control_points.first().map_or(0, Vec::len)];
+        [0, 1].map(|along| {
+            let inner = inner_knots(&self.knots[along], self.degree[along], size[along]).into_iter().enumerate();
+            let loose = inner.filter(|(_, (_, multiplicity))| *multiplicity >= self.degree[along]);
+            loose.map(|(k, _)| k + 1).collect()
+        })
+    }
+
+    /// A control point multiplied by its weight, and the weight.
+    fn homogeneous(&self, i: usize, j: usize) -> Vector4<f64> {
+        let weight = self.weights.as_ref().map_or(1.0, |weights| weights[i][j]);
+        (self.control_points[i][j].coords * weight).push(weight)
+    }
+
+    fn is_bicubic(&self) -> bool {
+        let mut weights = self.weights.iter().flatten().flatten();
+        let first = weights.next();
+        self.degree.iter().all(|degree| *degree <= 3) && weights.all(|weight| Some(weight) == first)
+    }
+
+    fn patch(&self, spans: [&Span; 2]) -> RationalPatch {
+        let [u, v] = spans;
+        RationalPatch::from_fn(self.degree, |a, b| {
+            let mut sum = Vector4::zeros();
+            for k in 0..=self.degree[0] {
+                for l in 0..=self.degree[1] {
+                    let share = u.extraction[(a, k)] * v.extraction[(b, l)];
+                    if share != 0.0 {
+                        sum += self.homogeneous(u.first + k, v.first + l) * share;
+                    }
+                }
+            }
+            sum
+        })
+    }
+
+    fn checked_size(&self) -> Result<[usize; 2], NurbsError> {
+        let size = [self.control_points.len(), self.control_points.first().map_or(0, Vec::len)];
+        for (along, (&degree, &points)) in self.degree.iter().zip(&size).enumerate() {
+            if !(1..=MAX_DEGREE).contains(&degree) {
+                return Err(NurbsError::Degree { along, degree });
+            }
+            if points <= degree {
+                return Err(NurbsError::TooFewPoints { along, points, degree });
+            }
+        }
+        for (i, row) in self.control_points.iter().enumerate() {
+            if row.len() != size[1] {
+                return Err(NurbsError::Ragged { row: i, found: row.len(), expected: size[1] });
+            }
+            if let Some(j) = row.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+                return Err(NurbsError::PointNotFinite { i, j });
+            }
+        }
+        Ok(size)
+    }
+
+    fn check_weights(&self, [rows, columns]: [usize; 2]) -> Result<(), NurbsError> {
+        let Some(weights) = &self.weights else { return Ok(()) };
+        if weights.len() != rows {
+            return Err(NurbsError::WeightRows { found: weights.len(), expected: rows });
+        }
+        let largest = weights.iter().flatten().copied().fold(0.0, f64::max);
+        for (i, row) in weights.iter().enumerate() {
+            if row.len() != columns {
+                return Err(NurbsError::WeightColumns { row: i, found: row.len(), expected: columns });
+            }
+            for (j, &weight) in row.iter().enumerate() {
+                if !(weight.is_finite() && weight > 0.0) {
+                    return Err(NurbsError::Weight { i, j, weight });
+                }
+                if weight * MAX_WEIGHT_RATIO < largest {
+                    return Err(NurbsError::WeightRatio { i, j, weight, largest });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A polynomial patch of degree up to 3 with equal weights, with its degree raised to 3 each way.
+fn raised(patch: &RationalPatch) -> BicubicPatch {
+    /// Rows: cubic control points; columns: those of the lower degree.
+    const RAISES: [[[f64; 4]; 4]; 3] = {
+        const T: f64 = 1.0 / 3.0;
+        [
+            [[1.0, 0.0, 0.0, 0.0], [2.0 * T, T, 0.0, 0.0], [T, 2.0 * T, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]],
+            [[1.0, 0.0, 0.0, 0.0], [T, 2.0 * T, 0.0, 0.0], [0.0, 2.0 * T, T, 0.0], [0.0, 0.0, 1.0, 0.0]],
+            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+        ]
+    };
+    let [p, q] = patch.degree();
+    let net = std::array::from_fn(|a| {
+        std::array::from_fn(|b| {
+            let mut sum = Vector4::zeros();
+            for k in 0..=p {
+                for l in 0..=q {
+                    sum += patch.homogeneous(k, l) * (RAISES[p - 1][a][k] * RAISES[q - 1][b][l]);
+                }
+            }
+            sum.xyz() / sum.w
+        })
+    });
+    BicubicPatch { net }
+}
+
+/// A knot span: its Bezier control points are `extraction` times the control points from `first` on.
+struct Span {
+    first: usize,
+    extraction: DMatrix<f64>,
+}
+
+/// The spans of a knot vector that have a length.
+fn extraction(knots: &[f64], degree: usize, points: usize) -> Vec<Span> {
+    let has_length = |i: &usize| knots[i + 1] > knots[*i];
+    let extraction = |i: usize| {
+        DMatrix::from_fn(degree + 1, degree + 1, |row, column| blossom(knots, degree, i, row, column))
+    };
+    let spans = (degree..points).filter(has_length);
+    spans.map(|i| Span { first: i - degree, extraction: extraction(i) }).collect()
+}
+
+fn check_knots(knots: &[f64], degree: usize, points: usize, along: usize) -> Result<(), NurbsError> {
+    if knots.len() != points + degree + 1 {
+        return Err(NurbsError::KnotCount { along, found: knots.len(), points, degree });
+    }
+    let is_wrong = |k: &usize| !knots[*k].is_finite() || (*k > 0 && knots[*k] < knots[k - 1]);
+    if let Some(index) = (0..knots.len()).find(is_wrong) {
+        return Err(NurbsError::KnotsDecrease { along, index });
+    }
+    let length = knots[points] - knots[degree];
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(NurbsError::EmptyDomain { along });
+    }
+    let is_short = |k: &usize| (f64::MIN_POSITIVE..SHORTEST_SPAN * length).contains(&(knots[*k] - knots[k - 1]));
+    if let Some(index) = (degree + 1..=points).find(is_short) {
+        return Err(NurbsError::SpanTooShort { along, index });
+    }
+    for (index, multiplicity) in inner_knots(knots, degree, points) {
+        if multiplicity > degree {
+            return Err(NurbsError::KnotMultiplicity { along, index, multiplicity, degree });
+        }
+    }
+    Ok(())
+}
+
+/// The distinct knots inside the domain, by the index of the first of each, with their multiplicities.
+fn inner_knots(knots: &[f64], degree: usize, points: usize) -> Vec<(usize, usize)> {
+    let mut inner: Vec<(usize, usize)> = Vec::new();
+    for (index, knot) in knots.iter().enumerate() {
+        if *knot <= knots[degree] || *knot >= knots[points] {
+            continue;
+        }
+        match inner.last_mut() {
+            Some((first, multiplicity)) if knots[*first] == *knot => *multiplicity += 1,
+            _ => inner.push((index, 1)),
+        }
+    }
+    inner
+}
+
+/// The share of control point `span - degree + column` in the blossom of the span at `row` times its end and
+/// `degree - row` times its start.
+fn blossom(knots: &[f64], degree: usize, span: usize, row: usize, column: usize) -> f64 {
+    let mut values = [0.0; MAX_DEGREE + 1];
+    values[column] = 1.0;
+    for step in 1..=degree {
+        let argument = if step <= row { knots[span + 1] } else { knots[span] };
+        for k in 0..=degree - step {
+            let (low, high) = (knots[span - degree + k + step], knots[span + 1 + k]);
+            let t = (argument - low) / (high - low);
+            values[k] = values[k] * (1.0 - t) + values[k + 1] * t;
+        }
+    }
+    values[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::surface::Surface;
+
+    /// The basis function by its definition (Cox and de Boor), on a half-open span.
+    fn basis(knots: &[f64], k: usize, degree: usize, t: f64) -> f64 {
+        if degree == 0 {
+            return if knots[k] <= t && t < knots[k + 1] { 1.0 } else { 0.0 };
+        }
+        let part = |above: f64, below: f64, value: f64| if below > 0.0 { above / below * value } else { 0.0 };
+        part(t - knots[k], knots[k + degree] - knots[k], basis(knots, k, degree - 1, t))
+            + part(knots[k + degree + 1] - t, knots[k + degree + 1] - knots[k + 1], basis(knots, k + 1, degree - 1, t))
+    }
+
+    fn by_definition(nurbs: &Nurbs, t: [f64; 2]) -> Point3<f64> {
+        let mut sum = Vector4::zeros();
+        for i in 0..nurbs.control_points.len() {
+            for j in 0..nurbs.control_points[0].len() {
+                let share = basis(&nurbs.knots[0], i, nurbs.degree[0], t[0])
+                    * basis(&nurbs.knots[1], j, nurbs.degree[1], t[1]);
+                sum += nurbs.homogeneous(i, j) * share;
+            }
+        }
+        Point3::from(sum.xyz() / sum.w)
+    }
+
+    /// Knots with steps from a list in which zeros repeat a knot; not clamped unless the list says so.
+    fn knots(steps: &[u8], degree: usize, points: usize) -> Vec<f64> {
+        let mut knot = -1.0;
+        let mut run = 0;
+        let knots = (0..points + degree + 1).map(|k| {
+            let step = f64::from(steps[k % steps.len()] % 4);
+            run = if step == 0.0 { run + 1 } else { 0 };
+            knot += if run >= degree { 1.0 } else { step };
+            run = if run >= degree { 0 } else { run };
+            knot
+        });
+        knots.collect()
+    }
+
+    fn any_nurbs() -> impl Strategy<Value = Nurbs> {
+        let sizes = (1usize..=7, 1usize..=7, 1usize..5, 1usize..5);
+        let steps = prop::collection::vec(0u8..8, 16);
+        let entries = prop::collection::vec((-0.4f64..0.4, -0.4f64..0.4, -1.0f64..1.0, 0.2f64..4.0), 144);
+        (sizes, steps.clone(), steps, entries, any::<bool>()).prop_map(
+            |((p, q, m, n), steps_u, steps_v, entries, is_rational)| {
+                let size = [p + m, q + n];
+                let grid = |f: &dyn Fn(usize, usize) -> [f64; 4]| -> Vec<Vec<[f64; 4]>> {
+                    (0..size[0]).map(|i| (0..size[1]).map(|j| f(i, j)).collect()).collect()
+                };
+                let grid = grid(&|i, j| {
+                    let (dx, dy, z, w) = entries[i * 12 + j];
+                    [i as f64 + dx, j as f64 + dy, z, w]
+                });
+                let map = |row: &Vec<[f64; 4]>| row.iter().map(|[x, y, z, _]| Point3::new(*x, *y, *z)).collect();
+                Nurbs {
+                    degree: [p, q],
+                    knots: [knots(&steps_u, p, size[0]), knots(&steps_v, q, size[1])],
+                    control_points: grid.iter().map(map).collect(),
+                    weights: is_rational
+                        .then(|| grid.iter().map(|row| row.iter().map(|entry| entry[3]).collect()).collect()),
+                }
+            },
+        )
+    }
+
+    /// The parameter in a knot vector of the place `t` in the spans that have a length.
+    fn place(knots: &[f64], degree: usize, points: usize, t: f64) -> f64 {
+        let spans: Vec<_> = (degree..points).filter(|&i| knots[i + 1] > knots[i]).collect();
+        let k = (t as usize).min(spans.len() - 1);
+        knots[spans[k]] + (knots[spans[k] + 1] - knots[spans[k]]) * (t - k as f64)
+    }
+
+    proptest! {
+        #[test]
+        fn patches_are_the_surface_of_the_definition(nurbs in any_nurbs(), s in 0.0f64..0.999, t in 0.0f64..0.999) {
+            let surface = match nurbs.surface() {
+                Ok(surface) => surface,
+                Err(NurbsError::EmptyDomain { .. }) => return Ok(()),
+                Err(other) => return Err(TestCaseError::fail(other.to_string())),
+            };
+            let size = [nurbs.control_points.len(), nurbs.control_points[0].len()];
+            let [nu, nv] = surface.spans();
+            let (u, v) = (s * nu as f64, t * nv as f64);
+            let at = [u, v];
+            let at = [0, 1].map(|c| place(&nurbs.knots[c], nurbs.degree[c], size[c], at[c]));
+            let distance = (surface.jet(u, v).point - by_definition(&nurbs, at)).norm();
+            prop_assert!(distance < 1e-12, "{distance}");
+        }
+    }
+
+    fn plate(degree: usize, knots: Vec<f64>, points: usize) -> Nurbs {
+        let row = |i: usize| (0..2).map(|j| Point3::new(i as f64, j as f64, 0.0)).collect();
+        Nurbs {
+            degree: [degree, 1],
+            knots: [knots, vec![0.0, 0.0, 1.0, 1.0]],
+            control_points: (0..points).map(row).collect(),
+            weights: None,
+        }
+    }
+
+    #[test]
+    fn equal_weights_of_low_degree_make_bicubic_patches() {
+        let mut nurbs = plate(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3);
+        nurbs.weights = Some(vec![vec![2.5; 2]; 3]);
+        assert!(matches!(nurbs.surface(), Ok(AnySurface::Bicubic(_))));
+        nurbs.weights = Some(vec![vec![2.5, 2.5], vec![2.0, 2.5], vec![2.5, 2.5]]);
+        assert!(matches!(nurbs.surface(), Ok(AnySurface::Rational(_))));
+    }
+
+    #[test]
+    fn joints_are_loose_where_a_knot_has_the_multiplicity_of_the_degree() {
+        let nurbs = plate(2, vec![0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.0, 3.0, 3.0], 6);
+        assert_eq!(nurbs.loose_joints(), [vec![2], vec![]]);
+        assert_eq!(nurbs.surface().unwrap().spans(), [3, 1]);
+    }
+
+    #[test]
+    fn broken_data_are_named() {
+        let clamped = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let fault = |nurbs: Nurbs| nurbs.surface().map(|_| ()).unwrap_err();
+        let degree = fault(plate(8, clamped.clone(), 3));
+        assert_eq!(degree, NurbsError::Degree { along: 0, degree: 8 });
+        let few = fault(plate(3, clamped.clone(), 3));
+        assert_eq!(few, NurbsError::TooFewPoints { along: 0, points: 3, degree: 3 });
+        let count = fault(plate(2, vec![0.0; 5], 3));
+        assert_eq!(count, NurbsError::KnotCount { along: 0, found: 5, points: 3, degree: 2 });
+        let falling = fault(plate(2, vec![0.0, 0.0, 0.0, 1.0, 0.5, 1.0], 3));
+        assert_eq!(falling, NurbsError::KnotsDecrease { along: 0, index: 4 });
+        assert_eq!(fault(plate(2, vec![0.0; 6], 3)), NurbsError::EmptyDomain { along: 0 });
+        let close = fault(plate(2, vec![0.0, 0.0, 0.0, 1e-12, 1.0, 1.0, 1.0], 4));
+        assert_eq!(close, NurbsError::SpanTooShort { along: 0, index: 3 });
+        let torn = fault(plate(1, vec![0.0, 0.0, 0.5, 0.5, 1.0, 1.0], 4));
+        assert_eq!(torn, NurbsError::KnotMultiplicity { along: 0, index: 2, multiplicity: 2, degree: 1 });
+        let mut nurbs = plate(2, clamped, 3);
+        nurbs.weights = Some(vec![vec![1.0; 2]; 2]);
+        assert_eq!(fault(nurbs.clone()), NurbsError::WeightRows { found: 2, expected: 3 });
+        nurbs.weights = Some(vec![vec![1.0; 2], vec![1.0; 2], vec![1.0]]);
+        assert_eq!(fault(nurbs.clone()), NurbsError::WeightColumns { row: 2, found: 1, expected: 2 });
+        nurbs.weights = Some(vec![vec![1.0; 2], vec![1.0, -1.0], vec![1.0; 2]]);
+        assert_eq!(fault(nurbs.clone()), NurbsError::Weight { i: 1, j: 1, weight: -1.0 });
+        nurbs.weights = Some(vec![vec![1.0; 2], vec![1.0, 1e-7], vec![1.0; 2]]);
+        assert_eq!(fault(nurbs.clone()), NurbsError::WeightRatio { i: 1, j: 1, weight: 1e-7, largest: 1.0 });
+        nurbs.control_points[1].pop();
+        assert_eq!(fault(nurbs.clone()), NurbsError::Ragged { row: 1, found: 1, expected: 2 });
+        nurbs.control_points[0][1].x = f64::NAN;
+        assert_eq!(fault(nurbs), NurbsError::PointNotFinite { i: 0, j: 1 });
+    }
+}

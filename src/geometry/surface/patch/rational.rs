@@ -1,0 +1,432 @@
+//! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] each way.
+//!
+//! Control points are kept multiplied by their weights, (w x, w y, w z, w). Every weight is above zero, so a point of the
+//! patch is a convex combination of the points in space, and a quotient of two polynomials of the patch's degree lies
+//! between the least and the largest quotient of their Bernstein coefficients.
+
+use nalgebra::{Point3, Vector3, Vector4};
+
+use super::{DerivativeBounds, Patch, SquareBound};
+use crate::geometry::surface::Jet;
+use crate::geometry::surface::ball::{Ball, Interval};
+
+pub const MAX_DEGREE: usize = 7;
+
+const SIZE: usize = MAX_DEGREE + 1;
+
+/// Rounding of a difference in parts of the coordinates' magnitude: halvings, a quotient, and at most 49 times four
+/// terms.
+const ROUNDING: f64 = 1e-13;
+
+/// A homogeneous control net over the unit square; mm. Entries beyond the degree are zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RationalPatch {
+    degree: [usize; 2],
+    net: [[Vector4<f64>; SIZE]; SIZE],
+}
+
+impl RationalPatch {
+    /// The patch with the control points `point(a, b)`, a along u, multiplied by their weights, which come last and are
+    /// above zero. Degrees are 1 to [`MAX_DEGREE`].
+    pub fn from_fn(degree: [usize; 2], point: impl Fn(usize, usize) -> Vector4<f64>) -> Self {
+        let mut net = [[Vector4::zeros(); SIZE]; SIZE];
+        for (a, row) in net.iter_mut().enumerate().take(degree[0] + 1) {
+            for (b, p) in row.iter_mut().enumerate().take(degree[1] + 1) {
+                *p = point(a, b);
+            }
+        }
+        Self { degree, net }
+    }
+
+    pub fn degree(&self) -> [usize; 2] {
+        self.degree
+    }
+
+    /// The control point (a, b), multiplied by its weight, and the weight.
+    pub fn homogeneous(&self, a: usize, b: usize) -> Vector4<f64> {
+        self.net[a][b]
+    }
+
+    fn entries(&self) -> impl Iterator<Item = Vector4<f64>> + Clone {
+        let [p, q] = self.degree;
+        self.net.iter().take(p + 1).flat_map(move |row| row.iter().take(q + 1)).copied()
+    }
+
+    /// The value and the derivatives by u, v, uu, uv, vv of the homogeneous polynomial.
+    fn homogeneous_jet(&self, u: f64, v: f64) -> [Vector4<f64>; 6] {
+        let [p, q] = self.degree;
+        let mut along_v = [[Vector4::zeros(); SIZE]; 3];
+        for (a, row) in self.net.iter().enumerate().take(p + 1) {
+            let [value, first, second] = curve_jet(row, q, v);
+            (along_v[0][a], along_v[1][a], along_v[2][a]) = (value, first, second);
+        }
+        let [value, du, duu] = curve_jet(&along_v[0], p, u);
+        let [dv, duv, _] = curve_jet(&along_v[1], p, u);
+        let [dvv, _, _] = curve_jet(&along_v[2], p, u);
+        [value, du, dv, duu, duv, dvv]
+    }
+
+    /// The control net of the derivative by u, one degree lower; of a constant it is zero.
+    fn derived_u(&self) -> Self {
+        let [p, q] = self.degree;
+        match p {
+            0 => Self::from_fn([0, q], |_, _| Vector4::zeros()),
+            _ => Self::from_fn([p - 1, q], |a, b| (self.net[a + 1][b] - self.net[a][b]) * p as f64),
+        }
+    }
+
+    fn derived_v(&self) -> Self {
+        self.transposed().derived_u().transposed()
+    }
+
+    /// Sets that hold the vectors and the weights of the net's polynomial.
+    fn range(&self, rounding: [f64; 2]) -> (Ball, Interval) {
+        let vectors = Ball::around(self.entries().map(|h| h.xyz()), rounding[0]);
+        (vectors, Interval::around(self.entries().map(|h| h.w), rounding[1]))
+    }
+}
+
+impl Patch for RationalPatch {
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        let jet = self.homogeneous_jet(u, v);
+        let [point, du, dv, duu, duv, dvv] = jet.map(|h| h.xyz());
+        let [w, wu, wv, wuu, wuv, wvv] = jet.map(|h| h.w);
+        // The quotient rule, from S w = A.
+        let point = point / w;
+        let du = (du - point * wu) / w;
+        let dv = (dv - point * wv) / w;
+        let duu = (duu - du * (2.0 * wu) - point * wuu) / w;
+        let duv = (duv - du * wv - dv * wu - point * wuv) / w;
+        let dvv = (dvv - dv * (2.0 * wv) - point * wvv) / w;
+        Jet { point: Point3::from(point), du, dv, duu, duv, dvv }
+    }
+
+    fn center(&self) -> Vector3<f64> {
+        let [p, q] = self.degree;
+        let mut along_v = [Vector4::zeros(); SIZE];
+        for (sum, row) in along_v.iter_mut().zip(&self.net).take(p + 1) {
+            *sum = curve_jet(row, q, 0.5)[0];
+        }
+        in_space(&curve_jet(&along_v, p, 0.5)[0])
+    }
+
+    fn control_points(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.entries().map(|p| in_space(&p))
+    }
+
+    fn corners(&self) -> [Vector3<f64>; 4] {
+        let [p, q] = self.degree;
+        [(0, 0), (0, q), (p, 0), (p, q)].map(|(a, b)| in_space(&self.net[a][b]))
+    }
+
+    fn split_u(&self) -> [Self; 2] {
+        self.transposed().split_v().map(|half| half.transposed())
+    }
+
+    fn split_v(&self) -> [Self; 2] {
+        let (mut low, mut high) = (*self, *self);
+        for a in 0..=self.degree[0] {
+            (low.net[a], high.net[a]) = halves(&self.net[a], self.degree[1]);
+        }
+        [low, high]
+    }
+
+    fn transposed(&self) -> Self {
+        Self::from_fn([self.degree[1], self.degree[0]], |b, a| self.net[a][b])
+    }
+
+    fn turned(&self) -> Self {
+        Self::from_fn([self.degree[1], self.degree[0]], |a, b| self.net[self.degree[0] - b][a])
+    }
+
+    fn continued(&self, reach: f64) -> Option<Self> {
+        let p = self.degree[0];
+        // Straight on in space as well: a combination of two points and their weights lies on their line.
+        let patch = Self::from_fn(self.degree, |a, b| {
+            self.net[p][b] + (self.net[p][b] - self.net[p - 1][b]) * (reach * a as f64)
+        });
+        patch.entries().all(|h| h.w > 0.0).then_some(patch)
+    }
+
+    fn derivatives(&self) -> DerivativeBounds {
+        // About the centre, and with weights near one, what cancels in the quotient rule is small.
+        let center = self.center();
+        let scale = 1.0 / self.net[0][0].w;
+        let moved = Self::from_fn(self.degree, |a, b| {
+            let h = self.net[a][b];
+            (h.xyz() - center * h.w).push(h.w) * scale
+        });
+        let largest_weight = moved.entries().map(|h| h.w).fold(0.0, f64::max);
+        let magnitude = self.bounds().magnitude();
+        let rounding = [ROUNDING * largest_weight * magnitude, ROUNDING * largest_weight];
+        let position = Ball::around(moved.entries().map(|h| in_space(&h)), ROUNDING * magnitude);
+        let inverse = moved.range(rounding).1.inverse();
+        let (by_u, by_v) = (moved.derived_u(), moved.derived_v());
+        let first = |net: &Self| {
+            let (vector, weight) = net.range(rounding);
+            (vector.minus(position.times(weight)).times(inverse), weight)
+        };
+        let ((du, wu), (dv, wv)) = (first(&by_u), first(&by_v));
+        let second = |net: &Self, products: [(Ball, Interval); 2]| {
+            let (vector, weight) = net.range(rounding);
+            let known = products.iter().fold(position.times(weight), |sum, (d, w)| sum.plus(d.times(*w)));
+            vector.minus(known).times(inverse)
+        };
+        DerivativeBounds {
+            du,
+            dv,
+            duu: second(&by_u.derived_u(), [(du, wu), (du, wu)]),
+            duv: second(&by_u.derived_v(), [(du, wv), (dv, wu)]),
+            dvv: second(&by_v.derived_v(), [(dv, wv), (dv, wv)]),
+        }
+    }
+
+    fn bound_squares<const N: usize>(
+        &self,
+        origin: &Vector3<f64>,
+        axes: &[Vector3<f64>; N],
+        weights: &[f64; N],
+    ) -> SquareBound {
+        let mut squares = Product::zero(self.degree);
+        let mut magnitude: f64 = 0.0;
+        for (axis, weight) in axes.iter().zip(weights) {
+            let coordinate = |a: usize, b: usize| (self.net[a][b].xyz() - origin * self.net[a][b].w).dot(axis);
+            squares.add_square(&coordinate, *weight);
+            let farthest = self.control_points().map(|p| (p - origin).dot(axis).abs()).fold(0.0, f64::max);
+            magnitude += weight.abs() * farthest * farthest;
+        }
+        let mut scale = Product::zero(self.degree);
+        scale.add_square(&|a, b| self.net[a][b].w, 1.0);
+        let quotients = squares.over(&scale);
+        SquareBound { lowest: quotients.lowest(), magnitude, bends: quotients.bends() }
+    }
+}
+
+/// Bernstein coefficients of a product of two polynomials of a patch's degree, of twice that degree.
+struct Product {
+    degree: [usize; 2],
+    coefficients: [[f64; 2 * SIZE - 1]; 2 * SIZE - 1],
+}
+
+impl Product {
+    fn zero(factor_degree: [usize; 2]) -> Self {
+        Self { degree: factor_degree, coefficients: [[0.0; 2 * SIZE - 1]; 2 * SIZE - 1] }
+    }
+
+    /// Adds `weight` times the square of the polynomial with these coefficients, each result times its binomials.
+    fn add_square(&mut self, factor: &dyn Fn(usize, usize) -> f64, weight: f64) {
+        let [p, q] = self.degree;
+        let (along_u, along_v) = (BINOMIALS[p], BINOMIALS[q]);
+        let mut scaled = [[0.0; SIZE]; SIZE];
+        for (a, row) in scaled.iter_mut().enumerate().take(p + 1) {
+            for (b, x) in row.iter_mut().enumerate().take(q + 1) {
+                *x = factor(a, b) * along_u[a] * along_v[b];
+            }
+        }
+        for i in 0..=p {
+            for k in i..=p {
+                let weight = if i == k { weight } else { 2.0 * weight };
+                let target = &mut self.coefficients[i + k];
+                for (j, x) in scaled[i].iter().enumerate().take(q + 1) {
+                    for (l, y) in scaled[k].iter().enumerate().take(q + 1) {
+                        target[j + l] += weight * x * y;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The quotients of the coefficients, from whose range the quotient of the polynomials does not leave.
+    fn over(mut self, divisor: &Product) -> Self {
+        for (row, below) in self.coefficients.iter_mut().zip(&divisor.coefficients).take(2 * self.degree[0] + 1) {
+            for (x, w) in row.iter_mut().zip(below).take(2 * self.degree[1] + 1) {
+                *x /= w;
+            }
+        }
+        self
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        let [p, q] = self.degree;
+        self.coefficients.iter().take(2 * p + 1).map(move |row| &row[..2 * q + 1])
+    }
+
+    fn lowest(&self) -> f64 {
+        self.rows().flatten().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest second differences along u and v.
+    fn bends(&self) -> [f64; 2] {
+        let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+        let along_v = self.rows().flat_map(|row| row.windows(3).map(|w| bend(w[0], w[1], w[2])));
+        let along_u = self.rows().zip(self.rows().skip(1)).zip(self.rows().skip(2)).flat_map(|((a, b), c)| {
+            a.iter().zip(b).zip(c).map(|((a, b), c)| bend(*a, *b, *c))
+        });
+        [along_u.fold(0.0, f64::max), along_v.fold(0.0, f64::max)]
+    }
+}
+
+/// The binomials n over k, by n.
+const BINOMIALS: [[f64; SIZE]; SIZE] = {
+    let mut rows = [[0.0; SIZE]; SIZE];
+    let mut n = 0;
+    while n < SIZE {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};
+
+fn in_space(h: &Vector4<f64>) -> Vector3<f64> {
+    h.xyz() / h.w
+}
+
+/// Value, first and second derivative at `t` of the Bezier curve of degree `n`, at least 1, by de Casteljau's steps.
+fn curve_jet(points: &[Vector4<f64>; SIZE], n: usize, t: f64) -> [Vector4<f64>; 3] {
+    let mut p = *points;
+    let between = |a: Vector4<f64>, b: Vector4<f64>| a * (1.0 - t) + b * t;
+    let degree = n as f64;
+    for level in (2..n).rev() {
+        for k in 0..=level {
+            p[k] = between(p[k], p[k + 1]);
+        }
+    }
+    let second = match n {
+        1 => Vector4::zeros(),
+        _ => {
+            let second = (p[2] - p[1] - (p[1] - p[0])) * (degree * (degree - 1.0));
+            (p[0], p[1]) = (between(p[0], p[1]), between(p[1], p[2]));
+            second
+        }
+    };
+    [between(p[0], p[1]), (p[1] - p[0]) * degree, second]
+}
+
+/// de Casteljau's halves of a curve of degree `n`.
+fn halves(points: &[Vector4<f64>; SIZE], n: usize) -> ([Vector4<f64>; SIZE], [Vector4<f64>; SIZE]) {
+    let (mut low, mut high) = (*points, *points);
+    for step in 1..=n {
+        for k in 0..=n - step {
+            high[k] = (high[k] + high[k + 1]) * 0.5;
+        }
+        low[step] = high[0];
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A quarter of a cylinder of radius 10 about y, from x = 0 to x = 10, 30 mm long.
+    fn quarter_cylinder() -> RationalPatch {
+        let w = 0.5f64.sqrt();
+        let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
+        RationalPatch::from_fn([2, 1], |a, b| {
+            let (x, z, w) = arc[a];
+            Vector4::new(x * w, 30.0 * b as f64 * w, z * w, w)
+        })
+    }
+
+    fn any_patch() -> impl Strategy<Value = RationalPatch> {
+        let entries = prop::collection::vec((-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0, 0.3f64..3.0), 64);
+        (1usize..=7, 1usize..=7, entries).prop_map(|(p, q, entries)| {
+            RationalPatch::from_fn([p, q], |a, b| {
+                let (dx, dy, dz, w) = entries[a * 8 + b];
+                Vector4::new((3.0 * a as f64 + dx) * w, (3.0 * b as f64 + dy) * w, dz * w, w)
+            })
+        })
+    }
+
+    #[test]
+    fn a_quarter_circle_is_one() {
+        let patch = quarter_cylinder();
+        for k in 0..=20 {
+            let jet = patch.jet(f64::from(k) / 20.0, 0.3);
+            assert!((jet.point.x.hypot(jet.point.z) - 10.0).abs() < 1e-14);
+            assert!((jet.point.y - 9.0).abs() < 1e-14);
+            let normal = jet.normal().normalize();
+            let curvature = normal.dot(&jet.duu) / jet.du.norm_squared();
+            assert!((curvature.abs() - 0.1).abs() < 1e-14, "{curvature}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_differences(patch in any_patch(), u in 0.1f64..0.9, v in 0.1f64..0.9) {
+            let h = 1e-5;
+            let jet = patch.jet(u, v);
+            let d = |a: f64, b: f64| patch.jet(u + a, v + b);
+            let near = |x: Vector3<f64>, y: Vector3<f64>| (x - y).norm() < 1e-6 * (10.0 + x.norm());
+            prop_assert!(near(jet.du, (d(h, 0.0).point - d(-h, 0.0).point) / (2.0 * h)));
+            prop_assert!(near(jet.dv, (d(0.0, h).point - d(0.0, -h).point) / (2.0 * h)));
+            prop_assert!(near(jet.duu, (d(h, 0.0).du - d(-h, 0.0).du) / (2.0 * h)));
+            prop_assert!(near(jet.duv, (d(0.0, h).du - d(0.0, -h).du) / (2.0 * h)));
+            prop_assert!(near(jet.dvv, (d(0.0, h).dv - d(0.0, -h).dv) / (2.0 * h)));
+        }
+
+        #[test]
+        fn parts_are_the_patch_again(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
+            let point = patch.jet(u, v).point;
+            let [low, high] = patch.split_u();
+            let half = if u < 0.5 { low.jet(2.0 * u, v) } else { high.jet(2.0 * u - 1.0, v) };
+            prop_assert!((half.point - point).norm() < 1e-12);
+            let [low, high] = patch.split_v();
+            let half = if v < 0.5 { low.jet(u, 2.0 * v) } else { high.jet(u, 2.0 * v - 1.0) };
+            prop_assert!((half.point - point).norm() < 1e-12);
+            prop_assert!((patch.transposed().jet(v, u).point - point).norm() < 1e-12);
+            prop_assert!((patch.turned().jet(v, 1.0 - u).point - point).norm() < 1e-12);
+            prop_assert!((patch.center() - patch.jet(0.5, 0.5).point.coords).norm() < 1e-12);
+        }
+
+        #[test]
+        fn bounds_hold_what_they_bound(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
+            let jet = patch.jet(u, v);
+            let bounds = patch.derivatives();
+            for (ball, value) in [
+                (bounds.du, jet.du),
+                (bounds.dv, jet.dv),
+                (bounds.duu, jet.duu),
+                (bounds.duv, jet.duv),
+                (bounds.dvv, jet.dvv),
+            ] {
+                prop_assert!((value - ball.center).norm() <= ball.radius);
+            }
+            let (origin, weights) = (Vector3::new(1.0, 2.0, 3.0), [1.0, -0.5, 0.0]);
+            let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+            let d = jet.point.coords - origin;
+            let square = d.x * d.x - 0.5 * d.y * d.y;
+            let bound = patch.bound_squares(&origin, &axes, &weights);
+            prop_assert!(bound.lowest <= square + 1e-13 * bound.magnitude);
+        }
+
+        #[test]
+        fn a_continued_patch_runs_straight_on(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
+            if let Some(beyond) = patch.continued(0.2) {
+                let (edge, point) = (patch.jet(1.0, v), beyond.jet(u, v).point);
+                prop_assert!((beyond.jet(0.0, v).point - edge.point).norm() < 1e-12);
+                let away = point - edge.point;
+                prop_assert!(away.cross(&edge.du).norm() <= 1e-9 * edge.du.norm());
+                prop_assert!(away.dot(&edge.du) >= -1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_close_in_on_small_parts() {
+        let mut part = quarter_cylinder();
+        for _ in 0..8 {
+            part = part.split_u()[0];
+        }
+        let (bounds, jet) = (part.derivatives(), part.jet(0.5, 0.5));
+        assert!((bounds.du.center - jet.du).norm() + bounds.du.radius < 0.01 * jet.du.norm());
+        assert!((bounds.duu.center - jet.duu).norm() + bounds.duu.radius < 0.02 * jet.duu.norm());
+    }
+}

@@ -1,0 +1,77 @@
+//! What surfaces are made from, and the surface that comes of it.
+
+use super::ferguson::{Ferguson, FergusonError};
+use super::net_grid::{NetGrid, NetGridError};
+use super::nurbs::{Nurbs, NurbsError};
+use super::point_grid::{GridError, PointGrid};
+use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
+
+/// The data of a surface, one variant for each kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    PointGrid(PointGrid),
+    Ferguson(Ferguson),
+    NetGrid(NetGrid),
+    Nurbs(Nurbs),
+}
+
+/// Why data make no surface.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SourceError {
+    #[error(transparent)]
+    PointGrid(#[from] GridError),
+    #[error(transparent)]
+    Ferguson(#[from] FergusonError),
+    #[error(transparent)]
+    NetGrid(#[from] NetGridError),
+    #[error(transparent)]
+    Nurbs(#[from] NurbsError),
+}
+
+/// A surface of patches of either kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnySurface {
+    Bicubic(BezierSurface<BicubicPatch>),
+    Rational(BezierSurface<RationalPatch>),
+}
+
+impl Source {
+    /// # Errors
+    /// When the data make no surface.
+    pub fn surface(&self) -> Result<AnySurface, SourceError> {
+        Ok(match self {
+            Self::PointGrid(grid) => AnySurface::Bicubic(grid.surface()?),
+            Self::Ferguson(ferguson) => AnySurface::Bicubic(ferguson.surface()?),
+            Self::NetGrid(grid) => AnySurface::Bicubic(grid.surface()?),
+            Self::Nurbs(nurbs) => nurbs.surface()?,
+        })
+    }
+
+    /// The joints of the surface, by the number of patches before them along u and v, whose smoothness the kind of data
+    /// does not see to.
+    pub fn loose_joints(&self) -> [Vec<usize>; 2] {
+        match self {
+            Self::PointGrid(_) | Self::Ferguson(_) => [Vec::new(), Vec::new()],
+            Self::NetGrid(NetGrid { nets }) => {
+                [(1..nets.len()).collect(), (1..nets.first().map_or(0, Vec::len)).collect()]
+            }
+            Self::Nurbs(nurbs) => nurbs.loose_joints(),
+        }
+    }
+}
+
+impl Surface for AnySurface {
+    fn spans(&self) -> [usize; 2] {
+        match self {
+            Self::Bicubic(surface) => surface.spans(),
+            Self::Rational(surface) => surface.spans(),
+        }
+    }
+
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        match self {
+            Self::Bicubic(surface) => surface.jet(u, v),
+            Self::Rational(surface) => surface.jet(u, v),
+        }
+    }
+}

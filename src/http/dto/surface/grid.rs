@@ -1,0 +1,84 @@
+//! Grids of points, vectors and numbers.
+
+use utoipa::openapi::schema::{ArrayBuilder, Schema};
+
+use crate::config::Limits;
+use crate::http::dto::check::Violations;
+use crate::http::dto::point::{Point, row_schema};
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+
+/// At least 2 rows of at least 2 points.
+pub fn schema() -> Schema {
+    let most = Limits::DEFAULT.surface_points / 2;
+    ArrayBuilder::new().items(row_schema(most)).min_items(Some(2)).max_items(Some(most)).into()
+}
+
+/// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing where there are
+/// too many to look at.
+pub fn check_points(
+    at: &Pointer,
+    points: &[Vec<Point>],
+    limits: &Limits,
+    violations: &mut Violations,
+) -> Option<[usize; 2]> {
+    // Empty rows count too, lest they make violations without end.
+    let total: usize = points.iter().map(|row| row.len().max(1)).sum();
+    if total > limits.surface_points {
+        let detail = format!("{total} surface points; at most {} are allowed", limits.surface_points);
+        violations.add(at, FieldCode::LimitExceeded, detail);
+        return None;
+    }
+    if points.len() < 2 {
+        let detail = format!("{} rows; at least 2 are needed", points.len());
+        violations.add(at, FieldCode::TooFewPoints, detail);
+    }
+    let columns = points.first().map_or(0, Vec::len);
+    for (i, row) in points.iter().enumerate() {
+        let at_row = at.index(i);
+        if row.len() < 2 {
+            let detail = format!("{} points; at least 2 are needed", row.len());
+            violations.add(&at_row, FieldCode::TooFewPoints, detail);
+        } else if row.len() != columns {
+            let detail = format!("{} points where row 0 has {columns}", row.len());
+            violations.add(&at_row, FieldCode::RaggedGrid, detail);
+        }
+        check_row(&at_row, row, violations);
+    }
+    Some([points.len(), columns])
+}
+
+/// Looks at a grid that goes with one of `size` points.
+pub fn check_like<T>(
+    at: &Pointer,
+    grid: &[Vec<T>],
+    [rows, columns]: [usize; 2],
+    violations: &mut Violations,
+    check_row: impl Fn(&Pointer, &[T], &mut Violations),
+) {
+    if grid.len() != rows {
+        let detail = format!("{} rows; there are {rows} rows of points", grid.len());
+        violations.add(at, FieldCode::WrongLength, detail);
+        return;
+    }
+    for (i, row) in grid.iter().enumerate() {
+        let at_row = at.index(i);
+        if row.len() != columns {
+            let detail = format!("{} entries; there are {columns} points in a row", row.len());
+            violations.add(&at_row, FieldCode::WrongLength, detail);
+        }
+        check_row(&at_row, row, violations);
+    }
+}
+
+/// Looks at every coordinate of a row of points or vectors.
+pub fn check_row(at: &Pointer, row: &[Point], violations: &mut Violations) {
+    for (j, point) in row.iter().enumerate() {
+        point.check_in(at, j, violations);
+    }
+}
+
+/// Rows in the core's terms.
+pub fn converted<T: From<Point>>(grid: Vec<Vec<Point>>) -> Vec<Vec<T>> {
+    grid.into_iter().map(|row| row.into_iter().map(T::from).collect()).collect()
+}

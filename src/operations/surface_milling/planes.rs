@@ -1,0 +1,119 @@
+//! The planes in which a job is cut, and the sections in them.
+
+use super::outline::Outline;
+use super::{Error, Job};
+use crate::budget::Budget;
+use crate::geometry::section::{Chain, INSET_MM, SectionError, Sections, Spacing};
+
+/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
+/// instead, half a hundredth of a millimetre, to have a section.
+const TOUCH_MM: f64 = 5e-3;
+
+/// An edge is straight where the section next to it has this part of the length of that a little inside.
+const STRAIGHT_SHARE: f64 = 0.9;
+
+/// Places at which the first section of a narrow part is looked for.
+const PROBES: usize = 64;
+
+/// Halvings between a plane with sections and one without.
+const HALVINGS: usize = 40;
+
+/// A plane of sections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SectionAt {
+    /// Where the passes are cut, mm.
+    pub(super) at: f64,
+    /// Where the section is traced: the same, but just inside the extent for a plane along an edge, mm.
+    pub(super) traced_at: f64,
+}
+
+/// The sections of a job, as far as the cutter is to follow them.
+pub(super) struct Slicer<'a> {
+    sections: &'a Sections<'a>,
+    /// The outline with the distance that is to be kept from it, mm.
+    inside: Option<(Outline, f64)>,
+}
+
+impl<'a> Slicer<'a> {
+    pub(super) fn new(sections: &'a Sections<'a>, inside: Option<(Outline, f64)>) -> Self {
+        Self { sections, inside }
+    }
+
+    /// The sections in the plane at `at` mm.
+    pub(super) fn chains(&self, at: f64, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+        let chains = self.sections.chains(at, spacing, budget)?;
+        Ok(match &self.inside {
+            None => chains,
+            Some((outline, margin)) => {
+                chains.iter().flat_map(|chain| outline.clipped(chain, *margin)).collect()
+            }
+        })
+    }
+
+    /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
+    pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<SectionAt>, Error> {
+        let [low, high] = self.extent(budget)?;
+        let width = high - low;
+        // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
+        let spaces = (width / stepover - 1e-9).ceil().max(1.0);
+        let limit = job.plane_limit;
+        if spaces >= limit as f64 {
+            return Err(Error::TooMuchWork { what: "section planes", needed: spaces as usize + 1, limit });
+        }
+        let n = spaces as usize;
+        let first = self.outermost(low, 1.0, width, budget)?;
+        let last = self.outermost(high, -1.0, width, budget)?;
+        let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
+        let inner = (1..n).map(|k| SectionAt { at: between(k), traced_at: between(k) });
+        Ok(std::iter::once(first).chain(inner).chain([last]).collect())
+    }
+
+    /// The first and the last plane that has a section, mm.
+    fn extent(&self, budget: &Budget) -> Result<[f64; 2], Error> {
+        let [low, high] = self.sections.extent();
+        if self.inside.is_none() {
+            return Ok([low, high]);
+        }
+        let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
+        // From the middle outwards, where a section is most likely.
+        let order = (0..PROBES).map(|k| if k % 2 == 0 { (PROBES + k) / 2 } else { (PROBES - k) / 2 });
+        for k in order {
+            if self.cut_length(probe(k), budget)? > 0.0 {
+                let inside = probe(k);
+                return Ok([self.last_inside(inside, low, budget)?, self.last_inside(inside, high, budget)?]);
+            }
+        }
+        Err(Error::NothingToCut)
+    }
+
+    /// The last plane with a section on the way from one that has one.
+    fn last_inside(&self, mut inside: f64, mut outside: f64, budget: &Budget) -> Result<f64, Error> {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            if self.cut_length(middle, budget)? > 0.0 {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Ok(inside)
+    }
+
+    /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
+    /// along a straight edge, else as far inside as [`TOUCH_MM`].
+    fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<SectionAt, Error> {
+        let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
+        let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
+        if self.cut_length(on_edge, budget)? >= STRAIGHT_SHARE * self.cut_length(inside, budget)? {
+            Ok(SectionAt { at: extent, traced_at: on_edge })
+        } else {
+            Ok(SectionAt { at: inside, traced_at: inside })
+        }
+    }
+
+    /// The length of the sections in the plane at `at` mm, roughly.
+    fn cut_length(&self, at: f64, budget: &Budget) -> Result<f64, Error> {
+        let coarse = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
+        Ok(self.chains(at, coarse, budget)?.iter().map(Chain::length).sum())
+    }
+}

@@ -3,12 +3,14 @@
 //! Everything about status codes, media types and JSON is in this layer and nowhere below it.
 
 mod answer;
+mod coding;
 pub mod compute;
 mod decode;
 mod docs;
 mod dto;
 mod envelope;
 mod error;
+mod events;
 mod extract;
 mod health;
 mod intake;
@@ -18,6 +20,7 @@ mod observe;
 mod openapi;
 mod output;
 mod pointer;
+mod refusal;
 mod request_id;
 pub mod serve;
 mod timing;
@@ -32,6 +35,7 @@ use std::time::Duration;
 use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::{from_fn, from_fn_with_state};
+use tokio::sync::Semaphore;
 use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::CorsLayer;
@@ -49,6 +53,8 @@ pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// What the handlers share.
 pub struct App {
     pub compute: Compute,
+    /// Turns of decoding large bodies.
+    decoders: Arc<Semaphore>,
     metrics: Metrics,
     intake: Arc<Intake>,
     connections: Connections,
@@ -68,6 +74,7 @@ impl App {
         let (workers, queue) = (settings.workers(), usize::from(settings.queue));
         Ok(Arc::new(Self {
             compute: Compute::new(workers, queue, settings.deadline_s)?,
+            decoders: Arc::new(Semaphore::new(workers)),
             metrics: Metrics::default(),
             intake: Intake::new(settings.body_memory),
             connections: Connections::new(settings),
@@ -98,6 +105,7 @@ pub fn router(app: &Arc<App>) -> Router {
         .merge(docs::routes())
         .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
         .with_state(Arc::clone(app))
+        .layer(coding::layer())
         .layer(CatchPanicLayer::custom(envelope::panicked))
         .layer(from_fn(envelope::wrap))
         .layer(option_layer(cors(&app.cors_origins)))

@@ -1,5 +1,9 @@
 //! From a job to its answer: the computation on the pool, and the outcome in the form in which it is wanted.
 
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::Extension;
 use axum::response::{IntoResponse, Response};
 use nalgebra::Point3;
 use serde::Serialize;
@@ -9,8 +13,10 @@ use super::dto::answer::Answer;
 use super::dto::meta::Meta;
 use super::dto::toolpath::Warning;
 use super::error::{ApiError, Code};
+use super::events;
 use super::extract::{IntoJob, JobBody};
 use super::output::{Encoded, Representation, file_name, page};
+use super::timing::{SERVER_TIMING, Timing};
 use super::wanted::{Form, Wanted};
 use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
@@ -50,9 +56,10 @@ pub struct Cut {
 /// Computes `plan` of the body's job on the pool and answers what comes of it as it is wanted.
 ///
 /// # Errors
-/// When there is no place on the pool, or the plan or its representation fails.
+/// When there is no place on the pool, or the plan or its representation fails; once events are streamed, failures
+/// are among them.
 pub async fn answer<O, T, R, F>(
-    app: &App,
+    app: &Arc<App>,
     wanted: Wanted<O>,
     body: JobBody<T>,
     plan: F,
@@ -63,9 +70,33 @@ where
     F: FnOnce(T::Job, &Budget) -> Result<Outcome<R>, ApiError> + Send + 'static,
 {
     let form = wanted.form;
-    let compute = move |budget: &Budget| represent(plan(body.job, budget)?, &form, budget);
-    let encoded = app.compute.run(compute).await??;
-    Ok(encoded.into_response())
+    let request_id = form.request_id.clone();
+    let is_streamed = form.representation == Representation::Events;
+    let asked = Instant::now();
+    let compute = move |budget: &Budget| {
+        let begun = Instant::now();
+        let outcome = plan(body.job, budget)?;
+        let computed = Instant::now();
+        let encoded = represent(outcome, &form, budget)?;
+        let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
+        let timing = Timing {
+            queue: begun - asked,
+            parse: body.parsing,
+            compute: computed - begun,
+            encode: computed.elapsed(),
+        };
+        Ok::<_, ApiError>((encoded, timing))
+    };
+    let ticket = app.compute.admit()?;
+    if is_streamed {
+        let app = Arc::clone(app);
+        return Ok(events::stream(request_id, |listener| async move {
+            let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
+            Ok(encoded)
+        }));
+    }
+    let (encoded, timing) = app.compute.run_admitted(ticket, None, compute).await??;
+    Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
 fn represent<R: Serialize + ToSchema>(
@@ -74,7 +105,7 @@ fn represent<R: Serialize + ToSchema>(
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
     match form.representation {
-        Representation::Json => Encoded::json(&envelope(outcome, form)),
+        Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, form)),
         Representation::Gcode => program(outcome, form.media_type, budget),
         Representation::Svg => Ok(Encoded::text(picture(&outcome), form.media_type)),
         Representation::Html => {
@@ -218,7 +249,7 @@ mod tests {
     ) -> Result<(String, String), ApiError> {
         let request_id = RequestId::of(&Default::default());
         let media_type = representation.media_types()[0];
-        let form = Form { representation, media_type, with_toolpath, request_id };
+        let form = Form { representation, media_type, with_toolpath, with_gzip: false, request_id };
         let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
         let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
         let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::timeout_at;
 
 use crate::budget::{Budget, ProgressSink};
@@ -24,6 +24,9 @@ pub enum Failure {
     DeadlinePassed,
     Panicked,
 }
+
+/// The right to wait for a place; given back when it is dropped.
+pub struct Ticket(OwnedSemaphorePermit);
 
 pub struct Compute {
     pool: rayon::ThreadPool,
@@ -74,6 +77,14 @@ impl Compute {
         self.tickets.available_permits() == 0
     }
 
+    /// Takes a ticket, with which a job may wait for its place.
+    ///
+    /// # Errors
+    /// When there is none left.
+    pub fn admit(&self) -> Result<Ticket, Failure> {
+        Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| Failure::Overloaded)
+    }
+
     /// Runs `job` on the pool. Dropping the future cancels the budget the job was given.
     ///
     /// # Errors
@@ -83,14 +94,31 @@ impl Compute {
         T: Send + 'static,
         F: FnOnce(&Budget) -> T + Send + 'static,
     {
-        let ticket = Arc::clone(&self.tickets).try_acquire_owned().map_err(|_| Failure::Overloaded)?;
+        self.run_admitted(self.admit()?, None, job).await
+    }
+
+    /// As [`Self::run`], for a job that has its ticket already, and tells its progress to `listener`.
+    ///
+    /// # Errors
+    /// When the deadline passes before the job ends, or the job panics.
+    pub async fn run_admitted<T, F>(
+        &self,
+        ticket: Ticket,
+        listener: Option<Arc<dyn ProgressSink>>,
+        job: F,
+    ) -> Result<T, Failure>
+    where
+        T: Send + 'static,
+        F: FnOnce(&Budget) -> T + Send + 'static,
+    {
+        let Ticket(ticket) = ticket;
         let deadline = Instant::now() + self.deadline;
         let place = timeout_at(deadline.into(), Arc::clone(&self.places).acquire_owned())
             .await
             .map_err(|_| Failure::DeadlinePassed)?
             .map_err(|_| Failure::Overloaded)?;
 
-        let budget = Budget::unlimited().with_deadline(deadline).with_progress(Arc::new(Log));
+        let budget = Budget::unlimited().with_deadline(deadline).with_progress(Arc::new(Log::and(listener)));
         let _cancel = CancelOnDrop(budget.clone());
         let (answer, result) = oneshot::channel();
         self.pool.spawn(move || {
@@ -107,12 +135,24 @@ impl Compute {
     }
 }
 
-/// Writes progress to the log.
-struct Log;
+/// Writes progress to the log, in the request's own span, and tells it to the listener if there is one.
+struct Log {
+    span: tracing::Span,
+    listener: Option<Arc<dyn ProgressSink>>,
+}
+
+impl Log {
+    fn and(listener: Option<Arc<dyn ProgressSink>>) -> Self {
+        Self { span: tracing::Span::current(), listener }
+    }
+}
 
 impl ProgressSink for Log {
     fn progress(&self, stage: &'static str, done: usize, total: usize) {
-        tracing::trace!(stage, done, total, "progress");
+        self.span.in_scope(|| tracing::trace!(stage, done, total, "progress"));
+        if let Some(listener) = &self.listener {
+            listener.progress(stage, done, total);
+        }
     }
 }
 

@@ -24,7 +24,7 @@ pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
     headers.insert(request_id::HEADER, id.header_value());
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
     // Of any answer: what is a problem today may be an answer of some type tomorrow.
-    headers.insert(header::VARY, HeaderValue::from_static("Accept"));
+    headers.insert(header::VARY, HeaderValue::from_static("Accept, Accept-Encoding"));
     response
 }
 
@@ -37,7 +37,7 @@ pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
 fn into_problem(response: Response, id: &RequestId) -> Response {
     let (mut parts, _) = response.into_parts();
     let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| ApiError::from_status(parts.status));
-    let mut problem = error.into_problem(id.as_str());
+    let mut problem = error.into_response_to(id.as_str());
     for name in [header::ALLOW, header::CONNECTION] {
         if let Some(value) = parts.headers.remove(&name) {
             problem.headers_mut().insert(name, value);

@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::coding::GZIP;
 use super::pointer::Pointer;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
@@ -35,7 +36,10 @@ pub enum Code {
     NotAcceptable,
     RequestTimeout,
     PayloadTooLarge,
+    UriTooLong,
     UnsupportedMediaType,
+    UnsupportedCoding,
+    HeadersTooLarge,
     InvalidRequest,
     Unsupported,
     LimitExceeded,
@@ -61,7 +65,9 @@ impl Code {
             Code::NotAcceptable => StatusCode::NOT_ACCEPTABLE,
             Code::RequestTimeout => StatusCode::REQUEST_TIMEOUT,
             Code::PayloadTooLarge => StatusCode::PAYLOAD_TOO_LARGE,
-            Code::UnsupportedMediaType => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Code::UriTooLong => StatusCode::URI_TOO_LONG,
+            Code::UnsupportedMediaType | Code::UnsupportedCoding => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Code::HeadersTooLarge => StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE,
             Code::InvalidRequest
             | Code::Unsupported
             | Code::LimitExceeded
@@ -89,7 +95,10 @@ impl Code {
             Code::NotAcceptable => "None of the accepted media types is on offer",
             Code::RequestTimeout => "The body stopped arriving",
             Code::PayloadTooLarge => "The body is too large",
+            Code::UriTooLong => "The path and query are too long",
             Code::UnsupportedMediaType => "The body's media type is not read here",
+            Code::UnsupportedCoding => "The body's content coding is not read here",
+            Code::HeadersTooLarge => "The headers are too large, or too many",
             Code::InvalidRequest => "The body is not a legal request",
             Code::Unsupported => "This version cannot do what is asked",
             Code::LimitExceeded => "The job is larger than this server allows",
@@ -115,7 +124,9 @@ impl Code {
             StatusCode::NOT_ACCEPTABLE => Code::NotAcceptable,
             StatusCode::REQUEST_TIMEOUT => Code::RequestTimeout,
             StatusCode::PAYLOAD_TOO_LARGE => Code::PayloadTooLarge,
+            StatusCode::URI_TOO_LONG => Code::UriTooLong,
             StatusCode::UNSUPPORTED_MEDIA_TYPE => Code::UnsupportedMediaType,
+            StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE => Code::HeadersTooLarge,
             StatusCode::UNPROCESSABLE_ENTITY => Code::InvalidRequest,
             StatusCode::SERVICE_UNAVAILABLE => Code::Overloaded,
             StatusCode::GATEWAY_TIMEOUT => Code::DeadlinePassed,
@@ -263,9 +274,9 @@ impl ApiError {
         &self.errors
     }
 
-    /// The answer to the request with this id.
-    pub fn into_problem(self, request_id: &str) -> Response {
-        let problem = Problem {
+    /// The problem of the request with this id.
+    pub fn problem(self, request_id: &str) -> Problem {
+        Problem {
             kind: "about:blank",
             title: self.code.title(),
             status: self.status.as_u16(),
@@ -275,19 +286,27 @@ impl ApiError {
             errors: self.errors,
             place: self.place,
             offers: self.offers,
-        };
-        let body = serde_json::to_vec(&problem).unwrap_or_default();
-        let mut response = (self.status, Body::from(body)).into_response();
+        }
+    }
+
+    /// The answer to the request with this id.
+    pub fn into_response_to(self, request_id: &str) -> Response {
+        let (status, code) = (self.status, self.code);
+        let body = serde_json::to_vec(&self.problem(request_id)).unwrap_or_default();
+        let mut response = (status, Body::from(body)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         headers
             .insert(HeaderName::from_static("x-content-type-options"), HeaderValue::from_static("nosniff"));
-        if self.status == StatusCode::SERVICE_UNAVAILABLE {
+        if status == StatusCode::SERVICE_UNAVAILABLE {
             headers.insert(header::RETRY_AFTER, RETRY_AFTER_S);
         }
+        if code == Code::UnsupportedCoding {
+            headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));
+        }
         // For the log and the metrics.
-        response.extensions_mut().insert(self.code);
+        response.extensions_mut().insert(code);
         response
     }
 }

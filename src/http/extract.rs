@@ -3,6 +3,7 @@
 use std::future::poll_fn;
 use std::pin::Pin;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, FromRequestParts, Query, Request};
@@ -12,12 +13,14 @@ use serde::de::DeserializeOwned;
 use tokio::time::timeout;
 
 use super::App;
+use super::coding::{Coding, gunzip};
 use super::decode::decode;
 use super::error::{ApiError, Code};
 use super::intake::Share;
 use crate::config::Limits;
 
-/// Bodies above this are decoded on a thread of their own, lest they delay the other connections.
+/// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip, of
+/// which one cannot tell.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
 
 /// A wire type of requests, which becomes a job.
@@ -32,6 +35,8 @@ pub trait IntoJob: DeserializeOwned + Send + 'static {
 /// The body: JSON that was read as a `T`, and is a legal job.
 pub struct JobBody<T: IntoJob> {
     pub job: T::Job,
+    /// How long decoding and converting took.
+    pub parsing: Duration,
 }
 
 impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
@@ -39,20 +44,42 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
+        let coding = Coding::of(request.headers())?;
         let share = Share::of(&request)?;
         let bytes = read(request.into_body(), &share, app).await?;
         let limits = app.limits;
-        let is_small = bytes.len() <= DECODE_ASIDE_BYTES;
-        let convert = move || decode::<T>(&bytes)?.into_job(&limits);
-        let job = if is_small {
-            convert()
-        } else {
-            tokio::task::spawn_blocking(convert)
-                .await
-                .map_err(|_| ApiError::new(Code::InternalError, "decoding the body failed"))?
+        let is_small = coding == Coding::Identity && bytes.len() <= DECODE_ASIDE_BYTES;
+        let convert = move || {
+            let begun = Instant::now();
+            let bytes = match coding {
+                Coding::Identity => bytes,
+                Coding::Gzip => {
+                    let bytes = gunzip(&bytes, limits.body_bytes)?;
+                    share.take(bytes.len())?;
+                    bytes.into()
+                }
+            };
+            let job = decode::<T>(&bytes)?.into_job(&limits)?;
+            Ok(Self { job, parsing: begun.elapsed() })
         };
-        Ok(Self { job: job? })
+        if is_small { convert() } else { aside(app, convert).await }
     }
+}
+
+/// Runs what would delay the other connections, at most as many at a time as there are workers; whoever goes away
+/// before its turn has no turn.
+async fn aside<T: Send + 'static>(
+    app: &App,
+    work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,
+) -> Result<T, ApiError> {
+    let failed = |_| ApiError::new(Code::InternalError, "decoding the body failed");
+    let turn = Arc::clone(&app.decoders).acquire_owned().await.map_err(|_| failed(()))?;
+    let work = move || {
+        let done = work();
+        drop(turn);
+        done
+    };
+    tokio::task::spawn_blocking(work).await.map_err(|_| failed(()))?
 }
 
 /// The query, decoded strictly: a misspelt parameter must not silently do nothing.
@@ -85,13 +112,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
         let detail = format!("`{essence}` is not read here; send `application/json`");
         return Err(ApiError::new(Code::UnsupportedMediaType, detail));
     }
-    match headers.get(header::CONTENT_ENCODING) {
-        Some(coding) if !coding.as_bytes().eq_ignore_ascii_case(b"identity") => {
-            let detail = "the body is encoded; send it without `Content-Encoding`";
-            Err(ApiError::new(Code::UnsupportedMediaType, detail))
-        }
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Reads the body whole, within the limit of size and as long as it makes progress.

@@ -10,23 +10,30 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::error::{PROBLEM_JSON, Problem};
-use super::output::{JSON, Representation};
+use super::output::{EVENTS, JSON, Representation};
 use super::{App, health, metrics, v1};
 
 #[derive(OpenApi)]
 #[openapi(
     info(
         title = "toolpathd",
-        description = "Turns part data into CNC toolpaths and NC programs. Lengths in mm, feeds in mm/min, times in s."
+        description = "Turns part data into CNC toolpaths and NC programs. Lengths in mm, feeds in mm/min, times in s. \
+            Bodies may come with `Content-Encoding: gzip`, answers go with it where `Accept-Encoding` asks; the limit of \
+            a body holds for what was coded."
     ),
     tags(
         (name = "surfaces", description = "Sculptured surfaces"),
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
-    components(schemas(Problem, super::dto::point::Point))
+    components(schemas(Problem, super::events::Progress, super::dto::point::Point))
 )]
 struct Document;
+
+const EVENTS_DESCRIPTION: &str = "While the computation runs, events `progress` (data: `Progress`): the beginning of \
+    every stage, and at most ten a second within one. Then one event `result` (data: the JSON answer, on one line) or \
+    `problem` (data: `Problem`). Comments keep a silent connection open. What is refused before the computation starts is \
+    answered as a problem with its status.";
 
 /// Requests that are known to work, by the operation they are for.
 const EXAMPLES: [(&str, &str, &str); 3] = [
@@ -36,7 +43,12 @@ const EXAMPLES: [(&str, &str, &str); 3] = [
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.
-const ANY_FAILURE: [StatusCode; 2] = [StatusCode::BAD_REQUEST, StatusCode::INTERNAL_SERVER_ERROR];
+const ANY_FAILURE: [StatusCode; 4] = [
+    StatusCode::BAD_REQUEST,
+    StatusCode::URI_TOO_LONG,
+    StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE,
+    StatusCode::INTERNAL_SERVER_ERROR,
+];
 const BODY_FAILURE: [StatusCode; 7] = [
     StatusCode::NOT_ACCEPTABLE,
     StatusCode::REQUEST_TIMEOUT,
@@ -69,29 +81,42 @@ async fn get_contract() -> Response {
 /// The contract as formatted JSON.
 pub fn contract() -> String {
     let mut document = serde_json::to_value(routes().into_openapi()).unwrap_or_default();
-    add_representations(&mut document);
     add_problems(&mut document);
+    add_representations(&mut document);
     add_examples(&mut document);
     format!("{document:#}")
 }
 
-/// Gives every computing operation the media types of what its `format` names; the handler documents JSON alone.
+/// Gives every computing operation the forms of its answer: the media types of what its `format` names, and events.
+/// The handler documents JSON alone.
 fn add_representations(document: &mut Value) {
+    document["components"]["headers"]["ReprDigest"] = json!({
+        "description": "`sha-256=:...:` by RFC 9530, of the bytes that are sent: after content coding. Not with events.",
+        "schema": { "type": "string", "pattern": "^sha-256=:[A-Za-z0-9+/]{43}=:$" },
+    });
+    document["components"]["headers"]["ServerTiming"] = json!({
+        "description": "Milliseconds in `queue`, `parse`, `compute` and `encode`. Not with events.",
+        "schema": { "type": "string" },
+    });
     let paths = document["paths"].as_object_mut();
     for post in paths.into_iter().flat_map(|paths| paths.values_mut()).filter_map(|item| item.get_mut("post"))
     {
         let parameters = post["parameters"].as_array().into_iter().flatten();
         let format = parameters.clone().find(|parameter| parameter["name"] == "format");
-        let names = format.and_then(|format| format["schema"]["enum"].as_array()).cloned();
-        for name in names.into_iter().flatten() {
+        let Some(names) = format.and_then(|format| format["schema"]["enum"].as_array()).cloned() else {
+            continue;
+        };
+        let answer = &mut post["responses"]["200"];
+        for name in names {
             let Ok(offer) = serde_json::from_value::<Representation>(name) else { continue };
-            let content = &mut post["responses"]["200"]["content"];
-            for media_type in offer.media_types() {
-                if content.get(media_type).is_none() {
-                    content[media_type] = json!({ "schema": { "type": "string" } });
-                }
+            for media_type in offer.media_types().iter().filter(|media_type| **media_type != JSON) {
+                answer["content"][media_type] = json!({ "schema": { "type": "string" } });
             }
         }
+        answer["content"][EVENTS] =
+            json!({ "schema": { "type": "string", "description": EVENTS_DESCRIPTION } });
+        answer["headers"]["repr-digest"] = json!({ "$ref": "#/components/headers/ReprDigest" });
+        answer["headers"]["server-timing"] = json!({ "$ref": "#/components/headers/ServerTiming" });
     }
 }
 

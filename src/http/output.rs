@@ -1,21 +1,28 @@
 //! What an answer is represented as, and how it is sent.
 
-mod accept;
+pub mod accept;
 pub mod page;
 
 use axum::body::Bytes;
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
+use super::coding::{self, GZIP, MIN_CODED_BYTES};
 use super::error::{ApiError, Code};
 
 pub const JSON: &str = "application/json";
 const SVG: &str = "image/svg+xml";
 const HTML: &str = "text/html";
+pub const EVENTS: &str = "text/event-stream";
 
 /// The media types by which NC text is asked for, the preferred one first.
 const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
+
+pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 
 /// What an answer is sent as; in the query by these names, for links and for callers that cannot set headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -28,16 +35,20 @@ pub enum Representation {
     Svg,
     /// The picture with the figures of the answer.
     Html,
+    /// How far the computation is, while it runs, and then the JSON answer; never by name, for links cannot show it.
+    #[serde(skip)]
+    Events,
 }
 
 impl Representation {
     /// The name in the query.
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> Option<&'static str> {
         match self {
-            Self::Json => "json",
-            Self::Gcode => "gcode",
-            Self::Svg => "svg",
-            Self::Html => "html",
+            Self::Json => Some("json"),
+            Self::Gcode => Some("gcode"),
+            Self::Svg => Some("svg"),
+            Self::Html => Some("html"),
+            Self::Events => None,
         }
     }
 
@@ -48,6 +59,7 @@ impl Representation {
             Self::Gcode => &GCODE,
             Self::Svg => &[SVG],
             Self::Html => &[HTML],
+            Self::Events => &[EVENTS],
         }
     }
 }
@@ -82,6 +94,8 @@ pub fn choose(
 pub struct Encoded {
     content_type: HeaderValue,
     disposition: Option<HeaderValue>,
+    is_gzip: bool,
+    digest: Option<HeaderValue>,
     body: Bytes,
 }
 
@@ -91,28 +105,47 @@ impl Encoded {
     pub fn json(value: &impl Serialize) -> Result<Self, ApiError> {
         let body = serde_json::to_vec(value)
             .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
-        Ok(Self { content_type: HeaderValue::from_static(JSON), disposition: None, body: body.into() })
+        Ok(Self::plain(HeaderValue::from_static(JSON), body.into()))
     }
 
     /// Text in UTF-8.
     pub fn text(text: String, media_type: &'static str) -> Self {
         let content_type = HeaderValue::from_str(&format!("{media_type}; charset=utf-8"));
-        Self {
-            content_type: content_type.unwrap_or(HeaderValue::from_static(media_type)),
-            disposition: None,
-            body: text.into(),
-        }
+        Self::plain(content_type.unwrap_or(HeaderValue::from_static(media_type)), text.into())
     }
 
     /// NC text under `media_type`, to be saved as `file_name`.
     pub fn gcode(text: String, media_type: &'static str, file_name: &str) -> Self {
         let content_type = HeaderValue::from_str(&format!("{media_type}; charset=us-ascii"));
         let disposition = HeaderValue::from_str(&format!("attachment; filename=\"{file_name}\""));
-        Self {
-            content_type: content_type.unwrap_or(HeaderValue::from_static(GCODE[0])),
-            disposition: disposition.ok(),
-            body: text.into(),
+        let content_type = content_type.unwrap_or(HeaderValue::from_static(GCODE[0]));
+        Self { disposition: disposition.ok(), ..Self::plain(content_type, text.into()) }
+    }
+
+    fn plain(content_type: HeaderValue, body: Bytes) -> Self {
+        Self { content_type, disposition: None, is_gzip: false, digest: None, body }
+    }
+
+    /// As it will be sent: in gzip where that is wanted and worth it, and with the digest of the bytes that are
+    /// left (RFC 9530).
+    ///
+    /// # Errors
+    /// When gzip fails, which is a fault of this program.
+    pub fn sealed(mut self, with_gzip: bool) -> Result<Self, ApiError> {
+        if with_gzip && self.body.len() as u64 >= MIN_CODED_BYTES {
+            let coded = coding::gzip(&self.body)
+                .map_err(|error| ApiError::new(Code::InternalError, format!("writing gzip: {error}")))?;
+            self.body = coded.into();
+            self.is_gzip = true;
         }
+        let digest = BASE64_STANDARD.encode(Sha256::digest(&self.body));
+        self.digest = HeaderValue::from_str(&format!("sha-256=:{digest}:")).ok();
+        Ok(self)
+    }
+
+    /// The body, where it is text that has not been sealed.
+    pub fn into_text(self) -> String {
+        String::from_utf8(self.body.into()).unwrap_or_default()
     }
 }
 
@@ -123,6 +156,12 @@ impl IntoResponse for Encoded {
         headers.insert(header::CONTENT_TYPE, self.content_type);
         if let Some(disposition) = self.disposition {
             headers.insert(header::CONTENT_DISPOSITION, disposition);
+        }
+        if self.is_gzip {
+            headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static(GZIP));
+        }
+        if let Some(digest) = self.digest {
+            headers.insert(REPR_DIGEST, digest);
         }
         response
     }
@@ -143,6 +182,8 @@ pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]
@@ -164,7 +205,7 @@ mod tests {
     fn the_names_are_those_that_the_query_is_read_by() {
         for offer in [Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html]
         {
-            let read: Representation = serde_json::from_value(offer.name().into()).expect("a name");
+            let read: Representation = serde_json::from_value(json!(offer.name())).expect("a name");
             assert_eq!(read, offer);
         }
     }

@@ -25,7 +25,7 @@ impl RequestId {
         }
     }
 
-    fn generate() -> Self {
+    pub fn generate() -> Self {
         let made = MakeRequestUuid.make_request_id(&Request::new(()));
         let text = made.as_ref().and_then(|id| id.header_value().to_str().ok());
         Self(text.unwrap_or_default().to_owned())

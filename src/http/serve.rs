@@ -20,6 +20,7 @@ use tower::ServiceExt;
 
 use super::App;
 use super::linger::Lingering;
+use super::refusal::Explained;
 use crate::config::Settings;
 
 /// How long connections are still accepted after the signal: callers that were told of this service a moment
@@ -202,10 +203,11 @@ async fn connection(
         .timer(TokioTimer::new())
         .keep_alive_interval(patience.header)
         .initial_stream_window_size(READ_AHEAD_BYTES)
-        .initial_connection_window_size(4 * READ_AHEAD_BYTES);
+        .initial_connection_window_size(4 * READ_AHEAD_BYTES)
+        .max_header_list_size(READ_AHEAD_BYTES);
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(patience.write));
-    let connection = builder.serve_connection(TokioIo::new(Box::pin(stream)), service);
+    let connection = builder.serve_connection(TokioIo::new(Explained::new(Box::pin(stream))), service);
     tokio::pin!(connection);
 
     // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the

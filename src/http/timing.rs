@@ -1,6 +1,10 @@
-//! How long the steps of an answer took.
+//! How long the steps of an answer took, for the header `Server-Timing`, the log and the metrics.
 
 use std::time::Duration;
+
+use axum::http::{HeaderName, HeaderValue};
+
+pub const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
 /// Travels in the extensions of the response, from where it is measured to where it is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,5 +23,26 @@ impl Timing {
     pub fn steps(&self) -> [(&'static str, Duration); 4] {
         let Self { queue, parse, compute, encode } = *self;
         [("queue", queue), ("parse", parse), ("compute", compute), ("encode", encode)]
+    }
+
+    /// The header's value; milliseconds.
+    pub fn header_value(&self) -> HeaderValue {
+        let text = self.steps().map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
+        HeaderValue::from_str(&text).unwrap_or(HeaderValue::from_static(""))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_milliseconds() {
+        let of = Duration::from_micros;
+        let timing = Timing { queue: of(0), parse: of(1), compute: of(2_500_000), encode: of(1500) };
+        assert_eq!(
+            timing.header_value(),
+            "queue;dur=0.000, parse;dur=0.001, compute;dur=2500.000, encode;dur=1.500"
+        );
     }
 }

@@ -13,7 +13,7 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use super::App;
 use super::error::ApiError;
 use super::extract::StrictQuery;
-use super::output::{self, Representation};
+use super::output::{self, Representation, accept};
 use super::request_id::RequestId;
 
 /// What the endpoints of one kind answer in, the default first.
@@ -25,8 +25,13 @@ pub trait Offers {
 pub enum Toolpaths {}
 
 impl Offers for Toolpaths {
-    const OFFERS: &'static [Representation] =
-        &[Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html];
+    const OFFERS: &'static [Representation] = &[
+        Representation::Json,
+        Representation::Gcode,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Events,
+    ];
 }
 
 /// The query of every computing endpoint.
@@ -45,6 +50,7 @@ pub struct Form {
     pub media_type: &'static str,
     /// Whether the JSON answer holds the toolpath, where the caller says.
     pub with_toolpath: Option<bool>,
+    pub with_gzip: bool,
     pub request_id: RequestId,
 }
 
@@ -61,7 +67,9 @@ impl<O: Offers> FromRequestParts<Arc<App>> for Wanted<O> {
         let request_id = RequestId::from_request_parts(parts, app).await?;
         let StrictQuery(query) = StrictQuery::<AnswerQuery>::from_request_parts(parts, app).await?;
         let (representation, media_type) = output::choose(O::OFFERS, &parts.headers, query.format)?;
-        let form = Form { representation, media_type, with_toolpath: query.toolpath, request_id };
+        let with_gzip = accept::takes_gzip(&parts.headers);
+        let with_toolpath = query.toolpath;
+        let form = Form { representation, media_type, with_toolpath, with_gzip, request_id };
         Ok(Self { form, offers: PhantomData })
     }
 }
@@ -69,7 +77,7 @@ impl<O: Offers> FromRequestParts<Arc<App>> for Wanted<O> {
 /// The query as the endpoint's own offers leave it.
 impl<O: Offers> IntoParams for Wanted<O> {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
-        let names = O::OFFERS.iter().map(|offer| offer.name());
+        let names = O::OFFERS.iter().filter_map(|offer| offer.name());
         let format = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names));
         let toolpath = ObjectBuilder::new().schema_type(Type::Boolean);
         let parameter = |name: &str, description: &str, schema: ObjectBuilder| {

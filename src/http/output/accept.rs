@@ -1,24 +1,33 @@
-//! Proactive negotiation by `Accept` (RFC 9110, section 12.5.1).
+//! Proactive negotiation by `Accept` and `Accept-Encoding` (RFC 9110, sections 12.5.1 and 12.5.3).
 
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderName, header};
 
-/// A media range with its weight in thousandths.
+/// A media range or a content coding with its weight in thousandths.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Accepted {
     range: String,
     weight: u16,
 }
 
+/// Whether the caller takes gzip, and likes it no less than bytes as they are.
+pub fn takes_gzip(headers: &HeaderMap) -> bool {
+    let accepted: Vec<Accepted> = elements(headers, header::ACCEPT_ENCODING).collect();
+    let weight = |names: &[&str]| {
+        let named = accepted.iter().find(|accepted| names.contains(&accepted.range.as_str()));
+        named.map(|accepted| accepted.weight)
+    };
+    let gzip = weight(&["gzip", "x-gzip"]).or(weight(&["*"])).unwrap_or(0);
+    // Bytes as they are need not be asked for, so what was not said of them is no preference.
+    gzip > 0 && gzip >= weight(&["identity"]).unwrap_or(0)
+}
+
 /// The offer that the caller likes best; of those liked equally the one asked for most specifically, then the
 /// earliest. The first offer when there is no `Accept`; nothing when the caller takes none.
 pub fn best(headers: &HeaderMap, offers: &[&'static str]) -> Option<&'static str> {
-    let mut lines = headers.get_all(header::ACCEPT).iter().peekable();
-    if lines.peek().is_none() {
-        return offers.first().copied();
-    }
-    let accepted: Vec<Accepted> = lines.filter_map(|line| line.to_str().ok()).flat_map(parse).collect();
+    let ranges = elements(headers, header::ACCEPT).filter(|accepted| accepted.range.contains('/'));
+    let accepted: Vec<Accepted> = ranges.collect();
     if accepted.is_empty() {
-        // Nothing that could be read says nothing.
+        // Neither does what could not be read say anything.
         return offers.first().copied();
     }
     let mut chosen: Option<(&'static str, (u16, u8))> = None;
@@ -47,6 +56,11 @@ fn weigh(accepted: &[Accepted], offer: &str) -> (u16, u8) {
         .map_or((0, 0), |(specificity, weight)| (weight, specificity))
 }
 
+/// The elements of all lines of a header that can be read.
+fn elements(headers: &HeaderMap, name: HeaderName) -> impl Iterator<Item = Accepted> {
+    headers.get_all(name).into_iter().filter_map(|line| line.to_str().ok()).flat_map(parse)
+}
+
 fn parse(line: &str) -> impl Iterator<Item = Accepted> {
     line.split(',').filter_map(|element| {
         let mut parts = element.split(';').map(str::trim);
@@ -55,7 +69,7 @@ fn parse(line: &str) -> impl Iterator<Item = Accepted> {
             .filter_map(|parameter| parameter.split_once('='))
             .find(|(name, _)| name.trim().eq_ignore_ascii_case("q"))
             .map_or(Some(1000), |(_, value)| thousandths(value.trim()));
-        range.contains('/').then_some(Accepted { range, weight: weight? })
+        weight.map(|weight| Accepted { range, weight })
     })
 }
 
@@ -108,6 +122,32 @@ mod tests {
             (&["text/x-gcode;q=2, text/plain;q=0.001"], Some("text/plain")),
         ] {
             assert_eq!(chosen(lines), expected, "{lines:?}");
+        }
+    }
+
+    #[test]
+    fn gzip_is_taken_where_it_is_liked_no_less_than_plain_bytes() {
+        for (lines, expected) in [
+            (&[][..], false),
+            (&["gzip"], true),
+            (&["GZip, deflate, br"], true),
+            (&["x-gzip"], true),
+            (&["br", "gzip;q=0.001"], true),
+            (&["*"], true),
+            (&["*;q=0.5, gzip;q=0"], false),
+            (&["gzip;q=0"], false),
+            (&["br"], false),
+            (&[""], false),
+            (&["identity, gzip;q=0.5"], false),
+            (&["identity;q=0.5, gzip;q=0.5"], true),
+            (&["identity;q=0, *"], true),
+            (&["gzip;q=nonsense"], false),
+        ] {
+            let mut headers = HeaderMap::new();
+            for line in lines {
+                headers.append(header::ACCEPT_ENCODING, line.parse().expect("a header"));
+            }
+            assert_eq!(takes_gzip(&headers), expected, "{lines:?}");
         }
     }
 }

@@ -155,3 +155,40 @@ async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large()
     .await;
     server.stop().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_the_parser_refuses_is_a_problem_too() {
+    let app = app(&["--workers", "1"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let long = "x".repeat(70_000);
+        let many: String = (0..200).map(|k| format!("X-{k}: 1\r\n")).collect();
+        let huge = format!("X: {}\r\n", "x".repeat(600_000));
+        for (head, status, code) in [
+            (format!("GET /{long} HTTP/1.1\r\nHost: here\r\n\r\n"), 414, "uri_too_long"),
+            (format!("GET /livez HTTP/1.1\r\n{many}\r\n"), 431, "headers_too_large"),
+            (format!("GET /livez HTTP/1.1\r\n{huge}\r\n"), 431, "headers_too_large"),
+            ("GET /livez HTTP/1.1\r\nContent-Length: many\r\n\r\n".to_owned(), 400, "bad_request"),
+            ("GET /livez HTTP/1.1\r\nno header\r\n\r\n".to_owned(), 400, "bad_request"),
+        ] {
+            let mut stream = connect(address);
+            // The service need not read to the end of what it refuses.
+            let _ = std::io::Write::write_all(&mut stream, head.as_bytes());
+            let answer = read_answer(&mut stream).expect("an answer");
+            let (head, body) = answer.split_once("\r\n\r\n").expect("a head");
+            assert!(head.starts_with(&format!("HTTP/1.1 {status} ")), "{head}");
+            assert!(head.contains("content-type: application/problem+json"), "{head}");
+            let problem: serde_json::Value = serde_json::from_str(body).expect("JSON");
+            assert_eq!((&problem["status"], &problem["code"]), (&status.into(), &code.into()));
+            let id = problem["request_id"].as_str().expect("an id");
+            assert!(head.contains(&format!("x-request-id: {id}")), "{head}");
+        }
+        // What a handler answers on such a connection is its own.
+        let mut stream = connect(address);
+        write(&mut stream, "GET /livez HTTP/1.1\r\nHost: here\r\n\r\n");
+        assert!(read_answer(&mut stream).expect("an answer").ends_with("\r\n\r\nok\n"));
+    })
+    .await;
+    server.stop().await;
+}

@@ -27,7 +27,7 @@ async fn every_example_answers_in_json_as_the_contract_names_it() {
         let answer = post(&app, MILL, body, &[("x-request-id", "one")]).await;
         assert_eq!(answer.status, 200, "{name}");
         assert_eq!(answer.header("content-type"), "application/json");
-        assert_eq!(answer.header("vary"), "Accept");
+        assert_eq!(answer.header("vary"), "Accept, Accept-Encoding");
         let json = answer.json();
         assert_eq!(json["request_id"], "one");
         assert_eq!(json["engine_version"], env!("CARGO_PKG_VERSION"));

@@ -1,0 +1,155 @@
+//! Computations as streams of events, through a socket.
+
+use std::io::Read;
+use std::net::{SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use toolpathd::http::compute::Failure;
+
+use super::support::{MILL, ONE_PASS, Server, app, connect, post, write};
+
+const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
+
+/// The example with planes this close together.
+fn die_at(stepover_mm: f64) -> String {
+    let mut body: Value = serde_json::from_str(DIE).expect("JSON");
+    body["strategy"]["stepover_mm"] = stepover_mm.into();
+    body.to_string()
+}
+
+/// Asks for events, as the request `one`.
+fn ask(address: SocketAddr, body: &str) -> TcpStream {
+    let mut stream = connect(address);
+    let head = format!(
+        "POST {MILL} HTTP/1.1\r\nHost: here\r\nX-Request-Id: one\r\nAccept: text/event-stream\r\n\
+         Accept-Encoding: gzip\r\nContent-Length: {}\r\n\r\n",
+        body.len()
+    );
+    write(&mut stream, &head);
+    write(&mut stream, body);
+    stream
+}
+
+/// Reads until the text ends with `end`.
+fn read_until(stream: &mut TcpStream, end: &str) -> String {
+    let mut text = Vec::new();
+    let mut buffer = [0; 4096];
+    while !text.ends_with(end.as_bytes()) {
+        let count = stream.read(&mut buffer).expect("in time");
+        assert!(count > 0, "the connection ended after {}", String::from_utf8_lossy(&text));
+        text.extend_from_slice(&buffer[..count]);
+    }
+    String::from_utf8(text).expect("UTF-8")
+}
+
+/// The head, and name and data of every event.
+fn events(stream: &mut TcpStream) -> (String, Vec<(String, Value)>) {
+    let text = read_until(stream, "\r\n0\r\n\r\n");
+    let (head, chunks) = text.split_once("\r\n\r\n").expect("a head");
+    let mut body = String::new();
+    let mut rest = chunks;
+    while let Some((size, data)) = rest.split_once("\r\n") {
+        let size = usize::from_str_radix(size, 16).expect("a size");
+        body.push_str(&data[..size]);
+        rest = &data[size + 2..];
+    }
+    let events = body.split_terminator("\n\n").filter(|block| !block.starts_with(':')).map(|block| {
+        let (name, data) = block.split_once('\n').expect("a name and data");
+        let data = data.strip_prefix("data: ").expect("data");
+        let data = serde_json::from_str(data).expect("JSON on one line");
+        (name.strip_prefix("event: ").expect("a name").to_owned(), data)
+    });
+    (head.to_ascii_lowercase(), events.collect())
+}
+
+/// Runs what waits on sockets beside the service.
+async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    tokio::task::spawn_blocking(work).await.expect("no panic")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn progress_is_told_stage_by_stage_and_the_answer_comes_last() {
+    let app = app(&["--workers", "1"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    let body = die_at(0.5);
+    let asked = body.clone();
+    let (head, events) = aside(move || events(&mut ask(address, &asked))).await;
+    assert!(head.starts_with("http/1.1 200 ok\r\n"), "{head}");
+    assert!(head.contains("content-type: text/event-stream") && head.contains("x-request-id: one"), "{head}");
+    assert!(!head.contains("repr-digest") && !head.contains("content-encoding"), "{head}");
+
+    let (last, progress) = events.split_last().expect("events");
+    assert_eq!(last.0, "result");
+    let plain = post(&app, MILL, body, &[("x-request-id", "one")]).await.json();
+    assert!(last.1 == plain, "the result is not the JSON answer");
+    let mut stages: Vec<&str> = Vec::new();
+    let mut done = 0;
+    for (name, data) in progress {
+        assert_eq!(name, "progress");
+        let stage = data["stage"].as_str().expect("a stage");
+        if stages.last() != Some(&stage) {
+            assert!(!stages.contains(&stage), "{stage} comes twice");
+            stages.push(stage);
+            done = 0;
+        }
+        let (now, total) =
+            (data["done"].as_u64().expect("a count"), data["total"].as_u64().expect("a count"));
+        assert!((done..=total).contains(&now), "{data}");
+        assert_eq!(data["fraction"], now as f64 / total as f64);
+        done = now;
+    }
+    assert_eq!(stages, ["sections", "certificate"]);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_problem() {
+    let app = app(&["--workers", "1", "--queue", "0"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    let mut folding: Value = serde_json::from_str(DIE).expect("JSON");
+    folding["tool"]["diameter_mm"] = 500.into();
+    let folding = folding.to_string();
+    let (_, events) = aside(move || events(&mut ask(address, &folding))).await;
+    let [(name, problem)] = events.as_slice() else { panic!("{events:?}") };
+    assert_eq!((name.as_str(), &problem["code"]), ("problem", &"offset_folds".into()));
+    assert_eq!((&problem["status"], &problem["request_id"]), (&422.into(), &"one".into()));
+
+    let accept = [("accept", "text/event-stream")];
+    for (body, code) in [("{", "malformed_json"), ("{}", "invalid_request")] {
+        assert_eq!(post(&app, MILL, body, &accept).await.code(), code);
+    }
+    let negative = ONE_PASS.replace("0.01", "-0.01");
+    assert_eq!(post(&app, MILL, negative, &accept).await.violations()[0].0, "out_of_range");
+    let busy = app.compute.admit().expect("a ticket");
+    let refused = post(&app, MILL, ONE_PASS, &accept).await;
+    assert_eq!((refused.status.as_u16(), refused.code().as_str()), (503, "overloaded"));
+    drop(busy);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_caller_that_goes_away_stops_its_computation() {
+    let app = app(&["--workers", "1", "--queue", "0"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    // Some ten thousand planes: minutes of work.
+    let long = die_at(0.01);
+    let stream = aside(move || {
+        let mut stream = ask(address, &long);
+        let begun = read_until(&mut stream, "\n\n\r\n");
+        assert!(begun.contains("event: progress"), "{begun}");
+        stream
+    })
+    .await;
+    assert_eq!(app.compute.run(|_| ()).await, Err(Failure::Overloaded));
+    let closed = Instant::now();
+    drop(stream);
+    while app.compute.run(|_| ()).await.is_err() {
+        assert!(closed.elapsed() < Duration::from_secs(2), "it computes on");
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    server.stop().await;
+}

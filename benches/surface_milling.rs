@@ -31,7 +31,13 @@ fn job(n: usize, sections: usize) -> Job {
     // The offset is a little wider than the grid.
     let stepover_mm = (5.0 * (n - 1) as f64 + 1.0) / (sections - 1) as f64;
     let tolerance = Tolerance::from_mm(0.01).unwrap();
-    Job::new(Source::PointGrid(grid(n)), Tool::ball(5.0), stepover_mm, tolerance, FeedRate::from_mm_per_min(1000.0).unwrap())
+    Job::new(
+        Source::PointGrid(grid(n)),
+        Tool::ball(5.0),
+        stepover_mm,
+        tolerance,
+        FeedRate::from_mm_per_min(1000.0).unwrap(),
+    )
 }
 
 fn fit(c: &mut Criterion) {

@@ -41,7 +41,7 @@ const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
 /// What is read ahead of a connection: the most that one holds while nobody asks for its bytes, and the most
 /// that the head of a request may have.
-const READ_AHEAD_BYTES: u32 = 64 * 1024;
+const READ_AHEAD_BYTES: u32 = 128 * 1024;
 
 /// Serves `router` until `stop` resolves, and then until every request that has reached this process is
 /// answered; `app` is told when that begins.

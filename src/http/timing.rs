@@ -27,7 +27,8 @@ impl Timing {
 
     /// The header's value; milliseconds.
     pub fn header_value(&self) -> HeaderValue {
-        let text = self.steps().map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
+        let text =
+            self.steps().map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
         HeaderValue::from_str(&text).unwrap_or(HeaderValue::from_static(""))
     }
 }

@@ -56,9 +56,7 @@ use crate::toolpath::quantize::{QuantizeError, quantize};
 use crate::toolpath::tool::{Coolant, Cutting};
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Move, PathError, Toolpath};
-pub use job::{
-    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing,
-};
+pub use job::{Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing};
 use outline::Outline;
 use passes::Allowed;
 use planes::Slicer;

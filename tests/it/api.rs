@@ -3,8 +3,11 @@
 mod coding;
 mod connection;
 mod decoding;
+mod determinism;
 mod events;
 mod negotiation;
+mod operation;
+mod program;
 mod shutdown;
 mod support;
 mod surfaces;

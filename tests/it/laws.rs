@@ -46,7 +46,8 @@ fn job() -> impl Strategy<Value = Job> {
             let stepover_mm = stepover * width(0).max(width(1)) / 4.0;
             let tolerance = Tolerance::from_mm(tolerance).unwrap();
             let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
-            let job = Job::new(Source::PointGrid(surface), Tool::ball(radius_mm), stepover_mm, tolerance, feed);
+            let job =
+                Job::new(Source::PointGrid(surface), Tool::ball(radius_mm), stepover_mm, tolerance, feed);
             Job { plane, direction, interpolation, ..job }
         },
     )

@@ -140,7 +140,8 @@ fn ends_that_rounding_moves_count_as_deviation() {
 #[test]
 fn lines_alone_keep_the_same_promises() {
     let interpolation = Interpolation::Lines;
-    let job = Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
+    let job =
+        Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
     let (plan, _) = judge(&job).unwrap();
     assert_eq!(plan.report.n_arcs, 0);
     let motions: Vec<_> = planned(&plan).into_iter().flatten().collect();

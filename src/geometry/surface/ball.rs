@@ -19,7 +19,8 @@ pub struct Interval {
 impl Interval {
     /// From the least to the largest of `values`, and `rounding` more.
     pub fn around(values: impl Iterator<Item = f64>, rounding: f64) -> Self {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         Self { center: 0.5 * (low + high), radius: 0.5 * (high - low) + rounding }
     }
 

@@ -58,7 +58,8 @@ impl<P: Patch> BezierSurface<P> {
         budget: &Budget,
     ) -> Result<f64, Stopped> {
         let highest = |part: &P| -part.lowest_along(&-direction);
-        let at_corners = |part: &P| part.corners().map(|p| p.dot(direction)).into_iter().fold(f64::MIN, f64::max);
+        let at_corners =
+            |part: &P| part.corners().map(|p| p.dot(direction)).into_iter().fold(f64::MIN, f64::max);
         let mut open: Vec<P> = self.patches.clone();
         let mut found = open.iter().map(at_corners).fold(f64::NEG_INFINITY, f64::max);
         let mut farthest = found;
@@ -116,7 +117,10 @@ impl<P: Patch> BezierSurface<P> {
             };
             let least = side.iter().map(length).fold(f64::INFINITY, f64::min);
             if least >= by {
-                return Some(Self::from_fn([nu + 1, nv], |i, j| if i < nu { *self.patch(i, j) } else { side[j] }));
+                return Some(Self::from_fn(
+                    [nu + 1, nv],
+                    |i, j| if i < nu { *self.patch(i, j) } else { side[j] },
+                ));
             }
             reach *= 1.1 * by / least;
         }

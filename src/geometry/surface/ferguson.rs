@@ -41,7 +41,8 @@ impl Ferguson {
         let size = [rows, columns];
         check("points", &self.points, size, |p| p.iter().all(|x| x.is_finite()))?;
         let vectors = [("tangents_u", &self.tangents_u), ("tangents_v", &self.tangents_v)];
-        for (field, grid) in vectors.into_iter().chain(self.twists.as_ref().map(|twists| ("twists", twists))) {
+        for (field, grid) in vectors.into_iter().chain(self.twists.as_ref().map(|twists| ("twists", twists)))
+        {
             check(field, grid, size, |v| v.iter().all(|x| x.is_finite()))?;
         }
         Ok(hermite::surface(size, |i, j| Corner {

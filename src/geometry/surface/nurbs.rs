@@ -58,7 +58,9 @@ pub enum NurbsError {
     KnotCount { along: usize, found: usize, points: usize, degree: usize },
     #[error("the knot {index} is not finite, or below the one before it")]
     KnotsDecrease { along: usize, index: usize },
-    #[error("the knot {index} is repeated {multiplicity} times; inside the domain {degree} times are allowed")]
+    #[error(
+        "the knot {index} is repeated {multiplicity} times; inside the domain {degree} times are allowed"
+    )]
     KnotMultiplicity { along: usize, index: usize, multiplicity: usize, degree: usize },
     #[error("the domain has no length")]
     EmptyDomain { along: usize },
@@ -98,7 +100,8 @@ impl Nurbs {
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         let size = [self.control_points.len(), self.control_points.first().map_or(0, Vec::len)];
         [0, 1].map(|along| {
-            let inner = inner_knots(&self.knots[along], self.degree[along], size[along]).into_iter().enumerate();
+            let inner =
+                inner_knots(&self.knots[along], self.degree[along], size[along]).into_iter().enumerate();
             let loose = inner.filter(|(_, (_, multiplicity))| *multiplicity >= self.degree[along]);
             loose.map(|(k, _)| k + 1).collect()
         })
@@ -230,7 +233,8 @@ fn check_knots(knots: &[f64], degree: usize, points: usize, along: usize) -> Res
     if !(length > 0.0 && length.is_finite()) {
         return Err(NurbsError::EmptyDomain { along });
     }
-    let is_short = |k: &usize| (f64::MIN_POSITIVE..SHORTEST_SPAN * length).contains(&(knots[*k] - knots[k - 1]));
+    let is_short =
+        |k: &usize| (f64::MIN_POSITIVE..SHORTEST_SPAN * length).contains(&(knots[*k] - knots[k - 1]));
     if let Some(index) = (degree + 1..=points).find(is_short) {
         return Err(NurbsError::SpanTooShort { along, index });
     }
@@ -287,7 +291,11 @@ mod tests {
         }
         let part = |above: f64, below: f64, value: f64| if below > 0.0 { above / below * value } else { 0.0 };
         part(t - knots[k], knots[k + degree] - knots[k], basis(knots, k, degree - 1, t))
-            + part(knots[k + degree + 1] - t, knots[k + degree + 1] - knots[k + 1], basis(knots, k + 1, degree - 1, t))
+            + part(
+                knots[k + degree + 1] - t,
+                knots[k + degree + 1] - knots[k + 1],
+                basis(knots, k + 1, degree - 1, t),
+            )
     }
 
     fn by_definition(nurbs: &Nurbs, t: [f64; 2]) -> Point3<f64> {
@@ -330,7 +338,8 @@ mod tests {
                     let (dx, dy, z, w) = entries[i * 12 + j];
                     [i as f64 + dx, j as f64 + dy, z, w]
                 });
-                let map = |row: &Vec<[f64; 4]>| row.iter().map(|[x, y, z, _]| Point3::new(*x, *y, *z)).collect();
+                let map =
+                    |row: &Vec<[f64; 4]>| row.iter().map(|[x, y, z, _]| Point3::new(*x, *y, *z)).collect();
                 Nurbs {
                     degree: [p, q],
                     knots: [knots(&steps_u, p, size[0]), knots(&steps_v, q, size[1])],

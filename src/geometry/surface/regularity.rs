@@ -130,7 +130,11 @@ pub fn prove(
 }
 
 /// The fold at the most concave of 5 x 5 points a patch, or at `at` where none is concave.
-fn tightest(surface: &BezierSurface<impl Patch>, at: Point3<f64>, budget: &Budget) -> Result<Irregular, Stopped> {
+fn tightest(
+    surface: &BezierSurface<impl Patch>,
+    at: Point3<f64>,
+    budget: &Budget,
+) -> Result<Irregular, Stopped> {
     let mut worst = (0.0, at);
     let [nu, nv] = surface.spans();
     for i in 0..nu {

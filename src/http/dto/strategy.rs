@@ -103,8 +103,14 @@ impl Strategy {
         max_sections: usize,
         violations: &mut Violations,
     ) -> Option<Sections> {
-        let Self::ClCartesian(ClCartesian { _kind: _, plane, stepover_mm, scallop_height_mm, direction, trim }) =
-            self;
+        let Self::ClCartesian(ClCartesian {
+            _kind: _,
+            plane,
+            stepover_mm,
+            scallop_height_mm,
+            direction,
+            trim,
+        }) = self;
         if !trim {
             let detail = "`trim: false` is refused: an untrimmed path may cut into the part";
             violations.add(&at.field("trim"), FieldCode::Unsupported, detail);

@@ -71,7 +71,9 @@ impl From<&surface_milling::Warning> for Warning {
             },
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
-                detail: format!("passes {stepover_mm} mm apart do not meet everywhere: stock is left between them"),
+                detail: format!(
+                    "passes {stepover_mm} mm apart do not meet everywhere: stock is left between them"
+                ),
             },
             surface_milling::Warning::NoSpindleSpeed => Self {
                 code: WarningCode::NoSpindleSpeed,

@@ -92,13 +92,7 @@ pub struct Job {
 
 impl Job {
     /// The job with the default of everything that has one, written in mm with three decimals.
-    pub fn new(
-        surface: Source,
-        tool: Tool,
-        stepover_mm: f64,
-        tolerance: Tolerance,
-        feed: FeedRate,
-    ) -> Self {
+    pub fn new(surface: Source, tool: Tool, stepover_mm: f64, tolerance: Tolerance, feed: FeedRate) -> Self {
         Self {
             surface,
             tool,

@@ -146,7 +146,9 @@ mod tests {
     /// A flat patch of 30 by 12 mm.
     fn outline() -> Outline {
         let surface = BezierSurface::from_fn([1, 1], |_, _| BicubicPatch {
-            net: std::array::from_fn(|a| std::array::from_fn(|b| Vector3::new(10.0 * a as f64, 4.0 * b as f64, 0.0))),
+            net: std::array::from_fn(|a| {
+                std::array::from_fn(|b| Vector3::new(10.0 * a as f64, 4.0 * b as f64, 0.0))
+            }),
         });
         Outline::new(&surface, 1e-3, &Budget::unlimited()).unwrap()
     }

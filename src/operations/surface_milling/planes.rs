@@ -40,7 +40,12 @@ impl<'a> Slicer<'a> {
     }
 
     /// The sections in the plane at `at` mm.
-    pub(super) fn chains(&self, at: f64, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+    pub(super) fn chains(
+        &self,
+        at: f64,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
         let chains = self.sections.chains(at, spacing, budget)?;
         Ok(match &self.inside {
             None => chains,

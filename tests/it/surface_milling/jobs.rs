@@ -23,7 +23,8 @@ pub fn heights(n: usize, [from, to]: [f64; 2], ends: Ends, height: impl Fn(f64, 
 pub fn job(surface: PointGrid, diameter_mm: f64, stepover_mm: f64, tolerance_mm: f64, decimals: u8) -> Job {
     let tolerance = Tolerance::from_mm(tolerance_mm).unwrap();
     let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
-    let mut job = Job::new(Source::PointGrid(surface), Tool::ball(0.5 * diameter_mm), stepover_mm, tolerance, feed);
+    let mut job =
+        Job::new(Source::PointGrid(surface), Tool::ball(0.5 * diameter_mm), stepover_mm, tolerance, feed);
     job.resolution.decimals = decimals;
     job
 }

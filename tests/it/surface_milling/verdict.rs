@@ -1,9 +1,7 @@
 //! Judges a plan: every promise of its report against figures found without the product's geometry.
 
 use toolpathd::budget::Budget;
-use toolpathd::operations::surface_milling::{
-    CutDirection, Error, Job, Plan, SectionPlane, Spacing, plan,
-};
+use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Plan, SectionPlane, Spacing, plan};
 
 use super::cutter::{Cutter, Depth};
 use super::jobs::grid_of;

@@ -190,7 +190,8 @@ impl Patch for RationalPatch {
         let mut squares = Product::zero(self.degree);
         let mut magnitude: f64 = 0.0;
         for (axis, weight) in axes.iter().zip(weights) {
-            let coordinate = |a: usize, b: usize| (self.net[a][b].xyz() - origin * self.net[a][b].w).dot(axis);
+            let coordinate =
+                |a: usize, b: usize| (self.net[a][b].xyz() - origin * self.net[a][b].w).dot(axis);
             squares.add_square(&coordinate, *weight);
             let farthest = self.control_points().map(|p| (p - origin).dot(axis).abs()).fold(0.0, f64::max);
             magnitude += weight.abs() * farthest * farthest;
@@ -238,7 +239,9 @@ impl Product {
 
     /// The quotients of the coefficients, from whose range the quotient of the polynomials does not leave.
     fn over(mut self, divisor: &Product) -> Self {
-        for (row, below) in self.coefficients.iter_mut().zip(&divisor.coefficients).take(2 * self.degree[0] + 1) {
+        for (row, below) in
+            self.coefficients.iter_mut().zip(&divisor.coefficients).take(2 * self.degree[0] + 1)
+        {
             for (x, w) in row.iter_mut().zip(below).take(2 * self.degree[1] + 1) {
                 *x /= w;
             }
@@ -259,9 +262,11 @@ impl Product {
     fn bends(&self) -> [f64; 2] {
         let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
         let along_v = self.rows().flat_map(|row| row.windows(3).map(|w| bend(w[0], w[1], w[2])));
-        let along_u = self.rows().zip(self.rows().skip(1)).zip(self.rows().skip(2)).flat_map(|((a, b), c)| {
-            a.iter().zip(b).zip(c).map(|((a, b), c)| bend(*a, *b, *c))
-        });
+        let along_u = self
+            .rows()
+            .zip(self.rows().skip(1))
+            .zip(self.rows().skip(2))
+            .flat_map(|((a, b), c)| a.iter().zip(b).zip(c).map(|((a, b), c)| bend(*a, *b, *c)));
         [along_u.fold(0.0, f64::max), along_v.fold(0.0, f64::max)]
     }
 }

@@ -84,11 +84,15 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
     let points = surface().field("control_points");
     let weights = surface().field("weights");
     match error {
-        NurbsError::Degree { along, degree: _ } => (of(["degree_u", "degree_v"], along), FieldCode::OutOfRange),
+        NurbsError::Degree { along, degree: _ } => {
+            (of(["degree_u", "degree_v"], along), FieldCode::OutOfRange)
+        }
         NurbsError::TooFewPoints { along: _, points: _, degree: _ } => (points, FieldCode::TooFewPoints),
         NurbsError::Ragged { row, found: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
         NurbsError::PointNotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
-        NurbsError::KnotCount { along, found: _, points: _, degree: _ } => (knots(along), FieldCode::WrongLength),
+        NurbsError::KnotCount { along, found: _, points: _, degree: _ } => {
+            (knots(along), FieldCode::WrongLength)
+        }
         NurbsError::EmptyDomain { along } => (knots(along), FieldCode::OutOfRange),
         NurbsError::KnotsDecrease { along, index }
         | NurbsError::SpanTooShort { along, index }
@@ -96,7 +100,9 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
             (knots(along).index(index), FieldCode::OutOfRange)
         }
         NurbsError::WeightRows { found: _, expected: _ } => (weights, FieldCode::WrongLength),
-        NurbsError::WeightColumns { row, found: _, expected: _ } => (weights.index(row), FieldCode::WrongLength),
+        NurbsError::WeightColumns { row, found: _, expected: _ } => {
+            (weights.index(row), FieldCode::WrongLength)
+        }
         NurbsError::Weight { i, j, weight: _ } | NurbsError::WeightRatio { i, j, weight: _, largest: _ } => {
             (weights.index(i).index(j), FieldCode::OutOfRange)
         }

@@ -6,3 +6,4 @@ pub mod curve;
 pub mod plane;
 pub mod section;
 pub mod surface;
+pub mod wires;

@@ -1,3 +1,4 @@
 //! The operations: each takes a job and a budget and answers a plan or its own error.
 
 pub mod surface_milling;
+pub mod surface_model;

@@ -81,6 +81,22 @@ impl Chain {
     }
 }
 
+/// A plane at right angles to the axis of [`Sections`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneAt {
+    /// Where the points of its sections lie, mm.
+    pub at: f64,
+    /// Where the sections are traced, mm: the same, but for a plane along an edge [`INSET_MM`] inside. Its points are then
+    /// brought to the edge.
+    pub traced_at: f64,
+}
+
+impl PlaneAt {
+    pub fn new(at: f64) -> Self {
+        Self { at, traced_at: at }
+    }
+}
+
 /// The spacing of the points of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spacing {
@@ -135,18 +151,23 @@ impl<'a> Sections<'a> {
         self.boundary.extent()
     }
 
-    /// The sections with the plane at `at` mm along the axis, in no particular order or sense.
+    /// The sections with `plane`, in no particular order or sense.
     ///
     /// # Errors
     /// When a section is lost (the surface is not as regular as it was proved to be), has too many points, or
     /// the budget stops.
-    pub fn chains(&self, at: f64, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
-        let starts = self.boundary.crossings(self.surface, at).into_iter();
+    pub fn chains(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        let starts = self.boundary.crossings(self.surface, plane.traced_at).into_iter();
         let mut open: Vec<Crossing> = starts.filter_map(|boundary| self.crossing(boundary)).collect();
         let mut chains = Vec::new();
         while let Some(start) = open.pop() {
             budget.check()?;
-            if let Some((chain, reached)) = self.trace(&start, &open, at, spacing, budget)? {
+            if let Some((chain, reached)) = self.trace(&start, &open, plane, spacing, budget)? {
                 if let Some(k) = reached {
                     open.remove(k);
                 }
@@ -162,13 +183,14 @@ impl<'a> Sections<'a> {
         &self,
         start: &Crossing,
         open: &[Crossing],
-        at: f64,
+        plane: PlaneAt,
         mut spacing: Spacing,
         budget: &Budget,
     ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
         let mut here = start.place;
         let Some(sense) = self.inward_sense(&start.boundary, &here) else { return Ok(None) };
-        let mut chain = Chain { points: vec![here.jet.point], chord_height_mm: 0.0 };
+        let at = plane.traced_at;
+        let mut chain = Chain { points: vec![self.on_plane(&here, plane)], chord_height_mm: 0.0 };
         loop {
             if chain.points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
@@ -179,14 +201,14 @@ impl<'a> Sections<'a> {
             let next = self.step(&here, sense, at, spacing, &mut chain)?;
             let reached = crossing_on_step(&here, &next, open, spacing);
             if let Some(k) = reached {
-                chain.points.push(open[k].place.jet.point);
+                chain.points.push(self.on_plane(&open[k].place, plane));
                 return Ok(Some((chain, reached)));
             }
             if !self.is_inside(next.u, next.v) {
                 let (from, to) = ((here.u, here.v), (next.u, next.v));
                 let missed = self.boundary.crossing_between(self.surface, at, from, to);
                 if let Some(end) = missed.and_then(|boundary| self.crossing(boundary)) {
-                    chain.points.push(end.place.jet.point);
+                    chain.points.push(self.on_plane(&end.place, plane));
                     return Ok(Some((chain, None)));
                 }
                 // A shorter step leaves the boundary nearer to where the section does.
@@ -196,9 +218,19 @@ impl<'a> Sections<'a> {
                 }
                 continue;
             }
-            chain.points.push(next.jet.point);
+            chain.points.push(self.on_plane(&next, plane));
             here = next;
         }
+    }
+
+    /// The point of the offset, continued past its edge, that lies next to a traced one where the plane is.
+    fn on_plane(&self, traced: &Place, plane: PlaneAt) -> Point3<f64> {
+        if plane.at == plane.traced_at {
+            return traced.jet.point;
+        }
+        let tangent = self.tangent(&traced.jet, 1.0);
+        let moved = self.corrected(traced, tangent, 0.0, plane.at);
+        moved.map_or(traced.jet.point, |place| place.jet.point)
     }
 
     fn crossing(&self, boundary: BoundaryPoint) -> Option<Crossing> {
@@ -330,96 +362,4 @@ fn chord_for_height(height: f64, curvature: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-    use crate::geometry::surface::{BezierSurface, regularity};
-
-    fn grid(n: usize, side: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
-        let at = |i: usize| side * (i as f64 / (n - 1) as f64 - 0.5);
-        let points = (0..n)
-            .map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect())
-            .collect();
-        PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }.surface().unwrap()
-    }
-
-    const SPACING: Spacing = Spacing { chord_height_mm: 1e-3, step_length_mm: 5.0 };
-
-    fn prove(surface: &BezierSurface, radius: f64, axis: usize) -> Regularity {
-        regularity::prove(surface, radius, axis, &Budget::unlimited()).unwrap()
-    }
-
-    fn sections<'a>(
-        surface: &'a BezierSurface,
-        radius: f64,
-        axis: usize,
-        regularity: &'a Regularity,
-    ) -> Sections<'a> {
-        Sections::new(surface, radius, axis, regularity, &Budget::unlimited()).unwrap()
-    }
-
-    #[test]
-    fn sections_of_a_sphere_are_circles() {
-        let cap = grid(41, 30.0, |x, y| (1600.0 - x * x - y * y).sqrt());
-        for axis in [0, 1] {
-            let regularity = prove(&cap, 5.0, axis);
-            let sections = sections(&cap, 5.0, axis, &regularity);
-            let [low, high] = sections.extent();
-            for k in 1..10 {
-                let at = low + (high - low) * k as f64 / 10.0;
-                let chains = sections.chains(at, SPACING, &Budget::unlimited()).unwrap();
-                assert_eq!(chains.len(), 1);
-                let radius = (45.0f64 * 45.0 - at * at).sqrt();
-                for p in &chains[0].points {
-                    assert!((p[axis] - at).abs() < 1e-9);
-                    assert!((p[1 - axis].hypot(p.z) - radius).abs() < 1e-4, "{p}");
-                }
-                assert!(chains[0].chord_height_mm <= 1.01e-3);
-            }
-        }
-    }
-
-    #[test]
-    fn a_plane_along_an_edge_follows_it() {
-        let plate = grid(5, 40.0, |x, _| 0.3 * x);
-        let regularity = prove(&plate, 4.0, 1);
-        let sections = sections(&plate, 4.0, 1, &regularity);
-        let [low, high] = sections.extent();
-        assert!((low + 20.0).abs() < 1e-12 && (high - 20.0).abs() < 1e-12);
-        for at in [low + INSET_MM, high - INSET_MM] {
-            let chains = sections.chains(at, SPACING, &Budget::unlimited()).unwrap();
-            assert_eq!(chains.len(), 1);
-            let points = &chains[0].points;
-            let length = (points[points.len() - 1] - points[0]).norm();
-            assert!((length - 40.0 * 1.09f64.sqrt()).abs() < 1e-5, "{length}");
-        }
-    }
-
-    #[test]
-    fn a_plane_may_hold_several_sections() {
-        // The boundary at y = 20 waves in plan, so that a plane near it cuts the crests only.
-        let n = 33;
-        let points = (0..n)
-            .map(|i| {
-                let x = i as f64 * 60.0 / (n - 1) as f64;
-                let wave = 2.0 * (x * std::f64::consts::TAU / 20.0).sin();
-                (0..5).map(|j| Point3::new(x, (20.0 + wave) * j as f64 / 4.0, 0.0)).collect()
-            })
-            .collect();
-        let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot };
-        let surface = grid.surface().unwrap();
-        let regularity = prove(&surface, 3.0, 1);
-        let sections = sections(&surface, 3.0, 1, &regularity);
-        let chains = sections.chains(21.0, SPACING, &Budget::unlimited()).unwrap();
-        assert_eq!(chains.len(), 3);
-        assert_eq!(sections.chains(10.0, SPACING, &Budget::unlimited()).unwrap().len(), 1);
-    }
-
-    #[test]
-    fn chord_height_is_that_of_the_circle() {
-        let (r, half) = (10.0f64, 0.3f64);
-        let chord = 2.0 * r * half.sin();
-        assert!((chord_height(chord, 1.0 / r) - r * (1.0 - half.cos())).abs() < 1e-12);
-        assert_eq!(chord_height(21.0, 0.1), f64::INFINITY);
-    }
-}
+mod tests;

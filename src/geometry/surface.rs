@@ -5,6 +5,7 @@
 
 pub mod ball;
 pub mod bezier;
+pub mod curvature;
 pub mod ferguson;
 pub mod joints;
 pub mod net_grid;

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use axum::Extension;
 use axum::response::{IntoResponse, Response};
-use nalgebra::Point3;
 use serde::Serialize;
+use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::dto::answer::Answer;
@@ -20,6 +20,7 @@ use super::timing::{SERVER_TIMING, Timing};
 use super::wanted::{Form, Wanted};
 use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
+use crate::geometry::wires::Wire;
 use crate::plot::{self, Scene};
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
@@ -38,8 +39,8 @@ pub struct Outcome<R> {
     pub cut: Option<Cut>,
     /// The program, where the JSON answer is to hold it; else it is written when it is asked for.
     pub nc: Option<String>,
-    /// Curves on the surface, for pictures, mm.
-    pub surface_wires: Vec<Vec<Point3<f64>>>,
+    /// Draws curves on the surface for a picture, mm.
+    pub surface_wires: Box<dyn Fn() -> Vec<Wire> + Send>,
 }
 
 /// A toolpath with all that its program is written from.
@@ -90,9 +91,14 @@ where
     let ticket = app.compute.admit()?;
     if is_streamed {
         let app = Arc::clone(app);
-        return Ok(events::stream(request_id, |listener| async move {
-            let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
-            Ok(encoded)
+        // The stream outlives the handler, and the span in which it was called.
+        let span = Span::current();
+        return Ok(events::stream(request_id, |listener| {
+            let computation = async move {
+                let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
+                Ok(encoded)
+            };
+            computation.instrument(span)
         }));
     }
     let (encoded, timing) = app.compute.run_admitted(ticket, None, compute).await??;
@@ -162,7 +168,7 @@ fn picture<R>(outcome: &Outcome<R>) -> String {
         title: &title(outcome),
         notes: &notes(outcome),
         toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
-        surface: &outcome.surface_wires,
+        surface: &(outcome.surface_wires)(),
     })
 }
 
@@ -185,6 +191,7 @@ fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
 mod tests {
     use axum::body::to_bytes;
     use axum::http::header;
+    use nalgebra::Point3;
     use serde_json::{Value, json};
 
     use super::*;
@@ -237,7 +244,7 @@ mod tests {
             report: Report { n_passes: 1 },
             cut,
             nc: nc.map(str::to_owned),
-            surface_wires: vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]],
+            surface_wires: Box::new(|| vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]]),
         }
     }
 

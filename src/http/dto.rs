@@ -6,6 +6,7 @@ pub mod check;
 pub mod cutting;
 pub mod meta;
 pub mod milling;
+pub mod modelling;
 pub mod object;
 pub mod point;
 pub mod program;

@@ -63,6 +63,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
 pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::surfaces_mill::mill_surface))
+        .routes(routes!(v1::surfaces_model::model_surface))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(health::livez))

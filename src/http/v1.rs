@@ -3,3 +3,4 @@
 pub mod dialects;
 pub mod limits;
 pub mod surfaces_mill;
+pub mod surfaces_model;

@@ -34,6 +34,14 @@ impl Offers for Toolpaths {
     ];
 }
 
+/// A surface that is looked at.
+pub enum Models {}
+
+impl Offers for Models {
+    const OFFERS: &'static [Representation] =
+        &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
+}
+
 /// The query of every computing endpoint.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -90,7 +98,11 @@ impl<O: Offers> IntoParams for Wanted<O> {
         };
         vec![
             parameter("format", "Overrides `Accept`.", format),
-            parameter("toolpath", "Whether the JSON answer holds the toolpath. Default: true.", toolpath),
+            parameter(
+                "toolpath",
+                "Whether the JSON answer holds the toolpath. Default: unless it holds the program's text.",
+                toolpath,
+            ),
         ]
     }
 }

@@ -50,7 +50,7 @@ use crate::geometry::curve::Curve;
 use crate::geometry::section::{SectionError, Sections};
 use crate::geometry::surface::joints::{self, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular};
-use crate::geometry::surface::source::{AnySurface, Source, SourceError};
+use crate::geometry::surface::source::{AnySurface, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::quantize::{QuantizeError, quantize};
 use crate::toolpath::tool::{Coolant, Cutting};
@@ -319,12 +319,12 @@ fn certify(
 }
 
 fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
-    let reduced = match &job.surface {
-        Source::PointGrid(grid) => grid.reduced_ends(),
-        Source::Ferguson(_) | Source::NetGrid(_) | Source::Nurbs(_) => Vec::new(),
-    };
-    let mut warnings: Vec<_> =
-        reduced.into_iter().map(|(direction, points)| Warning::EndsReduced { direction, points }).collect();
+    let mut warnings: Vec<_> = job
+        .surface
+        .reduced_ends()
+        .into_iter()
+        .map(|(direction, points)| Warning::EndsReduced { direction, points })
+        .collect();
     if report.scallop_max_mm.is_none() {
         warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
     }

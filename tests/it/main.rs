@@ -2,5 +2,6 @@
 
 mod api;
 mod laws;
+mod nurbs;
 mod openapi;
 mod surface_milling;

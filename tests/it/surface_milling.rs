@@ -2,6 +2,7 @@
 
 mod cutter;
 mod jobs;
+mod kinds;
 mod motion;
 mod section;
 mod spline;

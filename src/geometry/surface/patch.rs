@@ -62,6 +62,22 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         if along_u >= along_v { self.split_u() } else { self.split_v() }
     }
 
+    /// The halves across the direction along which the tangents change more, or else across the longer one.
+    fn split_by_bend(&self) -> [Self; 2] {
+        let jet = self.jet(0.5, 0.5);
+        let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
+        let turned = jet.duv.norm();
+        let by_u = jet.duu.norm() / along_u + turned / along_v;
+        let by_v = turned / along_u + jet.dvv.norm() / along_v;
+        if by_u > 2.0 * by_v {
+            self.split_u()
+        } else if by_v > 2.0 * by_u {
+            self.split_v()
+        } else {
+            self.split()
+        }
+    }
+
     /// Lengths along u and v, mm: the larger of the two boundary curves' chords each way.
     fn extents(&self) -> [f64; 2] {
         let [p00, p01, p10, p11] = self.corners();
@@ -94,6 +110,13 @@ pub struct DerivativeBounds {
     pub duu: Ball,
     pub duv: Ball,
     pub dvv: Ball,
+}
+
+impl DerivativeBounds {
+    /// A set that holds the normals du x dv.
+    pub fn normal(&self) -> Ball {
+        self.du.cross(self.dv)
+    }
 }
 
 /// What the Bernstein coefficients of a sum of squares say.

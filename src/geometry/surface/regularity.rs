@@ -1,10 +1,8 @@
 //! Proof that a ball cutter can follow a surface: the normal points up and the offset does not fold.
 //!
 //! # Method
-//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball
-//! about the mean of its control vectors. Parameters are changed linearly so that the first fundamental form
-//! at the centre is the identity; then the principal curvatures over the box are those at the centre, widened
-//! by the radii of the balls. A box is finished when
+//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball, from which
+//! come bounds for the principal curvatures ([`curvature`]). A box is finished when
 //! 1. the upward component of the normal is positive over all of it, and
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
@@ -24,9 +22,8 @@
 
 use nalgebra::Point3;
 
-use super::ball::Ball;
-use super::patch::{DerivativeBounds, Patch};
-use super::{BezierSurface, Surface};
+use super::curvature;
+use super::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 
 /// Why a surface cannot be followed by the cutter.
@@ -141,9 +138,9 @@ fn tightest(
         budget.check()?;
         for (j, k) in (0..nv).flat_map(|j| (0..25).map(move |k| (j, k))) {
             let jet = surface.patch(i, j).jet(f64::from(k / 5) / 4.0, f64::from(k % 5) / 4.0);
-            let curvature = largest_curvature(&jet);
-            if jet.normal().z > 0.0 && curvature > worst.0 {
-                worst = (curvature, jet.point);
+            let concave = curvature::most_concave_at(&jet);
+            if jet.normal().z > 0.0 && concave > worst.0 {
+                worst = (concave, jet.point);
             }
         }
     }
@@ -178,7 +175,7 @@ impl Proof<'_> {
                     self.note(followed.slope);
                 }
                 Finding::Followed(_) | Finding::Undecided(_) if may_halve => {
-                    stack.extend(halves(&part).map(|half| (half, depth + 1)));
+                    stack.extend(part.split_by_bend().map(|half| (half, depth + 1)));
                 }
                 Finding::Undecided(Doubt::Curvature) | Finding::Folds => {
                     return Err(Irregular::Folds { at: part.center().into() });
@@ -199,22 +196,6 @@ impl Proof<'_> {
     }
 }
 
-/// The halves across the direction along which the tangents change more, or else across the longer one.
-fn halves<P: Patch>(part: &P) -> [P; 2] {
-    let jet = part.jet(0.5, 0.5);
-    let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
-    let turned = jet.duv.norm();
-    let by_u = jet.duu.norm() / along_u + turned / along_v;
-    let by_v = turned / along_u + jet.dvv.norm() / along_v;
-    if by_u > 2.0 * by_v {
-        part.split_u()
-    } else if by_v > 2.0 * by_u {
-        part.split_v()
-    } else {
-        part.split()
-    }
-}
-
 enum Doubt {
     Normal,
     Curvature,
@@ -228,46 +209,21 @@ enum Finding {
 }
 
 fn examine(part: &impl Patch, radius: f64, axis: usize) -> Finding {
-    let DerivativeBounds { du, dv, duu, duv, dvv } = part.derivatives();
-    let cross = du.cross(dv);
+    let derivatives = part.derivatives();
+    let cross = derivatives.normal();
     let length = cross.center.norm();
     let at_center = part.jet(0.5, 0.5);
-    if at_center.normal().z <= 0.0 {
+    let normal_at_center = at_center.normal();
+    if normal_at_center.z <= 0.0 {
         return Finding::Overhang;
     }
     if cross.center.z <= cross.radius {
         return Finding::Undecided(Doubt::Normal);
     }
-    // Sa = p Su and Sb = q Su + s Sv are orthonormal at the centre.
-    let p = 1.0 / du.center.norm();
-    let along = du.center * p;
-    let shear = dv.center.dot(&along);
-    let s = 1.0 / (dv.center - along * shear).norm();
-    let q = -shear * s * p;
-    let da = du.scaled(p);
-    let db = du.scaled(q).plus(dv.scaled(s));
-    let daa = duu.scaled(p * p);
-    let dab = duu.scaled(p * q).plus(duv.scaled(p * s));
-    let dbb = duu.scaled(q * q).plus(duv.scaled(2.0 * q * s)).plus(dvv.scaled(s * s));
-
-    // First fundamental form: identity with entries off by at most `form_error`.
-    let stretch = da.radius.max(db.radius);
-    let form_error = 2.0 * stretch + stretch * stretch + 1e-14;
-    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90 degrees.
-    let normal = cross.center / length;
-    let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
-    let second = |d: Ball| (normal.dot(&d.center), d.radius + tilt * d.reach());
-    let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
-    let half_gap = (0.25 * (laa - lbb) * (laa - lbb) + lab * lab).sqrt();
-    let (high, low) = (0.5 * (laa + lbb) + half_gap, 0.5 * (laa + lbb) - half_gap);
-    let form_error = 2.0 * form_error;
-    if form_error >= 0.5 {
+    let Some([low, high]) = curvature::bounds(&derivatives) else {
         return Finding::Undecided(Doubt::Curvature);
-    }
-    let widening = eaa.max(ebb) + eab;
-    let [high, low] = [widened(high + widening, form_error), -widened(-(low - widening), form_error)];
-
-    let true_high = largest_curvature(&at_center);
+    };
+    let true_high = curvature::most_concave_at(&at_center);
     if radius * true_high >= 1.0 {
         return Finding::Folds;
     }
@@ -283,29 +239,12 @@ fn examine(part: &impl Patch, radius: f64, axis: usize) -> Finding {
         return Finding::Undecided(Doubt::Normal);
     }
     let offset_curvature = (high / margin).abs().max((low / (1.0 - radius * low)).abs());
-    let normal_at_center = at_center.normal();
-    let true_share = 1.0 - (normal_at_center[axis] / normal_at_center.norm()).powi(2);
+    let true_share = (1.0 - (normal_at_center[axis] / normal_at_center.norm()).powi(2)).sqrt();
     Finding::Followed(Followed {
         section_curvature: offset_curvature / share,
         slope: Slope { share, concavity: (high / margin).max(0.0) },
-        is_sharp: share >= SHARPNESS * true_share.sqrt(),
+        is_sharp: share >= SHARPNESS * true_share,
     })
-}
-
-/// The largest value of (value) / (1 +- error).
-fn widened(value: f64, error: f64) -> f64 {
-    if value > 0.0 { value / (1.0 - error) } else { value / (1.0 + error) }
-}
-
-/// The larger principal curvature (1/mm, positive where the surface is concave seen along its normal).
-pub fn largest_curvature(jet: &super::Jet) -> f64 {
-    let normal = jet.normal().normalize();
-    let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
-    let (l, m, n) = (normal.dot(&jet.duu), normal.dot(&jet.duv), normal.dot(&jet.dvv));
-    let det = e * g - f * f;
-    let mean = 0.5 * (e * n - 2.0 * f * m + g * l) / det;
-    let gauss = (l * n - m * m) / det;
-    mean + (mean * mean - gauss).max(0.0).sqrt()
 }
 
 #[cfg(test)]

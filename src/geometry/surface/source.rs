@@ -1,5 +1,7 @@
 //! What surfaces are made from, and the surface that comes of it.
 
+use nalgebra::Point3;
+
 use super::ferguson::{Ferguson, FergusonError};
 use super::net_grid::{NetGrid, NetGridError};
 use super::nurbs::{Nurbs, NurbsError};
@@ -45,6 +47,23 @@ impl Source {
             Self::NetGrid(grid) => AnySurface::Bicubic(grid.surface()?),
             Self::Nurbs(nurbs) => nurbs.surface()?,
         })
+    }
+
+    /// The points that the surface is made to pass through, where its kind has such.
+    pub fn nodes(&self) -> Option<&[Vec<Point3<f64>>]> {
+        match self {
+            Self::PointGrid(grid) => Some(&grid.points),
+            Self::Ferguson(ferguson) => Some(&ferguson.points),
+            Self::NetGrid(_) | Self::Nurbs(_) => None,
+        }
+    }
+
+    /// The directions in which `not_a_knot` lacks the four points it needs, with their numbers of points.
+    pub fn reduced_ends(&self) -> Vec<(&'static str, usize)> {
+        match self {
+            Self::PointGrid(grid) => grid.reduced_ends(),
+            Self::Ferguson(_) | Self::NetGrid(_) | Self::Nurbs(_) => Vec::new(),
+        }
     }
 
     /// The joints of the surface, by the number of patches before them along u and v, whose smoothness the kind of data

@@ -17,11 +17,24 @@ pub struct Warning {
     pub detail: String,
 }
 
+impl Warning {
+    pub fn ends_reduced(direction: &str, points: usize) -> Self {
+        let detail = format!(
+            "`not_a_knot` needs 4 points along {direction}; through {points} runs the interpolating polynomial"
+        );
+        Self { code: WarningCode::EndsReduced, detail }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningCode {
     /// The end condition fell to the interpolating polynomial, for want of points.
     EndsReduced,
+    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
+    NotSmooth,
+    /// The surface has a place without a normal.
+    NoNormal,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart,
     /// The program starts no spindle.

@@ -8,6 +8,8 @@ use axum::extract::State;
 use axum::response::Response;
 
 use crate::budget::Budget;
+use crate::geometry::surface::source::Source;
+use crate::geometry::wires::Wire;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -17,6 +19,7 @@ use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
 use crate::operations::surface_milling::{self, Plan};
+use crate::operations::surface_model;
 
 /// Plans the finishing of a surface and answers the toolpath, the NC program that cuts it, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/mill", operation_id = "millSurface", tag = "surfaces",
@@ -46,8 +49,13 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
             comments: vec![proved(&report)],
         }),
         nc: None,
-        surface_wires: Vec::new(),
+        surface_wires: Box::new(move || sketch(&job.surface)),
     })
+}
+
+/// A few curves on the surface that was milled.
+fn sketch(surface: &Source) -> Vec<Wire> {
+    surface.surface().map(|surface| surface_model::sketch(&surface)).unwrap_or_default()
 }
 
 /// The proved figures for a program's header, rounded up.
@@ -63,12 +71,9 @@ fn proved(report: &surface_milling::Report) -> String {
 impl From<&surface_milling::Warning> for Warning {
     fn from(warning: &surface_milling::Warning) -> Self {
         match warning {
-            surface_milling::Warning::EndsReduced { direction, points } => Self {
-                code: WarningCode::EndsReduced,
-                detail: format!(
-                    "`not_a_knot` needs 4 points along {direction}; through {points} runs the interpolating polynomial"
-                ),
-            },
+            surface_milling::Warning::EndsReduced { direction, points } => {
+                Self::ends_reduced(direction, *points)
+            }
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
                 detail: format!(

@@ -2,13 +2,13 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::planes::{SectionAt, Slicer};
+use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{self, Shape, Shapes};
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
-use crate::geometry::section::{Chain, Spacing, chord_height};
+use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::toolpath::PathError;
 use crate::toolpath::quantize::{Grid, quantize};
 
@@ -62,7 +62,7 @@ pub(super) struct Allowed {
 pub(super) fn cut(
     job: &Job,
     slicer: &Slicer,
-    planes: &[SectionAt],
+    planes: &[PlaneAt],
     allowed: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
@@ -99,7 +99,7 @@ pub(super) fn cut(
 fn cut_plane(
     job: &Job,
     slicer: &Slicer,
-    plane: SectionAt,
+    plane: PlaneAt,
     forward: bool,
     Allowed { tolerance, jump }: Allowed,
     budget: &Budget,
@@ -115,7 +115,7 @@ fn cut_plane(
     let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (0.0, Point3::origin());
     for _ in 0..REFINEMENT_LIMIT {
-        let mut chains = slicer.chains(plane.traced_at, spacing, budget)?;
+        let mut chains = slicer.chains(plane, spacing, budget)?;
         chains.retain(|chain| chain.length() > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =

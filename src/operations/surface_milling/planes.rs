@@ -3,7 +3,7 @@
 use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
-use crate::geometry::section::{Chain, INSET_MM, SectionError, Sections, Spacing};
+use crate::geometry::section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
 
 /// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
 /// instead, half a hundredth of a millimetre, to have a section.
@@ -18,15 +18,6 @@ const PROBES: usize = 64;
 /// Halvings between a plane with sections and one without.
 const HALVINGS: usize = 40;
 
-/// A plane of sections.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SectionAt {
-    /// Where the passes are cut, mm.
-    pub(super) at: f64,
-    /// Where the section is traced: the same, but just inside the extent for a plane along an edge, mm.
-    pub(super) traced_at: f64,
-}
-
 /// The sections of a job, as far as the cutter is to follow them.
 pub(super) struct Slicer<'a> {
     sections: &'a Sections<'a>,
@@ -39,14 +30,13 @@ impl<'a> Slicer<'a> {
         Self { sections, inside }
     }
 
-    /// The sections in the plane at `at` mm.
     pub(super) fn chains(
         &self,
-        at: f64,
+        plane: PlaneAt,
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let chains = self.sections.chains(at, spacing, budget)?;
+        let chains = self.sections.chains(plane, spacing, budget)?;
         Ok(match &self.inside {
             None => chains,
             Some((outline, margin)) => {
@@ -56,7 +46,7 @@ impl<'a> Slicer<'a> {
     }
 
     /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
-    pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<SectionAt>, Error> {
+    pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
         let [low, high] = self.extent(budget)?;
         let width = high - low;
         // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
@@ -69,7 +59,7 @@ impl<'a> Slicer<'a> {
         let first = self.outermost(low, 1.0, width, budget)?;
         let last = self.outermost(high, -1.0, width, budget)?;
         let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
-        let inner = (1..n).map(|k| SectionAt { at: between(k), traced_at: between(k) });
+        let inner = (1..n).map(|k| PlaneAt::new(between(k)));
         Ok(std::iter::once(first).chain(inner).chain([last]).collect())
     }
 
@@ -106,19 +96,19 @@ impl<'a> Slicer<'a> {
 
     /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
     /// along a straight edge, else as far inside as [`TOUCH_MM`].
-    fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<SectionAt, Error> {
+    fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<PlaneAt, Error> {
         let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
         let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
         if self.cut_length(on_edge, budget)? >= STRAIGHT_SHARE * self.cut_length(inside, budget)? {
-            Ok(SectionAt { at: extent, traced_at: on_edge })
+            Ok(PlaneAt { at: extent, traced_at: on_edge })
         } else {
-            Ok(SectionAt { at: inside, traced_at: inside })
+            Ok(PlaneAt::new(inside))
         }
     }
 
     /// The length of the sections in the plane at `at` mm, roughly.
     fn cut_length(&self, at: f64, budget: &Budget) -> Result<f64, Error> {
         let coarse = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
-        Ok(self.chains(at, coarse, budget)?.iter().map(Chain::length).sum())
+        Ok(self.chains(PlaneAt::new(at), coarse, budget)?.iter().map(Chain::length).sum())
     }
 }

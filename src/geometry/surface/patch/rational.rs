@@ -4,11 +4,14 @@
 //! patch is a convex combination of the points in space, and a quotient of two polynomials of the patch's degree lies
 //! between the least and the largest quotient of their Bernstein coefficients.
 
+mod product;
+
 use nalgebra::{Point3, Vector3, Vector4};
 
 use super::{DerivativeBounds, Patch, SquareBound};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::{Ball, Interval};
+use product::{BINOMIALS, PRODUCT_SIZE, Product};
 
 pub const MAX_DEGREE: usize = 7;
 
@@ -79,10 +82,30 @@ impl RationalPatch {
         self.transposed().derived_u().transposed()
     }
 
-    /// Sets that hold the vectors and the weights of the net's polynomial.
-    fn range(&self, rounding: [f64; 2]) -> (Ball, Interval) {
-        let vectors = Ball::around(self.entries().map(|h| h.xyz()), rounding[0]);
-        (vectors, Interval::around(self.entries().map(|h| h.w), rounding[1]))
+    /// A set that holds the weights of the net's polynomial.
+    fn weights(&self, rounding: f64) -> Interval {
+        Interval::around(self.entries().map(|h| h.w), rounding)
+    }
+
+    /// A set that holds A' w - A w', with A and w the vectors and weights of the net and A', w' those of `derived`, one
+    /// of its derivatives. As a polynomial of its own: what cancels in it must not count twice.
+    fn numerator(&self, derived: &Self, rounding: f64) -> Ball {
+        let ([m, n], [p, q]) = (derived.degree, self.degree);
+        let mut sums = [[Vector3::zeros(); PRODUCT_SIZE]; PRODUCT_SIZE];
+        for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+            let share = BINOMIALS[m][i] * BINOMIALS[n][j];
+            let d = derived.net[i][j];
+            for k in 0..=p {
+                for l in 0..=q {
+                    let h = self.net[k][l];
+                    let term = d.xyz() * h.w - h.xyz() * d.w;
+                    sums[i + k][j + l] += term * (share * BINOMIALS[p][k] * BINOMIALS[q][l]);
+                }
+            }
+        }
+        let (sums, binomials) = (&sums, [&BINOMIALS[m + p], &BINOMIALS[n + q]]);
+        let places = (0..=m + p).flat_map(|a| (0..=n + q).map(move |b| (a, b)));
+        Ball::around(places.map(|(a, b)| sums[a][b] / (binomials[0][a] * binomials[1][b])), rounding)
     }
 }
 
@@ -157,27 +180,24 @@ impl Patch for RationalPatch {
             (h.xyz() - center * h.w).push(h.w) * scale
         });
         let largest_weight = moved.entries().map(|h| h.w).fold(0.0, f64::max);
-        let magnitude = self.bounds().magnitude();
-        let rounding = [ROUNDING * largest_weight * magnitude, ROUNDING * largest_weight];
-        let position = Ball::around(moved.entries().map(|h| in_space(&h)), ROUNDING * magnitude);
-        let inverse = moved.range(rounding).1.inverse();
+        let rounding = ROUNDING * largest_weight;
+        let inverse = moved.weights(rounding).inverse();
+        let quotient = |derived: &Self| {
+            let rounding = rounding * largest_weight * self.bounds().magnitude();
+            moved.numerator(derived, rounding).times(inverse).times(inverse)
+        };
         let (by_u, by_v) = (moved.derived_u(), moved.derived_v());
-        let first = |net: &Self| {
-            let (vector, weight) = net.range(rounding);
-            (vector.minus(position.times(weight)).times(inverse), weight)
-        };
-        let ((du, wu), (dv, wv)) = (first(&by_u), first(&by_v));
-        let second = |net: &Self, products: [(Ball, Interval); 2]| {
-            let (vector, weight) = net.range(rounding);
-            let known = products.iter().fold(position.times(weight), |sum, (d, w)| sum.plus(d.times(*w)));
-            vector.minus(known).times(inverse)
-        };
+        let (du, dv) = (quotient(&by_u), quotient(&by_v));
+        let (wu, wv) = (by_u.weights(rounding), by_v.weights(rounding));
+        // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of it.
+        let less =
+            |second: Ball, first: Ball, weight: Interval| second.minus(first.times(weight).times(inverse));
         DerivativeBounds {
             du,
             dv,
-            duu: second(&by_u.derived_u(), [(du, wu), (du, wu)]),
-            duv: second(&by_u.derived_v(), [(du, wv), (dv, wu)]),
-            dvv: second(&by_v.derived_v(), [(dv, wv), (dv, wv)]),
+            duu: less(less(quotient(&by_u.derived_u()), du, wu), du, wu),
+            duv: less(less(quotient(&by_u.derived_v()), du, wv), dv, wu),
+            dvv: less(less(quotient(&by_v.derived_v()), dv, wv), dv, wv),
         }
     }
 
@@ -202,90 +222,6 @@ impl Patch for RationalPatch {
         SquareBound { lowest: quotients.lowest(), magnitude, bends: quotients.bends() }
     }
 }
-
-/// Bernstein coefficients of a product of two polynomials of a patch's degree, of twice that degree.
-struct Product {
-    degree: [usize; 2],
-    coefficients: [[f64; 2 * SIZE - 1]; 2 * SIZE - 1],
-}
-
-impl Product {
-    fn zero(factor_degree: [usize; 2]) -> Self {
-        Self { degree: factor_degree, coefficients: [[0.0; 2 * SIZE - 1]; 2 * SIZE - 1] }
-    }
-
-    /// Adds `weight` times the square of the polynomial with these coefficients, each result times its binomials.
-    fn add_square(&mut self, factor: &dyn Fn(usize, usize) -> f64, weight: f64) {
-        let [p, q] = self.degree;
-        let (along_u, along_v) = (BINOMIALS[p], BINOMIALS[q]);
-        let mut scaled = [[0.0; SIZE]; SIZE];
-        for (a, row) in scaled.iter_mut().enumerate().take(p + 1) {
-            for (b, x) in row.iter_mut().enumerate().take(q + 1) {
-                *x = factor(a, b) * along_u[a] * along_v[b];
-            }
-        }
-        for i in 0..=p {
-            for k in i..=p {
-                let weight = if i == k { weight } else { 2.0 * weight };
-                let target = &mut self.coefficients[i + k];
-                for (j, x) in scaled[i].iter().enumerate().take(q + 1) {
-                    for (l, y) in scaled[k].iter().enumerate().take(q + 1) {
-                        target[j + l] += weight * x * y;
-                    }
-                }
-            }
-        }
-    }
-
-    /// The quotients of the coefficients, from whose range the quotient of the polynomials does not leave.
-    fn over(mut self, divisor: &Product) -> Self {
-        for (row, below) in
-            self.coefficients.iter_mut().zip(&divisor.coefficients).take(2 * self.degree[0] + 1)
-        {
-            for (x, w) in row.iter_mut().zip(below).take(2 * self.degree[1] + 1) {
-                *x /= w;
-            }
-        }
-        self
-    }
-
-    fn rows(&self) -> impl Iterator<Item = &[f64]> {
-        let [p, q] = self.degree;
-        self.coefficients.iter().take(2 * p + 1).map(move |row| &row[..2 * q + 1])
-    }
-
-    fn lowest(&self) -> f64 {
-        self.rows().flatten().copied().fold(f64::INFINITY, f64::min)
-    }
-
-    /// The largest second differences along u and v.
-    fn bends(&self) -> [f64; 2] {
-        let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
-        let along_v = self.rows().flat_map(|row| row.windows(3).map(|w| bend(w[0], w[1], w[2])));
-        let along_u = self
-            .rows()
-            .zip(self.rows().skip(1))
-            .zip(self.rows().skip(2))
-            .flat_map(|((a, b), c)| a.iter().zip(b).zip(c).map(|((a, b), c)| bend(*a, *b, *c)));
-        [along_u.fold(0.0, f64::max), along_v.fold(0.0, f64::max)]
-    }
-}
-
-/// The binomials n over k, by n.
-const BINOMIALS: [[f64; SIZE]; SIZE] = {
-    let mut rows = [[0.0; SIZE]; SIZE];
-    let mut n = 0;
-    while n < SIZE {
-        rows[n][0] = 1.0;
-        let mut k = 1;
-        while k <= n {
-            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
-            k += 1;
-        }
-        n += 1;
-    }
-    rows
-};
 
 fn in_space(h: &Vector4<f64>) -> Vector3<f64> {
     h.xyz() / h.w

@@ -1,0 +1,214 @@
+//! Principal curvatures: at a point, over a part of a patch, and the most concave of a whole surface.
+//!
+//! # Method
+//! Every derivative over a part lies in a ball. Parameters are changed linearly so that the first fundamental form at
+//! the centre is the identity; then the principal curvatures over the part are those at the centre, widened by the radii of the
+//! balls. The most concave place of a surface is found by branch and bound with these bounds, best first.
+//!
+//! # Guarantees
+//! Curvatures are signed, positive where the surface is concave seen along its normal. Bounds hold for every point.
+//!
+//! # Degenerate input
+//! Where the normal vanishes there is no curvature, and no bound.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::ball::Ball;
+use super::patch::DerivativeBounds;
+use super::{BezierSurface, Jet, Patch};
+use crate::budget::{Budget, Stopped};
+
+/// Halvings in the search for the most concave place.
+const HALVINGS: usize = 200_000;
+
+/// How far the bound of the most concave place may exceed what was found, as a part of it.
+const GAP_SHARE: f64 = 0.01;
+
+/// And as a part of one over the size of the surface: one that is nowhere concave has nothing else to compare with.
+const GAP_FLAT: f64 = 1e-3;
+
+/// Bounds of both principal curvatures over a part, the least and the largest, 1/mm; `None` where the derivatives are known too
+/// roughly.
+pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
+    let DerivativeBounds { du, dv, duu, duv, dvv } = *derivatives;
+    let cross = derivatives.normal();
+    let length = cross.center.norm();
+    if cross.radius >= length {
+        return None;
+    }
+    // Sa = p Su and Sb = q Su + s Sv are orthonormal at the centre.
+    let p = 1.0 / du.center.norm();
+    let along = du.center * p;
+    let shear = dv.center.dot(&along);
+    let s = 1.0 / (dv.center - along * shear).norm();
+    let q = -shear * s * p;
+    let da = du.scaled(p);
+    let db = du.scaled(q).plus(dv.scaled(s));
+    let daa = duu.scaled(p * p);
+    let dab = duu.scaled(p * q).plus(duv.scaled(p * s));
+    let dbb = duu.scaled(q * q).plus(duv.scaled(2.0 * q * s)).plus(dvv.scaled(s * s));
+
+    // First fundamental form: identity with entries off by at most this.
+    let stretch = da.radius.max(db.radius);
+    let form_error = 2.0 * (2.0 * stretch + stretch * stretch + 1e-14);
+    // The comparison also fails where something is no number.
+    if !(form_error < 0.5) {
+        return None;
+    }
+    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90 degrees.
+    let normal = cross.center / length;
+    let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
+    let second = |d: Ball| (normal.dot(&d.center), d.radius + tilt * d.reach());
+    let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
+    // The larger eigenvalue grows with both diagonal entries and with the size of the other one.
+    let high = larger_eigenvalue(laa + eaa, lbb + ebb, lab.abs() + eab);
+    let low = -larger_eigenvalue(eaa - laa, ebb - lbb, lab.abs() + eab);
+    Some([-widened(-low, form_error), widened(high, form_error)])
+}
+
+/// Of the symmetric matrix with this diagonal and this other entry.
+fn larger_eigenvalue(a: f64, b: f64, other: f64) -> f64 {
+    0.5 * (a + b) + (0.5 * (a - b)).hypot(other)
+}
+
+/// The largest value of (value) / (1 +- error).
+fn widened(value: f64, error: f64) -> f64 {
+    if value > 0.0 { value / (1.0 - error) } else { value / (1.0 + error) }
+}
+
+/// The larger principal curvature at a point, 1/mm; no number where there is no normal.
+pub fn most_concave_at(jet: &Jet) -> f64 {
+    let normal = jet.normal().normalize();
+    let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
+    let (l, m, n) = (normal.dot(&jet.duu), normal.dot(&jet.duv), normal.dot(&jet.dvv));
+    let det = e * g - f * f;
+    let mean = 0.5 * (e * n - 2.0 * f * m + g * l) / det;
+    let gauss = (l * n - m * m) / det;
+    mean + (mean * mean - gauss).max(0.0).sqrt()
+}
+
+/// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of the
+/// largest there is; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
+///
+/// # Errors
+/// Only the budget's stop.
+pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Result<Option<f64>, Stopped> {
+    let size = surface.patches().iter().map(|patch| patch.bounds().magnitude()).fold(0.0, f64::max);
+    let flat = GAP_FLAT / size.max(f64::MIN_POSITIVE);
+    let mut search = Search { found: f64::NEG_INFINITY, open: BinaryHeap::new() };
+    surface.patches().iter().for_each(|patch| search.add(*patch));
+    for k in 0..HALVINGS {
+        if k.is_multiple_of(1024) {
+            budget.check()?;
+        }
+        let Some(Bounded { bound, part }) = search.open.pop() else { return Ok(None) };
+        if bound <= search.found + GAP_SHARE * search.found.abs() + flat {
+            return Ok(bound.is_finite().then_some(bound));
+        }
+        part.split_by_bend().into_iter().for_each(|half| search.add(half));
+    }
+    let bound = search.open.pop().map_or(f64::INFINITY, |worst| worst.bound);
+    Ok(bound.is_finite().then_some(bound))
+}
+
+/// The parts that are not decided yet, and the largest curvature found.
+struct Search<P> {
+    found: f64,
+    open: BinaryHeap<Bounded<P>>,
+}
+
+impl<P: Patch> Search<P> {
+    fn add(&mut self, part: P) {
+        let bound = bounds(&part.derivatives()).map_or(f64::INFINITY, |[_, high]| high);
+        // Where there is no normal this is no number, and does not count.
+        self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
+        self.open.push(Bounded { bound, part });
+    }
+}
+
+/// A part with the bound of its larger curvature; the largest bound comes first.
+struct Bounded<P> {
+    bound: f64,
+    part: P,
+}
+
+impl<P> PartialEq for Bounded<P> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl<P> Eq for Bounded<P> {}
+
+impl<P> PartialOrd for Bounded<P> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<P> Ord for Bounded<P> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point3, Vector4};
+
+    use super::*;
+    use crate::geometry::surface::RationalPatch;
+    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+
+    fn grid(n: usize, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
+        let at = |i: usize| i as f64 - 0.5 * (n - 1) as f64;
+        let points = (0..n)
+            .map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect())
+            .collect();
+        PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }.surface().unwrap().upward()
+    }
+
+    #[test]
+    fn the_bottom_of_a_bowl_is_its_most_concave_place() {
+        let bowl = grid(9, |x, y| 0.1 * x * x + 0.05 * y * y);
+        let bound = most_concave(&bowl, &Budget::unlimited()).unwrap().unwrap();
+        assert!(bound >= 0.2 && bound <= 0.2025, "{bound}");
+    }
+
+    #[test]
+    fn plates_are_flat_and_domes_are_convex() {
+        let flat = most_concave(&grid(4, |x, _| 0.3 * x), &Budget::unlimited()).unwrap().unwrap();
+        assert!((0.0..1e-3).contains(&flat), "{flat}");
+        let dome = most_concave(&grid(21, |x, y| (1600.0 - x * x - y * y).sqrt()), &Budget::unlimited());
+        let bound = dome.unwrap().unwrap();
+        assert!((bound + 0.025).abs() < 1e-3, "{bound}");
+    }
+
+    #[test]
+    fn a_quarter_of_a_cylinder_has_its_radius() {
+        let w = 0.5f64.sqrt();
+        let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
+        let quarter = BezierSurface::from_fn([1, 1], |_, _| {
+            RationalPatch::from_fn([2, 1], |a, b| {
+                let (x, z, w) = arc[a];
+                Vector4::new(x * w, 30.0 * b as f64 * w, z * w, w)
+            })
+        });
+        let outside = most_concave(&quarter, &Budget::unlimited()).unwrap().unwrap();
+        let inside = most_concave(&quarter.transposed(), &Budget::unlimited()).unwrap().unwrap();
+        let (convex, concave) = if outside < inside { (outside, inside) } else { (inside, outside) };
+        assert!((0.0..1e-3).contains(&convex), "{convex}");
+        assert!((0.1..0.102).contains(&concave), "{concave}");
+    }
+
+    #[test]
+    fn a_pole_has_no_bound() {
+        let pole = BezierSurface::from_fn([1, 1], |_, _| {
+            RationalPatch::from_fn([1, 2], |a, b| {
+                Vector4::new(a as f64, (a * b) as f64, 0.1 * (a * b * b) as f64, 1.0)
+            })
+        });
+        assert_eq!(most_concave(&pole, &Budget::unlimited()), Ok(None));
+    }
+}

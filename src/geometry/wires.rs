@@ -1,0 +1,337 @@
+//! Curves on a surface: a wire model, and what pictures show of it.
+//!
+//! # Method
+//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Along a parameter they are
+//! curves of constant other parameter; along an axis they are plane sections ([`Sections`] of the offset by nothing). Neighbouring
+//! curves of constant parameter are at most the pitch apart along the three curves across them that are looked at: both
+//! sides and the middle.
+//!
+//! # Guarantees
+//! Chords leave the surface's curves by at most the chord height asked for.
+//!
+//! # Cost
+//! O(points).
+//!
+//! # Reference
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
+//! of Sculptured Surface of Die", 1989, section 3.3.
+
+use nalgebra::Point3;
+
+use super::section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
+use super::surface::regularity::{self, Irregular};
+use super::surface::{BezierSurface, Patch, Surface, span_of};
+use crate::budget::{Budget, Stopped};
+
+/// A curve through points, mm.
+pub type Wire = Vec<Point3<f64>>;
+
+/// What wires run along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Along {
+    U,
+    V,
+    X,
+    Y,
+}
+
+/// What a wire model is to be like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WireJob {
+    pub along: Along,
+    /// Largest distance of neighbouring wires, mm.
+    pub pitch_mm: f64,
+    /// Largest height of a wire over the chords of its points, mm.
+    pub chord_height_mm: f64,
+    /// More wires are refused.
+    pub wire_limit: usize,
+}
+
+impl WireJob {
+    /// Whether the wires are curves of constant parameter, which any surface has.
+    pub fn runs_along_a_parameter(&self) -> bool {
+        matches!(self.along, Along::U | Along::V)
+    }
+}
+
+/// Points of one model.
+pub const POINT_LIMIT: usize = 2_000_000;
+
+/// Chords of one wire over one patch.
+const CHORD_LIMIT: f64 = 10_000.0;
+
+/// Chords over one patch by which lengths across wires are measured.
+const LENGTH_CHORDS: usize = 16;
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum WireError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the model needs {needed} wires; at most {limit} are allowed")]
+    TooManyWires { needed: usize, limit: usize },
+    #[error("the model needs more than {limit} points")]
+    TooManyPoints { limit: usize },
+    #[error(
+        "the surface's upward normal vanishes or turns down near {at}: it has no plane sections from above"
+    )]
+    Overhang { at: Point3<f64> },
+    #[error("the section was lost near {at}")]
+    SectionLost { at: Point3<f64> },
+}
+
+/// The wires of `surface`, whose normal points up where it starts.
+///
+/// # Errors
+/// One of [`WireError`].
+pub fn wires(
+    surface: &BezierSurface<impl Patch>,
+    job: &WireJob,
+    budget: &Budget,
+) -> Result<Vec<Wire>, WireError> {
+    match job.along {
+        Along::U => along_u(surface, job, budget),
+        Along::V => {
+            // Turned by a quarter, v is u.
+            along_u(&surface.transposed(), job, budget)
+        }
+        Along::X => sections(surface, 1, job, budget),
+        Along::Y => sections(surface, 0, job, budget),
+    }
+}
+
+/// Curves of constant v, at equal distances along the longest of three curves of constant u.
+fn along_u(
+    surface: &BezierSurface<impl Patch>,
+    job: &WireJob,
+    budget: &Budget,
+) -> Result<Vec<Wire>, WireError> {
+    let [nu, nv] = surface.spans();
+    let across = [0.0, 0.5 * nu as f64, nu as f64].map(|u| Rule::new(surface, u));
+    let longest = across.into_iter().max_by(|a, b| a.length().total_cmp(&b.length()));
+    let Some(rule) = longest else { return Ok(Vec::new()) };
+    let n = count(rule.length(), job)?;
+    let mut wires = Vec::with_capacity(n + 1);
+    let mut points = 0;
+    for k in 0..=n {
+        budget.check()?;
+        let v = rule.place(k as f64 / n as f64).clamp(0.0, nv as f64);
+        let wire = wire_along_u(surface, v, job.chord_height_mm);
+        points += wire.len();
+        if points > POINT_LIMIT {
+            return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
+        }
+        wires.push(wire);
+    }
+    Ok(wires)
+}
+
+/// Lengths along a curve of constant u.
+struct Rule {
+    /// The length up to every place that is looked at, mm.
+    lengths: Vec<f64>,
+}
+
+impl Rule {
+    fn new(surface: &dyn Surface, u: f64) -> Self {
+        let [_, nv] = surface.spans();
+        let point = |k: usize| surface.jet(u, k as f64 / LENGTH_CHORDS as f64).point;
+        let mut lengths = vec![0.0];
+        let mut total = 0.0;
+        for k in 0..nv * LENGTH_CHORDS {
+            total += (point(k + 1) - point(k)).norm();
+            lengths.push(total);
+        }
+        Self { lengths }
+    }
+
+    fn length(&self) -> f64 {
+        self.lengths[self.lengths.len() - 1]
+    }
+
+    /// The parameter at a fraction of the length.
+    fn place(&self, fraction: f64) -> f64 {
+        let length = fraction * self.length();
+        let above = self.lengths.partition_point(|known| *known < length).max(1).min(self.lengths.len() - 1);
+        let [low, high] = [self.lengths[above - 1], self.lengths[above]];
+        let share = if high > low { (length - low) / (high - low) } else { 0.0 };
+        (above as f64 - 1.0 + share) / LENGTH_CHORDS as f64
+    }
+}
+
+/// The curve of constant v from side to side.
+fn wire_along_u(surface: &BezierSurface<impl Patch>, v: f64, chord_height: f64) -> Wire {
+    let [nu, nv] = surface.spans();
+    let j = span_of(v, nv);
+    let mut wire = vec![surface.jet(0.0, v).point];
+    for i in 0..nu {
+        let patch = surface.patch(i, j);
+        // A chord over a parameter step d leaves the curve by d^2 / 8 times the second derivative.
+        let bend = patch.derivatives().duu.reach() / 8.0;
+        let chords = (bend / chord_height).sqrt().ceil().clamp(1.0, CHORD_LIMIT);
+        wire.extend((1..=chords as usize).map(|k| patch.jet(k as f64 / chords, v - j as f64).point));
+    }
+    wire
+}
+
+/// Plane sections at right angles to `axis` (0 is x, 1 is y), from side to side of the surface.
+fn sections(
+    surface: &BezierSurface<impl Patch>,
+    axis: usize,
+    job: &WireJob,
+    budget: &Budget,
+) -> Result<Vec<Wire>, WireError> {
+    let regularity = regularity::prove(surface, 0.0, axis, budget)?;
+    let sections = Sections::new(surface, 0.0, axis, &regularity, budget)?;
+    let [low, high] = sections.extent();
+    let width = high - low;
+    let n = count(width, job)?;
+    let inset = INSET_MM.min(1e-3 * width);
+    let spacing = Spacing { chord_height_mm: job.chord_height_mm, step_length_mm: f64::INFINITY };
+    let mut wires = Vec::new();
+    let mut points = 0;
+    for k in 0..=n {
+        let at = low + width * (k as f64 / n as f64);
+        let plane = PlaneAt { at, traced_at: at.clamp(low + inset, high - inset) };
+        for Chain { points: mut wire, .. } in sections.chains(plane, spacing, budget)? {
+            // All in one sense.
+            if wire[0][1 - axis] > wire[wire.len() - 1][1 - axis] {
+                wire.reverse();
+            }
+            points += wire.len();
+            if points > POINT_LIMIT {
+                return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
+            }
+            wires.push(wire);
+        }
+    }
+    Ok(wires)
+}
+
+/// The number of equal spaces of at most the pitch over `length` mm.
+fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
+    let spaces = (length / job.pitch_mm - 1e-9).ceil().max(1.0);
+    if spaces >= job.wire_limit as f64 {
+        return Err(WireError::TooManyWires { needed: spaces as usize + 1, limit: job.wire_limit });
+    }
+    Ok(spaces as usize)
+}
+
+/// A few curves along both parameters, the sides among them, to show a surface by.
+pub fn sketch(surface: &BezierSurface<impl Patch>, chord_height: f64) -> Vec<Wire> {
+    /// Spaces between the curves each way.
+    const SPACES: usize = 16;
+    let along = |surface: &BezierSurface<_>| -> Vec<Wire> {
+        let [_, nv] = surface.spans();
+        let places = (0..=SPACES).map(|k| (nv * k) as f64 / SPACES as f64);
+        places.map(|v| wire_along_u(surface, v, chord_height)).collect()
+    };
+    let mut wires = along(surface);
+    wires.extend(along(&surface.transposed()));
+    wires
+}
+
+impl From<Irregular> for WireError {
+    fn from(irregular: Irregular) -> Self {
+        match irregular {
+            Irregular::Stopped(stopped) => Self::Stopped(stopped),
+            // Without an offset nothing folds; what is left is a place without a tangent plane.
+            Irregular::Overhang { at } | Irregular::Folds { at } => Self::Overhang { at },
+        }
+    }
+}
+
+impl From<SectionError> for WireError {
+    fn from(error: SectionError) -> Self {
+        match error {
+            SectionError::Stopped(stopped) => Self::Stopped(stopped),
+            SectionError::Lost { at } => Self::SectionLost { at },
+            SectionError::TooManyPoints { limit } => Self::TooManyPoints { limit },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Vector3, Vector4};
+
+    use super::*;
+    use crate::geometry::surface::{BicubicPatch, RationalPatch};
+
+    const PITCH: f64 = 2.5;
+
+    fn job(along: Along) -> WireJob {
+        WireJob { along, pitch_mm: PITCH, chord_height_mm: 1e-3, wire_limit: 100 }
+    }
+
+    /// A quarter of a cylinder of radius 20 about y, 45 degrees to each side of the top, 30 mm long along v.
+    fn quarter() -> BezierSurface<RationalPatch> {
+        let w = 0.5f64.sqrt();
+        let arc = [(-20.0 * w, 20.0 * w, 1.0), (0.0, 20.0 / w, w), (20.0 * w, 20.0 * w, 1.0)];
+        BezierSurface::from_fn([1, 1], |_, _| {
+            RationalPatch::from_fn([2, 1], |a, b| {
+                let (x, z, w) = arc[a];
+                Vector4::new(x * w, 30.0 * b as f64 * w, z * w, w)
+            })
+        })
+        .upward()
+    }
+
+    fn lengths(wires: &[Wire]) -> Vec<f64> {
+        wires.iter().map(|wire| wire.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()).collect()
+    }
+
+    #[test]
+    fn wires_are_no_farther_apart_than_the_pitch_and_lie_on_the_surface() {
+        let surface = quarter();
+        let arc = 20.0 * std::f64::consts::FRAC_PI_2;
+        let chord = 20.0 * 2f64.sqrt();
+        for (along, count, length) in [
+            // The width of the quarter in plan, and its length.
+            (Along::Y, (chord / PITCH).ceil() as usize + 1, 30.0),
+            (Along::X, (30.0 / PITCH).ceil() as usize + 1, arc),
+        ] {
+            let wires = wires(&surface, &job(along), &Budget::unlimited()).unwrap();
+            assert_eq!(wires.len(), count, "{along:?}");
+            for wire_length in lengths(&wires) {
+                assert!((wire_length - length).abs() < 0.02, "{along:?}: {wire_length} {length}");
+            }
+            for p in wires.iter().flatten() {
+                assert!((p.x.hypot(p.z) - 20.0).abs() < 1e-9, "{p}");
+            }
+        }
+        // Upward may have exchanged u and v; between them they run both ways.
+        let both =
+            [Along::U, Along::V].map(|along| wires(&surface, &job(along), &Budget::unlimited()).unwrap());
+        let mut found = both.map(|wires| (wires.len(), lengths(&wires)[0].round()));
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        assert_eq!(found, [((arc / PITCH).ceil() as usize + 1, 30.0), (13, arc.round())]);
+    }
+
+    #[test]
+    fn chords_keep_to_the_height() {
+        let surface = quarter();
+        for along in [Along::U, Along::V, Along::X] {
+            for wire in wires(&surface, &job(along), &Budget::unlimited()).unwrap() {
+                for pair in wire.windows(2) {
+                    let middle = nalgebra::center(&pair[0], &pair[1]);
+                    assert!(20.0 - middle.x.hypot(middle.z) <= 1.01e-3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn limits_and_overhangs_are_errors() {
+        let surface = quarter();
+        let many = WireJob { pitch_mm: 0.01, ..job(Along::X) };
+        let error = wires(&surface, &many, &Budget::unlimited()).unwrap_err();
+        assert_eq!(error, WireError::TooManyWires { needed: 3001, limit: 100 });
+        let upright = BezierSurface::from_fn([1, 1], |_, _| BicubicPatch {
+            net: std::array::from_fn(|a| std::array::from_fn(|b| Vector3::new(a as f64, 0.0, b as f64))),
+        });
+        let error = wires(&upright, &job(Along::X), &Budget::unlimited()).unwrap_err();
+        assert!(matches!(error, WireError::Overhang { .. }), "{error}");
+        assert_eq!(wires(&upright, &job(Along::U), &Budget::unlimited()).unwrap().len(), 3);
+        assert_eq!(sketch(&upright, 0.1).len(), 34);
+    }
+}

@@ -1,0 +1,228 @@
+//! A request for a surface's model, and what is said of it.
+
+use serde::{Deserialize, Serialize, Serializer};
+use utoipa::ToSchema;
+
+use super::check::{Range, Violations};
+use super::meta::{self, Meta};
+use super::object;
+use super::point::Point;
+use super::surface::Surface;
+use super::toolpath::Bounds;
+use crate::config::Limits;
+use crate::geometry::surface::source::AnySurface;
+use crate::geometry::surface::{BezierSurface, BicubicPatch, Patch as _, RationalPatch, Surface as _};
+use crate::geometry::wires::{self, Wire};
+use crate::http::error::ApiError;
+use crate::http::extract::IntoJob;
+use crate::http::pointer::Pointer;
+use crate::operations::surface_model as core;
+
+/// Patches of one answer: some hundred thousand control points.
+pub const MAX_PATCHES: usize = 20_000;
+
+/// Height of wires over their chords where none is asked for, mm.
+const DEFAULT_CHORD_HEIGHT_MM: f64 = 0.01;
+
+/// Legal heights of wires over their chords, mm.
+const CHORD_HEIGHT: Range = Range { min: 1e-6, max: 10.0 };
+
+/// A look at a surface: its patches, bounds, curvature and wires.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelRequest {
+    surface: Surface,
+    #[serde(default, deserialize_with = "object::optional")]
+    wires: Option<Wires>,
+    /// Whether the answer holds the control nets of the patches. Default: true.
+    patches: Option<bool>,
+    /// Texts of the caller under names of the caller, returned as they came: at most 32.
+    #[schema(schema_with = meta::schema)]
+    meta: Option<Meta>,
+}
+
+/// A family of curves on the surface.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wires {
+    /// Largest distance of neighbouring wires: in plan along x and y, on the surface along u and v.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    pitch_mm: f64,
+    /// What the wires run along: a parameter, or an axis in plan (`x`: at constant y).
+    #[serde(default)]
+    #[schema(default = "u")]
+    direction: WireDirection,
+    /// Largest height of a wire over the chords of its points. Default: 0.01.
+    #[schema(minimum = 0.000_001, maximum = 10)]
+    chord_height_mm: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WireDirection {
+    #[default]
+    U,
+    V,
+    X,
+    Y,
+}
+
+/// A request in the core's terms.
+#[derive(Debug)]
+pub struct ModelJob {
+    pub job: core::Job,
+    pub with_patches: bool,
+    pub meta: Option<Meta>,
+}
+
+impl IntoJob for ModelRequest {
+    type Job = ModelJob;
+
+    fn into_job(self, limits: &Limits) -> Result<ModelJob, ApiError> {
+        let Self { surface, wires, patches, meta } = self;
+        let root = Pointer::root();
+        let mut violations = Violations::default();
+        surface.check(&root.field("surface"), limits, &mut violations);
+        let wires = wires.map(|wires| wires.convert(&root.field("wires"), limits, &mut violations));
+        if let Some(meta) = &meta {
+            meta::check(meta, &root.field("meta"), &mut violations);
+        }
+        violations.result()?;
+        let job = core::Job { surface: surface.into(), wires };
+        Ok(ModelJob { job, with_patches: patches.unwrap_or(true), meta })
+    }
+}
+
+impl Wires {
+    fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> wires::WireJob {
+        let Self { pitch_mm, direction, chord_height_mm } = self;
+        violations.number(&at.field("pitch_mm"), pitch_mm, Range::POSITIVE, "mm");
+        violations.optional(&at.field("chord_height_mm"), chord_height_mm, CHORD_HEIGHT, "mm");
+        wires::WireJob {
+            along: match direction {
+                WireDirection::U => wires::Along::U,
+                WireDirection::V => wires::Along::V,
+                WireDirection::X => wires::Along::X,
+                WireDirection::Y => wires::Along::Y,
+            },
+            pitch_mm,
+            chord_height_mm: chord_height_mm.unwrap_or(DEFAULT_CHORD_HEIGHT_MM),
+            wire_limit: limits.sections,
+        }
+    }
+}
+
+/// What the surface is like.
+#[derive(Serialize, ToSchema)]
+pub struct ModelReport {
+    n_patches: usize,
+    /// `patches[i][j]` lies between the knots or points i, i+1 and j, j+1: a 4 x 4 control net `net[a][b]`, a along u, or
+    /// for a rational patch or another degree an object. Absent with `patches: false`.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_patches")]
+    #[schema(value_type = Option<Vec<Vec<Patch>>>)]
+    patches: Option<AnySurface>,
+    /// A box that holds the surface, and exceeds it by at most a millionth of a millimetre a side, or where the side is
+    /// level along a curve as the control points do.
+    bounds: Bounds,
+    /// Polylines on the surface; a wire that leaves the surface goes on in another. Absent without `wires`.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
+    #[schema(value_type = Option<Vec<Vec<Point>>>)]
+    wires: Option<Vec<Wire>>,
+    /// The points that the surface is to pass through lie no farther from it; `null` for kinds without such points.
+    fit_deviation_max_mm: Option<f64>,
+    /// Proved upper bound of the curvature where the surface is concave seen from above; negative where it is convex
+    /// everywhere. A ball of a larger radius than its inverse does not fit. `null` for a surface with a place
+    /// without a normal.
+    curvature_max_concave_per_mm: Option<f64>,
+}
+
+impl ModelReport {
+    /// # Errors
+    /// `limit_exceeded` when there are too many patches to answer.
+    pub fn new(model: core::Model, with_patches: bool) -> Result<Self, ApiError> {
+        let [nu, nv] = model.surface.spans();
+        let n_patches = nu * nv;
+        if with_patches && n_patches > MAX_PATCHES {
+            return Err(too_many(n_patches));
+        }
+        let [min, max] = model.bounds;
+        Ok(Self {
+            n_patches,
+            patches: with_patches.then_some(model.surface),
+            bounds: Bounds { min: min.into(), max: max.into() },
+            wires: model.wires,
+            fit_deviation_max_mm: model.fit_deviation_max_mm,
+            curvature_max_concave_per_mm: model.curvature_max_concave_per_mm,
+        })
+    }
+}
+
+fn too_many(patches: usize) -> ApiError {
+    use crate::http::error::{Code, FieldCode};
+    let detail =
+        format!("{patches} patches; at most {MAX_PATCHES} are answered, send `patches: false` for the rest");
+    ApiError::new(Code::LimitExceeded, detail)
+        .blaming(&Pointer::root().field("patches"), FieldCode::LimitExceeded)
+}
+
+/// One patch as it is answered.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum Patch {
+    Bicubic([[Point; 4]; 4]),
+    General(GeneralPatch),
+}
+
+/// A rational patch, or one of another degree than 3.
+#[derive(Serialize, ToSchema)]
+pub struct GeneralPatch {
+    /// Along u and v.
+    degree: [usize; 2],
+    /// Control points in space, not multiplied by the weights.
+    net: Vec<Vec<Point>>,
+    weights: Vec<Vec<f64>>,
+}
+
+impl From<&BicubicPatch> for Patch {
+    fn from(patch: &BicubicPatch) -> Self {
+        Self::Bicubic(patch.net.map(|row| row.map(|p| Point(p.into()))))
+    }
+}
+
+impl From<&RationalPatch> for Patch {
+    fn from(patch: &RationalPatch) -> Self {
+        let [p, q] = patch.degree();
+        let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+            (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
+        };
+        let mut points = patch.control_points().map(|p| Point(p.into()));
+        Self::General(GeneralPatch {
+            degree: [p, q],
+            net: (0..=p).map(|_| points.by_ref().take(q + 1).collect()).collect(),
+            weights: rows(&|a, b| patch.homogeneous(a, b).w),
+        })
+    }
+}
+
+/// Patches are converted one row at a time while they are written.
+fn write_patches<S: Serializer>(surface: &Option<AnySurface>, serializer: S) -> Result<S::Ok, S::Error> {
+    match surface {
+        None => serializer.serialize_none(),
+        Some(AnySurface::Bicubic(surface)) => serializer.collect_seq(rows(surface)),
+        Some(AnySurface::Rational(surface)) => serializer.collect_seq(rows(surface)),
+    }
+}
+
+fn rows<'a, P>(surface: &'a BezierSurface<P>) -> impl Iterator<Item = Vec<Patch>> + 'a
+where
+    P: crate::geometry::surface::Patch,
+    Patch: From<&'a P>,
+{
+    let [nu, nv] = surface.spans();
+    (0..nu).map(move |i| (0..nv).map(|j| Patch::from(surface.patch(i, j))).collect())
+}
+
+fn write_wires<S: Serializer>(wires: &Option<Vec<Wire>>, serializer: S) -> Result<S::Ok, S::Error> {
+    let points = |wire: &Wire| wire.iter().map(|p| Point::from(*p)).collect::<Vec<_>>();
+    serializer.collect_seq(wires.iter().flatten().map(points))
+}

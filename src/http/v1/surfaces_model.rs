@@ -1,0 +1,92 @@
+//! `POST /v1/surfaces/model`: a surface goes in, its patches, measures, wires or picture come out.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+
+use crate::budget::Budget;
+use crate::geometry::wires::WireError;
+use crate::http::App;
+use crate::http::answer::{Outcome, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::modelling::{ModelJob, ModelReport, ModelRequest};
+use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::{ApiError, Code, FieldCode};
+use crate::http::extract::JobBody;
+use crate::http::pointer::Pointer;
+use crate::http::wanted::{Models, Wanted};
+use crate::operations::surface_model::{self, Error};
+
+/// Models a surface and answers what it is like, or a picture of it.
+#[utoipa::path(post, path = "/v1/surfaces/model", operation_id = "modelSurface", tag = "surfaces",
+    params(Wanted<Models>), request_body = ModelRequest,
+    responses((status = 200, description = "The model, in one of its forms.", body = Answer<ModelReport>)))]
+pub async fn model_surface(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Models>,
+    body: JobBody<ModelRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, model).await
+}
+
+fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiError> {
+    let ModelJob { job, with_patches, meta } = job;
+    let model = surface_model::model(&job, budget)?;
+    // The wires that were asked for are the picture; else a few curves are.
+    let wires = model.wires.clone().unwrap_or_else(|| surface_model::sketch(&model.surface));
+    Ok(Outcome {
+        meta,
+        warnings: model.warnings.iter().map(Warning::from).collect(),
+        report: ModelReport::new(model, with_patches)?,
+        cut: None,
+        nc: None,
+        surface_wires: Box::new(move || wires.clone()),
+    })
+}
+
+impl From<&surface_model::Warning> for Warning {
+    fn from(warning: &surface_model::Warning) -> Self {
+        match warning {
+            surface_model::Warning::EndsReduced { direction, points } => {
+                Self::ends_reduced(direction, *points)
+            }
+            surface_model::Warning::NotSmooth(fault) => Self {
+                code: WarningCode::NotSmooth,
+                detail: format!("{fault}: it cannot be milled as it is"),
+            },
+            surface_model::Warning::NoNormal => Self {
+                code: WarningCode::NoNormal,
+                detail: "the surface has a place without a normal, such as a pole: no curvature is stated"
+                    .into(),
+            },
+        }
+    }
+}
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Source(source) => source.into(),
+            Error::Wires(wires) => wires.into(),
+        }
+    }
+}
+
+impl From<WireError> for ApiError {
+    fn from(error: WireError) -> Self {
+        let detail = error.to_string();
+        let wires = Pointer::root().field("wires");
+        match error {
+            WireError::Stopped(stopped) => stopped.into(),
+            WireError::TooManyWires { needed: _, limit: _ } => Self::new(Code::LimitExceeded, detail)
+                .blaming(&wires.field("pitch_mm"), FieldCode::LimitExceeded),
+            WireError::TooManyPoints { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&wires, FieldCode::LimitExceeded)
+            }
+            WireError::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
+            WireError::SectionLost { at } => Self::new(Code::SectionLost, detail).at(at.into()),
+        }
+    }
+}

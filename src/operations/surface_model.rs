@@ -1,0 +1,242 @@
+//! What a surface is like: its patches, bounds and curvature, and a wire model of it.
+//!
+//! # Method
+//! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its normal points up
+//! where it starts. Its box and its most concave place are found by branch and bound on control nets; wires are those of
+//! [`wires`](crate::geometry::wires).
+//!
+//! # Guarantees
+//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side; the curvature is an upper bound within a
+//! hundredth. Edges and gaps do not stop the model; they are warnings.
+//!
+//! # Cost
+//! O(patches + points of wires).
+//!
+//! # Reference
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
+//! of Sculptured Surface of Die", 1989, section 3.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::joints::{self, NotSmooth};
+use crate::geometry::surface::source::{AnySurface, Source, SourceError};
+use crate::geometry::surface::{BezierSurface, Patch, Surface, curvature};
+use crate::geometry::wires::{self, Wire, WireError, WireJob};
+
+/// How far the box may exceed the surface, mm, unless a side of it is level along a whole curve.
+pub const BOUNDS_ACCURACY_MM: f64 = 1e-6;
+
+/// Height of the curves of a sketch over their chords, as a part of the surface's size: below what a picture shows.
+const SKETCH_SHARE: f64 = 1e-4;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    pub surface: Source,
+    pub wires: Option<WireJob>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// The surface, u and v as in its data.
+    pub surface: AnySurface,
+    /// The corners of the box around it, mm.
+    pub bounds: [Point3<f64>; 2],
+    pub wires: Option<Vec<Wire>>,
+    /// Largest distance of the points it was made to pass through from it, mm; `None` for data that are no such points.
+    pub fit_deviation_max_mm: Option<f64>,
+    /// Proved upper bound of the curvature where it is concave seen from above, 1/mm; negative where it is convex everywhere,
+    /// `None` where it has a place without a normal.
+    pub curvature_max_concave_per_mm: Option<f64>,
+    pub warnings: Vec<Warning>,
+}
+
+/// Something the caller should know that does not stop the model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
+    EndsReduced { direction: &'static str, points: usize },
+    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
+    NotSmooth(NotSmooth),
+    /// The surface has a place without a normal.
+    NoNormal,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    #[error(transparent)]
+    Wires(#[from] WireError),
+}
+
+/// Models the surface.
+///
+/// # Errors
+/// When the data make no surface, the wires are too many or cannot be had, or the budget stops.
+pub fn model(job: &Job, budget: &Budget) -> Result<Model, Error> {
+    let surface = job.surface.surface()?;
+    let findings = match &surface {
+        AnySurface::Bicubic(surface) => examine(surface, job, budget)?,
+        AnySurface::Rational(surface) => examine(surface, job, budget)?,
+    };
+    let Findings { bounds, wires, curvature, not_smooth } = findings;
+    let reduced = job.surface.reduced_ends().into_iter();
+    let warnings = reduced
+        .map(|(direction, points)| Warning::EndsReduced { direction, points })
+        .chain(not_smooth.map(Warning::NotSmooth))
+        .chain(curvature.is_none().then_some(Warning::NoNormal))
+        .collect();
+    Ok(Model {
+        fit_deviation_max_mm: job.surface.nodes().map(|points| fit_deviation(&surface, points)),
+        bounds,
+        wires,
+        curvature_max_concave_per_mm: curvature,
+        warnings,
+        surface,
+    })
+}
+
+struct Findings {
+    bounds: [Point3<f64>; 2],
+    wires: Option<Vec<Wire>>,
+    curvature: Option<f64>,
+    not_smooth: Option<NotSmooth>,
+}
+
+fn examine<P: Patch>(surface: &BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Findings, Error> {
+    budget.progress("bounds", 0, 3);
+    let not_smooth = match joints::examine(surface, &job.surface.loose_joints(), budget) {
+        Ok(_) => None,
+        Err(NotSmooth::Stopped(stopped)) => return Err(stopped.into()),
+        Err(fault) => Some(fault),
+    };
+    let bounds = bounds(surface, budget)?;
+    budget.progress("curvature", 1, 3);
+    let upward = surface.clone().upward();
+    let curvature = curvature::most_concave(&upward, budget)?;
+    budget.progress("wires", 2, 3);
+    let wires = match &job.wires {
+        None => None,
+        Some(wires) if wires.runs_along_a_parameter() => Some(wires::wires(surface, wires, budget)?),
+        Some(wires) => Some(wires::wires(&upward, wires, budget)?),
+    };
+    Ok(Findings { bounds, wires, curvature, not_smooth })
+}
+
+fn bounds(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Result<[Point3<f64>; 2], Stopped> {
+    let (mut low, mut high) = (Point3::origin(), Point3::origin());
+    for axis in 0..3 {
+        let unit = Vector3::ith(axis, 1.0);
+        high[axis] = surface.farthest_along(&unit, BOUNDS_ACCURACY_MM, budget)?;
+        low[axis] = -surface.farthest_along(&-unit, BOUNDS_ACCURACY_MM, budget)?;
+    }
+    Ok([low, high])
+}
+
+/// The largest distance of a grid of points from the places of the surface that are to pass through them, mm.
+fn fit_deviation(surface: &AnySurface, points: &[Vec<Point3<f64>>]) -> f64 {
+    let rows = points.iter().enumerate();
+    let deviations = rows.flat_map(|(i, row)| {
+        row.iter().enumerate().map(move |(j, p)| (surface.jet(i as f64, j as f64).point - p).norm())
+    });
+    deviations.fold(0.0, f64::max)
+}
+
+/// A few curves by which a picture shows the surface.
+pub fn sketch(surface: &AnySurface) -> Vec<Wire> {
+    match surface {
+        AnySurface::Bicubic(surface) => sketch_of(surface),
+        AnySurface::Rational(surface) => sketch_of(surface),
+    }
+}
+
+fn sketch_of(surface: &BezierSurface<impl Patch>) -> Vec<Wire> {
+    let sizes = surface.patches().iter().map(|patch| {
+        let box_of = patch.bounds();
+        (box_of.max - box_of.min).norm()
+    });
+    let size = sizes.fold(0.0, f64::max);
+    wires::sketch(surface, (SKETCH_SHARE * size).max(f64::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::surface::net_grid::NetGrid;
+    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+    use crate::geometry::wires::Along;
+
+    fn grid(height: impl Fn(f64, f64) -> f64, ends: Ends, n: usize) -> Source {
+        let row =
+            |i: usize| (0..n).map(|j| Point3::new(i as f64, j as f64, height(i as f64, j as f64))).collect();
+        Source::PointGrid(PointGrid { points: (0..n).map(row).collect(), twist: Twist::Spline, ends })
+    }
+
+    fn modelled(surface: Source, wires: Option<WireJob>) -> Model {
+        model(&Job { surface, wires }, &Budget::unlimited()).unwrap()
+    }
+
+    #[test]
+    fn a_bowl_is_described_by_its_closed_forms() {
+        // z = 0.1 (x^2 + y^2) about (3, 3).
+        let bowl = |x: f64, y: f64| 0.1 * ((x - 3.0).powi(2) + (y - 3.0).powi(2));
+        let model = modelled(grid(bowl, Ends::NotAKnot, 7), None);
+        let [low, high] = model.bounds;
+        assert!((low - Point3::new(0.0, 0.0, 0.0)).norm() < 1e-5, "{low}");
+        assert!((high - Point3::new(6.0, 6.0, 1.8)).norm() < 1e-5, "{high}");
+        assert!(model.fit_deviation_max_mm.unwrap() < 1e-12);
+        let curvature = model.curvature_max_concave_per_mm.unwrap();
+        assert!((0.2..0.203).contains(&curvature), "{curvature}");
+        assert_eq!((model.warnings, model.wires), (vec![], None));
+    }
+
+    #[test]
+    fn concave_is_seen_from_above_whatever_the_order_of_the_points() {
+        let dome = |x: f64, y: f64| -0.1 * ((x - 3.0).powi(2) + (y - 3.0).powi(2));
+        let Source::PointGrid(mut source) = grid(dome, Ends::NotAKnot, 7) else { unreachable!() };
+        source.points.reverse();
+        let curvature = modelled(Source::PointGrid(source), None).curvature_max_concave_per_mm.unwrap();
+        assert!(curvature < 0.0, "{curvature}");
+    }
+
+    #[test]
+    fn wires_run_as_they_are_asked_for() {
+        let source = grid(|x, _| 0.5 * x, Ends::Natural, 5);
+        for (along, changing) in [(Along::U, 0), (Along::X, 0), (Along::V, 1), (Along::Y, 1)] {
+            let job = WireJob { along, pitch_mm: 1.0, chord_height_mm: 0.01, wire_limit: 50 };
+            let wires = modelled(source.clone(), Some(job)).wires.unwrap();
+            for wire in &wires {
+                let way = wire[wire.len() - 1] - wire[0];
+                assert!((way[changing].abs() - 4.0).abs() < 1e-6, "{along:?} {way}");
+                assert!(way[1 - changing].abs() < 1e-6, "{along:?} {way}");
+            }
+            // Along v and y the wires are apart along the slope and in plan.
+            let spaces = if along == Along::V { 20f64.sqrt().ceil() } else { 4.0 };
+            assert_eq!(wires.len(), spaces as usize + 1, "{along:?}");
+        }
+    }
+
+    #[test]
+    fn edges_and_poles_are_warnings() {
+        let net = |slope: f64, x0: f64| {
+            let at = |a: usize, b: usize| Point3::new(x0 + a as f64, b as f64, slope * a as f64);
+            std::array::from_fn(|a| std::array::from_fn(|b| at(a, b)))
+        };
+        let roof = Source::NetGrid(NetGrid { nets: vec![vec![net(0.0, 0.0)], vec![net(1.0, 3.0)]] });
+        let model = modelled(roof, None);
+        assert!(
+            matches!(model.warnings[..], [Warning::NotSmooth(NotSmooth::Edge { .. })]),
+            "{:?}",
+            model.warnings
+        );
+        let mut pole = net(0.2, 0.0);
+        pole[0] = [Point3::new(0.0, 1.5, 0.0); 4];
+        let model = modelled(Source::NetGrid(NetGrid { nets: vec![vec![pole]] }), None);
+        assert_eq!(model.warnings, [Warning::NoNormal]);
+        assert_eq!(model.curvature_max_concave_per_mm, None);
+        assert!(!sketch(&model.surface).is_empty());
+    }
+}

@@ -5,6 +5,7 @@ mod connection;
 mod decoding;
 mod determinism;
 mod events;
+mod models;
 mod negotiation;
 mod operation;
 mod program;

@@ -1,0 +1,59 @@
+//! Numbers for readers.
+
+use serde_json::Number;
+
+use super::label::Label;
+
+/// Digits that are shown of a number below one, and decimals of one above it.
+const DIGITS: i32 = 4;
+const DECIMALS: i32 = 3;
+
+/// `number` rounded to what a reader wants: upward where it is a bound. Beside seconds stands h:mm:ss.
+pub fn show(number: &Number, label: &Label) -> String {
+    let Some(value) = number.as_f64().filter(|_| number.is_f64()) else { return number.to_string() };
+    let text = round(value, label.is_bound);
+    if label.unit == Some("s") { format!("{text} s ({})", clock(value)) } else { text }
+}
+
+fn round(value: f64, upward: bool) -> String {
+    let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    if !(-9..=15).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let decimals = if magnitude < 0 { DIGITS - 1 - magnitude } else { DECIMALS };
+    let unit = 10f64.powi(decimals);
+    let rounded = if upward { (value * unit).ceil() } else { (value * unit).round() } / unit;
+    // Adding zero takes the sign from a negative zero. The shortest text that reads as the number has no zeros left.
+    format!("{}", rounded + 0.0)
+}
+
+fn clock(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_what_matters() {
+        for (name, value, expected) in [
+            ("x_mm", json!(3_551.317_158), "3551.317"),
+            ("x_mm", json!(0.009_470_622), "0.009471"),
+            ("x_max_mm", json!(0.009_470_222), "0.009471"),
+            ("x_mm", json!(0.009_470_222), "0.00947"),
+            ("x_mm", json!(-0.000_04), "-0.00004"),
+            ("x_mm", json!(-0.0), "0"),
+            ("x_mm", json!(2.0), "2"),
+            ("x_mm", json!(1e-30), "1.000e-30"),
+            ("n_x", json!(49_504), "49504"),
+            ("t_s", json!(59.96), "59.96 s (0:01:00)"),
+            ("t_s", json!(7_325.25), "7325.25 s (2:02:05)"),
+        ] {
+            assert_eq!(show(value.as_number().unwrap(), &Label::of(name)), expected, "{name} {value}");
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Classes of strokes and how each looks: by colour on a screen, by weight and dashes in print.
+
+use super::{Move, text};
+use crate::geometry::curve::Curve;
+use crate::toolpath::Role;
+
+/// What a stroke stands for, in the order of drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Class {
+    Wire,
+    Rapid,
+    Link,
+    CutLine,
+    CutArc,
+    Entry,
+}
+
+impl Class {
+    pub const ALL: [Class; 6] =
+        [Class::Wire, Class::Rapid, Class::Link, Class::CutLine, Class::CutArc, Class::Entry];
+
+    /// The class in the style sheet.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Wire => "wire",
+            Class::Rapid => "rapid",
+            Class::Link => "link",
+            Class::CutLine => "cut",
+            Class::CutArc => "cut-arc",
+            Class::Entry => "entry",
+        }
+    }
+
+    /// The words of the legend.
+    pub fn label(self) -> &'static str {
+        match self {
+            Class::Wire => "surface",
+            Class::Rapid => "rapid",
+            Class::Link => "link",
+            Class::CutLine => "cut, line",
+            Class::CutArc => "cut, arc",
+            Class::Entry => "plunge, ramp, lead",
+        }
+    }
+
+    /// Colours from the palette of Okabe and Ito, which colour-blind readers tell apart. Widths in mm of paper.
+    fn style(self) -> &'static str {
+        match self {
+            Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
+            Class::Rapid => "stroke:#d55e00;stroke-width:.18;stroke-dasharray:1.8 1.2;stroke-linecap:butt",
+            Class::Link => "stroke:#b0508a;stroke-width:.3;stroke-dasharray:2.4 .7 .5 .7;stroke-linecap:butt",
+            Class::CutLine => "stroke:#0072b2;stroke-width:.18",
+            Class::CutArc => "stroke:#00734f;stroke-width:.35",
+            Class::Entry => "stroke:#e69f00;stroke-width:.6;stroke-dasharray:.01 1",
+        }
+    }
+}
+
+/// The class and the curve of a move; a dwell has none.
+pub fn of(step: &Move) -> Option<(Class, Curve)> {
+    match step {
+        Move::Rapid { line } => Some((Class::Rapid, Curve::Line(*line))),
+        Move::Feed { along, role, .. } => {
+            let class = match (role, along) {
+                (Role::Cut, Curve::Line(_)) => Class::CutLine,
+                (Role::Cut, Curve::Arc(_)) => Class::CutArc,
+                (Role::Link, _) => Class::Link,
+                (Role::Plunge | Role::Ramp | Role::LeadIn | Role::LeadOut, _) => Class::Entry,
+            };
+            Some((class, *along))
+        }
+        Move::Dwell { .. } => None,
+    }
+}
+
+/// The style sheet. Every rule begins with `.plot`: inside a page it must not reach beyond the picture.
+pub fn style() -> String {
+    let strokes: String =
+        Class::ALL.iter().map(|class| format!(".plot .{}{{{}}}", class.name(), class.style())).collect();
+    format!(
+        ".plot{{background:#fff}}\
+         .plot path,.plot line{{fill:none;stroke:#000;stroke-width:.25;stroke-linecap:round;stroke-linejoin:round}}\
+         .plot text{{font-family:sans-serif;font-size:{}px;fill:#000}}\
+         .plot .sheet{{fill:#fff}}\
+         .plot .frame{{fill:none;stroke:#000;stroke-width:.25}}\
+         .plot .grid{{stroke:#ddd;stroke-width:.1}}\
+         .plot .title{{font-size:{}px;font-weight:bold}}\
+         .plot .head{{font-weight:bold}}\
+         .plot .axis{{font-style:italic;font-weight:bold}}\
+         .plot .right{{text-anchor:end}}.plot .middle{{text-anchor:middle}}\
+         .plot .solid{{fill:#000;stroke:#fff;stroke-width:.15}}\
+         .plot .start{{fill:#fff;stroke:#000;stroke-width:.35}}\
+         .plot .end{{stroke-width:.45}}{strokes}",
+        text::SIZE_MM,
+        text::TITLE_SIZE_MM,
+    )
+}

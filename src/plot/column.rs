@@ -1,0 +1,183 @@
+//! The column beside the views: legend, notes, and the title block with bounds, moves and scale.
+
+use nalgebra::{Point2, Vector2};
+
+use super::class::Class;
+use super::layout::{BORDER_MM, COLUMN_X_MM, Layout, SHEET_MM};
+use super::number::{RoundNumber, fixed, with_decimals};
+use super::text::{self, SIZE_MM, TITLE_SIZE_MM, escape};
+use super::{Scene, marks};
+use crate::toolpath::measure::measure;
+use crate::toolpath::units::FeedRate;
+
+/// The column's text: its left end, and its width.
+const LEFT_MM: f64 = COLUMN_X_MM + 4.0;
+const WIDTH_MM: f64 = BORDER_MM[2] - 4.0 - LEFT_MM;
+/// Where the title block begins.
+const BLOCK_Y_MM: f64 = 141.0;
+/// Where the text of the column begins.
+const TOP_MM: f64 = BORDER_MM[1] + 6.0;
+/// Between lines of text.
+const LINE_MM: f64 = 4.0;
+const LEGEND_LINE_MM: f64 = 4.8;
+/// Length of the strokes in the legend.
+const SAMPLE_MM: f64 = 13.0;
+/// A note takes at most so many lines.
+const LINES_A_NOTE: usize = 2;
+/// The place for a number in the table of bounds.
+const NUMBER_MM: f64 = 18.5;
+/// The longest scale bar.
+const BAR_MM: f64 = 30.0;
+
+/// The sheet, its border and the lines of the column.
+pub fn border() -> String {
+    let [left, top, right, bottom] = BORDER_MM.map(fixed);
+    let [width, height] = SHEET_MM;
+    let (column, block) = (fixed(COLUMN_X_MM), fixed(BLOCK_Y_MM));
+    format!(
+        "<rect class=\"sheet\" width=\"{width}\" height=\"{height}\"/>\n\
+         <path d=\"M{left} {top}H{right}V{bottom}H{left}ZM{column} {top}V{bottom}M{column} {block}H{right}\"/>\n"
+    )
+}
+
+/// Legend, notes and title block. `raster_mm` is that on which strokes were left out.
+pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f64>) -> String {
+    let left_out = raster_mm.map(|mm| format!("Strokes within {mm} mm of others on paper are left out."));
+    let (legend, below) = legend(scene, used);
+    legend
+        + &notes(scene.notes.iter().map(String::as_str), left_out.as_deref(), below)
+        + &title(scene.title)
+        + &bounds(layout)
+        + &moves(scene)
+        + &scale(layout.scale)
+}
+
+/// The column of a sheet without a drawing.
+pub fn refusal(scene: &Scene, reason: &str) -> String {
+    notes(scene.notes.iter().map(String::as_str), None, TOP_MM)
+        + &title(scene.title)
+        + &moves(scene)
+        + &line("middle", 0.5 * (BORDER_MM[0] + COLUMN_X_MM), 0.5 * (BORDER_MM[1] + BORDER_MM[3]), reason)
+}
+
+/// The legend, and where it ends.
+fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
+    let mut out = line("head", LEFT_MM, TOP_MM, "Legend");
+    let mut y = TOP_MM;
+    let mut entry = |sample: &dyn Fn(f64) -> String, label: &str| {
+        y += LEGEND_LINE_MM;
+        out += &sample(y - SIZE_MM / 3.0);
+        out += &line("", LEFT_MM + SAMPLE_MM + 3.0, y, label);
+    };
+    for class in used {
+        let stroke = |y: f64| {
+            format!("<path class=\"{}\" d=\"M{} {}h{SAMPLE_MM}\"/>\n", class.name(), fixed(LEFT_MM), fixed(y))
+        };
+        entry(&stroke, class.label());
+    }
+    if scene.toolpath.is_some() {
+        let middle = |y: f64| Point2::new(LEFT_MM + 0.5 * SAMPLE_MM, y);
+        entry(&|y| marks::start(middle(y)), "start");
+        entry(&|y| marks::cross(middle(y)), "end");
+        if used.contains(&Class::CutLine) || used.contains(&Class::CutArc) {
+            entry(&|y| marks::arrow(middle(y), Vector2::x()), "direction of the cut");
+        }
+    }
+    (out, y + 2.0 * LEGEND_LINE_MM)
+}
+
+/// The notes from `y` down to the title block, and one line that always has its place.
+fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -> String {
+    let place = |text: &str| text::wrap(&text::clean(text), WIDTH_MM / SIZE_MM, LINES_A_NOTE);
+    let last = last.map(place).unwrap_or_default();
+    let room = ((BLOCK_Y_MM - LINE_MM - y) / LINE_MM) as usize - last.len();
+    let mut lines: Vec<String> = notes.take(room + 1).flat_map(place).collect();
+    if lines.len() > room {
+        lines.truncate(room - 1);
+        lines.push("\u{2026}".into());
+    }
+    lines.extend(last);
+    if lines.is_empty() {
+        return String::new();
+    }
+    let rows = lines.iter().enumerate();
+    let text: String =
+        rows.map(|(k, text)| line("", LEFT_MM, y + LINE_MM * (k as f64 + 1.0), &escape(text))).collect();
+    line("head", LEFT_MM, y, "Notes") + &text
+}
+
+fn title(title: &str) -> String {
+    let lines = text::wrap(&text::clean(title), WIDTH_MM / TITLE_SIZE_MM / 1.1, 2);
+    let rows = lines.iter().enumerate();
+    rows.map(|(k, text)| line("title", LEFT_MM, BLOCK_Y_MM + 6.5 + 5.3 * k as f64, &escape(text))).collect()
+}
+
+/// A table of the least, the largest and the difference of each coordinate.
+fn bounds(layout: &Layout) -> String {
+    let (min, max) = (layout.bounds.min, layout.bounds.max);
+    let row = |y: f64, class: &str, cells: [&str; 4]| -> String {
+        let numbers = cells[1..].iter().enumerate();
+        let numbers = numbers
+            .map(|(k, cell)| line(&format!("{class} right"), LEFT_MM + 20.0 * (k as f64 + 1.0), y, cell));
+        line(class, LEFT_MM, y, cells[0]) + &numbers.collect::<String>()
+    };
+    let y = BLOCK_Y_MM + 18.0;
+    // A micrometre, or finer where the ticks are, as far as there is room.
+    let widest = -min.coords.amax().max(max.coords.amax());
+    let fits = |decimals: &usize| text::width(&with_decimals(widest, *decimals)) * SIZE_MM < NUMBER_MM;
+    let decimals = (0..=layout.step.decimals().max(2) + 1).rev().find(fits).unwrap_or(0);
+    let mut out = row(y, "head", ["mm", "min", "max", "extent"]);
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let [low, high, extent] =
+            [min[axis], max[axis], max[axis] - min[axis]].map(|mm| with_decimals(mm, decimals));
+        out += &row(y + LINE_MM * (axis as f64 + 1.0), "", [name, &low, &high, &extent]);
+    }
+    out
+}
+
+fn moves(scene: &Scene) -> String {
+    let Some(toolpath) = scene.toolpath else { return String::new() };
+    // Only the counts are wanted, which no feed changes.
+    let counts = measure(toolpath, FeedRate::DEFAULT_RAPID).counts;
+    let words = format!("Moves: {} rapid, {} line, {} arc", counts.rapid, counts.line, counts.arc);
+    line("", LEFT_MM, BLOCK_Y_MM + 37.0, &words)
+}
+
+/// The stated scale, a bar that shrinks with the print, and the symbol of first-angle projection.
+fn scale(scale: RoundNumber) -> String {
+    let mut length = RoundNumber::at_least(BAR_MM / scale.value());
+    while length.value() * scale.value() > BAR_MM {
+        length = length.previous();
+    }
+    let bar = length.value() * scale.value();
+    let (x, y) = (LEFT_MM, BLOCK_Y_MM + 49.0);
+    let half = fixed(0.5 * bar);
+    format!(
+        "{}{}<path d=\"M{} {}h{}v1.6h-{}z\"/>\n<rect x=\"{}\" y=\"{}\" width=\"{half}\" height=\"1.6\"/>\n{}{}{}",
+        line("title", x, BLOCK_Y_MM + 45.0, &format!("Scale {}", scale.as_scale())),
+        line("right", LEFT_MM + WIDTH_MM, y + 5.0, "A4, first angle"),
+        fixed(x),
+        fixed(y),
+        fixed(bar),
+        fixed(bar),
+        fixed(x),
+        fixed(y),
+        line("", x, y + 5.0, "0"),
+        line("middle", x + bar, y + 5.0, &format!("{} mm", with_decimals(length.value(), length.decimals()))),
+        first_angle(Point2::new(LEFT_MM + WIDTH_MM - 14.0, BLOCK_Y_MM + 46.5)),
+    )
+}
+
+/// A cone from its side and, to the right of it, from its left end.
+fn first_angle(at: Point2<f64>) -> String {
+    let circle = |r: f64| {
+        format!("<circle class=\"frame\" cx=\"{}\" cy=\"{}\" r=\"{r}\"/>", fixed(at.x + 11.0), fixed(at.y))
+    };
+    let (x, y) = (fixed(at.x), fixed(at.y - 1.5));
+    format!("<path d=\"M{x} {y}l6 -1.5v6l-6 -1.5z\"/>\n{}{}\n", circle(1.5), circle(3.0))
+}
+
+fn line(class: &str, x: f64, y: f64, words: &str) -> String {
+    let class = if class.is_empty() { String::new() } else { format!(" class=\"{}\"", class.trim()) };
+    format!("<text{class} x=\"{}\" y=\"{}\">{words}</text>\n", fixed(x), fixed(y))
+}

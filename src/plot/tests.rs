@@ -1,0 +1,256 @@
+mod reading;
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Point3;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use super::{Scene, svg};
+use crate::geometry::curve::Direction;
+use crate::geometry::plane::Plane;
+use crate::toolpath::units::FeedRate;
+use crate::toolpath::{Builder, Role, Toolpath};
+use reading::{Drawing, compare};
+
+fn feed() -> FeedRate {
+    FeedRate::from_mm_per_min(500.0).unwrap()
+}
+
+fn of_path(toolpath: &Toolpath) -> String {
+    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), surface: &[] })
+}
+
+fn of_wires(surface: &[Vec<Point3<f64>>]) -> String {
+    svg(&Scene { title: "Part", notes: &[], toolpath: None, surface })
+}
+
+/// A square of 80 mm, its corner at (80, 80) rounded with 10 mm, cut counterclockwise.
+fn square() -> Toolpath {
+    let mut builder = Toolpath::builder(Point3::origin());
+    for to in [[80.0, 0.0], [80.0, 70.0]] {
+        builder.line(Point3::new(to[0], to[1], 0.0), feed(), Role::Cut).unwrap();
+    }
+    let about = (Plane::Xy, Direction::Ccw);
+    builder
+        .arc(Point3::new(70.0, 80.0, 0.0), Point3::new(70.0, 70.0, 0.0), about, feed(), Role::Cut)
+        .unwrap();
+    for to in [[0.0, 80.0], [0.0, 0.0]] {
+        builder.line(Point3::new(to[0], to[1], 0.0), feed(), Role::Cut).unwrap();
+    }
+    builder.finish().unwrap()
+}
+
+#[test]
+fn a_square_with_a_round_corner_is_lines_and_one_arc() {
+    let drawing = Drawing::read(&of_path(&square()));
+    assert_eq!(drawing.scale, 1.0);
+    let [x, y] = drawing.at("plan", [0.0, 0.0]);
+    let lines = format!(
+        "M{x} {y}L{} {y}L{} {}M{} {}L{x} {}L{x} {y}",
+        x + 80.0,
+        x + 80.0,
+        y - 70.0,
+        x + 70.0,
+        y - 80.0,
+        y - 80.0
+    );
+    assert_eq!(drawing.data("plan", "cut"), Some(lines.as_str()));
+    // Counterclockwise on paper is sense 0.
+    let arc = format!("M{} {}A10 10 0 0 0 {} {}", x + 80.0, y - 70.0, x + 70.0, y - 80.0);
+    assert_eq!(drawing.data("plan", "cut-arc"), Some(arc.as_str()));
+    let [x, z] = drawing.at("front", [0.0, 0.0]);
+    assert_eq!(
+        drawing.data("front", "cut-arc"),
+        Some(format!("M{} {z}L{} {z}", x + 80.0, x + 70.0).as_str())
+    );
+}
+
+/// In each view the sense of an arc is that of its points.
+#[test]
+fn arcs_turn_as_they_are_cut_in_every_plane_and_sense() {
+    for plane in Plane::ALL {
+        for direction in [Direction::Cw, Direction::Ccw] {
+            for (from, sweep) in [(0.3, 0.5), (1.0, 2.0), (3.0, 4.0), (5.0, 6.0), (2.0, TAU)] {
+                for rise in [0.0, 12.0] {
+                    let mut builder = Toolpath::builder(around(plane, 20.0, from, 0.0));
+                    turn(&mut builder, (plane, direction), 20.0, from, sweep, rise);
+                    compare(&builder.finish().unwrap());
+                }
+            }
+        }
+    }
+}
+
+fn around(plane: Plane, radius: f64, angle: f64, height: f64) -> Point3<f64> {
+    plane.to_workpiece(&nalgebra::Vector3::new(radius * angle.cos(), radius * angle.sin(), height))
+}
+
+/// Cuts an arc about the origin.
+fn turn(builder: &mut Builder, about: (Plane, Direction), radius: f64, from: f64, sweep: f64, rise: f64) {
+    let signed = if about.1 == Direction::Ccw { sweep } else { -sweep };
+    let to = around(about.0, radius, from + if sweep == TAU { 0.0 } else { signed }, rise);
+    builder.arc(to, Point3::origin(), about, feed(), Role::Cut).unwrap();
+}
+
+#[test]
+fn views_share_their_axes_and_the_stated_scale_is_true() {
+    let corners = [[0.0, 0.0, 0.0], [900.0, 0.0, 0.0], [900.0, 400.0, 0.0], [900.0, 400.0, 150.0]];
+    let wire: Vec<Point3<f64>> = corners.map(Point3::from).to_vec();
+    let drawing = Drawing::read(&of_wires(&[wire]));
+    assert_eq!(drawing.scale, 0.1);
+    let [left, top, width, height] = drawing.frame("plan");
+    let [front_left, front_top, front_width, front_height] = drawing.frame("front");
+    let [side_left, side_top, _, side_height] = drawing.frame("left-side");
+    assert_eq!((front_left, front_width), (left, width));
+    assert_eq!((side_top, side_height), (top, height));
+    assert!(front_top + front_height < top && left + width < side_left);
+    let (a, b) = (drawing.at("plan", [100.0, 100.0]), drawing.at("plan", [900.0, 400.0]));
+    assert!((b[0] - a[0] - 80.0).abs() < 0.011 && (a[1] - b[1] - 30.0).abs() < 0.011, "{a:?} {b:?}");
+}
+
+#[test]
+fn noise_below_resolution_is_thinned_and_a_reversal_is_not() {
+    let noisy: Vec<_> = (0..=10_000)
+        .map(|k| Point3::new(0.01 * f64::from(k), 0.004 * f64::from(k * k % 7 % 2), 0.0))
+        .chain([Point3::new(60.0, 0.0, 0.0), Point3::new(60.0, 50.0, 0.0)])
+        .collect();
+    let drawing = Drawing::read(&of_wires(&[noisy]));
+    let [x, y] = drawing.at("plan", [0.0, 0.0]);
+    let data = drawing.data("plan", "wire").unwrap();
+    let expected = format!("M{x} {y}L{} {y}L{} {y}L{} {}", x + 100.0, x + 60.0, x + 60.0, y - 50.0);
+    assert_eq!(data, expected);
+}
+
+#[test]
+fn a_plunge_is_a_dot_in_the_plan() {
+    let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 20.0));
+    builder.line(Point3::origin(), feed(), Role::Plunge).unwrap();
+    let drawing = Drawing::read(&of_path(&builder.finish().unwrap()));
+    let [x, y] = drawing.at("plan", [0.0, 0.0]);
+    assert_eq!(drawing.data("plan", "entry"), Some(format!("M{x} {y}h0").as_str()));
+}
+
+#[test]
+fn a_dense_path_is_bounded_and_leaves_no_place_out() {
+    // Strokes from side to side of a square of 100 mm, in an order that no run can join.
+    let mut builder = Toolpath::builder(Point3::origin());
+    let n = 200_000;
+    for k in 1..=n {
+        let y = 100.0 * f64::from(k * 7919 % n) / f64::from(n);
+        builder.line(Point3::new(100.0 * f64::from(k % 2), y, 0.01 * y), feed(), Role::Cut).unwrap();
+    }
+    let toolpath = builder.finish().unwrap();
+    let picture = of_path(&toolpath);
+    assert!(picture.len() < 2_100_000, "{}", picture.len());
+    let drawing = Drawing::read(&picture);
+    assert!(
+        drawing.texts.iter().any(|text| text.starts_with("Strokes within 0.25 mm")),
+        "{:?}",
+        drawing.texts
+    );
+    assert!(!Drawing::read(&of_path(&square())).texts.iter().any(|text| text.starts_with("Strokes")));
+    let strokes = drawing.strokes("plan", "cut");
+    for (x, y) in
+        (0..40).flat_map(|i| (0..40).map(move |j| (5.0 + 2.3 * f64::from(i), 5.0 + 2.3 * f64::from(j))))
+    {
+        let at = drawing.at("plan", [x, y]);
+        let nearest = strokes.iter().map(|s| reading::distance(at, *s)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 0.5, "({x}, {y}) is {nearest} mm from ink");
+    }
+}
+
+#[test]
+fn what_has_no_extent_or_no_place_is_a_legal_sheet() {
+    let point = Toolpath::builder(Point3::new(5.0, -5.0, 5.0)).finish().unwrap();
+    assert_eq!(Drawing::read(&of_path(&point)).scale, 1.0);
+    assert_eq!(Drawing::read(&of_wires(&[vec![Point3::origin()]])).scale, 1.0);
+    for (extent, scale) in [(1e6, 1e-4), (1e-3, 1e5), (1e-7, 1e5)] {
+        let wire = vec![Point3::origin(), Point3::new(extent, 0.0, 0.0)];
+        assert_eq!(Drawing::read(&of_wires(&[wire])).scale, scale);
+    }
+    let said = |surface: &[Vec<Point3<f64>>], words: &str| {
+        let picture = of_wires(surface);
+        let document = roxmltree::Document::parse(&picture).unwrap();
+        assert!(document.descendants().any(|node| node.text() == Some(words)), "{picture}");
+    };
+    said(&[], "There is nothing to draw.");
+    said(&[vec![]], "There is nothing to draw.");
+    for bad in [f64::NAN, f64::INFINITY, 1e300, -1e10] {
+        said(
+            &[vec![Point3::origin(), Point3::new(bad, 0.0, 0.0)]],
+            "The coordinates are too large to be drawn.",
+        );
+    }
+}
+
+/// Random moves of every kind within a cube of two units, at any place and size.
+fn toolpath() -> impl Strategy<Value = Toolpath> {
+    let unit = || (-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0);
+    let step = (0usize..10, unit(), unit());
+    let size = prop_oneof![Just(1e-3), Just(0.05), Just(1.0), Just(30.0), Just(1e6)];
+    let place = prop_oneof![Just(0.0), Just(1e5)];
+    (size, place, prop::collection::vec(step, 1..12)).prop_map(|(size, place, steps)| {
+        let mut builder = Toolpath::builder(Point3::new(place, -place, place));
+        for (kind, p, q) in steps {
+            let to = Point3::new(place + size * p.0, size * p.1 - place, place + size * p.2);
+            let role =
+                [Role::Plunge, Role::Ramp, Role::LeadIn, Role::Cut, Role::Link, Role::LeadOut][kind % 6];
+            // An arc that its ends do not allow is left out.
+            let _ = match kind {
+                0 | 1 => builder.rapid(to),
+                2..=4 => builder.line(to, feed(), role),
+                _ => {
+                    let plane = Plane::ALL[kind % 3];
+                    let direction = if q.0 < 0.0 { Direction::Cw } else { Direction::Ccw };
+                    let start = plane.to_local(&builder.at());
+                    let center = start + nalgebra::Vector3::new(size * p.0, size * p.1, 0.0);
+                    let (sin, cos) = (PI * q.1).sin_cos();
+                    let arm = start - center;
+                    let rise = if q.2 < 0.0 { 0.0 } else { size * q.2 };
+                    let turned =
+                        nalgebra::Vector3::new(cos * arm.x - sin * arm.y, sin * arm.x + cos * arm.y, rise);
+                    let [to, center] = [center + turned, center].map(|local| plane.to_workpiece(&local));
+                    builder.arc(to, center, (plane, direction), feed(), role)
+                }
+            };
+        }
+        builder.finish().unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        rng_seed: RngSeed::Fixed(1525),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn what_is_drawn_is_what_is_cut(toolpath in toolpath()) {
+        compare(&toolpath);
+    }
+
+    #[test]
+    fn text_stays_text(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
+        let square = square();
+        let draw = |title: &str, notes: &[String]| {
+            svg(&Scene { title, notes, toolpath: Some(&square), surface: &[] })
+        };
+        let told = draw(&title, &notes);
+        let document = roxmltree::Document::parse(&told).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        let plain = draw("Part", &[]);
+        let plain = roxmltree::Document::parse(&plain).unwrap();
+        let others = |document: &roxmltree::Document| {
+            document.descendants().filter(|n| n.is_element() && !n.has_tag_name("text")).count()
+        };
+        prop_assert_eq!(others(&document), others(&plain));
+        for text in document.descendants().filter(|n| n.has_tag_name("text")) {
+            prop_assert!(!text.children().any(|child| child.is_element()));
+            let words = text.text().unwrap_or_default();
+            prop_assert!(words.chars().all(|c| !c.is_control()), "{:?}", words);
+            prop_assert!(words.chars().count() < 80, "{:?}", words);
+        }
+    }
+}

@@ -9,9 +9,10 @@ ENV RUSTFLAGS="-C target-feature=+crt-static"
 # The dependencies are a layer of their own: they are built again only when the manifest changes.
 COPY Cargo.toml Cargo.lock ./
 # Cargo wants a file for every target that the manifest names.
-RUN mkdir -p src benches tests/real/controller \
+RUN mkdir -p src benches tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/lib.rs benches/plot.rs benches/programs.rs benches/surface_milling.rs tests/real/controller/main.rs \
+    && touch src/lib.rs benches/plot.rs benches/programs.rs benches/surface_milling.rs \
+        tests/real/controller/main.rs tests/real/overload/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 
@@ -23,7 +24,9 @@ RUN touch src/main.rs src/lib.rs \
 
 FROM scratch
 COPY --from=builder /toolpathd /toolpathd
+# Whoever publishes the port decides who reaches it.
 ENV TOOLPATHD_LISTEN=0.0.0.0:8080 \
+    TOOLPATHD_ALLOW_PUBLIC=true \
     TOOLPATHD_LOG_FORMAT=json
 EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=4s CMD ["/toolpathd", "healthcheck"]

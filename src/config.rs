@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use axum::http::{HeaderValue, Uri};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// What the program is asked to do.
@@ -38,6 +39,18 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_LISTEN", default_value = "127.0.0.1:8080", global = true)]
     pub listen: SocketAddr,
 
+    /// Listen on an address that other machines reach; there is no authentication
+    #[arg(long, env = "TOOLPATHD_ALLOW_PUBLIC", value_parser = clap::builder::BoolishValueParser::new(), global = true)]
+    pub allow_public: bool,
+
+    /// Origins whose pages may call this service, such as https://mes.example; several with commas or repeated
+    #[arg(long, env = "TOOLPATHD_CORS_ORIGIN", value_delimiter = ',', value_parser = origin, global = true)]
+    pub cors_origin: Vec<HeaderValue>,
+
+    /// Most open connections; one more is closed at once
+    #[arg(long, env = "TOOLPATHD_CONNECTIONS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000), global = true)]
+    pub connections: u32,
+
     /// Computations at a time [default: the number of processors]
     #[arg(long, env = "TOOLPATHD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
     pub workers: Option<u16>,
@@ -49,6 +62,10 @@ pub struct Settings {
     /// Largest request body, bytes
     #[arg(long, env = "TOOLPATHD_BODY_LIMIT", default_value_t = Limits::DEFAULT.body_bytes, global = true)]
     pub body_limit: usize,
+
+    /// Most bytes of request bodies held at a time, over all requests; what goes beyond is refused with 503
+    #[arg(long, env = "TOOLPATHD_BODY_MEMORY", default_value_t = 256 * 1024 * 1024, global = true)]
+    pub body_memory: usize,
 
     /// Most points of a surface
     #[arg(long, env = "TOOLPATHD_MAX_SURFACE_POINTS", default_value_t = Limits::DEFAULT.surface_points, global = true)]
@@ -70,6 +87,10 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub body_timeout_s: Duration,
 
+    /// Seconds a caller may take no byte of its answer
+    #[arg(long, env = "TOOLPATHD_WRITE_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
+    pub write_timeout_s: Duration,
+
     /// Seconds a request may wait and compute; at shutdown nothing is waited for longer than 28 s
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
@@ -84,6 +105,27 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// What no flag can tell alone.
+    ///
+    /// # Errors
+    /// The settings that do not go together, in words.
+    pub fn check(&self) -> Result<(), String> {
+        if !self.allow_public && !self.listen.ip().to_canonical().is_loopback() {
+            return Err(format!(
+                "{} is reached from other machines, and there is no authentication; if that is meant, say \
+                 --allow-public (TOOLPATHD_ALLOW_PUBLIC=true)",
+                self.listen
+            ));
+        }
+        if self.body_memory < self.body_limit {
+            return Err(format!(
+                "--body-memory {} is less than the largest body, --body-limit {}",
+                self.body_memory, self.body_limit
+            ));
+        }
+        Ok(())
+    }
+
     /// Computations at a time.
     pub fn workers(&self) -> usize {
         match self.workers {
@@ -130,6 +172,21 @@ fn seconds(text: &str) -> Result<Duration, String> {
     }
 }
 
+/// An origin as browsers send it: scheme, host and perhaps port, in lower case and nothing else.
+fn origin(text: &str) -> Result<HeaderValue, String> {
+    let uri: Uri = text.parse().map_err(|_| format!("`{text}` is not an origin"))?;
+    let (scheme, authority) = (uri.scheme_str().unwrap_or_default(), uri.authority());
+    let written = format!("{scheme}://{}", authority.map_or("", |authority| authority.as_str()));
+    let is_origin = ["http", "https"].contains(&scheme) && authority.is_some() && !written.contains('@');
+    if is_origin && written == text && text == text.to_ascii_lowercase() {
+        HeaderValue::from_str(text).map_err(|_| format!("`{text}` is not an origin"))
+    } else {
+        Err(format!(
+            "`{text}` is not an origin; write it as https://host or https://host:port, in lower case"
+        ))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,6 +217,32 @@ mod tests {
         let cli = Cli::parse_from(["toolpathd", "serve", "--listen", "127.0.0.1:0", "--workers", "3"]);
         assert!(matches!(cli.command, Some(Command::Serve)));
         assert_eq!(cli.settings.workers(), 3);
+    }
+
+    #[test]
+    fn other_machines_are_served_only_when_that_is_meant() {
+        let check = |flags: &[&str]| Cli::parse_from(["toolpathd"].iter().chain(flags)).settings.check();
+        for loopback in ["127.0.0.1:80", "127.9.9.9:80", "[::1]:80", "[::ffff:127.0.0.1]:80"] {
+            assert_eq!(check(&["--listen", loopback]), Ok(()));
+        }
+        for public in ["0.0.0.0:80", "[::]:80", "192.168.0.7:80", "[::ffff:10.0.0.1]:80"] {
+            let error = check(&["--listen", public]).expect_err("public");
+            assert!(error.contains(public) && error.contains("--allow-public"), "{error}");
+            assert_eq!(check(&["--listen", public, "--allow-public"]), Ok(()));
+        }
+        assert!(check(&["--body-limit", "1000", "--body-memory", "999"]).is_err());
+    }
+
+    #[test]
+    fn origins_are_exact() {
+        let parse = |list: &str| Cli::try_parse_from(["toolpathd", "--cors-origin", list]);
+        let cli = parse("https://mes.example,http://localhost:3000").expect("two origins");
+        assert_eq!(cli.settings.cors_origin, ["https://mes.example", "http://localhost:3000"]);
+        for wrong in
+            "* null mes.example https:// https://a/ https://a/b https://A ftp://a https://u@a".split(' ')
+        {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

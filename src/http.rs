@@ -6,13 +6,17 @@ mod answer;
 mod coding;
 pub mod compute;
 mod decode;
+mod docs;
 mod dto;
 mod envelope;
 mod error;
 mod events;
 mod extract;
 mod health;
+mod intake;
 mod linger;
+mod metrics;
+mod observe;
 mod openapi;
 mod output;
 mod pointer;
@@ -20,6 +24,7 @@ mod refusal;
 mod request_id;
 pub mod serve;
 mod timing;
+mod trace;
 mod v1;
 mod wanted;
 
@@ -28,13 +33,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::Router;
-use axum::middleware::from_fn;
+use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::middleware::{from_fn, from_fn_with_state};
 use tokio::sync::Semaphore;
+use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::cors::CorsLayer;
 
 use crate::config::{Limits, Settings};
 use compute::Compute;
+use intake::Intake;
+use metrics::Metrics;
 pub use openapi::contract;
+use serve::Connections;
 
 /// The version of the engine: the same request gives the same bytes as long as it stands.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -44,11 +55,14 @@ pub struct App {
     pub compute: Compute,
     /// Turns of decoding large bodies.
     decoders: Arc<Semaphore>,
+    metrics: Metrics,
+    intake: Arc<Intake>,
+    connections: Connections,
+    cors_origins: Vec<HeaderValue>,
     limits: Limits,
     queue: usize,
     workers: usize,
     deadline: Duration,
-    header_timeout: Duration,
     body_timeout: Duration,
     draining: AtomicBool,
 }
@@ -61,11 +75,14 @@ impl App {
         Ok(Arc::new(Self {
             compute: Compute::new(workers, queue, settings.deadline_s)?,
             decoders: Arc::new(Semaphore::new(workers)),
+            metrics: Metrics::default(),
+            intake: Intake::new(settings.body_memory),
+            connections: Connections::new(settings),
+            cors_origins: settings.cors_origin.clone(),
             limits: settings.limits(),
             queue,
             workers,
             deadline: settings.deadline_s,
-            header_timeout: settings.header_timeout_s,
             body_timeout: settings.body_timeout_s,
             draining: AtomicBool::new(false),
         }))
@@ -81,12 +98,33 @@ impl App {
     }
 }
 
-/// Every route, in the layers that give each answer its shape.
+/// Every route, in the layers that give each answer its shape, the outermost last.
 pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
+        .merge(docs::routes())
+        .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
         .with_state(Arc::clone(app))
         .layer(coding::layer())
         .layer(CatchPanicLayer::custom(envelope::panicked))
         .layer(from_fn(envelope::wrap))
+        .layer(option_layer(cors(&app.cors_origins)))
+        .layer(from_fn_with_state(Arc::clone(app), observe::observe))
+}
+
+/// Lets the pages of these origins call the service and read what its answers say.
+fn cors(origins: &[HeaderValue]) -> Option<CorsLayer> {
+    const EXPOSED: [HeaderName; 5] = [
+        request_id::HEADER,
+        envelope::ENGINE_VERSION_HEADER,
+        trace::HEADER,
+        header::CONTENT_DISPOSITION,
+        header::RETRY_AFTER,
+    ];
+    let layer = CorsLayer::new()
+        .allow_origin(origins.to_vec())
+        .allow_methods([Method::GET, Method::POST])
+        .allow_headers([header::ACCEPT, header::CONTENT_TYPE, request_id::HEADER, trace::HEADER])
+        .expose_headers(EXPOSED);
+    (!origins.is_empty()).then_some(layer)
 }

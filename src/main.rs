@@ -1,6 +1,6 @@
 //! The binary: reads the settings, then serves or prints the contract.
 
-use std::io::{Read, Write};
+use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -38,12 +38,13 @@ fn print_contract() -> Result<(), Failure> {
 fn check_health(settings: &Settings) -> Result<(), Failure> {
     const PATIENCE: Duration = Duration::from_secs(3);
     let mut address = settings.listen;
-    match address.ip() {
+    match address.ip().to_canonical() {
         ip if !ip.is_unspecified() => {}
         IpAddr::V4(_) => address.set_ip(Ipv4Addr::LOCALHOST.into()),
         IpAddr::V6(_) => address.set_ip(Ipv6Addr::LOCALHOST.into()),
     }
-    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)?;
+    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)
+        .map_err(|error| format!("{address} does not answer: {error}"))?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
     let mut answer = String::new();
@@ -55,6 +56,7 @@ fn check_health(settings: &Settings) -> Result<(), Failure> {
 }
 
 fn run(settings: &Settings) -> Result<(), Failure> {
+    settings.check()?;
     start_log(settings)?;
     let app = App::new(settings)?;
     tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(async {
@@ -78,11 +80,12 @@ fn run(settings: &Settings) -> Result<(), Failure> {
 
 /// Logs go to standard error; standard output is for what was asked for.
 fn start_log(settings: &Settings) -> Result<(), Failure> {
-    let filter = EnvFilter::try_new(&settings.log)?;
+    let filter = EnvFilter::try_new(&settings.log)
+        .map_err(|error| format!("--log `{}` is not understood: {error}", settings.log))?;
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
     match settings.log_format {
-        LogFormat::Text => log.init(),
-        LogFormat::Json => log.json().init(),
+        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
+        LogFormat::Json => log.json().flatten_event(true).with_span_list(false).init(),
     }
     Ok(())
 }

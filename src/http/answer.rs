@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use axum::Extension;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use tracing::{Instrument, Span};
@@ -101,7 +102,7 @@ where
         }));
     }
     let (encoded, timing) = app.compute.run_admitted(ticket, None, compute).await??;
-    Ok(([(SERVER_TIMING, timing.header_value())], encoded).into_response())
+    Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
 fn represent<R: Serialize + ToSchema>(

@@ -32,6 +32,8 @@ pub struct Compute {
     pool: rayon::ThreadPool,
     tickets: Arc<Semaphore>,
     places: Arc<Semaphore>,
+    workers: usize,
+    queue: usize,
     deadline: Duration,
 }
 
@@ -54,8 +56,25 @@ impl Compute {
             pool,
             tickets: Arc::new(Semaphore::new(workers + queue)),
             places: Arc::new(Semaphore::new(workers)),
+            workers,
+            queue,
             deadline,
         })
+    }
+
+    /// Computations now.
+    pub fn running(&self) -> usize {
+        self.workers - self.places.available_permits()
+    }
+
+    /// Requests that have a ticket and wait for a worker.
+    pub fn waiting(&self) -> usize {
+        (self.workers + self.queue - self.tickets.available_permits()).saturating_sub(self.running())
+    }
+
+    /// Whether a request would be refused now.
+    pub fn is_full(&self) -> bool {
+        self.tickets.available_permits() == 0
     }
 
     /// Takes a ticket, with which a job may wait for its place.

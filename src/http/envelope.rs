@@ -1,36 +1,22 @@
-//! What every answer has: the request's id, the engine's version, a log line, and the shape of problems.
+//! What every answer has: the request's id, the engine's version, and the shape of problems.
 
 use std::any::Any;
-use std::time::Instant;
 
 use axum::body::Body;
 use axum::extract::Request;
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderName, HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use tracing::Instrument;
 
 use super::ENGINE_VERSION;
 use super::error::{ApiError, Code};
 use super::request_id::{self, RequestId};
 
-const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
+pub const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
 
-/// The outermost layer.
-pub async fn wrap(mut request: Request, next: Next) -> Response {
-    let id = RequestId::of(request.headers());
-    // Paths and ids only: bodies and queries are the caller's business.
-    let span = tracing::info_span!(
-        "request",
-        id = id.as_str(),
-        method = %request.method(),
-        path = request.uri().path()
-    );
-    request.extensions_mut().insert(id.clone());
-    let started = Instant::now();
-    let mut answered = Answered { span: span.clone(), started, done: false };
-    let mut response = next.run(request).instrument(span).await;
-
+/// The layer around every handler.
+pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
+    let mut response = next.run(request).await;
     if response.status().is_client_error() || response.status().is_server_error() {
         response = into_problem(response, &id);
     }
@@ -39,7 +25,6 @@ pub async fn wrap(mut request: Request, next: Next) -> Response {
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
     // Of any answer: what is a problem today may be an answer of some type tomorrow.
     headers.insert(header::VARY, HeaderValue::from_static("Accept, Accept-Encoding"));
-    answered.with(response.status());
     response
 }
 
@@ -59,28 +44,4 @@ fn into_problem(response: Response, id: &RequestId) -> Response {
         }
     }
     problem
-}
-
-/// Logs the end of a request, also when the caller went away before it was answered.
-struct Answered {
-    span: tracing::Span,
-    started: Instant,
-    done: bool,
-}
-
-impl Answered {
-    fn with(&mut self, status: StatusCode) {
-        self.done = true;
-        let milliseconds = self.started.elapsed().as_secs_f64() * 1e3;
-        self.span.in_scope(|| tracing::info!(status = status.as_u16(), milliseconds, "answered"));
-    }
-}
-
-impl Drop for Answered {
-    fn drop(&mut self) {
-        if !self.done {
-            let milliseconds = self.started.elapsed().as_secs_f64() * 1e3;
-            self.span.in_scope(|| tracing::info!(milliseconds, "the caller went away"));
-        }
-    }
 }

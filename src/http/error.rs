@@ -1,5 +1,7 @@
 //! Errors as the caller sees them: problem details by RFC 9457. The only place that knows status codes of failures.
 
+use std::fmt;
+
 use axum::body::Body;
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -134,6 +136,13 @@ impl Code {
             status if status.is_client_error() => Code::BadRequest,
             _ => Code::InternalError,
         }
+    }
+}
+
+/// As it is written in a problem.
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
 }
 
@@ -307,6 +316,8 @@ impl ApiError {
         if code == Code::UnsupportedCoding {
             headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));
         }
+        // For the log and the metrics.
+        response.extensions_mut().insert(code);
         response
     }
 }

@@ -16,6 +16,7 @@ use super::App;
 use super::coding::{Coding, gunzip};
 use super::decode::decode;
 use super::error::{ApiError, Code};
+use super::intake::Share;
 use crate::config::Limits;
 
 /// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip, of
@@ -44,14 +45,19 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
         let coding = Coding::of(request.headers())?;
-        let bytes = read(request.into_body(), app).await?;
+        let share = Share::of(&request)?;
+        let bytes = read(request.into_body(), &share, app).await?;
         let limits = app.limits;
         let is_small = coding == Coding::Identity && bytes.len() <= DECODE_ASIDE_BYTES;
         let convert = move || {
             let begun = Instant::now();
             let bytes = match coding {
                 Coding::Identity => bytes,
-                Coding::Gzip => gunzip(&bytes, limits.body_bytes)?.into(),
+                Coding::Gzip => {
+                    let bytes = gunzip(&bytes, limits.body_bytes)?;
+                    share.take(bytes.len())?;
+                    bytes.into()
+                }
             };
             let job = decode::<T>(&bytes)?.into_job(&limits)?;
             Ok(Self { job, parsing: begun.elapsed() })
@@ -110,7 +116,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
 }
 
 /// Reads the body whole, within the limit of size and as long as it makes progress.
-async fn read(mut body: Body, app: &App) -> Result<Bytes, ApiError> {
+async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
     let limit = app.limits.body_bytes;
     let too_large = |size: u64| {
         let detail = format!("the body has at least {size} bytes; at most {limit} are allowed");
@@ -133,7 +139,10 @@ async fn read(mut body: Body, app: &App) -> Result<Bytes, ApiError> {
             Some(Ok(data)) if bytes.len() + data.len() > limit => {
                 return Err(too_large((bytes.len() + data.len()) as u64));
             }
-            Some(Ok(data)) => bytes.extend_from_slice(&data),
+            Some(Ok(data)) => {
+                share.take(data.len())?;
+                bytes.extend_from_slice(&data);
+            }
         }
     }
 }

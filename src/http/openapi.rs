@@ -11,7 +11,7 @@ use utoipa_axum::routes;
 
 use super::error::{PROBLEM_JSON, Problem};
 use super::output::{EVENTS, JSON, Representation};
-use super::{App, health, v1};
+use super::{App, health, metrics, v1};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -84,6 +84,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))
+        .routes(routes!(metrics::get_metrics))
         .routes(routes!(get_contract))
 }
 

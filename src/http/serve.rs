@@ -12,14 +12,16 @@ use hyper::service::service_fn;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep, sleep_until, timeout};
+use tokio_io_timeout::TimeoutStream;
 use tower::ServiceExt;
 
 use super::App;
 use super::linger::Lingering;
 use super::refusal::Explained;
+use crate::config::Settings;
 
 /// How long connections are still accepted after the signal: callers that were told of this service a moment
 /// ago, and probes that are to see it leave.
@@ -31,11 +33,15 @@ const IDLE_GRACE: Duration = Duration::from_millis(500);
 /// All is over this long after the signal, below the 30 s that supervisors commonly allow.
 const DRAIN_LIMIT: Duration = Duration::from_secs(28);
 
-/// Largest head of a request over HTTP/2, about what HTTP/1 takes; a larger one is refused below every layer.
-const MAX_HEADER_BYTES: u32 = 400 * 1024;
-
 /// Pause after a failed accept; the usual reason, no free file descriptor, does not pass at once.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
+
+/// The longest that a caller may take over what was computed, once nothing more is to be done for it.
+const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
+
+/// What is read ahead of a connection: the most that one holds while nobody asks for its bytes, and the most
+/// that the head of a request may have.
+const READ_AHEAD_BYTES: u32 = 128 * 1024;
 
 /// Serves `router` until `stop` resolves, and then until every request that has reached this process is
 /// answered; `app` is told when that begins.
@@ -49,7 +55,7 @@ pub async fn serve(
     stop: impl Future<Output = ()>,
 ) -> io::Result<()> {
     let (announce, draining) = watch::channel(false);
-    let connections = Connections { router, header_timeout: app.header_timeout, draining };
+    let connections = Acceptor { router, app, draining };
     let mut open = JoinSet::new();
     tokio::pin!(stop);
     loop {
@@ -91,23 +97,67 @@ pub async fn serve(
     Ok(())
 }
 
-/// What every connection is made from.
-struct Connections {
-    router: Router,
-    header_timeout: Duration,
-    draining: watch::Receiver<bool>,
+/// How connections are treated, and how many there may be.
+#[derive(Debug)]
+pub struct Connections {
+    places: Arc<Semaphore>,
+    most: usize,
+    patience: Patience,
+}
+
+/// What a caller may take its time over.
+#[derive(Debug, Clone, Copy)]
+struct Patience {
+    /// The head of a request.
+    header: Duration,
+    /// Taking no byte of an answer.
+    write: Duration,
+    /// Taking the last answer of a connection, its computation included.
+    last_answer: Duration,
 }
 
 impl Connections {
+    pub fn new(settings: &Settings) -> Self {
+        let most = settings.connections as usize;
+        let patience = Patience {
+            header: settings.header_timeout_s,
+            write: settings.write_timeout_s,
+            last_answer: settings.deadline_s + LAST_ANSWER_LIMIT,
+        };
+        Self { places: Arc::new(Semaphore::new(most)), most, patience }
+    }
+
+    /// Connections now.
+    pub fn open(&self) -> usize {
+        self.most - self.places.available_permits()
+    }
+}
+
+/// What every connection is made from.
+struct Acceptor<'a> {
+    router: Router,
+    app: &'a App,
+    draining: watch::Receiver<bool>,
+}
+
+impl Acceptor<'_> {
     async fn open<A>(&self, accepted: io::Result<(TcpStream, A)>, open: &mut JoinSet<()>) {
-        match accepted {
-            Ok((stream, _)) => {
+        let Connections { places, patience, .. } = &self.app.connections;
+        match (accepted, Arc::clone(places).try_acquire_owned()) {
+            (Ok((stream, _)), Ok(place)) => {
                 // Answers are written whole; waiting to fill a packet only delays them.
                 let _ = stream.set_nodelay(true);
-                let (router, draining) = (self.router.clone(), self.draining.clone());
-                open.spawn(connection(stream, router, self.header_timeout, draining));
+                let connection = connection(stream, self.router.clone(), *patience, self.draining.clone());
+                open.spawn(async move {
+                    connection.await;
+                    drop(place);
+                });
             }
-            Err(error) => {
+            (Ok(_), Err(_)) => {
+                self.app.metrics.connection_refused();
+                tracing::debug!("a connection too many");
+            }
+            (Err(error), _) => {
                 tracing::warn!(%error, "accept failed");
                 sleep(ACCEPT_PAUSE).await;
             }
@@ -119,7 +169,7 @@ impl Connections {
 async fn connection(
     stream: TcpStream,
     router: Router,
-    header_timeout: Duration,
+    patience: Patience,
     mut draining: watch::Receiver<bool>,
 ) {
     let activity = Arc::new(Activity::default());
@@ -143,18 +193,26 @@ async fn connection(
         }
     });
     let mut builder = auto::Builder::new(TokioExecutor::new());
-    builder.http1().timer(TokioTimer::new()).header_read_timeout(header_timeout);
+    builder
+        .http1()
+        .timer(TokioTimer::new())
+        .header_read_timeout(patience.header)
+        .max_buf_size(READ_AHEAD_BYTES as usize);
     builder
         .http2()
         .timer(TokioTimer::new())
-        .keep_alive_interval(header_timeout)
-        .max_header_list_size(MAX_HEADER_BYTES);
-    let connection = builder.serve_connection(TokioIo::new(Explained::new(stream)), service);
+        .keep_alive_interval(patience.header)
+        .initial_stream_window_size(READ_AHEAD_BYTES)
+        .initial_connection_window_size(4 * READ_AHEAD_BYTES)
+        .max_header_list_size(READ_AHEAD_BYTES);
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(patience.write));
+    let connection = builder.serve_connection(TokioIo::new(Explained::new(Box::pin(stream))), service);
     tokio::pin!(connection);
 
     // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the
     // requests of HTTP/2; this one does.
-    let mut patience = header_timeout;
+    let mut idle_limit = patience.header;
     let mut is_draining = false;
     let mut idle_since = Instant::now();
     let mut seen = activity.count();
@@ -169,16 +227,16 @@ async fn connection(
             }
             Ok(()) = draining.changed(), if !is_draining => {
                 is_draining = true;
-                patience = IDLE_GRACE;
+                idle_limit = IDLE_GRACE;
                 idle_since = Instant::now();
             }
-            () = sleep_until(idle_since + patience) => {
+            () = sleep_until(idle_since + idle_limit) => {
                 let now = activity.count();
                 let is_idle = now == seen && !activity.is_busy();
                 if is_idle || is_draining {
                     // From here on: nothing more is read once the requests in progress are answered.
                     connection.as_mut().graceful_shutdown();
-                    let _ = (&mut connection).await;
+                    let _ = timeout(patience.last_answer, &mut connection).await;
                     return;
                 }
                 seen = now;

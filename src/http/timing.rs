@@ -1,4 +1,4 @@
-//! How long the steps of an answer took, for the header `Server-Timing`.
+//! How long the steps of an answer took, for the header `Server-Timing`, the log and the metrics.
 
 use std::time::Duration;
 
@@ -6,6 +6,7 @@ use axum::http::{HeaderName, HeaderValue};
 
 pub const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
+/// Travels in the extensions of the response, from where it is measured to where it is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
     /// Waiting for a place on the pool.
@@ -18,11 +19,16 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// The steps by name, in their order.
+    pub fn steps(&self) -> [(&'static str, Duration); 4] {
+        let Self { queue, parse, compute, encode } = *self;
+        [("queue", queue), ("parse", parse), ("compute", compute), ("encode", encode)]
+    }
+
     /// The header's value; milliseconds.
     pub fn header_value(&self) -> HeaderValue {
-        let Self { queue, parse, compute, encode } = *self;
-        let steps = [("queue", queue), ("parse", parse), ("compute", compute), ("encode", encode)];
-        let text = steps.map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
+        let text =
+            self.steps().map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");
         HeaderValue::from_str(&text).unwrap_or(HeaderValue::from_static(""))
     }
 }

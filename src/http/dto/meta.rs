@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::openapi::schema::{ObjectBuilder, Schema, SchemaType, Type};
 
 use super::check::Violations;
 use crate::http::error::FieldCode;
@@ -19,6 +19,7 @@ pub const MAX_TEXT_CHARACTERS: usize = 1000;
 pub fn schema() -> Schema {
     let text = ObjectBuilder::new().schema_type(Type::String).max_length(Some(MAX_TEXT_CHARACTERS));
     ObjectBuilder::new()
+        .schema_type(SchemaType::from_iter([Type::Object, Type::Null]))
         .additional_properties(Some(text))
         .max_properties(Some(MAX_ENTRIES))
         .description(Some("Texts of the caller under names of the caller, returned as they came."))

@@ -9,17 +9,14 @@ use axum::routing::post;
 use toolpathd::budget::Budget;
 use toolpathd::http::compute::Compute;
 
-use super::support::{MILL, ONE_PASS, Server, app, connect, post as post_to, post_head, read_answer, write};
+use super::support::{
+    MILL, ONE_PASS, Server, app, aside, connect, post as post_to, post_head, read_answer, write,
+};
 
 fn spin(budget: &Budget) {
     while budget.check().is_ok() {
         std::thread::sleep(Duration::from_millis(1));
     }
-}
-
-/// Runs what waits on sockets beside the service.
-async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    tokio::task::spawn_blocking(work).await.expect("no panic")
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -1,58 +1,14 @@
 //! The end of the real program: nothing that has reached it is lost.
 
-use std::io::{BufRead, BufReader};
-use std::net::SocketAddr;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
+use super::binary::Program;
 use super::support::{MILL, connect, post_head, read_answer, write};
-
-/// The program on a free port; killed when a test fails.
-struct Program {
-    child: Child,
-    address: SocketAddr,
-}
-
-impl Program {
-    fn start() -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_toolpathd"))
-            .args(["--listen", "127.0.0.1:0", "--workers", "1", "--log", "warn"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("its output")).read_line(&mut line).expect("a line");
-        let address = line.trim().strip_prefix("listening on http://").expect("an address");
-        Self { address: address.parse().expect("an address"), child }
-    }
-
-    fn terminate(&self) {
-        let kill = format!("kill -TERM {}", self.child.id());
-        assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
-    }
-
-    fn exit_code(&mut self) -> Option<i32> {
-        let limit = Instant::now() + Duration::from_secs(10);
-        while Instant::now() < limit {
-            if let Some(status) = self.child.try_wait().expect("a status") {
-                return status.code();
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        None
-    }
-}
-
-impl Drop for Program {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
 
 #[test]
 fn requests_under_way_are_answered_whole() {
-    let mut program = Program::start();
+    let mut program = Program::start(&["--workers", "1"]);
     let mut kept_alive = connect(program.address);
     write(&mut kept_alive, "GET /livez HTTP/1.1\r\nHost: here\r\n\r\n");
     let answer = read_answer(&mut kept_alive).expect("an answer").to_ascii_lowercase();
@@ -90,7 +46,7 @@ fn requests_under_way_are_answered_whole() {
 
 #[test]
 fn an_idle_program_ends_soon() {
-    let mut program = Program::start();
+    let mut program = Program::start(&["--workers", "1"]);
     let _idle = connect(program.address);
     let started = Instant::now();
     program.terminate();
@@ -100,15 +56,32 @@ fn an_idle_program_ends_soon() {
 
 #[test]
 fn health_is_told_by_the_exit_code() {
-    let program = Program::start();
+    let program = Program::start(&["--workers", "1"]);
     let healthcheck = |address: &str| {
         let arguments = ["healthcheck", "--listen", address];
         Command::new(env!("CARGO_BIN_EXE_toolpathd")).args(arguments).status().expect("a status").success()
     };
     assert!(healthcheck(&program.address.to_string()));
     assert!(healthcheck(&format!("0.0.0.0:{}", program.address.port())));
+    assert!(healthcheck(&format!("[::ffff:0.0.0.0]:{}", program.address.port())));
     drop(program);
     assert!(!healthcheck("127.0.0.1:9"));
+    let program = Program::start(&["--listen", "[::]:0", "--allow-public"]);
+    let port = program.address.port();
+    assert!(healthcheck(&format!("[::]:{port}")) && healthcheck(&format!("[::1]:{port}")));
+}
+
+#[test]
+fn other_machines_are_not_served_by_accident() {
+    for address in ["0.0.0.0:0", "[::]:0"] {
+        let output = Command::new(env!("CARGO_BIN_EXE_toolpathd"))
+            .args(["--listen", address])
+            .output()
+            .expect("it ends by itself");
+        assert_eq!(output.status.code(), Some(1));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(said.contains(address) && said.contains("--allow-public"), "{said}");
+    }
 }
 
 #[test]

@@ -41,6 +41,10 @@ impl Answer {
         self.headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default()
     }
 
+    pub fn text(&self) -> String {
+        String::from_utf8(self.body.clone()).expect("UTF-8")
+    }
+
     pub fn json(&self) -> Value {
         serde_json::from_slice(&self.body).expect("JSON")
     }
@@ -120,6 +124,11 @@ impl Server {
         let _ = self.stop.send(());
         self.task.await.expect("no panic").expect("no failure");
     }
+}
+
+/// Runs what waits on sockets beside the service.
+pub async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    tokio::task::spawn_blocking(work).await.expect("no panic")
 }
 
 pub fn connect(address: SocketAddr) -> TcpStream {

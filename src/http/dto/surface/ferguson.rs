@@ -33,7 +33,7 @@ pub struct Ferguson {
     #[schema(schema_with = grid::schema)]
     tangents_v: Vec<Vec<Point>>,
     /// Mixed derivatives. Default: zero.
-    #[schema(schema_with = grid::schema)]
+    #[schema(schema_with = grid::optional_schema)]
     twists: Option<Vec<Vec<Point>>>,
 }
 

@@ -1,6 +1,6 @@
 //! Grids of points, vectors and numbers.
 
-use utoipa::openapi::schema::{ArrayBuilder, Schema};
+use utoipa::openapi::schema::{ArrayBuilder, Schema, SchemaType, Type};
 
 use crate::config::Limits;
 use crate::http::dto::check::Violations;
@@ -10,8 +10,17 @@ use crate::http::pointer::Pointer;
 
 /// At least 2 rows of at least 2 points.
 pub fn schema() -> Schema {
+    rows().into()
+}
+
+/// As [`schema`], or null, which is read as nothing.
+pub fn optional_schema() -> Schema {
+    rows().schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
+}
+
+fn rows() -> ArrayBuilder {
     let most = Limits::DEFAULT.surface_points / 2;
-    ArrayBuilder::new().items(row_schema(most)).min_items(Some(2)).max_items(Some(most)).into()
+    ArrayBuilder::new().items(row_schema(most)).min_items(Some(2)).max_items(Some(most))
 }
 
 /// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing where there are

@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
+use utoipa::openapi::schema::{
+    ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, SchemaType, Type,
+};
 
 use super::grid;
 use crate::config::Limits;
@@ -56,7 +58,9 @@ fn knots_schema() -> Schema {
 fn weights_schema() -> Schema {
     let most = Limits::DEFAULT.surface_points / 2;
     let row = ArrayBuilder::new().items(number(WEIGHTS)).min_items(Some(2)).max_items(Some(most));
-    ArrayBuilder::new().items(row).min_items(Some(2)).max_items(Some(most)).into()
+    let rows = ArrayBuilder::new().items(row).min_items(Some(2)).max_items(Some(most));
+    // Null is read as nothing.
+    rows.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
 }
 
 fn number(range: Range) -> ObjectBuilder {

@@ -1,0 +1,35 @@
+//! The contract as pages to read and try, all of it in this binary.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::http::{HeaderName, HeaderValue, header};
+use axum::middleware::map_response;
+use axum::response::Response;
+use utoipa_swagger_ui::{Config, SwaggerUi};
+
+use super::App;
+
+/// The pages load from this origin alone; the styles that their script sets on elements count as inline.
+const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+    img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+const HEADERS: [(HeaderName, &str); 3] = [
+    (header::CONTENT_SECURITY_POLICY, CONTENT_SECURITY_POLICY),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::REFERRER_POLICY, "no-referrer"),
+];
+
+/// `/docs` and what it loads.
+pub fn routes() -> Router<Arc<App>> {
+    // Relative, so that it is found behind a proxy that adds a prefix; nobody else is asked to validate it.
+    let config = Config::from("../openapi.json").validator_url("none").try_it_out_enabled(true);
+    Router::from(SwaggerUi::new("/docs").config(config)).layer(map_response(guarded))
+}
+
+async fn guarded(mut response: Response) -> Response {
+    for (name, value) in HEADERS {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}

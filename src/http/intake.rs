@@ -1,0 +1,123 @@
+//! What this process takes on: work while the queue has room, bodies while there is memory for them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use axum::extract::{Request, State};
+use axum::http::Method;
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use tokio::time::sleep;
+
+use super::App;
+use super::error::{ApiError, Code};
+
+/// How long a refusal is held back. Callers that come back at once would otherwise take the processors from the
+/// computations that they wait for.
+const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
+
+/// The memory for request bodies, shared by all requests.
+#[derive(Debug)]
+pub struct Intake {
+    held: AtomicUsize,
+    most: usize,
+}
+
+impl Intake {
+    pub fn new(most: usize) -> Arc<Self> {
+        Arc::new(Self { held: AtomicUsize::new(0), most })
+    }
+
+    /// Bytes held now.
+    pub fn held(&self) -> usize {
+        self.held.load(Ordering::Relaxed)
+    }
+
+    fn share(self: &Arc<Self>) -> Share {
+        Share(Arc::new(Taken { intake: Arc::clone(self), bytes: AtomicUsize::new(0) }))
+    }
+}
+
+/// What one request holds of it, until it is answered or given up.
+#[derive(Debug, Clone)]
+pub struct Share(Arc<Taken>);
+
+#[derive(Debug)]
+struct Taken {
+    intake: Arc<Intake>,
+    bytes: AtomicUsize,
+}
+
+impl Share {
+    /// The share of this request.
+    ///
+    /// # Errors
+    /// When it was not given one, which is a fault of this program.
+    pub fn of(request: &Request) -> Result<Self, ApiError> {
+        let share = request.extensions().get::<Self>().cloned();
+        share.ok_or_else(|| ApiError::new(Code::InternalError, "the request was not given a share of memory"))
+    }
+
+    /// Takes memory for `bytes` that have arrived or were decompressed.
+    ///
+    /// # Errors
+    /// `overloaded` when other requests hold it.
+    pub fn take(&self, bytes: usize) -> Result<(), ApiError> {
+        let Taken { intake, bytes: mine } = &*self.0;
+        let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= intake.most);
+        match intake.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, added) {
+            Ok(_) => {
+                mine.fetch_add(bytes, Ordering::Relaxed);
+                Ok(())
+            }
+            Err(_) => Err(ApiError::new(
+                Code::Overloaded,
+                format!("the bodies of all requests would exceed {} bytes", intake.most),
+            )),
+        }
+    }
+}
+
+impl Drop for Taken {
+    fn drop(&mut self) {
+        self.intake.held.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
+    }
+}
+
+/// Refuses work that would be refused after its body was read and decoded, and gives the rest its share of
+/// memory.
+pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
+    if request.method() == Method::POST && app.compute.is_full() {
+        sleep(REFUSAL_PAUSE).await;
+        return ApiError::from(super::compute::Failure::Overloaded).into_response();
+    }
+    let share = app.intake.share();
+    request.extensions_mut().insert(share.clone());
+    let response = next.run(request).await;
+    drop(share);
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_taken_is_bounded_over_all_and_comes_back() {
+        let intake = Intake::new(100);
+        let (first, second) = (intake.share(), intake.share());
+        assert_eq!(first.take(60), Ok(()));
+        assert_eq!(second.take(40), Ok(()));
+        assert_eq!(second.take(1).map_err(|error| error.code()), Err(Code::Overloaded));
+        assert_eq!(second.take(usize::MAX).map_err(|error| error.code()), Err(Code::Overloaded));
+        let copy = first.clone();
+        drop(first);
+        assert_eq!(intake.held(), 100);
+        drop(copy);
+        assert_eq!(intake.held(), 40);
+        assert_eq!(second.take(60), Ok(()));
+        drop(second);
+        assert_eq!(intake.held(), 0);
+    }
+}

@@ -1,0 +1,210 @@
+//! What is told of every request, outermost of all: one line in the log, metrics, and the caller's trace.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::{Method, StatusCode};
+use axum::middleware::Next;
+use axum::response::Response;
+use hyper::body::{Frame, SizeHint};
+use tracing::field::Empty;
+use tracing::{Instrument, Span};
+
+use super::App;
+use super::error::Code;
+use super::metrics::Answered;
+use super::request_id::RequestId;
+use super::timing::Timing;
+use super::trace::{self, Trace};
+
+/// The route of what no route was found for.
+const NO_ROUTE: &str = "none";
+
+/// Names the request and follows it until its answer is with the caller, or the caller has gone.
+pub async fn observe(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
+    let id = RequestId::of(request.headers());
+    let trace = Trace::of(request.headers());
+    let mut record = Record::new(app, &request, &id, trace.as_ref());
+    request.extensions_mut().insert(id);
+    let received = Arc::clone(&record.received_bytes);
+    let request = request.map(|body| {
+        let count = move |seen| {
+            if let Seen::Data(bytes) = seen {
+                received.fetch_add(bytes as u64, Ordering::Relaxed);
+            }
+        };
+        Body::new(Watched { body, tell: count })
+    });
+
+    let span = record.span.clone();
+    let mut response = next.run(request).instrument(span).await;
+    if let Some(trace) = trace {
+        response.headers_mut().insert(trace::HEADER, trace.header_value());
+    }
+    record.answer(&response);
+    response.map(|body| Body::new(Watched { body, tell: move |seen| record.sent(seen) }))
+}
+
+/// What is known of a request; told when it is dropped.
+struct Record {
+    app: Arc<App>,
+    span: Span,
+    route: Option<MatchedPath>,
+    method: Method,
+    started: Instant,
+    received_bytes: Arc<AtomicU64>,
+    sent_bytes: u64,
+    answer: Option<Answer>,
+    is_whole: bool,
+}
+
+/// The head of an answer.
+#[derive(Clone, Copy)]
+struct Answer {
+    status: StatusCode,
+    code: Option<Code>,
+    timing: Option<Timing>,
+}
+
+impl Record {
+    fn new(app: Arc<App>, request: &Request, id: &RequestId, trace: Option<&Trace>) -> Self {
+        // Paths and ids only: bodies and queries are the caller's business.
+        let span = tracing::info_span!(
+            "request",
+            request_id = id.as_str(),
+            trace_id = Empty,
+            method = %request.method(),
+            path = request.uri().path()
+        );
+        if let Some(trace) = trace {
+            span.record("trace_id", trace.id());
+        }
+        Self {
+            app,
+            span,
+            route: request.extensions().get::<MatchedPath>().cloned(),
+            method: request.method().clone(),
+            started: Instant::now(),
+            received_bytes: Arc::default(),
+            sent_bytes: 0,
+            answer: None,
+            is_whole: false,
+        }
+    }
+
+    fn answer(&mut self, response: &Response) {
+        let extensions = response.extensions();
+        self.answer = Some(Answer {
+            status: response.status(),
+            code: extensions.get().copied(),
+            timing: extensions.get().copied(),
+        });
+        self.is_whole = self.method == Method::HEAD || response.body().is_end_stream();
+    }
+
+    fn sent(&mut self, seen: Seen) {
+        match seen {
+            Seen::Data(bytes) => self.sent_bytes += bytes as u64,
+            Seen::End => self.is_whole = true,
+        }
+    }
+
+    fn tell_answered(&self, route: &str, received_bytes: u64, answer: Answer) {
+        let Answer { status, code, timing } = answer;
+        let (duration, sent_bytes) = (self.started.elapsed(), self.sent_bytes);
+        let step_ms =
+            |step: fn(&Timing) -> Duration| timing.as_ref().map(|timing| milliseconds(step(timing)));
+        tracing::info!(
+            route,
+            status = status.as_u16(),
+            code = code.map(tracing::field::display),
+            duration_ms = milliseconds(duration),
+            queue_ms = step_ms(|timing| timing.queue),
+            parse_ms = step_ms(|timing| timing.parse),
+            compute_ms = step_ms(|timing| timing.compute),
+            encode_ms = step_ms(|timing| timing.encode),
+            received_bytes,
+            sent_bytes,
+            "answered"
+        );
+        let method = &self.method;
+        self.app.metrics.answered(Answered {
+            route,
+            method,
+            status,
+            code,
+            timing,
+            duration,
+            received_bytes,
+            sent_bytes,
+        });
+    }
+}
+
+impl Drop for Record {
+    fn drop(&mut self) {
+        let _entered = self.span.clone().entered();
+        let route = self.route.as_ref().map_or(NO_ROUTE, MatchedPath::as_str);
+        let received_bytes = self.received_bytes.load(Ordering::Relaxed);
+        match self.answer {
+            Some(answer) if self.is_whole => self.tell_answered(route, received_bytes, answer),
+            _ => {
+                let duration_ms = milliseconds(self.started.elapsed());
+                let sent_bytes = self.sent_bytes;
+                tracing::info!(route, duration_ms, received_bytes, sent_bytes, "the caller went away");
+                self.app.metrics.cancelled(route);
+            }
+        }
+    }
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    // To the microsecond: more is noise.
+    (duration.as_secs_f64() * 1e6).round() / 1e3
+}
+
+/// What passes through a body.
+enum Seen {
+    Data(usize),
+    End,
+}
+
+/// A body of which `tell` hears.
+struct Watched<F> {
+    body: Body,
+    tell: F,
+}
+
+impl<F: FnMut(Seen) + Unpin> HttpBody for Watched<F> {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let frame = Pin::new(&mut self.body).poll_frame(context);
+        if let Poll::Ready(Some(Ok(frame))) = &frame
+            && let Some(data) = frame.data_ref()
+        {
+            (self.tell)(Seen::Data(data.len()));
+        }
+        if matches!(frame, Poll::Ready(None)) || self.body.is_end_stream() {
+            (self.tell)(Seen::End);
+        }
+        frame
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}

@@ -154,7 +154,7 @@ async fn every_fault_of_a_surface_is_pointed_at() {
         (
             with(BEZIER_PATCHES, "/surface/patches/0/0/2", json!([])),
             "wrong_length",
-            "#/surface/patches/0/0/2/0",
+            "#/surface/patches/0/0/2",
         ),
         (with(BEZIER_PATCHES, "/surface/patches", json!([])), "too_few_points", "#/surface/patches"),
         (with(BEZIER_PATCHES, "/allowance_mm", json!(-1)), "out_of_range", "#/allowance_mm"),

@@ -75,6 +75,10 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_SECTIONS", default_value_t = Limits::DEFAULT.sections, global = true)]
     pub max_sections: usize,
 
+    /// Most moves of a toolpath that is sent
+    #[arg(long, env = "TOOLPATHD_MAX_MOVES", default_value_t = Limits::DEFAULT.moves, global = true)]
+    pub max_moves: usize,
+
     /// Seconds within which a request's headers must be complete
     #[arg(long, env = "TOOLPATHD_HEADER_TIMEOUT_S", default_value = "10", value_parser = seconds, global = true)]
     pub header_timeout_s: Duration,
@@ -135,6 +139,7 @@ impl Settings {
             body_bytes: self.body_limit,
             surface_points: self.max_surface_points,
             sections: self.max_sections,
+            moves: self.max_moves,
         }
     }
 }
@@ -148,12 +153,14 @@ pub struct Limits {
     pub surface_points: usize,
     /// Section planes of one milling job.
     pub sections: usize,
+    /// Moves of one toolpath that is sent.
+    pub moves: usize,
 }
 
 impl Limits {
     /// The limits written into the contract; a server may be set otherwise and says so at `/v1/limits`.
     pub const DEFAULT: Limits =
-        Limits { body_bytes: 16 * 1024 * 1024, surface_points: 250_000, sections: 20_000 };
+        Limits { body_bytes: 16 * 1024 * 1024, surface_points: 250_000, sections: 20_000, moves: 500_000 };
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

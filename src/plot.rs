@@ -18,7 +18,7 @@
 //!
 //! # Degenerate input
 //! Points and straight paths are drawn at the scale that the rest asks for. What has no extent is drawn at 1:1. A
-//! scene with nothing in it, or with coordinates beyond [`layout::LARGEST_MM`], is a sheet that says so.
+//! scene with nothing in it, or with coordinates beyond a thousand kilometres, is a sheet that says so.
 //!
 //! # Cost
 //! O(n) in the moves and points: each is projected three times, and at most five times over when strokes are left

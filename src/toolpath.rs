@@ -7,8 +7,11 @@
 //! * A rapid has no feed; every feed move has one.
 //! * Nothing is modal and nothing is text; modal words belong to `post` alone.
 
+pub mod cutting;
 pub mod flatten;
 pub mod measure;
+pub mod motion_time;
+pub mod near_arc;
 pub mod path;
 pub mod program;
 pub mod quantize;

@@ -10,8 +10,8 @@ use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::dto::answer::Answer;
-use super::dto::meta::Meta;
-use super::dto::toolpath::Warning;
+use super::dto::meta::{self, Meta};
+use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code};
 use super::events;
 use super::extract::{IntoJob, JobBody};
@@ -24,9 +24,9 @@ use crate::geometry::wires::Wire;
 use crate::plot::{self, Scene};
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
-use crate::toolpath::measure::measure;
+use crate::toolpath::cutting::Cutting;
 use crate::toolpath::program::Program;
-use crate::toolpath::tool::{Cutting, Tool};
+use crate::toolpath::tool::Tool;
 
 /// The entry of `meta` by which a picture is called.
 const PART_ID: &str = "part_id";
@@ -46,7 +46,7 @@ pub struct Outcome<R> {
 /// A toolpath with all that its program is written from.
 pub struct Cut {
     pub toolpath: Toolpath,
-    pub tool: Tool,
+    pub tool: Option<Tool>,
     pub cutting: Cutting,
     pub program: Program,
     pub dialect: &'static Dialect,
@@ -125,7 +125,9 @@ fn represent<R: Serialize + ToSchema>(
 }
 
 fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
-    let Outcome { meta, warnings, report, cut, nc, surface_wires: _ } = outcome;
+    let Outcome { meta, mut warnings, report, cut, nc, surface_wires: _ } = outcome;
+    let cautions = cut.iter().flat_map(|cut| cut.cutting.cautions(cut.tool.as_ref()));
+    warnings.extend(cautions.map(Warning::from));
     // A caller that asked for text has the toolpath already.
     let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
     Answer {
@@ -134,7 +136,7 @@ fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
         meta,
         warnings,
         report,
-        measures: cut.as_ref().map(|cut| measure(&cut.toolpath, cut.cutting.rapid_feed).into()),
+        measures: cut.as_ref().map(|cut| Measures::of(&cut.toolpath, &cut.cutting)),
         nc,
         toolpath: cut.filter(|_| with_toolpath).map(|cut| cut.toolpath.into()),
     }
@@ -155,7 +157,7 @@ fn program<R>(
     let text = match written {
         Some(text) => text,
         None => {
-            let job = ProgramJob { program, tool, cutting, dialect, comments: &comments };
+            let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments: &comments };
             post::write(toolpath, &job, budget)?.text
         }
     };
@@ -182,9 +184,8 @@ fn title<R>(outcome: &Outcome<R>) -> String {
 
 /// The caller's own words and those of the operation.
 fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
-    let meta = outcome.meta.iter().flatten().map(|(key, value)| format!("{key}: {value}"));
     let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
-    meta.chain(comments).collect()
+    meta::notes(outcome.meta.as_ref()).chain(comments).collect()
 }
 
 #[cfg(test)]
@@ -198,8 +199,8 @@ mod tests {
     use crate::http::dto::toolpath::WarningCode;
     use crate::http::request_id::RequestId;
     use crate::toolpath::Role;
+    use crate::toolpath::cutting::CuttingRequest;
     use crate::toolpath::program::{Resolution, Units};
-    use crate::toolpath::tool::Coolant;
     use crate::toolpath::units::FeedRate;
 
     #[derive(Serialize, ToSchema)]
@@ -214,16 +215,8 @@ mod tests {
         builder.line(Point3::new(10.0, 0.0, 0.0), rate, Role::Plunge).expect("a line");
         Cut {
             toolpath: builder.finish().expect("a toolpath"),
-            tool: Tool::ball(3.0),
-            cutting: Cutting {
-                feed: rate,
-                plunge_feed: rate,
-                rapid_feed: rate,
-                spindle_rpm: None,
-                coolant: Coolant::Off,
-                clearance_z_mm: 20.0,
-                retract_z_mm: 2.0,
-            },
+            tool: Some(Tool::ball(3.0)),
+            cutting: CuttingRequest::at_feed(rate).at_heights(20.0, 2.0),
             program: Program {
                 resolution: Resolution { units: Units::Mm, decimals: 3 },
                 number: 1,
@@ -237,7 +230,7 @@ mod tests {
     }
 
     fn outcome(cut: Option<Cut>, nc: Option<&str>) -> Outcome<Report> {
-        let warning = Warning { code: WarningCode::NoSpindleSpeed, detail: "none".to_owned() };
+        let warning = Warning { code: WarningCode::PassesApart, detail: "far".to_owned() };
         Outcome {
             meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
             warnings: vec![warning],
@@ -273,7 +266,9 @@ mod tests {
         let answer = json_of(outcome(Some(cut()), None), None).await;
         assert_eq!(answer["engine_version"], ENGINE_VERSION);
         assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
-        assert_eq!(answer["warnings"][0]["code"], "no_spindle_speed");
+        // What the operation has to say, and what there is to say of any cut.
+        assert_eq!(answer["warnings"][0]["code"], "passes_apart");
+        assert_eq!(answer["warnings"][1]["code"], "no_spindle_speed");
         assert_eq!(answer["report"]["n_passes"], 1);
         assert_eq!(answer["measures"]["rapid_length_mm"], 10.0);
         assert_eq!(answer["measures"]["moves"]["line"], 1);

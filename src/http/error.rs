@@ -47,6 +47,7 @@ pub enum Code {
     OffsetFolds,
     NotSmooth,
     HeightBelowTop,
+    FeedRequired,
     ToleranceBelowDecimals,
     ToleranceNotReached,
     SectionLost,
@@ -75,6 +76,7 @@ impl Code {
             | Code::OffsetFolds
             | Code::NotSmooth
             | Code::HeightBelowTop
+            | Code::FeedRequired
             | Code::ToleranceBelowDecimals
             | Code::ToleranceNotReached
             | Code::SectionLost
@@ -106,6 +108,7 @@ impl Code {
             Code::OffsetFolds => "The surface is curved more tightly than the cutter",
             Code::NotSmooth => "The surface has an edge or a gap",
             Code::HeightBelowTop => "A height is below the top of the part",
+            Code::FeedRequired => "A program needs feeds",
             Code::ToleranceBelowDecimals => "The tolerance is finer than the written decimals",
             Code::ToleranceNotReached => "The tolerance was not reached",
             Code::SectionLost => "A section of the surface could not be followed",
@@ -165,6 +168,9 @@ pub enum FieldCode {
     LimitExceeded,
     HeightBelowTop,
     ToleranceBelowDecimals,
+    /// The points do not make an arc.
+    NoArc,
+    FeedRequired,
 }
 
 /// One violation.
@@ -225,15 +231,20 @@ impl ApiError {
         Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
     }
 
-    /// A body that breaks rules. When all that breaks them is merely not built yet, the code says so.
+    /// A body that breaks rules. When all that breaks them is merely not built yet, or a feed that is missing, the code
+    /// says so.
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         Self::invalid_among(errors.len(), errors)
     }
 
     /// As [`Self::invalid`], where `errors` are the first of `total` violations.
     pub fn invalid_among(total: usize, errors: Vec<FieldError>) -> Self {
-        let all_unsupported = errors.iter().all(|error| error.code == FieldCode::Unsupported);
-        let code = if all_unsupported { Code::Unsupported } else { Code::InvalidRequest };
+        let are_all = |code| errors.iter().all(|error| error.code == code);
+        let code = match () {
+            () if are_all(FieldCode::Unsupported) => Code::Unsupported,
+            () if are_all(FieldCode::FeedRequired) => Code::FeedRequired,
+            () => Code::InvalidRequest,
+        };
         let detail = match errors.as_slice() {
             [only] => format!("{}: {}", only.pointer, only.detail),
             several => format!("{total} violations; the first at {}", first_pointer(several)),

@@ -23,6 +23,7 @@ use super::{App, health, metrics, v1};
     ),
     tags(
         (name = "surfaces", description = "Sculptured surfaces"),
+        (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
@@ -35,11 +36,25 @@ const EVENTS_DESCRIPTION: &str = "While the computation runs, events `progress` 
     `problem` (data: `Problem`). Comments keep a silent connection open. What is refused before the computation starts is \
     answered as a problem with its status.";
 
-/// Requests that are known to work, by the operation they are for.
-const EXAMPLES: [(&str, &str, &str); 3] = [
-    ("/v1/surfaces/mill", "die", include_str!("../../openapi/examples/surfaces-mill/die.json")),
-    ("/v1/surfaces/mill", "freeform", include_str!("../../openapi/examples/surfaces-mill/freeform.json")),
-    ("/v1/surfaces/mill", "one-pass", include_str!("../../openapi/examples/surfaces-mill/one-pass.json")),
+/// A request that is known to work, with the operation it is for.
+macro_rules! example {
+    ($path:literal, $folder:literal, $name:literal) => {
+        ($path, $name, include_str!(concat!("../../openapi/examples/", $folder, "/", $name, ".json")))
+    };
+}
+
+/// One folder for each operation.
+const EXAMPLES: [(&str, &str, &str); 10] = [
+    example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
+    example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "bezier-patches"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "cylinder"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "die"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "freeform"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "one-pass"),
+    example!("/v1/programs/write", "programs-write", "contour"),
+    example!("/v1/programs/write", "programs-write", "inch-fanuc"),
+    example!("/v1/programs/write", "programs-write", "one-line"),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.
@@ -64,6 +79,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
+        .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(health::livez))

@@ -2,5 +2,6 @@
 
 pub mod dialects;
 pub mod limits;
+pub mod programs_write;
 pub mod surfaces_mill;
 pub mod surfaces_model;

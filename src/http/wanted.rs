@@ -34,6 +34,19 @@ impl Offers for Toolpaths {
     ];
 }
 
+/// A job that ends in the text of a program.
+pub enum Programs {}
+
+impl Offers for Programs {
+    const OFFERS: &'static [Representation] = &[
+        Representation::Gcode,
+        Representation::Json,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Events,
+    ];
+}
+
 /// A surface that is looked at.
 pub enum Models {}
 

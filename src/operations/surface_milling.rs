@@ -34,7 +34,6 @@
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
 
-mod heights;
 mod job;
 mod links;
 mod outline;
@@ -52,9 +51,8 @@ use crate::geometry::surface::joints::{self, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular};
 use crate::geometry::surface::source::{AnySurface, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::{QuantizeError, quantize};
-use crate::toolpath::tool::{Coolant, Cutting};
-use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Move, PathError, Toolpath};
 pub use job::{Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing};
 use outline::Outline;
@@ -71,37 +69,6 @@ const TOP_ACCURACY_MM: f64 = 1e-6;
 
 /// The outline that a cutter stays inside of is known to this part of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
-
-/// Cutting conditions; what is absent is chosen from the part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CuttingRequest {
-    pub feed: FeedRate,
-    /// Default: half the feed.
-    pub plunge_feed: Option<FeedRate>,
-    /// Default: 10,000 mm/min.
-    pub rapid_feed: Option<FeedRate>,
-    pub spindle_rpm: Option<f64>,
-    pub coolant: Coolant,
-    /// Default: 20 mm above the top of the surface.
-    pub clearance_z_mm: Option<f64>,
-    /// Default: 2 mm above the top of the surface.
-    pub retract_z_mm: Option<f64>,
-}
-
-impl CuttingRequest {
-    /// Cutting at `feed` with the default of everything else: no spindle speed, no coolant.
-    pub fn at_feed(feed: FeedRate) -> Self {
-        Self {
-            feed,
-            plunge_feed: None,
-            rapid_feed: None,
-            spindle_rpm: None,
-            coolant: Coolant::Off,
-            clearance_z_mm: None,
-            retract_z_mm: None,
-        }
-    }
-}
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
@@ -125,8 +92,6 @@ pub struct Report {
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
-    /// There is no spindle speed: the program starts no spindle.
-    NoSpindleSpeed,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
 }
@@ -195,6 +160,19 @@ impl From<Irregular> for Error {
     }
 }
 
+impl From<HeightError> for Error {
+    fn from(error: HeightError) -> Self {
+        match error {
+            HeightError::BelowTop { field, value_mm, top_mm } => {
+                Self::HeightBelowTop { field, value_mm, top_mm }
+            }
+            HeightError::ClearanceBelowRetract { clearance_mm, retract_mm } => {
+                Self::ClearanceBelowRetract { clearance_mm, retract_mm }
+            }
+        }
+    }
+}
+
 impl From<SectionError> for Error {
     fn from(error: SectionError) -> Self {
         match error {
@@ -232,7 +210,7 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     };
     let surface = surface.upward();
     let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
-    let cutting = heights::resolve(&job.cutting, top)?;
+    let cutting = job.cutting.above(top)?;
 
     let (offset, axis) = (job.offset_mm(), job.plane.normal_axis());
     let regularity = regularity::prove(&surface, offset, axis, budget)?;
@@ -327,9 +305,6 @@ fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
         .collect();
     if report.scallop_max_mm.is_none() {
         warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
-    }
-    if job.cutting.spindle_rpm.is_none() {
-        warnings.push(Warning::NoSpindleSpeed);
     }
     warnings
 }

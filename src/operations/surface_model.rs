@@ -3,7 +3,7 @@
 //! # Method
 //! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its normal points up
 //! where it starts. Its box and its most concave place are found by branch and bound on control nets; wires are those of
-//! [`wires`](crate::geometry::wires).
+//! [`wires`].
 //!
 //! # Guarantees
 //! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side; the curvature is an upper bound within a

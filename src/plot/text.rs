@@ -87,8 +87,6 @@ pub fn cut(text: &str, width_max: f64) -> String {
 /// The length in bytes of the part that fits, one character at least.
 fn fitting(text: &str, width_max: f64) -> usize {
     let mut used = 0.0;
-    let mut characters = text.char_indices();
-    characters.next();
     for (at, c) in text.char_indices() {
         used += width_of(c);
         if used > width_max && at > 0 {

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use super::dialect::Dialect;
 use super::lower::Block;
 use super::read::{Placed, Reader, Step};
 use super::words::FeedWord;
@@ -22,8 +23,14 @@ const AGREEMENT_STEPS: f64 = 0.01;
 ///
 /// # Errors
 /// When the text cannot be read, or says anything else than `blocks`.
-pub fn read_back(text: &str, blocks: &[Block], grid: &Grid, budget: &Budget) -> Result<f64, WriteError> {
-    let mut steps = Reader::new(text, MISMATCH_LIMIT_STEPS * grid.step_mm());
+pub fn read_back(
+    text: &str,
+    blocks: &[Block],
+    dialect: &Dialect,
+    grid: &Grid,
+    budget: &Budget,
+) -> Result<f64, WriteError> {
+    let mut steps = Reader::new(text, dialect, MISMATCH_LIMIT_STEPS * grid.step_mm());
     let mut at: [Option<i64>; 3] = [None; 3];
     let mut largest_mismatch: f64 = 0.0;
     let mut line = 0;

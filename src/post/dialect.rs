@@ -9,23 +9,56 @@ pub struct Dialect {
     pub description: &'static str,
     /// Without the dot.
     pub file_extension: &'static str,
-    pub comment: CommentStyle,
+    pub comment: Comment,
     pub line_end: &'static str,
     /// Characters, without the line end.
     pub max_line_length: usize,
+    /// The first and the last line of every program, where there must be such.
+    pub tape_mark: Option<&'static str>,
+    /// The line that says which program this is; none where a program is known by its file.
+    pub program_number: Option<ProgramNumber>,
     pub default_decimals_mm: u8,
     pub default_decimals_inch: u8,
     pub max_decimals: u8,
+    pub numbers: Numbers,
     pub block_numbers: BlockNumbers,
+    pub dwell: Dwell,
     /// The lines before the first motion and after the last.
     pub start: &'static [Frame],
     pub end: &'static [Frame],
 }
 
-/// How text for people is set off.
+/// How text for people is set off: `open`, a label, `separator`, the text, `close`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CommentStyle {
-    Parentheses,
+pub struct Comment {
+    pub open: &'static str,
+    pub separator: &'static str,
+    pub close: &'static str,
+}
+
+/// A letter and the number with leading zeros, from 1 to `max`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProgramNumber {
+    pub letter: char,
+    pub digits: usize,
+    pub max: u32,
+}
+
+/// What numbers a control reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Numbers {
+    /// Where a missing decimal point changes the value of a coordinate or feed, every one has it, also whole ones.
+    pub point: Point,
+    /// Digits of one number, before and after the point.
+    pub max_digits: u32,
+    pub spindle_decimals: u8,
+    pub max_spindle_rpm: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Point {
+    WhereNeeded,
+    Always,
 }
 
 /// Numbers of blocks: `step`, twice `step` and so on up to `max`, then again from `step`.
@@ -35,14 +68,23 @@ pub struct BlockNumbers {
     pub max: u32,
 }
 
+/// What the P of G4 counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dwell {
+    /// With three decimals.
+    Seconds,
+    /// Whole ones.
+    Milliseconds,
+}
+
 /// One part of a program's start or end. What the job does not ask for leaves no line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
-    /// Name, tool, notes and warnings.
+    /// What people should know: name, notes, tool, figures, warnings.
     Header,
     Text(&'static str),
-    /// The line that sets every mode the program relies on.
-    Safety {
+    /// A text that depends on the units.
+    ByUnits {
         mm: &'static str,
         inch: &'static str,
     },
@@ -53,13 +95,16 @@ pub enum Frame {
     },
     WorkOffset,
     ToolChange,
-    LengthOffset,
     SpindleOn,
     CoolantOn,
+    /// A line of its own.
+    LengthOffset,
+    /// In the block of the first motion, a rapid along Z; so it is the last part of a start.
+    LengthOffsetInFirstMotion,
 }
 
 /// Every dialect, in the order of the documentation.
-pub const DIALECTS: &[&Dialect] = &[&dialects::linuxcnc::LINUXCNC];
+pub const DIALECTS: &[&Dialect] = &[&dialects::linuxcnc::LINUXCNC, &dialects::fanuc::FANUC];
 
 /// The dialect called `name`.
 pub fn dialect(name: &str) -> Option<&'static Dialect> {
@@ -79,5 +124,18 @@ mod tests {
             assert!(known.block_numbers.step > 0 && known.block_numbers.step <= known.block_numbers.max);
         }
         assert_eq!(dialect("LinuxCNC"), None);
+    }
+
+    #[test]
+    fn every_program_begins_with_a_length_offset_and_a_tool_in_this_order() {
+        for dialect in DIALECTS {
+            let place = |wanted: &[Frame]| dialect.start.iter().position(|frame| wanted.contains(frame));
+            let tool = place(&[Frame::ToolChange]);
+            let offset = place(&[Frame::LengthOffset, Frame::LengthOffsetInFirstMotion]);
+            assert!(tool.is_some() && tool < offset, "{}", dialect.name);
+            if let Some(at) = place(&[Frame::LengthOffsetInFirstMotion]) {
+                assert_eq!(at, dialect.start.len() - 1, "{}", dialect.name);
+            }
+        }
     }
 }

@@ -1,3 +1,4 @@
 //! The dialects, one a file.
 
+pub mod fanuc;
 pub mod linuxcnc;

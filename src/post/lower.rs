@@ -8,10 +8,10 @@ use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::toolpath::Toolpath;
+use crate::toolpath::cutting::Cutting;
 use crate::toolpath::path::Move;
 use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{Grid, Written, quantize};
-use crate::toolpath::tool::Cutting;
+use crate::toolpath::quantize::{self, Grid, Written};
 use crate::toolpath::units::FeedRate;
 
 /// The longest dwell, s: eleven days.
@@ -41,21 +41,33 @@ pub enum Block {
     },
 }
 
+/// A toolpath as blocks, with what rounding has done to it.
+pub struct Lowered {
+    pub blocks: Vec<Block>,
+    /// Upper bound for the distance of the feed moves from what a control may run for them, mm, both ways.
+    pub displacement_mm: f64,
+}
+
 /// The blocks of the approach, of every move and of the retract.
 pub fn lower(
     toolpath: &Toolpath,
     cutting: &Cutting,
     resolution: Resolution,
     budget: &Budget,
-) -> Result<Vec<Block>, WriteError> {
+) -> Result<Lowered, WriteError> {
     let grid = Grid::new(resolution);
     let clearance = grid.units(cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
-    let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new() };
+    let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
+    let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
-        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+        // One move may become very many blocks, and very many moves none.
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
+        {
             budget.check()?;
+            budget.progress("lowering", k, total);
+            checked = lowering.blocks.len();
         }
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,
@@ -66,7 +78,7 @@ pub fn lower(
     if lowering.at[2] < clearance {
         lowering.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
     }
-    Ok(lowering.blocks)
+    Ok(Lowered { blocks: lowering.blocks, displacement_mm: lowering.displacement_mm })
 }
 
 struct Lowering {
@@ -74,6 +86,7 @@ struct Lowering {
     grid: Grid,
     at: [i64; 3],
     blocks: Vec<Block>,
+    displacement_mm: f64,
 }
 
 impl Lowering {
@@ -108,7 +121,9 @@ impl Lowering {
 
     fn feed(&mut self, along: &Curve, rate: FeedRate) -> Result<(), WriteError> {
         let feed = words::feed(rate, self.resolution.units)?;
-        for Written { curve, end_units: to, center_offset_units, .. } in quantize(along, self.resolution)? {
+        let rounded = quantize::round(along, self.resolution)?;
+        self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
+        for Written { curve, end_units: to, center_offset_units, .. } in rounded.curves {
             self.push(match (curve, center_offset_units) {
                 (Curve::Arc(arc), Some(center)) => {
                     Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }

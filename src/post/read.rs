@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! Line by line: the words of a block are collected (`block`), then take effect in the control's order:
-//! units, plane, feed, motion. The reader shares no code with the writer.
+//! units, plane, feed, motion. The reader shares no code with the writer, only the data of the dialect.
 //!
 //! # Guarantees
 //! A word, code or combination that is not understood is an error, never skipped.
@@ -19,6 +19,7 @@ mod block;
 use nalgebra::Point3;
 
 use self::block::Words;
+use super::dialect::{Dialect, Dwell, Point};
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
@@ -93,11 +94,21 @@ pub enum Fault {
     Arc(ArcError),
     #[error("the program has no end")]
     NoEnd,
+    #[error("the mark at the program's start or end is missing, or something stands outside of it")]
+    TapeMark,
+    #[error("the program does not begin with its number")]
+    ProgramNumber,
+    #[error("the number after {0} has no decimal point")]
+    MissingPoint(char),
+    #[error("the number after {0} has a decimal point")]
+    UnexpectedPoint(char),
 }
 
 /// Reads a program step by step; after an error it yields nothing more.
 pub struct Reader<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    dialect: &'a Dialect,
+    part: Part,
     mismatch_limit_mm: f64,
     line: usize,
     is_over: bool,
@@ -115,11 +126,21 @@ enum Motion {
     Arc(Direction),
 }
 
+/// Where in a program the reader is.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    TapeMark,
+    ProgramNumber,
+    Blocks,
+}
+
 impl<'a> Reader<'a> {
     /// Arcs whose radii differ by more than `mismatch_limit_mm` are refused.
-    pub fn new(text: &'a str, mismatch_limit_mm: f64) -> Self {
+    pub fn new(text: &'a str, dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
         Self {
             lines: text.lines().enumerate(),
+            dialect,
+            part: if dialect.tape_mark.is_some() { Part::TapeMark } else { Part::ProgramNumber },
             mismatch_limit_mm,
             line: 0,
             is_over: false,
@@ -129,6 +150,53 @@ impl<'a> Reader<'a> {
             feed: None,
             at: [None; 3],
         }
+    }
+
+    /// Takes the next line.
+    fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
+        match self.part {
+            Part::TapeMark => {
+                self.part = Part::ProgramNumber;
+                if Some(text.trim()) == self.dialect.tape_mark { Ok(None) } else { Err(Fault::TapeMark) }
+            }
+            Part::ProgramNumber => {
+                self.part = Part::Blocks;
+                let Some(number) = self.dialect.program_number else { return self.line(text) };
+                let digits = text.trim().strip_prefix(number.letter).filter(|digits| {
+                    digits.len() >= number.digits && digits.bytes().all(|c| c.is_ascii_digit())
+                });
+                let read = digits.and_then(|digits| digits.parse().ok());
+                if read.is_some_and(|read| (1..=number.max).contains(&read)) {
+                    Ok(None)
+                } else {
+                    Err(Fault::ProgramNumber)
+                }
+            }
+            Part::Blocks => {
+                let words = Words::of(text)?;
+                self.check_points(&words)?;
+                let step = self.block(&words)?;
+                if self.is_over { self.check_end() } else { Ok(()) }.map(|()| step)
+            }
+        }
+    }
+
+    /// Where a point decides the value, numbers that are measured have one and numbers that are counted have none.
+    fn check_points(&self, words: &Words) -> Result<(), Fault> {
+        if self.dialect.numbers.point == Point::WhereNeeded {
+            return Ok(());
+        }
+        let (with, without) = (words.pointed("XYZIJKF"), words.pointed("NHSTP"));
+        with.1.map_or(Ok(()), |letter| Err(Fault::MissingPoint(letter)))?;
+        without.0.map_or(Ok(()), |letter| Err(Fault::UnexpectedPoint(letter)))
+    }
+
+    /// Behind the last block stands the mark and nothing else, where there must be one.
+    fn check_end(&mut self) -> Result<(), Fault> {
+        let Some(mark) = self.dialect.tape_mark else { return Ok(()) };
+        let mut rest = self.lines.by_ref().map(|(_, text)| text.trim());
+        let is_closed = rest.next() == Some(mark) && rest.all(str::is_empty);
+        if is_closed { Ok(()) } else { Err(Fault::TapeMark) }
     }
 
     fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
@@ -187,7 +255,11 @@ impl<'a> Reader<'a> {
         }
         self.is_over |= ends;
         if is_dwell {
-            let seconds = words.get('P').ok_or(Fault::Missing('P'))?;
+            let count = words.get('P').ok_or(Fault::Missing('P'))?;
+            let seconds = match self.dialect.dwell {
+                Dwell::Seconds => count,
+                Dwell::Milliseconds => count / 1000.0,
+            };
             if motions > 0 || words.first_of("XYZIJK").is_some() || seconds < 0.0 {
                 return Err(Fault::Conflict);
             }
@@ -258,7 +330,7 @@ impl Iterator for Reader<'_> {
                 return Some(Err(ReadError { line: self.line, fault: Fault::NoEnd }));
             };
             self.line = index + 1;
-            match Words::of(text).and_then(|words| self.block(&words)) {
+            match self.line(text) {
                 Ok(Some(step)) => return Some(Ok(Placed { line: self.line, step })),
                 Ok(None) => {}
                 Err(fault) => {

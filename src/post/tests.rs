@@ -3,16 +3,21 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
+use super::dialect::{Comment, Point};
+use super::dialects::fanuc::FANUC;
 use super::read::{Reader, Step};
 use super::*;
 use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
+use crate::toolpath::cutting::{Coolant, CuttingRequest};
 use crate::toolpath::measure::measure;
 use crate::toolpath::program::{Resolution, Units};
-use crate::toolpath::tool::Coolant;
+use crate::toolpath::tool::Shape;
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Builder, Role};
+
+mod golden;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
@@ -26,26 +31,35 @@ fn program(resolution: Resolution) -> Program {
 }
 
 fn cutting() -> Cutting {
-    Cutting {
-        feed: feed(800.0),
-        plunge_feed: feed(400.0),
-        rapid_feed: feed(10_000.0),
+    let request = CuttingRequest {
         spindle_rpm: Some(12_000.0),
         coolant: Coolant::Flood,
-        clearance_z_mm: 45.0,
-        retract_z_mm: 12.0,
-    }
+        ..CuttingRequest::at_feed(feed(800.0))
+    };
+    request.at_heights(45.0, 12.0)
 }
 
+const TOOL: Tool = Tool { shape: Shape::Ball, radius_mm: 5.0, number: 3, length_offset: 4 };
+
+fn written_in(
+    dialect: &Dialect,
+    toolpath: &Toolpath,
+    program: &Program,
+    cutting: &Cutting,
+    comments: &[String],
+) -> Result<NcProgram, WriteError> {
+    let job = ProgramJob { program, tool: Some(&TOOL), cutting, dialect, comments };
+    write(toolpath, &job, &Budget::unlimited())
+}
+
+/// In the default dialect.
 fn written(
     toolpath: &Toolpath,
     program: &Program,
     cutting: &Cutting,
     comments: &[String],
 ) -> Result<NcProgram, WriteError> {
-    let tool = Tool { radius_mm: 5.0, number: 3, length_offset: 4 };
-    let dialect = dialect("linuxcnc").unwrap();
-    write(toolpath, &ProgramJob { program, tool: &tool, cutting, dialect, comments }, &Budget::unlimited())
+    written_in(DIALECTS[0], toolpath, program, cutting, comments)
 }
 
 /// A short program with a plunge, arcs in two planes, a rapid down and a dwell.
@@ -65,21 +79,6 @@ fn sample() -> Toolpath {
 }
 
 #[test]
-fn a_program_reads_as_a_machinist_expects() {
-    let program = Program { name: Some("die 7 (rev. B)".into()), work_offset: Some(54), ..program(MM) };
-    let program = written(&sample(), &program, &cutting(), &["part_id: 4711".into()]).unwrap();
-    let expected = "(PROGRAM: DIE 7 REV. B)\n(TOOL: T3 BALL DIAMETER 10.000 MM)\n(NOTE: PART_ID 4711)\n\
-        G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT3 M6\nG43 H4\nS12000 M3\nM8\n\
-        G0 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
-        G18 G3 X10.000 Z0.000 I5.000 K0.000 F800\nG1 Y2.000\nG4 P0.250\n\
-        G17 G2 X10.000 Y2.000 I-2.000 J0.000 F333.33\nG0 Z12.000\nX0.000 Y0.000\nZ45.000\n\
-        M5\nM9\nM30\n";
-    assert_eq!(program.text, expected);
-    assert_eq!(program.blocks, 12);
-    assert_eq!(program.max_radius_mismatch_mm, 0.0);
-}
-
-#[test]
 fn inches_block_numbers_and_no_spindle() {
     let program = Program { block_numbers: true, ..program(INCH) };
     let cutting = Cutting { spindle_rpm: None, coolant: Coolant::Off, ..cutting() };
@@ -92,6 +91,12 @@ fn inches_block_numbers_and_no_spindle() {
     for (k, line) in text.lines().enumerate() {
         assert!(line.starts_with(&format!("N{} ", 10 * (k + 1))), "{line}");
     }
+    // The marks and the number of a Fanuc program have no block number.
+    let text = written_in(&FANUC, &sample(), &program, &cutting, &[]).unwrap().text;
+    let numbered: Vec<bool> = text.lines().map(|line| line.starts_with('N')).collect();
+    let n = numbered.len();
+    assert!(numbered.iter().enumerate().all(|(k, &is)| is == (2..n - 1).contains(&k)));
+    assert!(text.contains("N10 (WRITTEN = ") && text.contains(" G20\n"));
 }
 
 #[test]
@@ -112,12 +117,16 @@ fn paths_without_length_are_still_whole_programs() {
         path.line(Point3::new(0.0, 0.0, z), feed(1.0), Role::Cut).unwrap();
         path.rapid(Point3::new(0.0, 1e-5, z)).unwrap();
         path.dwell(0.0).unwrap();
-        let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
-        assert!(text.ends_with("M30\n") && !text.contains("G1 ") && !text.contains("-0"));
-        // The first motion is to the clearance plane or above, with a length offset in force.
-        let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
-        assert_eq!(first, format!("G0 Z{:.3}", f64::max(z, 45.0)));
-        assert!(text.find("G43") < text.find("G0 Z"));
+        let path = path.finish().unwrap();
+        for dialect in DIALECTS {
+            let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
+            assert!(text.contains("\nM30\n") && !text.contains("G1 ") && !text.contains("-0"));
+            // The first motion is to the clearance plane or above, with a length offset in force.
+            let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
+            assert!(first.ends_with(&format!(" Z{:.3}", f64::max(z, 45.0))), "{first}");
+            let moved = text.find(first).unwrap() + first.len();
+            assert!(text.find("G43").is_some_and(|at| at < moved));
+        }
     }
 }
 
@@ -147,10 +156,10 @@ fn what_cannot_be_written_is_an_error() {
 
 #[test]
 fn a_changed_text_does_not_pass_the_check() {
-    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap();
+    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap().blocks;
     let text = written(&sample(), &program(MM), &cutting(), &[]).unwrap().text;
     let grid = Grid::new(MM);
-    assert!(check::read_back(&text, &blocks, &grid, &Budget::unlimited()).is_ok());
+    assert!(check::read_back(&text, &blocks, DIALECTS[0], &grid, &Budget::unlimited()).is_ok());
     let changes = [
         ("Z0.000 F400", "Z0.001 F400", "place"),
         ("F400", "F401", "feed"),
@@ -165,7 +174,8 @@ fn a_changed_text_does_not_pass_the_check() {
     for (from, to, what) in changes {
         assert!(text.contains(from));
         let error =
-            check::read_back(&text.replacen(from, to, 1), &blocks, &grid, &Budget::unlimited()).unwrap_err();
+            check::read_back(&text.replacen(from, to, 1), &blocks, DIALECTS[0], &grid, &Budget::unlimited())
+                .unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
 }
@@ -223,7 +233,10 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_text_has_the_lengths_and_times_of_the_toolpath(hops in prop::collection::vec(hops(), 1..30), inch: bool) {
+    fn the_text_has_the_lengths_and_times_of_the_toolpath(
+        hops in prop::collection::vec(hops(), 1..30), inch: bool, numbers: bool,
+        work_offset in prop::option::of(54u8..=59), dialect in prop::sample::select(DIALECTS),
+    ) {
         let mut path = Toolpath::builder(Point3::new(1.0, 2.0, 50.0));
         for one in &hops {
             // A centre that rounding has put off its arc is refused; the tool then stays where it is.
@@ -231,10 +244,13 @@ proptest! {
         }
         let path = path.finish().unwrap();
         let resolution = if inch { INCH } else { MM };
-        let program = written(&path, &program(resolution), &cutting(), &[]).unwrap();
-        prop_assert!(program.max_radius_mismatch_mm <= 1.5 * resolution.step_mm());
+        let program = Program { block_numbers: numbers, work_offset, ..program(resolution) };
+        let program = written_in(dialect, &path, &program, &cutting(), &[]).unwrap();
+        let limit_mm = 1.5 * resolution.step_mm();
+        prop_assert!(program.max_radius_mismatch_mm <= limit_mm && program.max_displacement_mm <= limit_mm);
+        prop_assert_eq!(work_offset.is_some(), program.text.contains(&format!("G{}\n", work_offset.unwrap_or(0))));
         let (mut length, mut time, mut dwell) = (0.0, 0.0, 0.0);
-        for placed in Reader::new(&program.text, 1.5 * resolution.step_mm()) {
+        for placed in Reader::new(&program.text, dialect, limit_mm) {
             match placed.unwrap().step {
                 Step::Feed { along, rate, .. } => {
                     length += along.length();
@@ -248,23 +264,63 @@ proptest! {
         prop_assert!((length - measures.cutting_length_mm).abs() <= 1e-3 * measures.cutting_length_mm + 0.01);
         prop_assert!((time - measures.cutting_time_s).abs() <= 1e-3 * measures.cutting_time_s + 0.1);
         prop_assert!((dwell - measures.dwell_time_s).abs() <= 5e-4 * hops.len() as f64);
+        check_words(&program.text, dialect, resolution)?;
     }
 
     #[test]
-    fn user_text_stays_in_comments(name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool) {
+    fn user_text_stays_in_comments(
+        name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool,
+        dialect in prop::sample::select(DIALECTS),
+    ) {
         let job = Program { name: Some(name), block_numbers: numbers, ..program(MM) };
-        let text = written(&sample(), &job, &cutting(), &[note, "x".repeat(10_000), ")\n%".repeat(3_000)]).unwrap().text;
+        let notes = [note, "x".repeat(10_000), ")\n%".repeat(3_000)];
+        let text = written_in(dialect, &sample(), &job, &cutting(), &notes).unwrap().text;
         prop_assert!(text.is_ascii());
+        let Comment { open, separator, close } = dialect.comment;
+        let labels = ["PROGRAM", "NOTE", "WRITTEN", "TOOL", "FEED", "SPINDLE", "RANGE", "TIME", "ROUNDING", "WARNING"];
+        let mut remarks = 0;
         for line in text.lines() {
-            prop_assert!(line.len() <= 240);
-            let block = line.split_once(' ').filter(|_| numbers).map_or(line, |(_, block)| block);
-            if block.contains(['(', ')', ':']) {
-                let labelled = ["(PROGRAM: ", "(NOTE: ", "(TOOL: "].iter().any(|label| block.starts_with(label));
-                prop_assert!(labelled && block.find(')') == Some(block.len() - 1) && block.rfind('(') == Some(0));
+            prop_assert!(line.len() <= dialect.max_line_length);
+            let block = line.split_once(' ').filter(|_| numbers && line.starts_with('N')).map_or(line, |(_, block)| block);
+            let words = block.strip_prefix(open).and_then(|rest| rest.strip_suffix(close));
+            if let Some((label, rest)) = words.and_then(|words| words.split_once(separator)) {
+                let is_plain = |c: u8| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-".contains(&c);
+                prop_assert!(labels.contains(&label) && rest.bytes().all(is_plain), "{line}");
+                remarks += 1;
+            } else {
+                prop_assert!(!block.contains(['(', ')', ':', '=']), "{line}");
+                prop_assert!(!block.contains('%') || Some(block) == dialect.tape_mark);
             }
-            prop_assert!(!block.contains('%'));
+        }
+        prop_assert!(remarks >= 8);
+        prop_assert_eq!(text.matches('%').count(), if dialect.tape_mark.is_some() { 2 } else { 0 });
+    }
+}
+
+/// What stands in a text, seen as characters: the decimals of every coordinate, no lower case, no exponent, no minus
+/// zero.
+fn check_words(text: &str, dialect: &Dialect, resolution: Resolution) -> Result<(), TestCaseError> {
+    let header = |line: &&str| line.contains(dialect.comment.open);
+    for line in text.lines().filter(|line| !header(line)) {
+        prop_assert!(
+            !line.contains(|c: char| c.is_ascii_lowercase()) && line.len() <= dialect.max_line_length
+        );
+        for word in line.split(' ').filter(|word| word.starts_with(['X', 'Y', 'Z', 'I', 'J', 'K'])) {
+            let (whole, fraction) = word[1..].split_once('.').expect("a decimal point");
+            let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit());
+            prop_assert!(
+                is_digits(whole.strip_prefix('-').unwrap_or(whole)) && is_digits(fraction),
+                "{line}"
+            );
+            prop_assert_eq!(fraction.len(), usize::from(resolution.decimals));
+            let is_zero = word[1..].bytes().all(|c| b"-.0".contains(&c));
+            prop_assert!(!is_zero || !whole.starts_with('-'), "{line}");
+        }
+        for word in line.split(' ').filter(|word| word.starts_with('F')) {
+            prop_assert!(word.contains('.') || dialect.numbers.point == Point::WhereNeeded, "{line}");
         }
     }
+    Ok(())
 }
 
 #[test]
@@ -275,7 +331,7 @@ fn arcs_flatter_than_half_a_unit_are_written_as_lines() {
         (Point3::new(2.0 * r * half.sin(), 0.0, 0.0), Point3::new(r * half.sin(), -r * half.cos(), 0.0));
     path.arc(end, center, (Plane::Xy, Direction::Cw), feed(100.0), Role::Cut).unwrap();
     let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
-    let kinds: Vec<_> = Reader::new(&text, 0.0015)
+    let kinds: Vec<_> = Reader::new(&text, DIALECTS[0], 0.0015)
         .filter_map(|placed| match placed.unwrap().step {
             Step::Feed { along, .. } => Some(matches!(along, Curve::Line(_))),
             _ => None,

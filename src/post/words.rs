@@ -1,6 +1,7 @@
 //! Numbers and comments as text.
 
 use super::WriteError;
+use super::dialect::Numbers;
 use crate::toolpath::program::Units;
 use crate::toolpath::units::FeedRate;
 
@@ -8,7 +9,6 @@ use crate::toolpath::units::FeedRate;
 const FEED_AGREEMENT: f64 = 5e-5;
 const MAX_FEED_DECIMALS: u8 = 6;
 const MAX_FEED: f64 = 1e9;
-const MAX_SPINDLE_RPM: f64 = 1e6;
 
 /// A feed in units of the program a minute, `digits` times ten to the power of minus `decimals`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,15 +38,15 @@ pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
         .ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
 }
 
-/// A spindle speed as digits and decimals: whole numbers stay whole.
+/// A spindle speed as digits and decimals: whole numbers stay whole, and all are where the control wants it.
 ///
 /// # Errors
-/// When the speed is no number, not above zero or above a million.
-pub fn spindle(rpm: f64) -> Result<FeedWord, WriteError> {
-    if !(rpm > 0.0 && rpm <= MAX_SPINDLE_RPM) {
+/// When the speed is no number, rounds to zero or is above what the control reads.
+pub fn spindle(rpm: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
+    if !(rpm > 0.0 && rpm <= f64::from(numbers.max_spindle_rpm)) {
         return Err(WriteError::SpindleSpeed { rpm });
     }
-    let decimals = if rpm == rpm.round() { 0 } else { 3 };
+    let decimals = if rpm == rpm.round() { 0 } else { numbers.spindle_decimals };
     let digits = (rpm * 10f64.powi(i32::from(decimals))).round() as i64;
     if digits == 0 { Err(WriteError::SpindleSpeed { rpm }) } else { Ok(FeedWord { digits, decimals }) }
 }
@@ -89,6 +89,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::post::dialects::fanuc::FANUC;
+    use crate::post::dialects::linuxcnc::LINUXCNC;
 
     fn fixed(digits: i64, decimals: u8) -> String {
         let mut text = String::new();
@@ -122,12 +124,15 @@ mod tests {
     }
 
     #[test]
-    fn spindle_speeds_are_whole_where_they_are() {
-        assert_eq!(spindle(12_000.0), Ok(FeedWord { digits: 12_000, decimals: 0 }));
-        assert_eq!(spindle(12.5), Ok(FeedWord { digits: 12_500, decimals: 3 }));
+    fn spindle_speeds_are_whole_where_they_are_or_must_be() {
+        let (free, whole) = (LINUXCNC.numbers, FANUC.numbers);
+        assert_eq!(spindle(12_000.0, &free), Ok(FeedWord { digits: 12_000, decimals: 0 }));
+        assert_eq!(spindle(12.5, &free), Ok(FeedWord { digits: 12_500, decimals: 3 }));
+        assert_eq!(spindle(12.7, &whole), Ok(FeedWord { digits: 13, decimals: 0 }));
         for rpm in [0.0, -1.0, 1e-9, 1e9, f64::NAN, f64::INFINITY] {
-            assert!(spindle(rpm).is_err());
+            assert!(spindle(rpm, &free).is_err() && spindle(rpm, &whole).is_err());
         }
+        assert!(spindle(100_000.0, &whole).is_err() && spindle(0.4, &whole).is_err());
     }
 
     #[test]

@@ -1,25 +1,34 @@
 //! Blocks as lines of words, with modal words left out where they hold already.
 
-use super::dialect::{CommentStyle, Frame};
+use super::dialect::{Comment, Dialect, Dwell, Frame, Point, ProgramNumber};
+use super::header::Remark;
 use super::lower::Block;
 use super::words::{self, FeedWord};
 use super::{ProgramJob, WriteError};
 use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
+use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::Units;
-use crate::toolpath::tool::Coolant;
 
 /// The letters of the axes and of the centre's offsets along them.
 const AXES: [char; 3] = ['X', 'Y', 'Z'];
 const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 
+/// Remarks are no longer than this, whatever the control takes: a header is to be read.
+const MAX_REMARK_LENGTH: usize = 100;
+
+/// Tool and length offset of a job that names no tool.
+const DEFAULT_TOOL: (u32, u32) = (1, 1);
+
 /// The text of a whole program.
 ///
 /// # Errors
-/// When a word of the frame cannot be written, or a line is longer than its control takes.
-pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<String, WriteError> {
+/// When a word of the frame cannot be written, a number has more digits or a line more characters than the control
+/// takes.
+pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<String, WriteError> {
     let mut writer = Writer {
         job,
+        remarks,
         text: String::with_capacity(32 * (blocks.len() + 16)),
         line: String::new(),
         block_number: 0,
@@ -29,6 +38,8 @@ pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<String, WriteError> {
         at: [None; 3],
         feed: None,
     };
+    writer.tape_mark()?;
+    writer.program_number()?;
     for frame in job.dialect.start {
         writer.frame(*frame)?;
     }
@@ -38,11 +49,13 @@ pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<String, WriteError> {
     for frame in job.dialect.end {
         writer.frame(*frame)?;
     }
+    writer.tape_mark()?;
     Ok(writer.text)
 }
 
 struct Writer<'a> {
     job: &'a ProgramJob<'a>,
+    remarks: &'a [Remark],
     text: String,
     line: String,
     block_number: u32,
@@ -57,9 +70,9 @@ impl Writer<'_> {
     fn frame(&mut self, frame: Frame) -> Result<(), WriteError> {
         let job = self.job;
         match frame {
-            Frame::Header => return self.header(),
+            Frame::Header => return self.remarks.iter().try_for_each(|remark| self.remark(remark)),
             Frame::Text(text) => self.word(text),
-            Frame::Safety { mm, inch } => self.word(match job.program.resolution.units {
+            Frame::ByUnits { mm, inch } => self.word(match job.program.resolution.units {
                 Units::Mm => mm,
                 Units::Inch => inch,
             }),
@@ -72,11 +85,10 @@ impl Writer<'_> {
                 Some(number @ 54..=59) => self.word(&format!("G{number}")),
                 Some(number) => return Err(WriteError::WorkOffset { number }),
             },
-            Frame::ToolChange => self.word(&format!("T{} M6", job.tool.number)),
-            Frame::LengthOffset => self.word(&format!("G43 H{}", job.tool.length_offset)),
+            Frame::ToolChange => self.word(&format!("T{} M6", self.tool().0)),
             Frame::SpindleOn => {
                 if let Some(rpm) = job.cutting.spindle_rpm {
-                    let speed = words::spindle(rpm)?;
+                    let speed = words::spindle(rpm, &job.dialect.numbers)?;
                     self.number("S", speed.digits, speed.decimals);
                     self.word("M3");
                 }
@@ -86,44 +98,55 @@ impl Writer<'_> {
                 Coolant::Mist => self.word("M7"),
                 Coolant::Flood => self.word("M8"),
             },
+            Frame::LengthOffset => self.word(&format!("G43 H{}", self.tool().1)),
+            Frame::LengthOffsetInFirstMotion => {
+                self.motion("G0");
+                self.word(&format!("G43 H{}", self.tool().1));
+                return Ok(());
+            }
         }
         self.end_line()
     }
 
-    fn header(&mut self) -> Result<(), WriteError> {
-        let job = self.job;
-        if let Some(name) = &job.program.name {
-            self.comment("PROGRAM", name)?;
+    /// Number and length offset of the tool.
+    fn tool(&self) -> (u32, u32) {
+        self.job.tool.map_or(DEFAULT_TOOL, |tool| (tool.number, tool.length_offset))
+    }
+
+    fn tape_mark(&mut self) -> Result<(), WriteError> {
+        let Some(mark) = self.job.dialect.tape_mark else { return Ok(()) };
+        self.word(mark);
+        self.end_line_unnumbered()
+    }
+
+    fn program_number(&mut self) -> Result<(), WriteError> {
+        let Some(ProgramNumber { letter, digits, max }) = self.job.dialect.program_number else {
+            return Ok(());
+        };
+        let number = self.job.program.number;
+        if !(1..=max).contains(&number) {
+            return Err(WriteError::ProgramNumber { number, max });
         }
-        let mut diameter = String::new();
-        let micrometres = (2000.0 * job.tool.radius_mm).round();
-        words::push_fixed(&mut diameter, micrometres as i64, 3);
-        self.comment("TOOL", &format!("T{} BALL DIAMETER {diameter} MM", job.tool.number))?;
-        for text in job.comments {
-            self.comment("NOTE", text)?;
-        }
-        if job.cutting.spindle_rpm.is_none() {
-            self.comment("WARNING", "NO SPINDLE SPEED WAS GIVEN - THIS PROGRAM STARTS NO SPINDLE")?;
-        }
-        Ok(())
+        self.word(&format!("{letter}{number:0digits$}"));
+        self.end_line_unnumbered()
     }
 
     /// A comment line; text of which nothing is left after cleaning gives none.
-    fn comment(&mut self, label: &str, text: &str) -> Result<(), WriteError> {
-        let (open, close) = match self.job.dialect.comment {
-            CommentStyle::Parentheses => ("(", ")"),
-        };
-        // Room for a block number and the label with its punctuation.
-        let used = 16 + label.len();
-        let clean = words::cleaned(text, self.job.dialect.max_line_length.saturating_sub(used));
+    fn remark(&mut self, Remark { label, text }: &Remark) -> Result<(), WriteError> {
+        let Comment { open, separator, close } = self.job.dialect.comment;
+        // Room for a block number beside the label and its punctuation.
+        let used = 12 + open.len() + label.len() + separator.len() + close.len();
+        let limit = self.job.dialect.max_line_length.saturating_sub(used).min(MAX_REMARK_LENGTH);
+        let clean = words::cleaned(text, limit);
         if clean.is_empty() {
             return Ok(());
         }
-        self.word(&format!("{open}{label}: {clean}{close}"));
+        self.word(&format!("{open}{label}{separator}{clean}{close}"));
         self.end_line()
     }
 
     fn block(&mut self, block: &Block) -> Result<(), WriteError> {
+        self.check_digits(block)?;
         match *block {
             Block::Rapid { to } => {
                 self.motion("G0");
@@ -159,10 +182,31 @@ impl Writer<'_> {
             }
             Block::Dwell { milliseconds } => {
                 self.word("G4");
-                self.number("P", i64::try_from(milliseconds).unwrap_or(i64::MAX), 3);
+                let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);
+                match self.job.dialect.dwell {
+                    Dwell::Seconds => self.number("P", digits, 3),
+                    Dwell::Milliseconds => self.number("P", digits, 0),
+                }
             }
         }
         self.end_line()
+    }
+
+    /// # Errors
+    /// When a number of the block is longer than the control reads.
+    fn check_digits(&self, block: &Block) -> Result<(), WriteError> {
+        let limit = self.job.dialect.numbers.max_digits;
+        let is_longer = |digits: u64| digits >= 10u64.saturating_pow(limit);
+        let is_long = |units: i64| is_longer(units.unsigned_abs());
+        let is_too_long = match *block {
+            Block::Rapid { to } => to.into_iter().flatten().any(is_long),
+            Block::Line { to, feed } => to.into_iter().chain([feed.digits]).any(is_long),
+            Block::Arc { to, center, feed, .. } => {
+                to.into_iter().chain(center).chain([feed.digits]).any(is_long)
+            }
+            Block::Dwell { milliseconds } => is_longer(milliseconds),
+        };
+        if is_too_long { Err(WriteError::TooManyDigits { limit }) } else { Ok(()) }
     }
 
     fn motion(&mut self, word: &'static str) {
@@ -186,6 +230,9 @@ impl Writer<'_> {
     fn feed(&mut self, feed: FeedWord) {
         if self.feed != Some(feed) {
             self.number("F", feed.digits, feed.decimals);
+            if feed.decimals == 0 && self.job.dialect.numbers.point == Point::Always {
+                self.line.push('.');
+            }
             self.feed = Some(feed);
         }
     }
@@ -217,27 +264,30 @@ impl Writer<'_> {
         self.line.push_str(word);
     }
 
-    /// Ends the line, with its number in front; an empty one leaves nothing.
+    /// Ends the line, with its number in front where they are asked for; an empty one leaves nothing.
     fn end_line(&mut self) -> Result<(), WriteError> {
-        if self.line.is_empty() {
-            return Ok(());
-        }
-        let dialect = self.job.dialect;
-        let before = self.text.len();
-        if self.job.program.block_numbers {
-            let numbers = dialect.block_numbers;
+        if self.job.program.block_numbers && !self.line.is_empty() {
+            let numbers = self.job.dialect.block_numbers;
             self.block_number += numbers.step;
             if self.block_number > numbers.max {
                 self.block_number = numbers.step;
             }
-            self.text.push_str(&format!("N{} ", self.block_number));
+            self.line.insert_str(0, &format!("N{} ", self.block_number));
+        }
+        self.end_line_unnumbered()
+    }
+
+    fn end_line_unnumbered(&mut self) -> Result<(), WriteError> {
+        if self.line.is_empty() {
+            return Ok(());
+        }
+        let Dialect { max_line_length, line_end, .. } = *self.job.dialect;
+        if self.line.len() > max_line_length {
+            return Err(WriteError::LineTooLong { limit: max_line_length });
         }
         self.text.push_str(&self.line);
+        self.text.push_str(line_end);
         self.line.clear();
-        if self.text.len() - before > dialect.max_line_length {
-            return Err(WriteError::LineTooLong { limit: dialect.max_line_length });
-        }
-        self.text.push_str(dialect.line_end);
         Ok(())
     }
 }

@@ -23,7 +23,7 @@
 //! # Cost
 //! O(1) for nearly every curve; O(sqrt(radius / step)) where chords are needed.
 
-mod bound;
+pub(super) mod bound;
 mod candidate;
 
 use nalgebra::Point3;
@@ -138,18 +138,36 @@ impl Grid {
     }
 }
 
+/// What will be written for one curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rounded {
+    /// In order; none where the curve vanishes on the grid.
+    pub curves: Vec<Written>,
+    /// Upper bound for the distance of the source from all that a control may run for it, mm, both ways: that of the
+    /// curves, and of the parts that vanish to the point they vanish to.
+    pub displacement_mm: f64,
+}
+
 /// The curves that will be written for `curve`, in order; none where it vanishes on the grid.
 ///
 /// # Errors
 /// When a coordinate has no place on the grid, or too many pieces are needed.
 pub fn quantize(curve: &Curve, resolution: Resolution) -> Result<Vec<Written>, QuantizeError> {
-    let grid = Grid::new(resolution);
-    let mut written = Vec::with_capacity(1);
+    round(curve, resolution).map(|rounded| rounded.curves)
+}
+
+/// As [`quantize`], with the bound for the whole curve.
+///
+/// # Errors
+/// As [`quantize`].
+pub fn round(curve: &Curve, resolution: Resolution) -> Result<Rounded, QuantizeError> {
+    let mut output =
+        Output { grid: Grid::new(resolution), curves: Vec::with_capacity(1), displacement_mm: 0.0 };
     match curve {
-        Curve::Line(line) => written.extend(line_between(&grid, &line.start, &line.end, 0.0)?),
-        Curve::Arc(arc) => quantize_arc(arc, &grid, &mut written)?,
+        Curve::Line(line) => output.line(&line.start, &line.end, 0.0)?,
+        Curve::Arc(arc) => output.arc(arc)?,
     }
-    Ok(written)
+    Ok(Rounded { curves: output.curves, displacement_mm: output.displacement_mm })
 }
 
 /// A part of the source arc between two fractions of its length.
@@ -193,65 +211,78 @@ impl Piece<'_> {
     }
 }
 
-fn quantize_arc(arc: &Arc, grid: &Grid, written: &mut Vec<Written>) -> Result<(), QuantizeError> {
-    let step = grid.step_mm();
-    let mut open = vec![Piece { arc, from: 0.0, to: 1.0 }];
-    while let Some(piece) = open.pop() {
-        if written.len() + open.len() >= MAX_PIECES {
+/// What has been written of one curve.
+struct Output {
+    grid: Grid,
+    curves: Vec<Written>,
+    displacement_mm: f64,
+}
+
+impl Output {
+    fn arc(&mut self, arc: &Arc) -> Result<(), QuantizeError> {
+        let step = self.grid.step_mm();
+        let mut open = vec![Piece { arc, from: 0.0, to: 1.0 }];
+        while let Some(piece) = open.pop() {
+            if self.curves.len() + open.len() >= MAX_PIECES {
+                return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
+            }
+            if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
+                self.line(&piece.start(), &piece.end(), piece.chord_distance())?;
+            } else if arc.radius() > MAX_RADIUS_MM {
+                self.chords(&piece)?;
+            } else if let Some(block) = candidate::best(&piece, &self.grid)? {
+                self.push(block);
+            } else {
+                let middle = (piece.from + piece.to) / 2.0;
+                open.push(Piece { from: middle, ..piece });
+                open.push(Piece { to: middle, ..piece });
+            }
+        }
+        Ok(())
+    }
+
+    /// Lines along a piece, each no farther from it than half a step before its ends are rounded.
+    fn chords(&mut self, piece: &Piece) -> Result<(), QuantizeError> {
+        let sagitta = MIN_SAGITTA_STEPS * self.grid.step_mm();
+        let half_angle = 2.0 * (sagitta / (2.0 * piece.arc.radius())).sqrt().asin();
+        let count = (piece.sweep() / (2.0 * half_angle)).ceil().max(1.0);
+        if count > MAX_PIECES as f64 {
             return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
         }
-        if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
-            written.extend(line_between(grid, &piece.start(), &piece.end(), piece.chord_distance())?);
-        } else if arc.radius() > MAX_RADIUS_MM {
-            chords(&piece, grid, written)?;
-        } else if let Some(block) = candidate::best(&piece, grid)? {
-            written.push(block);
-        } else {
-            let middle = (piece.from + piece.to) / 2.0;
-            open.push(Piece { from: middle, ..piece });
-            open.push(Piece { to: middle, ..piece });
+        let at =
+            |k: f64| if k == count { piece.to } else { piece.from + (piece.to - piece.from) * (k / count) };
+        for k in 0..count as usize {
+            let chord = Piece { from: at(k as f64), to: at(k as f64 + 1.0), ..*piece };
+            self.line(&chord.start(), &chord.end(), chord.chord_distance())?;
         }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Lines along a piece, each no farther from it than half a step before its ends are rounded.
-fn chords(piece: &Piece, grid: &Grid, written: &mut Vec<Written>) -> Result<(), QuantizeError> {
-    let half_angle = 2.0 * (MIN_SAGITTA_STEPS * grid.step_mm() / (2.0 * piece.arc.radius())).sqrt().asin();
-    let count = (piece.sweep() / (2.0 * half_angle)).ceil().max(1.0);
-    if count > MAX_PIECES as f64 {
-        return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
+    /// The line between the rounded points, or nothing where they coincide; `added_mm` is the distance from the
+    /// source to the line between the points themselves.
+    fn line(&mut self, start: &Point3<f64>, end: &Point3<f64>, added_mm: f64) -> Result<(), QuantizeError> {
+        let (from, to) = (self.grid.round(start)?, self.grid.round(end)?);
+        let line = Line { start: self.grid.point(from), end: self.grid.point(to) };
+        let displacement_mm = (line.start - start).norm().max((line.end - end).norm()) + added_mm;
+        if from == to {
+            self.displacement_mm = self.displacement_mm.max(displacement_mm);
+            return Ok(());
+        }
+        self.push(Written {
+            curve: Curve::Line(line),
+            end_units: to,
+            center_offset_units: None,
+            radius_mismatch_mm: 0.0,
+            slack_mm: 0.0,
+            displacement_mm,
+        });
+        Ok(())
     }
-    let at = |k: f64| if k == count { piece.to } else { piece.from + (piece.to - piece.from) * (k / count) };
-    for k in 0..count as usize {
-        let chord = Piece { from: at(k as f64), to: at(k as f64 + 1.0), ..*piece };
-        written.extend(line_between(grid, &chord.start(), &chord.end(), chord.chord_distance())?);
-    }
-    Ok(())
-}
 
-/// The line between the rounded points, or none where they coincide; `added_mm` is the distance from the
-/// source to the line between the points themselves.
-fn line_between(
-    grid: &Grid,
-    start: &Point3<f64>,
-    end: &Point3<f64>,
-    added_mm: f64,
-) -> Result<Option<Written>, QuantizeError> {
-    let (from, to) = (grid.round(start)?, grid.round(end)?);
-    if from == to {
-        return Ok(None);
+    fn push(&mut self, written: Written) {
+        self.displacement_mm = self.displacement_mm.max(written.displacement_mm);
+        self.curves.push(written);
     }
-    let line = Line { start: grid.point(from), end: grid.point(to) };
-    let moved = (line.start - start).norm().max((line.end - end).norm());
-    Ok(Some(Written {
-        curve: Curve::Line(line),
-        end_units: to,
-        center_offset_units: None,
-        radius_mismatch_mm: 0.0,
-        slack_mm: 0.0,
-        displacement_mm: moved + added_mm,
-    }))
 }
 
 #[cfg(test)]

@@ -15,6 +15,27 @@ impl FeedRate {
     pub fn mm_per_min(self) -> f64 {
         self.0
     }
+
+    pub fn mm_per_s(self) -> f64 {
+        self.0 / 60.0
+    }
+}
+
+/// An acceleration in mm/s2, finite and above zero.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Acceleration(f64);
+
+impl Acceleration {
+    /// That of a mid-sized machining centre, a tenth of gravity.
+    pub const DEFAULT: Acceleration = Acceleration(1000.0);
+
+    pub fn from_mm_per_s2(value: f64) -> Option<Self> {
+        (value.is_finite() && value > 0.0).then_some(Self(value))
+    }
+
+    pub fn mm_per_s2(self) -> f64 {
+        self.0
+    }
 }
 
 /// A tolerance in mm, in 1e-6..=10.

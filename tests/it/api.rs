@@ -1,14 +1,15 @@
 //! The service as its callers meet it.
 
+mod binary;
 mod coding;
 mod connection;
 mod decoding;
 mod determinism;
 mod events;
+mod examples;
 mod models;
 mod negotiation;
 mod operation;
-mod program;
+mod programs;
 mod shutdown;
 mod support;
-mod surfaces;

@@ -1,7 +1,7 @@
 //! Whether neighbouring patches meet, and share their tangent planes, along their common sides.
 //!
 //! # Method
-//! At [`PLACES`] places of a common side the points and the normals of both patches are compared. Along the side both
+//! At a number of places of a common side the points and the normals of both patches are compared. Along the side both
 //! differences are quotients of polynomials, of degree 40 at most for patches of degree 7, so they vanish everywhere if they do at
 //! these places.
 //!

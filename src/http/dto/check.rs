@@ -76,6 +76,11 @@ impl Violations {
         }
     }
 
+    /// How many there are.
+    pub fn total(&self) -> usize {
+        self.total
+    }
+
     /// The error of a body in which there is a violation.
     pub fn into_error(self) -> ApiError {
         ApiError::invalid_among(self.total, self.first)

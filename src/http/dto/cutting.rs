@@ -5,9 +5,8 @@ use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use crate::http::pointer::Pointer;
-use crate::operations::surface_milling::CuttingRequest;
-use crate::toolpath::tool as core;
-use crate::toolpath::units::FeedRate;
+use crate::toolpath::cutting as core;
+use crate::toolpath::units::{Acceleration, FeedRate};
 
 /// Feeds, spindle, coolant and heights.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -18,19 +17,35 @@ pub struct Cutting {
     /// Default: half the feed.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     plunge_feed_mm_per_min: Option<f64>,
+    /// Default: the plunge feed.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    ramp_feed_mm_per_min: Option<f64>,
+    /// Default: the feed.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    lead_in_feed_mm_per_min: Option<f64>,
+    /// Default: the feed.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    link_feed_mm_per_min: Option<f64>,
+    /// Default: the feed.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    lead_out_feed_mm_per_min: Option<f64>,
     /// The machine's traverse rate, for times. Default: 10000.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     rapid_feed_mm_per_min: Option<f64>,
+    /// The machine's acceleration, for `time_with_acceleration_s`. Default: 1000.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    acceleration_mm_per_s2: Option<f64>,
     /// Without it the program starts no spindle, and the answer warns.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     spindle_rpm: Option<f64>,
     #[serde(default)]
     #[schema(default = "off")]
     coolant: Coolant,
-    /// Absolute height of rapids between distant places. Default: 20 mm above the top of the surface.
+    /// Absolute height of rapids between distant places. Default: 20 mm above the top of the part, or the highest place
+    /// of a toolpath that is sent.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
-    /// Absolute height to which the tool is lifted between passes. Default: 2 mm above the top of the surface.
+    /// Absolute height to which the tool is lifted between passes. Default: 2 mm above the top of the part.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     retract_z_mm: Option<f64>,
 }
@@ -46,31 +61,47 @@ pub enum Coolant {
 
 impl Cutting {
     /// The conditions, or nothing with the reasons in `violations`.
-    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<CuttingRequest> {
+    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<core::CuttingRequest> {
         let Self {
             feed_mm_per_min,
             plunge_feed_mm_per_min,
+            ramp_feed_mm_per_min,
+            lead_in_feed_mm_per_min,
+            link_feed_mm_per_min,
+            lead_out_feed_mm_per_min,
             rapid_feed_mm_per_min,
+            acceleration_mm_per_s2,
             spindle_rpm,
             coolant,
             clearance_z_mm,
             retract_z_mm,
         } = self;
-        let mut feed = |name: &str, value: f64| {
-            violations.number(&at.field(name), value, Range::POSITIVE, "mm/min");
-            FeedRate::from_mm_per_min(value)
+        let mut feed = |name: &str, value: Option<f64>| {
+            violations.optional(&at.field(name), value, Range::POSITIVE, "mm/min");
+            value.and_then(FeedRate::from_mm_per_min)
         };
-        let cutting_feed = feed("feed_mm_per_min", feed_mm_per_min);
-        let plunge_feed = plunge_feed_mm_per_min.and_then(|value| feed("plunge_feed_mm_per_min", value));
-        let rapid_feed = rapid_feed_mm_per_min.and_then(|value| feed("rapid_feed_mm_per_min", value));
+        let cutting_feed = feed("feed_mm_per_min", Some(feed_mm_per_min));
+        let plunge_feed = feed("plunge_feed_mm_per_min", plunge_feed_mm_per_min);
+        let ramp_feed = feed("ramp_feed_mm_per_min", ramp_feed_mm_per_min);
+        let lead_in_feed = feed("lead_in_feed_mm_per_min", lead_in_feed_mm_per_min);
+        let link_feed = feed("link_feed_mm_per_min", link_feed_mm_per_min);
+        let lead_out_feed = feed("lead_out_feed_mm_per_min", lead_out_feed_mm_per_min);
+        let rapid_feed = feed("rapid_feed_mm_per_min", rapid_feed_mm_per_min);
+        let at_acceleration = at.field("acceleration_mm_per_s2");
+        violations.optional(&at_acceleration, acceleration_mm_per_s2, Range::POSITIVE, "mm/s2");
         violations.optional(&at.field("spindle_rpm"), spindle_rpm, Range::POSITIVE, "rpm");
         for (name, height) in [("clearance_z_mm", clearance_z_mm), ("retract_z_mm", retract_z_mm)] {
             violations.optional(&at.field(name), height, Range::COORDINATE, "mm");
         }
-        Some(CuttingRequest {
+        Some(core::CuttingRequest {
             feed: cutting_feed?,
             plunge_feed,
+            ramp_feed,
+            lead_in_feed,
+            link_feed,
+            lead_out_feed,
             rapid_feed,
+            acceleration: acceleration_mm_per_s2.and_then(Acceleration::from_mm_per_s2),
             spindle_rpm,
             coolant: match coolant {
                 Coolant::Off => core::Coolant::Off,

@@ -26,6 +26,11 @@ pub fn schema() -> Schema {
         .into()
 }
 
+/// The entries as notes for people, one each.
+pub fn notes(meta: Option<&Meta>) -> impl Iterator<Item = String> {
+    meta.into_iter().flatten().map(|(key, value)| format!("{key}: {value}"))
+}
+
 pub fn check(meta: &Meta, at: &Pointer, violations: &mut Violations) {
     if meta.len() > MAX_ENTRIES {
         let detail = format!("{} entries; at most {MAX_ENTRIES} are allowed", meta.len());

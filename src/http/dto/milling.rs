@@ -117,7 +117,7 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        tool.check(&root.field("tool"), &mut violations);
+        tool.check_ball(&root.field("tool"), &mut violations);
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);

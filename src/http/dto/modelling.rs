@@ -169,7 +169,7 @@ fn too_many(patches: usize) -> ApiError {
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Patch {
-    Bicubic([[Point; 4]; 4]),
+    Bicubic(Box<[[Point; 4]; 4]>),
     General(GeneralPatch),
 }
 
@@ -185,7 +185,7 @@ pub struct GeneralPatch {
 
 impl From<&BicubicPatch> for Patch {
     fn from(patch: &BicubicPatch) -> Self {
-        Self::Bicubic(patch.net.map(|row| row.map(|p| Point(p.into()))))
+        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Point(p.into())))))
     }
 }
 

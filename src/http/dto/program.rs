@@ -1,6 +1,6 @@
 //! How the program is to be written, as it is sent.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::Violations;
@@ -20,7 +20,7 @@ pub struct Program {
     /// A name listed by `/v1/dialects`. Default: `linuxcnc`.
     #[schema(schema_with = dialects::schema)]
     dialect: Option<String>,
-    /// Default: 1.
+    /// Default: 1. Some dialects take a smaller number at most, as listed by `/v1/dialects`.
     #[schema(minimum = 1, maximum = 99_999_999)]
     number: Option<u32>,
     /// Appears in a comment, cleaned to plain letters and digits.
@@ -40,12 +40,21 @@ pub struct Program {
     work_offset: Option<WorkOffset>,
 }
 
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Units {
     #[default]
     Mm,
     Inch,
+}
+
+impl From<core::Units> for Units {
+    fn from(units: core::Units) -> Self {
+        match units {
+            core::Units::Mm => Self::Mm,
+            core::Units::Inch => Self::Inch,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -66,7 +75,8 @@ impl Program {
             dialects::DEFAULT
         });
         if let Some(number) = *number {
-            violations.integer(&at.field("number"), number, NUMBERS);
+            let max = dialect.program_number.map_or(NUMBERS.1, |numbers| numbers.max);
+            violations.integer(&at.field("number"), number, (NUMBERS.0, max));
         }
         if let Some(name) = name {
             violations.text(&at.field("name"), name, MAX_TEXT_CHARACTERS);
@@ -76,7 +86,7 @@ impl Program {
         }
     }
 
-    /// Converts what has been checked.
+    /// Converts what has been checked; the default of what was to blame.
     pub fn convert(self) -> (&'static Dialect, core::Program) {
         let Self { dialect, number, name, units, decimals, block_numbers, work_offset } = self;
         let dialect = dialects::find(dialect.as_deref()).unwrap_or(dialects::DEFAULT);
@@ -84,7 +94,10 @@ impl Program {
             Units::Mm => (core::Units::Mm, dialect.default_decimals_mm),
             Units::Inch => (core::Units::Inch, dialect.default_decimals_inch),
         };
-        let decimals = decimals.and_then(|value| u8::try_from(value).ok()).unwrap_or(usual);
+        let decimals = decimals
+            .and_then(|value| u8::try_from(value).ok())
+            .filter(|value| (1..=dialect.max_decimals).contains(value))
+            .unwrap_or(usual);
         let program = core::Program {
             resolution: core::Resolution { units, decimals },
             number: number.unwrap_or(1),

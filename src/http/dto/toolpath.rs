@@ -3,11 +3,12 @@
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
+use super::moves::Move;
 use super::point::Point;
-use crate::geometry::curve::{self, Curve};
-use crate::geometry::plane;
 use crate::toolpath as core;
+use crate::toolpath::cutting::{Caution, Cutting};
 use crate::toolpath::measure;
+use crate::toolpath::motion_time::motion_time;
 
 /// Something to know that does not stop the job.
 #[derive(Debug, Serialize, ToSchema)]
@@ -39,6 +40,23 @@ pub enum WarningCode {
     PassesApart,
     /// The program starts no spindle.
     NoSpindleSpeed,
+    /// The tool is cut with the length of another place of the table.
+    LengthOffsetDiffers,
+}
+
+impl From<Caution> for Warning {
+    fn from(caution: Caution) -> Self {
+        match caution {
+            Caution::NoSpindleSpeed => Self {
+                code: WarningCode::NoSpindleSpeed,
+                detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),
+            },
+            Caution::LengthOffsetDiffers { number, length_offset } => Self {
+                code: WarningCode::LengthOffsetDiffers,
+                detail: format!("tool {number} is cut with the length offset {length_offset}"),
+            },
+        }
+    }
 }
 
 /// Lengths and times of a toolpath, and the box around it. Feed moves of any role are cutting.
@@ -51,6 +69,9 @@ pub struct Measures {
     /// Cutting, rapid and dwell.
     pub total_time_s: f64,
     pub dwell_time_s: f64,
+    /// As `total_time_s`, of a machine that takes time to change its speed: an estimate with the acceleration of
+    /// `cutting`, look-ahead, and slower corners and small arcs.
+    pub time_with_acceleration_s: f64,
     pub moves: MoveCounts,
     pub bounds: Bounds,
 }
@@ -70,8 +91,9 @@ pub struct Bounds {
     pub max: Point,
 }
 
-impl From<measure::Measures> for Measures {
-    fn from(measures: measure::Measures) -> Self {
+impl Measures {
+    /// Measures `toolpath` on the machine of `cutting`.
+    pub fn of(toolpath: &core::Toolpath, cutting: &Cutting) -> Self {
         let measure::Measures {
             cutting_length_mm,
             rapid_length_mm,
@@ -81,7 +103,7 @@ impl From<measure::Measures> for Measures {
             total_time_s,
             counts: measure::MoveCounts { rapid, line, arc, parabola, spline },
             bounds: measure::Bounds { min, max },
-        } = measures;
+        } = measure::measure(toolpath, cutting.rapid_feed);
         Self {
             cutting_length_mm,
             rapid_length_mm,
@@ -89,6 +111,7 @@ impl From<measure::Measures> for Measures {
             rapid_time_s,
             total_time_s,
             dwell_time_s,
+            time_with_acceleration_s: motion_time(toolpath, cutting.rapid_feed, cutting.acceleration),
             moves: MoveCounts { rapid, line, arc, parabola, spline },
             bounds: Bounds { min: min.into(), max: max.into() },
         }
@@ -128,109 +151,13 @@ pub struct Pass {
     moves: Vec<Move>,
 }
 
-/// One move, told apart by `kind`.
-#[derive(Debug, PartialEq, Serialize, ToSchema)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Move {
-    /// At the machine's traverse rate.
-    Rapid {
-        to: Point,
-    },
-    /// Straight, at feed.
-    Line {
-        to: Point,
-        feed_mm_per_min: f64,
-        role: Role,
-    },
-    /// As G2 and G3 in G17, G18 and G19: `cw` is seen from the positive end of the plane's normal. `to` equal to the
-    /// start in the plane is one full turn; `to` may differ along the normal (a helix).
-    Arc {
-        to: Point,
-        center: Point,
-        plane: Plane,
-        direction: Direction,
-        feed_mm_per_min: f64,
-        role: Role,
-    },
-    Dwell {
-        seconds: f64,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Role {
-    Cut,
-    Plunge,
-    Ramp,
-    LeadIn,
-    Link,
-    LeadOut,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcPlane)]
-pub enum Plane {
-    Xy,
-    Zx,
-    Yz,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcDirection)]
-pub enum Direction {
-    Cw,
-    Ccw,
-}
-
-impl From<&core::Move> for Move {
-    fn from(step: &core::Move) -> Self {
-        match *step {
-            core::Move::Rapid { line } => Move::Rapid { to: line.end.into() },
-            core::Move::Feed { along: Curve::Line(line), rate, role } => {
-                Move::Line { to: line.end.into(), feed_mm_per_min: rate.mm_per_min(), role: role.into() }
-            }
-            core::Move::Feed { along: Curve::Arc(arc), rate, role } => Move::Arc {
-                to: arc.end().into(),
-                center: arc.center().into(),
-                plane: match arc.plane() {
-                    plane::Plane::Xy => Plane::Xy,
-                    plane::Plane::Zx => Plane::Zx,
-                    plane::Plane::Yz => Plane::Yz,
-                },
-                direction: match arc.direction() {
-                    curve::Direction::Cw => Direction::Cw,
-                    curve::Direction::Ccw => Direction::Ccw,
-                },
-                feed_mm_per_min: rate.mm_per_min(),
-                role: role.into(),
-            },
-            core::Move::Dwell { seconds } => Move::Dwell { seconds },
-        }
-    }
-}
-
-impl From<core::Role> for Role {
-    fn from(role: core::Role) -> Self {
-        match role {
-            core::Role::Plunge => Role::Plunge,
-            core::Role::Ramp => Role::Ramp,
-            core::Role::LeadIn => Role::LeadIn,
-            core::Role::Cut => Role::Cut,
-            core::Role::Link => Role::Link,
-            core::Role::LeadOut => Role::LeadOut,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Point3;
     use serde_json::json;
 
     use super::*;
+    use crate::geometry::{curve, plane};
     use crate::toolpath::units::FeedRate;
 
     #[test]

@@ -51,6 +51,9 @@ pub struct Dialect {
     /// Decimals of a written coordinate where none are asked for.
     default_decimals: DefaultDecimals,
     max_decimals: u8,
+    /// The largest `program.number`; absent where a program is known by its file alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_program_number: Option<u32>,
 }
 
 #[derive(Debug, Serialize, ToSchema)]
@@ -70,6 +73,7 @@ impl From<&post::Dialect> for Dialect {
                 inch: dialect.default_decimals_inch,
             },
             max_decimals: dialect.max_decimals,
+            max_program_number: dialect.program_number.map(|number| number.max),
         }
     }
 }

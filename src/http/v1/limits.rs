@@ -19,6 +19,8 @@ pub struct ServerLimits {
     surface_points: usize,
     /// Section planes of one milling job.
     sections: usize,
+    /// Moves of one toolpath that is sent.
+    moves: usize,
     meta_entries: usize,
     text_characters: usize,
     /// Computations at a time.
@@ -33,11 +35,12 @@ pub struct ServerLimits {
 
 impl From<&App> for ServerLimits {
     fn from(app: &App) -> Self {
-        let Limits { body_bytes, surface_points, sections } = app.limits;
+        let Limits { body_bytes, surface_points, sections, moves } = app.limits;
         Self {
             body_bytes,
             surface_points,
             sections,
+            moves,
             meta_entries: meta::MAX_ENTRIES,
             text_characters: meta::MAX_TEXT_CHARACTERS,
             workers: app.workers,

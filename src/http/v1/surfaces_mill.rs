@@ -42,7 +42,7 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
         report: MillReport::from(&report),
         cut: Some(Cut {
             toolpath,
-            tool: job.tool,
+            tool: Some(job.tool),
             cutting,
             program,
             dialect,
@@ -79,10 +79,6 @@ impl From<&surface_milling::Warning> for Warning {
                 detail: format!(
                     "passes {stepover_mm} mm apart do not meet everywhere: stock is left between them"
                 ),
-            },
-            surface_milling::Warning::NoSpindleSpeed => Self {
-                code: WarningCode::NoSpindleSpeed,
-                detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),
             },
         }
     }

@@ -8,8 +8,8 @@ use crate::budget::Budget;
 use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::surface::Patch;
+use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::quantize;
-use crate::toolpath::tool::Cutting;
 use crate::toolpath::{Builder, Role, Toolpath};
 
 /// The toolpath of `passes`, from the clearance plane over the first to that over the last.
@@ -26,11 +26,11 @@ pub(super) fn join(
         builder.begin_pass(None);
         let link = Line { start: builder.at(), end: pass.start() };
         if k > 0 && is_linked(job, cutting, &link, clearance, budget)? {
-            builder.line(link.end, cutting.feed, Role::Link)?;
+            builder.line(link.end, cutting.feed_of(Role::Link), Role::Link)?;
         } else {
             rapid_to(&mut builder, at_height(link.start, cutting.retract_z_mm))?;
             rapid_to(&mut builder, at_height(link.end, cutting.retract_z_mm))?;
-            builder.line(link.end, cutting.plunge_feed, Role::Plunge)?;
+            builder.line(link.end, cutting.feed_of(Role::Plunge), Role::Plunge)?;
         }
         for curve in &pass.curves {
             match curve {
@@ -70,7 +70,7 @@ fn is_linked(
     let across = (link.end - link.start).xy().norm();
     let retract_min =
         (up + across) / cutting.rapid_feed.mm_per_min() + down / cutting.plunge_feed.mm_per_min();
-    if link.length() / cutting.feed.mm_per_min() > retract_min {
+    if link.length() / cutting.link_feed.mm_per_min() > retract_min {
         return Ok(false);
     }
     let gap = CERTIFICATE_GAP * job.tolerance.mm();

@@ -6,23 +6,33 @@
 //!
 //! M30 alone ends the program; a pair of percent signs would be the other way and is not needed.
 
-use crate::post::dialect::{BlockNumbers, CommentStyle, Dialect, Frame};
+use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Point};
 
 pub const LINUXCNC: Dialect = Dialect {
     name: "linuxcnc",
     description: "LinuxCNC 2.8 and later",
     file_extension: "ngc",
-    comment: CommentStyle::Parentheses,
+    comment: Comment { open: "(", separator: ": ", close: ")" },
     line_end: "\n",
     // The interpreter reads 255 characters with the line end.
     max_line_length: 240,
+    tape_mark: None,
+    program_number: None,
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
+    numbers: Numbers {
+        point: Point::WhereNeeded,
+        // What a double holds exactly.
+        max_digits: 15,
+        spindle_decimals: 3,
+        max_spindle_rpm: 1_000_000,
+    },
     block_numbers: BlockNumbers { step: 10, max: 99_990 },
+    dwell: Dwell::Seconds,
     start: &[
         Frame::Header,
-        Frame::Safety { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
+        Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
         Frame::Blending { before: "G64 P", after: " Q0" },
         Frame::WorkOffset,
         Frame::ToolChange,

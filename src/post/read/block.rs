@@ -14,6 +14,8 @@ const VALUES: &str = "FHIJKNPQSTXYZ";
 /// Values by letter, and the G and M codes in tenths.
 pub struct Words {
     values: [Option<f64>; 26],
+    /// Which of them are written with a decimal point.
+    has_point: [bool; 26],
     g: Codes,
     m: Codes,
 }
@@ -45,7 +47,8 @@ impl Words {
     /// # Errors
     /// When a character begins no word, a number cannot be read or a word stands twice.
     pub fn of(line: &str) -> Result<Self, Fault> {
-        let mut words = Self { values: [None; 26], g: Codes::default(), m: Codes::default() };
+        let mut words =
+            Self { values: [None; 26], has_point: [false; 26], g: Codes::default(), m: Codes::default() };
         let mut rest = line.trim();
         if rest == "%" {
             return Ok(words);
@@ -77,6 +80,16 @@ impl Words {
     /// The first of `letters` that the line has.
     pub fn first_of(&self, letters: &str) -> Option<char> {
         letters.chars().find(|&letter| self.get(letter).is_some())
+    }
+
+    /// The first of `letters` that is written with a decimal point, and the first without.
+    pub fn pointed(&self, letters: &str) -> (Option<char>, Option<char>) {
+        let first = |wanted: bool| {
+            letters.chars().find(|&letter| {
+                index(letter).is_some_and(|k| self.values[k].is_some() && self.has_point[k] == wanted)
+            })
+        };
+        (first(true), first(false))
     }
 
     /// Whether two G words are of one group.
@@ -111,9 +124,9 @@ impl Words {
             'G' => self.g.push(value, letter)?,
             'M' => self.m.push(value, letter)?,
             _ => {
-                let slot =
-                    index(letter).and_then(|k| self.values.get_mut(k)).ok_or(Fault::UnknownWord(letter))?;
-                if slot.replace(value).is_some() {
+                let k = index(letter).ok_or(Fault::UnknownWord(letter))?;
+                self.has_point[k] = number.contains('.');
+                if self.values[k].replace(value).is_some() {
                     return Err(Fault::Twice(letter));
                 }
             }

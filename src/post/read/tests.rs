@@ -3,11 +3,18 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 
 use super::*;
+use crate::post::DIALECTS;
+use crate::post::dialects::fanuc::FANUC;
+use crate::post::dialects::linuxcnc::LINUXCNC;
 
 const LIMIT_MM: f64 = 0.0015;
 
 fn read(text: &str) -> Result<Vec<Step>, ReadError> {
-    Reader::new(text, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
+    read_as(&LINUXCNC, text)
+}
+
+fn read_as(dialect: &Dialect, text: &str) -> Result<Vec<Step>, ReadError> {
+    Reader::new(text, dialect, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
 }
 
 fn fault(text: &str) -> (usize, Fault) {
@@ -91,12 +98,43 @@ fn every_fault_is_found_with_its_line() {
     );
 }
 
+#[test]
+fn fanuc_counts_without_a_point_and_keeps_within_its_marks() {
+    let whole = "%\nO0501\n(DIE)\nG21\nG0 G43 H1 Z5.\nX0. Y0.\nG1 X10. F800.\nG4 P250\nM30\n%\n";
+    let steps = read_as(&FANUC, whole).unwrap();
+    assert_eq!(steps.len(), 4);
+    assert_eq!(steps[3], Step::Dwell { seconds: 0.25 });
+    let cases = [
+        ("%\nO0501", "O0501", 1, Fault::TapeMark),
+        ("M30\n%\n", "M30\n", 9, Fault::TapeMark),
+        ("M30\n%\n", "M30\n%\nG0 X99.\n", 9, Fault::TapeMark),
+        ("O0501\n", "", 2, Fault::ProgramNumber),
+        ("O0501", "O0000", 2, Fault::ProgramNumber),
+        ("O0501", "O10000", 2, Fault::ProgramNumber),
+        ("O0501", "O501", 2, Fault::ProgramNumber),
+        ("X10.", "X10", 7, Fault::MissingPoint('X')),
+        ("F800.", "F800", 7, Fault::MissingPoint('F')),
+        ("Z5.", "Z5", 5, Fault::MissingPoint('Z')),
+        ("H1", "H1.", 5, Fault::UnexpectedPoint('H')),
+        ("P250", "P.25", 8, Fault::UnexpectedPoint('P')),
+    ];
+    for (from, to, line, fault) in cases {
+        assert!(whole.contains(from));
+        let error = read_as(&FANUC, &whole.replacen(from, to, 1)).unwrap_err();
+        assert_eq!(error, ReadError { line, fault }, "{from} {to}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_text_ends_in_steps_or_one_fault(text in "(?s)([GMXYZIJKFHPQSTN%(); \n.+-]|[0-9]|.){0,200}") {
-        let faults = Reader::new(&text, LIMIT_MM).filter(|placed| placed.is_err()).count();
-        prop_assert!(faults <= 1);
+        for dialect in DIALECTS {
+            for text in [text.clone(), format!("%\nO0001\n{text}")] {
+                let faults = Reader::new(&text, dialect, LIMIT_MM).filter(|placed| placed.is_err()).count();
+                prop_assert!(faults <= 1);
+            }
+        }
     }
 }

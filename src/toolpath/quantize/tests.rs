@@ -47,7 +47,8 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
     let grid = Grid::new(resolution);
     let step = grid.step_mm();
     let source = Curve::Arc(*arc);
-    let written = quantize(&source, resolution).unwrap();
+    let rounded = round(&source, resolution).unwrap();
+    let written = rounded.curves;
     let limit = MAX_DISPLACEMENT_STEPS * step + 1e-9;
     let (start, end) = (grid.round(&arc.start()).unwrap(), grid.round(&arc.end()).unwrap());
     assert_eq!(written.last().map_or(start, |block| block.end_units), end);
@@ -90,6 +91,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
         at = block.end_units;
         length += block.curve.length();
     }
+    assert!(rounded.displacement_mm <= limit);
     // And each point of the source is near the block that stands for its fraction, or a neighbour.
     for k in 0..=40 {
         let t = f64::from(k) / 40.0;
@@ -104,7 +106,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
             }
             from = to;
         }
-        assert!(off <= limit, "{off} {arc:?}");
+        assert!(off <= rounded.displacement_mm + 1e-8, "{off} {arc:?}");
     }
     assert!((length - arc.length()).abs() <= 8.0 * step * (1.0 + written.len() as f64) + 1e-3 * arc.length());
     written

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::thread;
 
-use super::program::Program;
+use super::binary::Program;
 use super::support::{MILL, connect, read_answer, write};
 
 const JOB: &str = include_str!("../../../openapi/examples/surfaces-mill/freeform.json");

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use super::program::Program;
+use super::binary::Program;
 use super::support::{MILL, connect, post_head, read_answer, write};
 
 #[test]

@@ -154,8 +154,13 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         work_offset: None,
     };
     let dialect = post::dialect("linuxcnc").unwrap();
-    let target =
-        ProgramJob { program: &program, tool: &job.tool, cutting: &plan.cutting, dialect, comments: &[] };
+    let target = ProgramJob {
+        program: &program,
+        tool: Some(&job.tool),
+        cutting: &plan.cutting,
+        dialect,
+        comments: &[],
+    };
     let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
     let links: Vec<Motion> =
@@ -163,7 +168,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
     let is_same = |a: &Motion, b: &Motion| [0.0, 1.0].iter().all(|&t| (a.at(t) - b.at(t)).amax() <= step);
     let plunge = plan.cutting.plunge_feed.mm_per_min();
     let is_plunge = |rate: FeedRate| (rate.mm_per_min() - plunge).abs() < 0.01 * plunge;
-    Reader::new(&text, 1.5 * step + 1e-9)
+    Reader::new(&text, dialect, 1.5 * step + 1e-9)
         .filter_map(|placed| match placed.unwrap().step {
             Step::Rapid { from, to } => {
                 let [from, to] = [from, to].map(|at| Some(Point3::new(at[0]?, at[1]?, at[2]?)));

@@ -114,7 +114,7 @@ impl Noise {
 /// The least of 1 - radius x curvature over dense samples within `reach` of `place` in x and y: at zero or
 /// below, the offset folds there.
 fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
-    let surface = Spline::through(grid_of(&job));
+    let surface = Spline::through(grid_of(job));
     let size = surface.size();
     let mut least = f64::INFINITY;
     for i in 0..=400 {

@@ -42,7 +42,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
         SectionPlane::Zx => 1,
         SectionPlane::Yz => 0,
     };
-    let surface = Spline::through(grid_of(&job));
+    let surface = Spline::through(grid_of(job));
     let passes = planned(plan);
     let text = written(job, plan);
     let moves = || passes.iter().flatten().copied();

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::curve::Direction;
 use toolpathd::geometry::plane::Plane;
+use toolpathd::post::dialect::{Dialect, Dwell};
 
 /// A program that takes the interpreter longer than this has hung it.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -25,6 +26,25 @@ pub enum Motion {
 /// Tools 1 to 99, without length: every program may use them.
 fn tool_table() -> String {
     (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect()
+}
+
+/// The text as this interpreter reads it: a line with nothing but the program's number, which it takes for a
+/// subroutine's, is left out, and a dwell in milliseconds is one in seconds.
+pub fn translated(text: &str, dialect: &Dialect) -> String {
+    let is_number = |line: &str| {
+        let digits = dialect.program_number.and_then(|number| line.strip_prefix(number.letter));
+        digits.is_some_and(|digits| digits.bytes().all(|c| c.is_ascii_digit()))
+    };
+    let mut lines: Vec<String> = Vec::new();
+    for line in text.lines().filter(|line| !is_number(line)) {
+        lines.push(match (dialect.dwell, line.split_once("G4 P")) {
+            (Dwell::Milliseconds, Some((before, count))) => {
+                format!("{before}G4 P{:.3}", count.parse::<f64>().unwrap_or(f64::NAN) / 1000.0)
+            }
+            _ => line.to_owned(),
+        });
+    }
+    lines.join("\n") + "\n"
 }
 
 /// Runs the interpreter on `text` and returns what the control would do.

@@ -4,6 +4,7 @@ use std::fmt;
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::curve::{Arc, Curve, Direction};
+use toolpathd::post::Dialect;
 use toolpathd::post::read::{Reader, Step};
 use toolpathd::toolpath::Toolpath;
 use toolpathd::toolpath::measure::measure;
@@ -142,12 +143,12 @@ fn as_written(along: &Curve, center: Option<Point3<f64>>, rate: FeedRate) -> Run
 }
 
 /// Motion by motion: the control does what our reader says the text says.
-pub fn with_text(text: &str, motions: &[Motion]) -> Result<Figures, String> {
+pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Figures, String> {
     let is_inch = text.contains("G20");
     // What the interpreter prints is rounded on each axis, for an arc in its ends and its centre.
     let printed = 2.0 * if is_inch { 25.4 * 0.5e-4 } else { 0.5e-4 } * 3f64.sqrt();
     let mut figures = Figures { motions: motions.len(), ..Figures::default() };
-    let mut steps = Reader::new(text, MISMATCH_LIMIT_MM);
+    let mut steps = Reader::new(text, dialect, MISMATCH_LIMIT_MM);
     for run in runs(motions) {
         let placed =
             steps.next().ok_or("the control moves on after our end")?.map_err(|error| error.to_string())?;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::curve::Direction;
 use toolpathd::geometry::plane::Plane;
-use toolpathd::toolpath::tool::{Coolant, Cutting, Tool};
+use toolpathd::toolpath::cutting::{Coolant, Cutting, CuttingRequest};
+use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::FeedRate;
 use toolpathd::toolpath::{Builder, Role, Toolpath};
 
@@ -58,19 +59,16 @@ pub fn case(seed: u64) -> Case {
     Case {
         toolpath: path.finish().unwrap_or_else(|error| unreachable!("{error}")),
         tool: Tool {
-            radius_mm: 3.0,
             number: 1 + random.below(99) as u32,
             length_offset: 1 + random.below(99) as u32,
+            ..Tool::ball(3.0)
         },
-        cutting: Cutting {
-            feed,
-            plunge_feed: feed,
-            rapid_feed: feed,
+        cutting: CuttingRequest {
             spindle_rpm: (random.unit() < 0.8).then(|| random.within(10.0, 20_000.0)),
             coolant: [Coolant::Off, Coolant::Flood, Coolant::Mist][random.below(3)],
-            clearance_z_mm: random.within(0.0, 60.0),
-            retract_z_mm: 0.0,
-        },
+            ..CuttingRequest::at_feed(feed)
+        }
+        .at_heights(random.within(0.0, 60.0), 0.0),
     }
 }
 

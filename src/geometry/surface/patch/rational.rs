@@ -251,11 +251,11 @@ fn curve_jet(points: &[Vector4<f64>; SIZE], n: usize, t: f64) -> [Vector4<f64>; 
 /// de Casteljau's halves of a curve of degree `n`.
 fn halves(points: &[Vector4<f64>; SIZE], n: usize) -> ([Vector4<f64>; SIZE], [Vector4<f64>; SIZE]) {
     let (mut low, mut high) = (*points, *points);
-    for step in 1..=n {
+    for (step, p) in low.iter_mut().enumerate().take(n + 1).skip(1) {
         for k in 0..=n - step {
             high[k] = (high[k] + high[k + 1]) * 0.5;
         }
-        low[step] = high[0];
+        *p = high[0];
     }
     (low, high)
 }

@@ -86,7 +86,10 @@ impl Nurbs {
         for (name, knots, degree, points) in
             [("knots_u", knots_u, *degree_u, size[0]), ("knots_v", knots_v, *degree_v, size[1])]
         {
-            check_knots(&at.field(name), knots, points + degree as usize + 1, violations);
+            // A wrong degree is to blame itself, not the number of knots.
+            let is_legal = (1..=MAX_DEGREE as u32).contains(&degree);
+            let expected = is_legal.then_some(points + degree as usize + 1);
+            check_knots(&at.field(name), knots, expected, violations);
         }
         if let Some(weights) = weights {
             let check_row = |at: &Pointer, row: &[f64], violations: &mut Violations| {
@@ -99,8 +102,8 @@ impl Nurbs {
     }
 }
 
-fn check_knots(at: &Pointer, knots: &[f64], expected: usize, violations: &mut Violations) {
-    if knots.len() != expected {
+fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violations: &mut Violations) {
+    if let Some(expected) = expected.filter(|expected| knots.len() != *expected) {
         let detail = format!("{} knots; control points and degree ask for {expected}", knots.len());
         violations.add(at, FieldCode::WrongLength, detail);
     }

@@ -101,6 +101,9 @@ impl From<WriteError> for ApiError {
             WriteError::Stopped(stopped) => stopped.into(),
             WriteError::Quantize(quantize) => quantize.into(),
             WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::ProgramNumber { number: _, max: _ } => out_of_range(program.field("number"), detail),
+            // Fewer decimals leave more digits before the point.
+            WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
             WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
             WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
             // It may be the plunge feed, given or half of the other.

@@ -1,0 +1,172 @@
+//! A toolpath as it is sent: the object that answers hold, read back.
+
+use nalgebra::Point3;
+use serde::Deserialize;
+
+use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
+use super::moves::{ArcMove, DwellMove, LineMove, Move, RapidMove, Role};
+use super::point::Point;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use crate::toolpath::cutting::CuttingRequest;
+use crate::toolpath::near_arc::{NearArc, near_arc};
+use crate::toolpath::path::{Builder, PathError, Toolpath};
+use crate::toolpath::units::FeedRate;
+
+/// The longest pause, s.
+const MAX_DWELL_S: f64 = 86_400.0;
+
+/// A toolpath of the caller.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SentToolpath {
+    start: Point,
+    passes: Vec<SentPass>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SentPass {
+    level: Option<u32>,
+    moves: Vec<Move>,
+}
+
+/// What is needed to read moves that leave something out.
+pub struct Reading<'a> {
+    /// Feeds of moves that have none of their own.
+    pub cutting: Option<&'a CuttingRequest>,
+    /// How far the centre of an arc may be off, mm.
+    pub arc_tolerance_mm: f64,
+    pub max_moves: usize,
+}
+
+/// A toolpath that was read.
+#[derive(Debug)]
+pub struct Read {
+    pub toolpath: Toolpath,
+    /// Upper bound for the distance between the arcs as sent and the exact ones, mm.
+    pub moved_mm: f64,
+}
+
+impl SentToolpath {
+    /// The toolpath, or nothing with the reasons in `violations`.
+    pub fn convert(self, at: &Pointer, reading: &Reading, violations: &mut Violations) -> Option<Read> {
+        let Self { start, passes } = self;
+        let at_passes = at.field("passes");
+        let moves: usize = passes.iter().map(|pass| pass.moves.len()).sum();
+        if moves > reading.max_moves {
+            let detail = format!("{moves} moves; at most {} are allowed", reading.max_moves);
+            violations.add(&at_passes, FieldCode::LimitExceeded, detail);
+            return None;
+        }
+        let before = violations.total();
+        check_point(&start, || at.field("start"), violations);
+        let builder = Toolpath::builder(start.into());
+        let mut reader = Reader { builder, moved_mm: 0.0, reading, violations };
+        for (k, SentPass { level, moves }) in passes.into_iter().enumerate() {
+            reader.builder.begin_pass(level);
+            for (n, step) in moves.iter().enumerate() {
+                reader.step(step, || at_passes.index(k).field("moves").index(n));
+            }
+        }
+        let Reader { builder, moved_mm, violations, .. } = reader;
+        let toolpath = builder.finish().ok()?;
+        (violations.total() == before).then_some(Read { toolpath, moved_mm })
+    }
+}
+
+/// Reads move by move. After a violation the tool is still taken to where it was sent, so that one fault is not
+/// reported again by the moves behind it; the toolpath is then thrown away.
+struct Reader<'a> {
+    builder: Builder,
+    moved_mm: f64,
+    reading: &'a Reading<'a>,
+    violations: &'a mut Violations,
+}
+
+impl Reader<'_> {
+    /// Pointers are built for moves to blame alone: a toolpath has very many.
+    fn step(&mut self, step: &Move, at: impl Fn() -> Pointer) {
+        match step {
+            Move::Rapid(RapidMove { to, .. }) => {
+                check_point(to, || at().field("to"), self.violations);
+                let added = self.builder.rapid((*to).into());
+                self.blame(added, at);
+            }
+            Move::Line(LineMove { to, feed_mm_per_min, role, .. }) => {
+                check_point(to, || at().field("to"), self.violations);
+                let rate = self.feed(*feed_mm_per_min, *role, &at);
+                self.line(to, rate, *role, at);
+            }
+            Move::Arc(arc) => self.arc(arc, at),
+            Move::Dwell(DwellMove { seconds, .. }) => {
+                let range = Range { min: 0.0, max: MAX_DWELL_S };
+                if (range.min..=range.max).contains(seconds) {
+                    let added = self.builder.dwell(*seconds);
+                    self.blame(added, at);
+                } else {
+                    self.violations.number(&at().field("seconds"), *seconds, range, "s");
+                }
+            }
+        }
+    }
+
+    fn line(&mut self, to: &Point, rate: FeedRate, role: Role, at: impl Fn() -> Pointer) {
+        let added = self.builder.line((*to).into(), rate, role.into());
+        self.blame(added, at);
+    }
+
+    fn arc(&mut self, arc: &ArcMove, at: impl Fn() -> Pointer) {
+        let &ArcMove { to, center, plane, direction, feed_mm_per_min, role, .. } = arc;
+        check_point(&to, || at().field("to"), self.violations);
+        check_point(&center, || at().field("center"), self.violations);
+        let rate = self.feed(feed_mm_per_min, role, &at);
+        let turn = (plane.into(), direction.into());
+        let (start, end) = (self.builder.at(), Point3::from(to));
+        match near_arc(turn, start, end, center.into(), self.reading.arc_tolerance_mm) {
+            Ok(NearArc { arcs, moved_mm }) => {
+                self.moved_mm = self.moved_mm.max(moved_mm);
+                for arc in arcs {
+                    let added = self.builder.arc(arc.end(), arc.center(), turn, rate, role.into());
+                    self.blame(added, &at);
+                }
+            }
+            Err(error) => {
+                self.violations.add(&at(), FieldCode::NoArc, error.to_string());
+                self.line(&to, rate, role, at);
+            }
+        }
+    }
+
+    /// The feed of a move. After a violation it is any.
+    fn feed(&mut self, own: Option<f64>, role: Role, at: &impl Fn() -> Pointer) -> FeedRate {
+        let by_role = self.reading.cutting.map(|cutting| cutting.feed_of(role.into()));
+        match (own, by_role) {
+            (Some(own), _) => {
+                if !(Range::POSITIVE.min..=Range::POSITIVE.max).contains(&own) {
+                    let at = at().field("feed_mm_per_min");
+                    self.violations.number(&at, own, Range::POSITIVE, "mm/min");
+                }
+                FeedRate::from_mm_per_min(own).unwrap_or(FeedRate::DEFAULT_RAPID)
+            }
+            (None, Some(by_role)) => by_role,
+            (None, None) => {
+                let detail = "the move has no `feed_mm_per_min` and the request no `cutting`";
+                self.violations.add(&at().field("feed_mm_per_min"), FieldCode::FeedRequired, detail);
+                FeedRate::DEFAULT_RAPID
+            }
+        }
+    }
+
+    fn blame(&mut self, added: Result<(), PathError>, at: impl Fn() -> Pointer) {
+        if let Err(error) = added {
+            self.violations.add(&at(), FieldCode::NoArc, error.to_string());
+        }
+    }
+}
+
+fn check_point(point: &Point, at: impl Fn() -> Pointer, violations: &mut Violations) {
+    for (axis, value) in point.0.into_iter().enumerate().filter(|(_, x)| x.abs() > MAX_MAGNITUDE_MM) {
+        violations.number(&at().index(axis), value, Range::COORDINATE, "mm");
+    }
+}

@@ -1,0 +1,201 @@
+//! What a program says to people before its first block: a page at most.
+//!
+//! Lengths and feeds are in the units of the program. User text is cleaned where it is written, like all other.
+
+use std::fmt::Write;
+
+use super::lower::Lowered;
+use super::words::{self, FeedWord};
+use super::{ProgramJob, WriteError};
+use crate::toolpath::cutting::{Caution, Coolant};
+use crate::toolpath::measure::{Bounds, measure};
+use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::path::{Move, Role, Toolpath};
+use crate::toolpath::program::Units;
+use crate::toolpath::tool::{Shape, Tool};
+
+/// Notes beyond this many are only counted.
+const MAX_NOTES: usize = 40;
+
+/// One comment: a fixed label and the text behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remark {
+    pub label: &'static str,
+    pub text: String,
+}
+
+/// Every remark about a program, in order.
+///
+/// # Errors
+/// When a feed cannot be written.
+pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Result<Vec<Remark>, WriteError> {
+    let unit = Unit::of(job);
+    let mut remarks = Vec::new();
+    let mut say = |label, text: String| remarks.push(Remark { label, text });
+    if let Some(name) = &job.program.name {
+        say("PROGRAM", name.clone());
+    }
+    for note in job.comments.iter().take(MAX_NOTES) {
+        say("NOTE", note.clone());
+    }
+    if job.comments.len() > MAX_NOTES {
+        say("NOTE", format!("{} MORE ARE LEFT OUT", job.comments.len() - MAX_NOTES));
+    }
+    say("WRITTEN", written(job, &unit));
+    if let Some(tool) = job.tool {
+        say("TOOL", tool_text(tool, &unit));
+    }
+    let feeds = feeds(toolpath, job)?;
+    if !feeds.is_empty() {
+        say("FEED", format!("{feeds} {} PER MIN", unit.name));
+    }
+    say("SPINDLE", spindle(job));
+    let measures = measure(toolpath, job.cutting.rapid_feed);
+    say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
+    let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
+    say("TIME", format!("{} - WITH ACCELERATION {}", clock(measures.total_time_s), clock(with_ramps)));
+    say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", up(lowered.displacement_mm)));
+    for caution in job.cutting.cautions(job.tool) {
+        say("WARNING", caution_text(caution));
+    }
+    Ok(remarks)
+}
+
+/// The units of the program, for figures.
+struct Unit {
+    name: &'static str,
+    mm: f64,
+    decimals: u8,
+}
+
+impl Unit {
+    fn of(job: &ProgramJob) -> Self {
+        let resolution = job.program.resolution;
+        let name = match resolution.units {
+            Units::Mm => "MM",
+            Units::Inch => "INCH",
+        };
+        Self { name, mm: resolution.units.mm(), decimals: resolution.decimals }
+    }
+
+    fn length(&self, mm: f64) -> String {
+        let mut text = String::new();
+        let digits = (mm / self.mm * 10f64.powi(i32::from(self.decimals))).round() as i64;
+        words::push_fixed(&mut text, digits, self.decimals);
+        text
+    }
+}
+
+fn written(job: &ProgramJob, unit: &Unit) -> String {
+    let mut text = format!("FOR {} - {} - {} DECIMALS", job.dialect.name, unit.name, unit.decimals);
+    if let Some(number) = job.program.work_offset {
+        let _ = write!(text, " - WORK OFFSET G{number}");
+    }
+    text
+}
+
+fn tool_text(tool: &Tool, unit: &Unit) -> String {
+    let &Tool { shape, radius_mm, number, length_offset } = tool;
+    let (shape, corner) = match shape {
+        Shape::Ball => ("BALL", None),
+        Shape::Flat => ("FLAT", None),
+        Shape::BullNose { corner_radius_mm } => ("BULL NOSE", Some(corner_radius_mm)),
+    };
+    let corner = corner.map_or(String::new(), |mm| format!(" CORNER RADIUS {}", unit.length(mm)));
+    let diameter = unit.length(2.0 * radius_mm);
+    format!("T{number} H{length_offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
+}
+
+/// The feeds of every role that occurs, as they will be written; a range where there are several.
+fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
+    const ROLES: [(Role, &str); 6] = [
+        (Role::Cut, "CUT"),
+        (Role::Plunge, "PLUNGE"),
+        (Role::Ramp, "RAMP"),
+        (Role::LeadIn, "LEAD-IN"),
+        (Role::Link, "LINK"),
+        (Role::LeadOut, "LEAD-OUT"),
+    ];
+    let mut ranges = [None; ROLES.len()];
+    for step in toolpath.moves() {
+        let Move::Feed { rate, role, .. } = step else { continue };
+        for (range, _) in ranges.iter_mut().zip(ROLES).filter(|(_, (of, _))| of == role) {
+            let (least, most) = range.unwrap_or((*rate, *rate));
+            *range =
+                Some((if *rate < least { *rate } else { least }, if *rate > most { *rate } else { most }));
+        }
+    }
+    let mut parts = Vec::new();
+    for (range, (_, name)) in ranges.into_iter().zip(ROLES) {
+        let Some((least, most)) = range else { continue };
+        let [least, most] = [least, most].map(|rate| words::feed(rate, job.program.resolution.units));
+        let (least, most) = (least?, most?);
+        let number = |FeedWord { digits, decimals }: FeedWord| {
+            let mut text = String::new();
+            words::push_fixed(&mut text, digits, decimals);
+            text
+        };
+        let to = if least == most { String::new() } else { format!(" TO {}", number(most)) };
+        parts.push(format!("{name} {}{to}", number(least)));
+    }
+    Ok(parts.join(" "))
+}
+
+fn spindle(job: &ProgramJob) -> String {
+    let speed = match job.cutting.spindle_rpm {
+        Some(rpm) => format!("{} RPM", rpm.round()),
+        None => "NOT STARTED".into(),
+    };
+    let coolant = match job.cutting.coolant {
+        Coolant::Off => "OFF",
+        Coolant::Flood => "FLOOD",
+        Coolant::Mist => "MIST",
+    };
+    format!("{speed} - COOLANT {coolant}")
+}
+
+/// The box of all motion, that to the clearance plane included.
+fn range(bounds: &Bounds, clearance_z_mm: f64, unit: &Unit) -> String {
+    let Bounds { min, mut max } = *bounds;
+    max.z = max.z.max(clearance_z_mm);
+    let along = |axis: usize| format!("{} TO {}", unit.length(min[axis]), unit.length(max[axis]));
+    format!("X {} Y {} Z {} {}", along(0), along(1), along(2), unit.name)
+}
+
+fn clock(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
+    match (hours, minutes) {
+        (0, 0) => format!("{seconds} S"),
+        (0, _) => format!("{minutes} MIN {seconds} S"),
+        _ => format!("{hours} H {minutes} MIN {seconds} S"),
+    }
+}
+
+fn caution_text(caution: Caution) -> String {
+    match caution {
+        Caution::NoSpindleSpeed => "NO SPINDLE SPEED WAS GIVEN - THIS PROGRAM STARTS NO SPINDLE".into(),
+        Caution::LengthOffsetDiffers { number, length_offset } => {
+            format!("TOOL T{number} IS CUT WITH THE LENGTH OFFSET H{length_offset}")
+        }
+    }
+}
+
+/// Rounded up to the four decimals that are shown.
+fn up(mm: f64) -> f64 {
+    (mm * 1e4).ceil() / 1e4
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_told_as_a_clock_tells_them() {
+        for (seconds, text) in
+            [(0.2, "0 S"), (59.6, "1 MIN 0 S"), (3599.4, "59 MIN 59 S"), (7322.0, "2 H 2 MIN 2 S")]
+        {
+            assert_eq!(clock(seconds), text);
+        }
+    }
+}

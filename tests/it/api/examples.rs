@@ -1,0 +1,146 @@
+//! Every example of every endpoint, in every form the endpoint offers and every dialect there is.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use toolpathd::http::contract;
+use toolpathd::post::DIALECTS;
+
+use super::support::{app, post};
+
+/// One file of `openapi/examples`: its endpoint, its name and its body.
+struct Example {
+    path: String,
+    name: String,
+    body: Value,
+}
+
+impl Example {
+    fn in_dialect(&self, dialect: &str) -> String {
+        let mut body = self.body.clone();
+        body["program"]["dialect"] = json!(dialect);
+        body.to_string()
+    }
+}
+
+/// The folder `surfaces-mill` holds the bodies of `/v1/surfaces/mill`.
+fn examples() -> Vec<Example> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("openapi/examples");
+    let entries = |folder: &Path| {
+        let mut paths: Vec<_> =
+            fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+        paths.sort();
+        paths
+    };
+    let stem = |path: &Path| path.file_stem().and_then(|stem| stem.to_str()).expect("a name").to_owned();
+    let mut examples = Vec::new();
+    for folder in entries(&root) {
+        let (noun, verb) =
+            stem(&folder).rsplit_once('-').map(|(n, v)| (n.to_owned(), v.to_owned())).expect("a path");
+        for file in entries(&folder) {
+            let text = fs::read_to_string(&file).expect("a text");
+            let body = serde_json::from_str(&text).expect("JSON");
+            examples.push(Example { path: format!("/v1/{noun}/{verb}"), name: stem(&file), body });
+        }
+    }
+    assert!(examples.len() >= 8);
+    examples
+}
+
+/// The values of the query parameter `format` that the contract has for `path`.
+fn formats(document: &Value, path: &str) -> Vec<String> {
+    let parameters = document["paths"][path]["post"]["parameters"].as_array().expect("parameters");
+    let format = parameters.iter().find(|parameter| parameter["name"] == "format").expect("a format");
+    let values = format["schema"]["enum"].as_array().expect("values");
+    values.iter().map(|value| value.as_str().expect("a name").to_owned()).collect()
+}
+
+#[test]
+fn the_contract_shows_every_example_of_every_endpoint() {
+    let document: Value = serde_json::from_str(&contract()).expect("JSON");
+    let examples = examples();
+    for (path, item) in document["paths"].as_object().expect("paths") {
+        let Some(body) = item.pointer("/post/requestBody/content/application~1json") else { continue };
+        let shown = body["examples"].as_object().unwrap_or_else(|| panic!("{path} shows no example"));
+        let own: Vec<_> = examples.iter().filter(|example| example.path == *path).collect();
+        assert_eq!(shown.len(), own.len(), "{path}");
+        for example in own {
+            assert_eq!(shown[&example.name]["value"], example.body, "{path} {}", example.name);
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_example_answers_in_every_form() {
+    let app = app(&["--workers", "1"]);
+    let document: Value = serde_json::from_str(&contract()).expect("JSON");
+    for Example { path, name, body } in examples() {
+        for format in formats(&document, &path) {
+            let (media_type, start) = match format.as_str() {
+                "json" => ("application/json", "{\"engine_version\""),
+                "gcode" => ("text/x-gcode", ""),
+                "svg" => ("image/svg+xml", "<svg"),
+                "html" => ("text/html", "<!DOCTYPE"),
+                "events" => ("text/event-stream", "event: progress"),
+                other => panic!("{other} is not tested"),
+            };
+            let query = format!("{path}?format={format}");
+            let id = ("x-request-id", "one");
+            let by_query = post(&app, &query, body.to_string(), &[id]).await;
+            assert_eq!(by_query.status, 200, "{path} {name} {format}");
+            assert!(by_query.header("content-type").starts_with(media_type), "{path} {name} {format}");
+            assert!(by_query.body.starts_with(start.as_bytes()), "{path} {name} {format}");
+            let by_header = post(&app, &path, body.to_string(), &[("accept", media_type), id]).await;
+            if format != "events" {
+                assert_eq!(by_header.body, by_query.body, "{path} {name} {format}");
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_answer_in_json_has_the_members_of_the_contract() {
+    let app = app(&["--workers", "1"]);
+    for Example { path, name, body } in examples() {
+        let query = format!("{path}?format=json");
+        let json = post(&app, &query, body.to_string(), &[("x-request-id", "one")]).await.json();
+        assert_eq!(
+            (&json["request_id"], &json["engine_version"]),
+            (&json!("one"), &json!(env!("CARGO_PKG_VERSION")))
+        );
+        assert_eq!(json.get("meta"), body.get("meta"), "{path} {name}");
+        assert!(json["warnings"].is_array() && json["report"].is_object(), "{path} {name}");
+        let has_path = path != "/v1/surfaces/model";
+        assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}");
+        let whole = post(&app, &format!("{query}&toolpath=true"), body.to_string(), &[]).await.json();
+        assert_eq!(whole["toolpath"]["passes"][0]["moves"][0]["kind"].is_string(), has_path, "{path} {name}");
+        let bare = post(&app, &format!("{query}&toolpath=false"), body.to_string(), &[]).await.json();
+        assert!(bare.get("toolpath").is_none() && bare["measures"] == json["measures"], "{path} {name}");
+    }
+}
+
+#[tokio::test]
+async fn every_program_is_text_under_the_name_it_was_asked_by_in_every_dialect() {
+    let app = app(&["--workers", "1"]);
+    for example in examples().into_iter().filter(|example| example.path != "/v1/surfaces/model") {
+        let Example { path, name, .. } = &example;
+        for dialect in DIALECTS {
+            let body = example.in_dialect(dialect.name);
+            let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
+            assert_eq!(by_query.status, 200, "{path} {name} {}", dialect.name);
+            assert_eq!(by_query.header("content-type"), "text/x-gcode; charset=us-ascii");
+            let disposition = by_query.header("content-disposition");
+            assert!(
+                disposition.starts_with("attachment; filename=\"") && disposition.ends_with('"'),
+                "{disposition}"
+            );
+            assert!(by_query.body.is_ascii());
+            for media_type in ["text/x.gcode", "application/x-gcode", "text/plain"] {
+                let answer = post(&app, path, body.clone(), &[("accept", media_type)]).await;
+                assert_eq!(answer.header("content-type"), format!("{media_type}; charset=us-ascii"));
+                assert_eq!(answer.body, by_query.body, "{path} {name} {}", dialect.name);
+            }
+        }
+    }
+}

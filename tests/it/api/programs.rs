@@ -1,0 +1,338 @@
+//! Writing programs: the examples in every representation and dialect, and what is refused.
+
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use toolpathd::post::read::{Reader, Step};
+use toolpathd::post::{self, DIALECTS};
+
+use super::support::{Answer, MILL, app, get, post};
+
+const WRITE: &str = "/v1/programs/write";
+
+const EXAMPLES: [(&str, &str); 3] = [
+    ("contour", include_str!("../../../openapi/examples/programs-write/contour.json")),
+    ("inch-fanuc", include_str!("../../../openapi/examples/programs-write/inch-fanuc.json")),
+    ("one-line", include_str!("../../../openapi/examples/programs-write/one-line.json")),
+];
+
+const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
+
+fn example(name: &str) -> Value {
+    let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).expect("an example");
+    serde_json::from_str(text).expect("JSON")
+}
+
+async fn write(body: &Value) -> Answer {
+    post(&app(&["--workers", "1"]), WRITE, body.to_string(), &[]).await
+}
+
+/// The example `name` with one member replaced.
+fn with(name: &str, pointer: &str, value: Value) -> Value {
+    let mut body = example(name);
+    let (parent, member) = pointer.rsplit_once('/').expect("a pointer");
+    if body.pointer(parent).is_none() {
+        body[parent.trim_start_matches('/')] = json!({});
+    }
+    let parent = body.pointer_mut(parent).expect("a member");
+    match parent {
+        Value::Array(elements) => elements[member.parse::<usize>().expect("an index")] = value,
+        parent => parent[member] = value,
+    }
+    body
+}
+
+#[tokio::test]
+async fn every_example_answers_in_every_representation_and_dialect() {
+    let app = app(&["--workers", "1"]);
+    for (name, _) in EXAMPLES {
+        for dialect in DIALECTS {
+            let body = with(name, "/program/dialect", json!(dialect.name)).to_string();
+            let nc = post(&app, WRITE, body.clone(), &[]).await;
+            assert_eq!(nc.status, 200, "{name} {}", dialect.name);
+            assert_eq!(nc.header("content-type"), "text/x-gcode; charset=us-ascii");
+            let ending = format!(".{}\"", dialect.file_extension);
+            assert!(nc.header("content-disposition").ends_with(&ending), "{name} {}", dialect.name);
+            for (format, content_type) in
+                [("json", "application/json"), ("svg", "image/svg+xml"), ("html", "text/html")]
+            {
+                let answer = post(&app, &format!("{WRITE}?format={format}"), body.clone(), &[]).await;
+                assert_eq!(answer.status, 200, "{name} {format}");
+                assert!(answer.header("content-type").starts_with(content_type), "{name} {format}");
+            }
+            let json = post(&app, WRITE, body, &[("accept", "application/json")]).await.json();
+            assert_eq!(json["nc"].as_str().map(str::as_bytes), Some(nc.body.as_slice()), "{name}");
+            certificate_holds(&json, dialect);
+        }
+    }
+}
+
+/// The figures of a report are those of the text beside it.
+fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
+    let (report, nc) = (&answer["report"], answer["nc"].as_str().expect("a text"));
+    let unit = if report["units"] == "inch" { 25.4 } else { 1.0 };
+    let decimals = i32::try_from(report["decimals"].as_i64().expect("a number")).expect("few");
+    let limit_mm = 1.5 * unit / 10f64.powi(decimals);
+    let steps: Vec<Step> =
+        Reader::new(nc, dialect, limit_mm).map(|placed| placed.expect("a legal text").step).collect();
+    assert_eq!(report["n_blocks"], steps.len());
+    assert_eq!(report["n_bytes"], nc.len());
+    assert_eq!(report["dialect"], dialect.name);
+    let largest = steps.iter().fold(0f64, |largest, step| match step {
+        Step::Feed { radius_mismatch_mm, .. } => largest.max(*radius_mismatch_mm),
+        Step::Rapid { .. } | Step::Dwell { .. } => largest,
+    });
+    let figure = |name: &str| report[name].as_f64().expect("a figure");
+    assert!((figure("radius_mismatch_max_mm") - largest).abs() < 1e-9);
+    assert!(figure("deviation_max_mm") <= limit_mm + figure("arc_adjustment_max_mm"));
+    assert!(figure("arc_adjustment_max_mm") <= limit_mm);
+    let measures = &answer["measures"];
+    let times = ["total_time_s", "time_with_acceleration_s"].map(|name| measures[name].as_f64().expect(name));
+    assert!(times[1] > times[0] && times[1] < 2.0 * times[0], "{times:?}");
+}
+
+#[tokio::test]
+async fn what_mill_answers_is_written_as_mill_writes_it() {
+    let app = app(&["--workers", "1"]);
+    let milled = post(&app, MILL, DIE, &[]).await.json();
+    let job: Value = serde_json::from_str(DIE).expect("JSON");
+    let body = json!({
+        "toolpath": milled["toolpath"], "tool": job["tool"], "cutting": job["cutting"],
+        "program": job["program"], "meta": job["meta"],
+    });
+    let blocks = |answer: Answer| -> Vec<String> {
+        let text = String::from_utf8(answer.body).expect("ASCII");
+        text.lines().filter(|line| !line.starts_with('(')).map(str::to_owned).collect()
+    };
+    let own = blocks(post(&app, &format!("{MILL}?format=gcode"), DIE, &[]).await);
+    assert!(own.len() > 100);
+    assert_eq!(blocks(post(&app, WRITE, body.to_string(), &[]).await), own);
+    let report = post(&app, &format!("{WRITE}?format=json"), body.to_string(), &[]).await.json();
+    assert_eq!(report["report"]["arc_adjustment_max_mm"], 0.0);
+}
+
+#[tokio::test]
+async fn moves_are_refused_where_they_are_wrong() {
+    let moves = "/toolpath/passes/0/moves";
+    for (place, value, code, blamed) in [
+        ("/3/to/1", json!("9"), "wrong_type", "/3/to/1"),
+        ("/3/to", json!([1, 2]), "wrong_length", "/3/to"),
+        ("/3/to/1", json!(2e6), "too_large", "/3/to/1"),
+        ("/3/kind", json!("parabola"), "unsupported", "/3/kind"),
+        ("/3/kind", json!("spline"), "unsupported", "/3/kind"),
+        ("/3/kind", json!("curve"), "unknown_value", "/3/kind"),
+        ("/3/axis", json!([0, 0, 1]), "unsupported", "/3/axis"),
+        ("/3/role", json!("cutting"), "unknown_value", "/3/role"),
+        ("/3/feed_mm_per_min", json!(0), "out_of_range", "/3/feed_mm_per_min"),
+        ("/0/feed_mm_per_min", json!(9), "unknown_field", "/0/feed_mm_per_min"),
+        ("/3", json!({ "kind": "dwell", "seconds": -1 }), "out_of_range", "/3/seconds"),
+        ("/3", json!({ "kind": "dwell", "seconds": 1e5 }), "out_of_range", "/3/seconds"),
+        ("/3", json!({ "to": [0, 0, 0] }), "missing_field", "/3/kind"),
+        ("/3", json!({ "kind": "line" }), "missing_field", "/3/to"),
+        ("/3", json!(7), "wrong_type", "/3"),
+        ("/4/plane", json!("xz"), "unknown_value", "/4/plane"),
+        ("/4/center/0", json!(20.1), "no_arc", "/4"),
+        ("/4/center/2", json!(-2), "no_arc", "/4"),
+        ("/4/center", json!([20, -20, -3]), "no_arc", "/4"),
+        ("/4/center/0", json!(-1e7), "too_large", "/4/center/0"),
+    ] {
+        let answer = write(&with("contour", &format!("{moves}{place}"), value.clone())).await;
+        assert_eq!(answer.status, 422, "{place} {value}");
+        let found = answer.violations();
+        let wanted = (code.to_owned(), format!("#{moves}{blamed}"));
+        assert_eq!(found.first(), Some(&wanted), "{place} {value}");
+    }
+    let answer = write(&with("contour", &format!("{moves}/4/center/0"), json!(20.1))).await;
+    let detail = answer.problem()["errors"][0]["detail"].as_str().expect("a detail").to_owned();
+    assert!(detail.contains("10.0004") && detail.contains("9.89"), "{detail}");
+}
+
+#[tokio::test]
+async fn all_violations_come_at_once() {
+    let mut body = example("contour");
+    let moves = "/toolpath/passes/0/moves";
+    body["toolpath"]["start"][2] = json!(-2e6);
+    *body.pointer_mut(&format!("{moves}/3/to/0")).expect("a member") = json!(3e6);
+    *body.pointer_mut(&format!("{moves}/6/center/0")).expect("a member") = json!(20.5);
+    body["tool"] = json!({ "shape": "bull_nose", "diameter_mm": 8, "corner_radius_mm": 5 });
+    body["cutting"]["link_feed_mm_per_min"] = json!(-3);
+    body["cutting"]["acceleration_mm_per_s2"] = json!(0);
+    body["program"] = json!({ "dialect": "fanuc", "number": 10_000 });
+    let found: Vec<String> = write(&body).await.violations().into_iter().map(|(_, at)| at).collect();
+    for wanted in [
+        "#/program/number",
+        "#/cutting/link_feed_mm_per_min",
+        "#/cutting/acceleration_mm_per_s2",
+        "#/tool/corner_radius_mm",
+        "#/toolpath/start/2",
+        "#/toolpath/passes/0/moves/3/to/0",
+        "#/toolpath/passes/0/moves/6",
+    ] {
+        assert!(found.iter().any(|at| at == wanted), "{wanted} is not among {found:?}");
+    }
+}
+
+#[tokio::test]
+async fn tools_programs_and_heights_are_checked() {
+    let long = "x".repeat(1001);
+    for (place, value, code, blamed) in [
+        (
+            "/tool",
+            json!({ "shape": "bull_nose", "diameter_mm": 8 }),
+            "missing_field",
+            "/tool/corner_radius_mm",
+        ),
+        ("/tool/corner_radius_mm", json!(1), "unknown_field", "/tool/corner_radius_mm"),
+        ("/program/dialect", json!("klingon"), "unknown_dialect", "/program/dialect"),
+        ("/program/name", json!(long), "too_long", "/program/name"),
+        ("/meta/part_id", json!(long), "too_long", "/meta/part_id"),
+        ("/cutting/clearance_z_mm", json!(-30), "", ""),
+        ("/toolpath/start/2", json!(-3), "", ""),
+    ] {
+        let answer = write(&with("contour", place, value.clone())).await;
+        if code.is_empty() {
+            // Either of the two heights is above the cut.
+            assert_eq!(answer.status, 200, "{place}");
+        } else {
+            let wanted = (code.to_owned(), format!("#{blamed}"));
+            assert_eq!(answer.violations(), [wanted], "{place} {value}");
+        }
+    }
+    let mut low = with("contour", "/cutting/clearance_z_mm", json!(-30));
+    low["toolpath"]["start"][2] = json!(-3);
+    let wanted = ("height_below_top".to_owned(), "#/cutting/clearance_z_mm".to_owned());
+    assert_eq!(write(&low).await.violations(), [wanted]);
+}
+
+#[tokio::test]
+async fn a_feed_is_that_of_the_move_or_of_its_role_or_required() {
+    let mut body = example("contour");
+    let text = String::from_utf8(write(&body).await.body).expect("ASCII");
+    assert!(text.contains("CUT 800 RAMP 250 LEAD-OUT 800 MM PER MIN"), "{text}");
+    body["toolpath"]["passes"][0]["moves"][3]["feed_mm_per_min"] = json!(123);
+    let text = String::from_utf8(write(&body).await.body).expect("ASCII");
+    assert!(text.contains("G1 X20.000 F123\n"), "{text}");
+    body.as_object_mut().expect("an object").remove("cutting");
+    let answer = write(&body).await;
+    assert_eq!((answer.status.as_u16(), answer.code().as_str()), (422, "feed_required"));
+    let found = answer.violations();
+    assert_eq!(found.len(), 10);
+    let at = "#/toolpath/passes/0/moves/1/feed_mm_per_min".to_owned();
+    assert_eq!(found[0], ("feed_required".to_owned(), at));
+}
+
+#[tokio::test]
+async fn what_is_often_a_mistake_is_warned_of() {
+    let app = app(&["--workers", "1"]);
+    let mut body = example("one-line");
+    body["tool"] = json!({ "shape": "ball", "diameter_mm": 6, "number": 2, "length_offset": 3 });
+    let answer = post(&app, &format!("{WRITE}?format=json"), body.to_string(), &[]).await.json();
+    let codes: Vec<_> = answer["warnings"].as_array().expect("warnings").iter().map(|w| &w["code"]).collect();
+    assert_eq!(codes, ["no_spindle_speed", "length_offset_differs"]);
+    let text = answer["nc"].as_str().expect("a text");
+    assert_eq!(text.matches("(WARNING: ").count(), 2, "{text}");
+}
+
+#[tokio::test]
+async fn the_number_of_moves_is_limited_and_many_are_quick() {
+    let path = |n: usize| {
+        // Half circles of 2 mm and lines back, side by side.
+        let moves: Vec<Value> = (0..n)
+            .map(|k| {
+                let y = 0.001 * (k / 2) as f64;
+                if k % 2 == 0 {
+                    let (to, center) = (json!([2, y, 0]), json!([1, y, 0]));
+                    json!({ "kind": "arc", "to": to, "center": center, "plane": "xy", "direction": "cw",
+                            "feed_mm_per_min": 500 })
+                } else {
+                    json!({ "kind": "line", "to": [0, y + 0.001, 0], "feed_mm_per_min": 500 })
+                }
+            })
+            .collect();
+        json!({ "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": moves }] } })
+    };
+    let small = app(&["--workers", "1", "--max-moves", "10"]);
+    let refused = post(&small, WRITE, path(11).to_string(), &[]).await;
+    assert_eq!(refused.violations(), [("limit_exceeded".to_owned(), "#/toolpath/passes".to_owned())]);
+    assert_eq!(post(&small, WRITE, path(10).to_string(), &[]).await.status, 200);
+    assert_eq!(get(&small, "/v1/limits").await.json()["moves"], 10);
+    let body = path(120_000).to_string();
+    let begun = Instant::now();
+    assert_eq!(post(&app(&["--workers", "1"]), WRITE, body, &[]).await.status, 200);
+    assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+}
+
+#[tokio::test]
+async fn a_body_of_few_arcs_does_not_make_a_program_without_end() {
+    // Each circle of a kilometre is some hundred thousand chords.
+    let circle = json!({ "kind": "arc", "to": [0, 0, 0], "center": [900_000, 0, 0], "plane": "xy", "direction": "cw",
+                         "feed_mm_per_min": 500 });
+    let body = json!({ "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": vec![circle; 100] }] } });
+    let answer = write(&body).await;
+    assert_eq!((answer.status.as_u16(), answer.code().as_str()), (422, "limit_exceeded"));
+}
+
+#[tokio::test]
+async fn dialects_say_what_numbers_their_programs_may_have() {
+    let answer = get(&app(&["--workers", "1"]), "/v1/dialects").await.json();
+    let listed = answer["dialects"].as_array().expect("an array");
+    assert_eq!(listed.len(), DIALECTS.len());
+    for (dialect, listed) in DIALECTS.iter().zip(listed) {
+        assert_eq!(listed["name"], dialect.name);
+        let Some(number) = dialect.program_number else { continue };
+        assert_eq!(listed["max_program_number"], number.max);
+        for (value, status) in [(number.max, 200), (number.max + 1, 422)] {
+            let mut body = with("one-line", "/program", json!({ "dialect": dialect.name, "number": value }));
+            body["meta"] = json!({});
+            assert_eq!(write(&body).await.status, status, "{}", dialect.name);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever names and meta hold, the program beside its comments is the same.
+    #[test]
+    fn texts_of_the_caller_change_nothing_but_comments(
+        name in "(?s)([)%;(\r\n]|.){0,60}", key in "(?s).{0,20}", value in "(?s)[(]?(MSG|LOG|%|;|\u{fc}|\n|.){0,40}",
+        long: bool, dialect in prop::sample::select(DIALECTS),
+    ) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        let value = if long { format!("{value}{}", ")".repeat(900)) } else { value };
+        let mut plain = with("contour", "/program", json!({ "dialect": dialect.name }));
+        plain.as_object_mut().expect("an object").remove("meta");
+        let mut told = plain.clone();
+        told["program"]["name"] = json!(name);
+        told["meta"] = json!({ key: value });
+        let lines = |body: &Value| -> Vec<String> {
+            let answer = runtime.block_on(write(body));
+            assert_eq!(answer.status, 200);
+            let text = String::from_utf8(answer.body).expect("UTF-8");
+            assert!(text.is_ascii());
+            text.lines().map(str::to_owned).collect()
+        };
+        let is_remark = |line: &&String| line.starts_with('(') && line.find(')') == Some(line.len() - 1);
+        let (plain, told) = (lines(&plain), lines(&told));
+        let blocks = |lines: &[String]| -> Vec<String> { lines.iter().filter(|l| !is_remark(l)).cloned().collect() };
+        prop_assert_eq!(blocks(&plain), blocks(&told));
+        prop_assert!(told.len() - plain.len() <= 2);
+        for line in told.iter().filter(is_remark) {
+            let labelled = dialect.comment.separator;
+            prop_assert!(line.contains(labelled), "{line}");
+            for word in ["(LOG", "(DEBUG", "(PROBEOPEN", "(PRINT", "(MSG"] {
+                prop_assert!(!line.starts_with(word), "{line}");
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn ten_thousand_characters_are_refused_by_name() {
+    let long = "x)%\n".repeat(2500);
+    let mut body = with("contour", "/program/name", json!(long));
+    body["meta"] = json!({ "part_id": long });
+    let pointers: Vec<_> = write(&body).await.violations().into_iter().map(|(_, at)| at).collect();
+    assert_eq!(pointers, ["#/program/name", "#/meta/part_id"]);
+}

@@ -82,10 +82,7 @@ async fn pages_of_configured_origins_alone_may_call() {
     const ALLOW_ORIGIN: &str = "access-control-allow-origin";
     let (mes, set) = ("https://mes.example", ["--workers", "1", "--cors-origin", "https://mes.example"]);
     assert_eq!(allowed(&set, mes).await.header(ALLOW_ORIGIN), mes);
-    assert_eq!(
-        allowed(&set, mes).await.header("access-control-allow-headers").contains("content-type"),
-        true
-    );
+    assert!(allowed(&set, mes).await.header("access-control-allow-headers").contains("content-type"));
     assert_eq!(allowed(&set, "https://mes.example.evil").await.header(ALLOW_ORIGIN), "");
     assert_eq!(allowed(&["--workers", "1"], mes).await.header(ALLOW_ORIGIN), "");
     let problem = post(&app(&set), MILL, "{", &[("origin", mes)]).await;

@@ -146,7 +146,7 @@ impl<'a, P: Patch> Clearance<'a, P> {
         deepest: &mut Penetration,
         budget: &Budget,
     ) -> Result<(), Stopped> {
-        let mut open = Open { heap: BinaryHeap::new(), pairs: Vec::new() };
+        let mut open = Open { heap: BinaryHeap::new(), pairs: Vec::new(), free: Vec::new() };
         for (k, &(i, j)) in near.iter().enumerate() {
             if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
                 budget.check()?;
@@ -281,6 +281,8 @@ impl Enough {
 struct Open<P> {
     heap: BinaryHeap<(Bound, usize)>,
     pairs: Vec<Pair<P>>,
+    /// Places in `pairs` whose pair is done with.
+    free: Vec<usize>,
 }
 
 /// A bound in mm, ordered.
@@ -303,13 +305,24 @@ impl Ord for Bound {
 
 impl<P: Patch> Open<P> {
     fn push(&mut self, pair: Pair<P>) {
-        self.heap.push((Bound(pair.bound), self.pairs.len()));
-        self.pairs.push(pair);
+        let bound = Bound(pair.bound);
+        let place = match self.free.pop() {
+            Some(place) => {
+                self.pairs[place] = pair;
+                place
+            }
+            None => {
+                self.pairs.push(pair);
+                self.pairs.len() - 1
+            }
+        };
+        self.heap.push((bound, place));
     }
 
     fn pop(&mut self) -> Option<Pair<P>> {
-        let (_, k) = self.heap.pop()?;
-        Some(self.pairs[k])
+        let (_, place) = self.heap.pop()?;
+        self.free.push(place);
+        Some(self.pairs[place])
     }
 }
 

@@ -264,7 +264,7 @@ mod tests {
     }
 
     /// A quarter of a cylinder of radius 20 about y, 45 degrees to each side of the top, 30 mm long along v.
-    fn quarter() -> BezierSurface<RationalPatch> {
+    fn quarter() -> BezierSurface<RationalPatch<4>> {
         let w = 0.5f64.sqrt();
         let arc = [(-20.0 * w, 20.0 * w, 1.0), (0.0, 20.0 / w, w), (20.0 * w, 20.0 * w, 1.0)];
         BezierSurface::from_fn([1, 1], |_, _| {

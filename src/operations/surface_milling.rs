@@ -199,6 +199,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     match job.surface.surface()? {
         AnySurface::Bicubic(surface) => plan_on(surface, job, budget),
         AnySurface::Rational(surface) => plan_on(surface, job, budget),
+        AnySurface::HighDegree(surface) => plan_on(surface, job, budget),
     }
 }
 

@@ -81,6 +81,7 @@ pub fn model(job: &Job, budget: &Budget) -> Result<Model, Error> {
     let findings = match &surface {
         AnySurface::Bicubic(surface) => examine(surface, job, budget)?,
         AnySurface::Rational(surface) => examine(surface, job, budget)?,
+        AnySurface::HighDegree(surface) => examine(surface, job, budget)?,
     };
     let Findings { bounds, wires, curvature, not_smooth } = findings;
     let reduced = job.surface.reduced_ends().into_iter();
@@ -150,6 +151,7 @@ pub fn sketch(surface: &AnySurface) -> Vec<Wire> {
     match surface {
         AnySurface::Bicubic(surface) => sketch_of(surface),
         AnySurface::Rational(surface) => sketch_of(surface),
+        AnySurface::HighDegree(surface) => sketch_of(surface),
     }
 }
 

@@ -189,7 +189,7 @@ mod tests {
         let w = 0.5f64.sqrt();
         let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
         let quarter = BezierSurface::from_fn([1, 1], |_, _| {
-            RationalPatch::from_fn([2, 1], |a, b| {
+            RationalPatch::<4>::from_fn([2, 1], |a, b| {
                 let (x, z, w) = arc[a];
                 Vector4::new(x * w, 30.0 * b as f64 * w, z * w, w)
             })
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn a_pole_has_no_bound() {
         let pole = BezierSurface::from_fn([1, 1], |_, _| {
-            RationalPatch::from_fn([1, 2], |a, b| {
+            RationalPatch::<4>::from_fn([1, 2], |a, b| {
                 Vector4::new(a as f64, (a * b) as f64, 0.1 * (a * b * b) as f64, 1.0)
             })
         });

@@ -86,12 +86,14 @@ impl Nurbs {
             check_knots(knots, self.degree[along], size[along], along)?;
         }
         let spans = [0, 1].map(|along| extraction(&self.knots[along], self.degree[along], size[along]));
-        let patch = |i: usize, j: usize| self.patch([&spans[0][i], &spans[1][j]]);
+        let at = |i: usize, j: usize| [&spans[0][i], &spans[1][j]];
         let counts = [spans[0].len(), spans[1].len()];
-        Ok(if self.is_bicubic() {
-            AnySurface::Bicubic(BezierSurface::from_fn(counts, |i, j| raised(&patch(i, j))))
+        Ok(if self.degree.iter().any(|degree| *degree > 3) {
+            AnySurface::HighDegree(BezierSurface::from_fn(counts, |i, j| self.patch(at(i, j))))
+        } else if self.has_equal_weights() {
+            AnySurface::Bicubic(BezierSurface::from_fn(counts, |i, j| raised(&self.patch(at(i, j)))))
         } else {
-            AnySurface::Rational(BezierSurface::from_fn(counts, patch))
+            AnySurface::Rational(BezierSurface::from_fn(counts, |i, j| self.patch(at(i, j))))
         })
     }
 
@@ -113,13 +115,13 @@ impl Nurbs {
         (self.control_points[i][j].coords * weight).push(weight)
     }
 
-    fn is_bicubic(&self) -> bool {
+    fn has_equal_weights(&self) -> bool {
         let mut weights = self.weights.iter().flatten().flatten();
         let first = weights.next();
-        self.degree.iter().all(|degree| *degree <= 3) && weights.all(|weight| Some(weight) == first)
+        weights.all(|weight| Some(weight) == first)
     }
 
-    fn patch(&self, spans: [&Span; 2]) -> RationalPatch {
+    fn patch<const N: usize>(&self, spans: [&Span; 2]) -> RationalPatch<N> {
         let [u, v] = spans;
         RationalPatch::from_fn(self.degree, |a, b| {
             let mut sum = Vector4::zeros();
@@ -180,7 +182,7 @@ impl Nurbs {
 }
 
 /// A polynomial patch of degree up to 3 with equal weights, with its degree raised to 3 each way.
-fn raised(patch: &RationalPatch) -> BicubicPatch {
+fn raised(patch: &RationalPatch<4>) -> BicubicPatch {
     /// Rows: cubic control points; columns: those of the lower degree.
     const RAISES: [[[f64; 4]; 4]; 3] = {
         const T: f64 = 1.0 / 3.0;

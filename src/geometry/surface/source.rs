@@ -30,11 +30,14 @@ pub enum SourceError {
     Nurbs(#[from] NurbsError),
 }
 
-/// A surface of patches of either kind.
+/// A surface of patches of any kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AnySurface {
     Bicubic(BezierSurface<BicubicPatch>),
-    Rational(BezierSurface<RationalPatch>),
+    /// Of degree up to 3.
+    Rational(BezierSurface<RationalPatch<4>>),
+    /// Of a higher degree, rational or not.
+    HighDegree(BezierSurface<RationalPatch>),
 }
 
 impl Source {
@@ -84,6 +87,7 @@ impl Surface for AnySurface {
         match self {
             Self::Bicubic(surface) => surface.spans(),
             Self::Rational(surface) => surface.spans(),
+            Self::HighDegree(surface) => surface.spans(),
         }
     }
 
@@ -91,6 +95,7 @@ impl Surface for AnySurface {
         match self {
             Self::Bicubic(surface) => surface.jet(u, v),
             Self::Rational(surface) => surface.jet(u, v),
+            Self::HighDegree(surface) => surface.jet(u, v),
         }
     }
 }

@@ -189,8 +189,8 @@ impl From<&BicubicPatch> for Patch {
     }
 }
 
-impl From<&RationalPatch> for Patch {
-    fn from(patch: &RationalPatch) -> Self {
+impl<const N: usize> From<&RationalPatch<N>> for Patch {
+    fn from(patch: &RationalPatch<N>) -> Self {
         let [p, q] = patch.degree();
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
@@ -210,6 +210,7 @@ fn write_patches<S: Serializer>(surface: &Option<AnySurface>, serializer: S) -> 
         None => serializer.serialize_none(),
         Some(AnySurface::Bicubic(surface)) => serializer.collect_seq(rows(surface)),
         Some(AnySurface::Rational(surface)) => serializer.collect_seq(rows(surface)),
+        Some(AnySurface::HighDegree(surface)) => serializer.collect_seq(rows(surface)),
     }
 }
 

@@ -21,18 +21,19 @@ const SIZE: usize = MAX_DEGREE + 1;
 /// terms.
 const ROUNDING: f64 = 1e-13;
 
-/// A homogeneous control net over the unit square; mm. Entries beyond the degree are zero.
+/// A homogeneous control net over the unit square, with room for N control points each way; mm. Entries beyond the degree
+/// are zero. Patches are copied much: those of low degree are better off with little room.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RationalPatch {
+pub struct RationalPatch<const N: usize = SIZE> {
     degree: [usize; 2],
-    net: [[Vector4<f64>; SIZE]; SIZE],
+    net: [[Vector4<f64>; N]; N],
 }
 
-impl RationalPatch {
+impl<const N: usize> RationalPatch<N> {
     /// The patch with the control points `point(a, b)`, a along u, multiplied by their weights, which come last and are
-    /// above zero. Degrees are 1 to [`MAX_DEGREE`].
+    /// above zero. Degrees are 1 to N - 1.
     pub fn from_fn(degree: [usize; 2], point: impl Fn(usize, usize) -> Vector4<f64>) -> Self {
-        let mut net = [[Vector4::zeros(); SIZE]; SIZE];
+        let mut net = [[Vector4::zeros(); N]; N];
         for (a, row) in net.iter_mut().enumerate().take(degree[0] + 1) {
             for (b, p) in row.iter_mut().enumerate().take(degree[1] + 1) {
                 *p = point(a, b);
@@ -58,7 +59,7 @@ impl RationalPatch {
     /// The value and the derivatives by u, v, uu, uv, vv of the homogeneous polynomial.
     fn homogeneous_jet(&self, u: f64, v: f64) -> [Vector4<f64>; 6] {
         let [p, q] = self.degree;
-        let mut along_v = [[Vector4::zeros(); SIZE]; 3];
+        let mut along_v = [[Vector4::zeros(); N]; 3];
         for (a, row) in self.net.iter().enumerate().take(p + 1) {
             let [value, first, second] = curve_jet(row, q, v);
             (along_v[0][a], along_v[1][a], along_v[2][a]) = (value, first, second);
@@ -109,7 +110,7 @@ impl RationalPatch {
     }
 }
 
-impl Patch for RationalPatch {
+impl<const N: usize> Patch for RationalPatch<N> {
     fn jet(&self, u: f64, v: f64) -> Jet {
         let jet = self.homogeneous_jet(u, v);
         let [point, du, dv, duu, duv, dvv] = jet.map(|h| h.xyz());
@@ -126,7 +127,7 @@ impl Patch for RationalPatch {
 
     fn center(&self) -> Vector3<f64> {
         let [p, q] = self.degree;
-        let mut along_v = [Vector4::zeros(); SIZE];
+        let mut along_v = [Vector4::zeros(); N];
         for (sum, row) in along_v.iter_mut().zip(&self.net).take(p + 1) {
             *sum = curve_jet(row, q, 0.5)[0];
         }
@@ -201,11 +202,11 @@ impl Patch for RationalPatch {
         }
     }
 
-    fn bound_squares<const N: usize>(
+    fn bound_squares<const K: usize>(
         &self,
         origin: &Vector3<f64>,
-        axes: &[Vector3<f64>; N],
-        weights: &[f64; N],
+        axes: &[Vector3<f64>; K],
+        weights: &[f64; K],
     ) -> SquareBound {
         let mut squares = Product::zero(self.degree);
         let mut magnitude: f64 = 0.0;
@@ -228,7 +229,7 @@ fn in_space(h: &Vector4<f64>) -> Vector3<f64> {
 }
 
 /// Value, first and second derivative at `t` of the Bezier curve of degree `n`, at least 1, by de Casteljau's steps.
-fn curve_jet(points: &[Vector4<f64>; SIZE], n: usize, t: f64) -> [Vector4<f64>; 3] {
+fn curve_jet<const N: usize>(points: &[Vector4<f64>; N], n: usize, t: f64) -> [Vector4<f64>; 3] {
     let mut p = *points;
     let between = |a: Vector4<f64>, b: Vector4<f64>| a * (1.0 - t) + b * t;
     let degree = n as f64;
@@ -249,7 +250,7 @@ fn curve_jet(points: &[Vector4<f64>; SIZE], n: usize, t: f64) -> [Vector4<f64>; 
 }
 
 /// de Casteljau's halves of a curve of degree `n`.
-fn halves(points: &[Vector4<f64>; SIZE], n: usize) -> ([Vector4<f64>; SIZE], [Vector4<f64>; SIZE]) {
+fn halves<const N: usize>(points: &[Vector4<f64>; N], n: usize) -> ([Vector4<f64>; N], [Vector4<f64>; N]) {
     let (mut low, mut high) = (*points, *points);
     for (step, p) in low.iter_mut().enumerate().take(n + 1).skip(1) {
         for k in 0..=n - step {
@@ -267,7 +268,7 @@ mod tests {
     use super::*;
 
     /// A quarter of a cylinder of radius 10 about y, from x = 0 to x = 10, 30 mm long.
-    fn quarter_cylinder() -> RationalPatch {
+    fn quarter_cylinder() -> RationalPatch<4> {
         let w = 0.5f64.sqrt();
         let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
         RationalPatch::from_fn([2, 1], |a, b| {

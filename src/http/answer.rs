@@ -26,7 +26,7 @@ use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::program::Program;
-use crate::toolpath::tool::Tool;
+use crate::toolpath::tool::{Shape, Tool};
 
 /// The entry of `meta` by which a picture is called.
 const PART_ID: &str = "part_id";
@@ -166,9 +166,11 @@ fn program<R>(
 }
 
 fn picture<R>(outcome: &Outcome<R>) -> String {
+    let mut notes = notes(outcome);
+    notes.extend(outcome.cut.iter().flat_map(setup));
     plot::svg(&Scene {
         title: &title(outcome),
-        notes: &notes(outcome),
+        notes: &notes,
         toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
         surface: &(outcome.surface_wires)(),
     })
@@ -180,6 +182,27 @@ fn title<R>(outcome: &Outcome<R>) -> String {
     let name = || outcome.cut.as_ref().and_then(|cut| cut.program.name.as_ref());
     let kind = if outcome.cut.is_some() { "Toolpath" } else { "Surface" };
     part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
+}
+
+/// What a sheet at the machine says of the cutter.
+fn setup(cut: &Cut) -> Vec<String> {
+    let tool = cut.tool.as_ref().map(|tool| {
+        let (shape, corner) = match tool.shape {
+            Shape::Ball => ("ball", String::new()),
+            Shape::Flat => ("flat", String::new()),
+            Shape::BullNose { corner_radius_mm } => {
+                ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
+            }
+        };
+        format!(
+            "tool T{} H{}: {shape}, diameter {} mm{corner}",
+            tool.number,
+            tool.length_offset,
+            2.0 * tool.radius_mm
+        )
+    });
+    let spindle = cut.cutting.spindle_rpm.map(|rpm| format!("spindle: {rpm} rpm"));
+    tool.into_iter().chain(spindle).collect()
 }
 
 /// The caller's own words and those of the operation.
@@ -306,6 +329,7 @@ mod tests {
         let (content_type, text) = picture.expect("a picture");
         assert_eq!(content_type, "image/svg+xml; charset=utf-8");
         assert!(text.contains("7 &lt;b&gt;") && text.contains("PROVED"), "{text}");
+        assert!(text.contains("ball, diameter 6 mm"), "{text}");
         let page = shown(outcome(None, None), Representation::Html, None).await;
         let (content_type, text) = page.expect("a page");
         assert_eq!(content_type, "text/html; charset=utf-8");

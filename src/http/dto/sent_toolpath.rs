@@ -6,6 +6,7 @@ use serde::Deserialize;
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::moves::{ArcMove, DwellMove, LineMove, Move, RapidMove, Role};
 use super::point::Point;
+use super::toolpath::MAX_LEVEL;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::toolpath::cutting::CuttingRequest;
@@ -64,6 +65,9 @@ impl SentToolpath {
         let builder = Toolpath::builder(start.into());
         let mut reader = Reader { builder, moved_mm: 0.0, reading, violations };
         for (k, SentPass { level, moves }) in passes.into_iter().enumerate() {
+            if let Some(level) = level.filter(|level| *level > MAX_LEVEL) {
+                reader.violations.integer(&at_passes.index(k).field("level"), level, (0, MAX_LEVEL));
+            }
             reader.builder.begin_pass(level);
             for (n, step) in moves.iter().enumerate() {
                 reader.step(step, || at_passes.index(k).field("moves").index(n));

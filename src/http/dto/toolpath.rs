@@ -147,9 +147,13 @@ fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Resu
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Pass {
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(maximum = 1_000_000)]
     level: Option<u32>,
     moves: Vec<Move>,
 }
+
+/// The highest number of a level.
+pub const MAX_LEVEL: u32 = 1_000_000;
 
 #[cfg(test)]
 mod tests {

@@ -9,9 +9,6 @@ use crate::geometry::surface::{BezierSurface, Patch, Surface};
 /// Chords of one side of one patch at most.
 const CHORD_LIMIT: f64 = 1000.0;
 
-/// Halvings in the search for the place where a section leaves the inside: to the last bit.
-const HALVINGS: usize = 60;
-
 /// The four sides of a surface in plan, as chords.
 pub(super) struct Outline {
     corners: Vec<Vector2<f64>>,
@@ -67,8 +64,7 @@ impl Outline {
     fn depth(&self, p: &Vector2<f64>) -> f64 {
         let mut squared = f64::INFINITY;
         let mut is_inside = false;
-        let mut from = self.corners[self.corners.len() - 1];
-        for to in &self.corners {
+        for [from, to] in self.chords() {
             let (along, d) = (to - from, p - from);
             let length = along.norm_squared();
             let t = if length > 0.0 { (along.dot(&d) / length).clamp(0.0, 1.0) } else { 0.0 };
@@ -76,64 +72,112 @@ impl Outline {
             if (from.y > p.y) != (to.y > p.y) && (along.perp(&d) > 0.0) == (to.y > from.y) {
                 is_inside = !is_inside;
             }
-            from = *to;
         }
         if is_inside { squared.sqrt() } else { -squared.sqrt() }
     }
 
-    /// The parts of `chain` at least `margin` mm inside the sides.
+    /// The parts of `chain` at least `margin` mm inside the sides, a distance above zero.
     pub(super) fn clipped(&self, chain: &Chain, margin: f64) -> Vec<Chain> {
         let margin = margin + self.chord_height_mm;
-        let depth = |p: &Point3<f64>| self.depth(&p.coords.xy()) - margin;
         let mut parts = Vec::new();
         let mut part: Vec<Point3<f64>> = Vec::new();
-        // What the last look says of the points that follow it: how far on the answer stays the same.
-        let mut known = 0.0f64;
-        let mut previous: Option<(Point3<f64>, bool)> = None;
-        for &point in &chain.points {
-            if let Some((before, _)) = previous {
-                known = (known.abs() - (point - before).norm()).max(0.0).copysign(known);
+        // How far from the margin the last look found the chain to be: it stays on its side that far.
+        let (mut certain, mut was_inside) = (0.0, false);
+        for pair in chain.points.windows(2) {
+            let length = (pair[1] - pair[0]).norm();
+            if certain <= length {
+                let depth = self.depth(&pair[0].coords.xy()) - margin;
+                (certain, was_inside) = (depth.abs(), depth > 0.0);
             }
-            if known == 0.0 {
-                known = depth(&point);
+            let free = if certain > length {
+                if was_inside { vec![[0.0, 1.0]] } else { Vec::new() }
+            } else {
+                self.free(pair[0].coords.xy(), pair[1].coords.xy(), margin)
+            };
+            certain -= length;
+            if free.first().is_none_or(|first| first[0] > 0.0) {
+                parts.push(std::mem::take(&mut part));
             }
-            let is_inside = known > 0.0 || (known == 0.0 && depth(&point) >= 0.0);
-            if let Some((before, was_inside)) = previous
-                && was_inside != is_inside
-            {
-                part.push(crossing(before, point, was_inside, &depth));
+            for [from, to] in free {
+                let at = |t: f64| pair[0] + (pair[1] - pair[0]) * t;
+                if part.is_empty() {
+                    part.push(at(from));
+                }
+                part.push(at(to));
+                if to < 1.0 {
+                    parts.push(std::mem::take(&mut part));
+                }
             }
-            match is_inside {
-                true => part.push(point),
-                false if !part.is_empty() => parts.push(std::mem::take(&mut part)),
-                false => {}
-            }
-            previous = Some((point, is_inside));
         }
         parts.push(part);
         parts.retain(|points| points.len() >= 2);
         let chord_height_mm = chain.chord_height_mm;
         parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect()
     }
+
+    /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm from every
+    /// chord. What lies nearer to one chord is an interval, because that chord's neighbourhood is convex.
+    fn free(&self, a: Vector2<f64>, b: Vector2<f64>, margin: f64) -> Vec<[f64; 2]> {
+        let mut blocked: Vec<[f64; 2]> =
+            self.chords().filter_map(|chord| near(chord, a, b - a, margin)).collect();
+        blocked.sort_by(|x, y| x[0].total_cmp(&y[0]));
+        blocked.push([1.0, 1.0]);
+        let mut free = Vec::new();
+        let mut from = 0.0f64;
+        for [low, high] in blocked {
+            let to = low.min(1.0);
+            if to > from && self.depth(&(a + (b - a) * (0.5 * (from + to)))) > 0.0 {
+                free.push([from, to]);
+            }
+            from = from.max(high);
+        }
+        free
+    }
+
+    fn chords(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> {
+        let before = self.corners.iter().cycle().skip(self.corners.len() - 1);
+        before.zip(&self.corners).map(|(from, to)| [*from, *to])
+    }
 }
 
-/// The place on the chord from `a` to `b` nearest to the outline that is still inside.
-fn crossing(
-    a: Point3<f64>,
-    b: Point3<f64>,
-    starts_inside: bool,
-    depth: &impl Fn(&Point3<f64>) -> f64,
-) -> Point3<f64> {
-    let (mut inside, mut outside) = if starts_inside { (a, b) } else { (b, a) };
-    for _ in 0..HALVINGS {
-        let middle = nalgebra::center(&inside, &outside);
-        if depth(&middle) >= 0.0 {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
+/// The fractions of the way from `start` along `way` that lie nearer than `reach` mm to a chord, where there are any in
+/// 0..=1: near one of its ends, or beside it.
+fn near([p, q]: [Vector2<f64>; 2], start: Vector2<f64>, way: Vector2<f64>, reach: f64) -> Option<[f64; 2]> {
+    let along = q - p;
+    let length = along.norm();
+    let ends = [p, q].map(|end| within(way, start - end, reach));
+    let beside = (length > 0.0).then(|| along / length).and_then(|unit| {
+        let across = between(unit.perp(&way), unit.perp(&(start - p)), [-reach, reach])?;
+        let between_ends = between(unit.dot(&way), unit.dot(&(start - p)), [0.0, length])?;
+        intersection(across, between_ends)
+    });
+    let all = ends.into_iter().chain([beside]).flatten();
+    let hull = all.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])?;
+    intersection(hull, [0.0, 1.0])
+}
+
+/// The t for which |from + t way| is below `reach`.
+fn within(way: Vector2<f64>, from: Vector2<f64>, reach: f64) -> Option<[f64; 2]> {
+    let (a, b, c) = (way.norm_squared(), way.dot(&from), from.norm_squared() - reach * reach);
+    if a == 0.0 {
+        return (c < 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]);
     }
-    inside
+    let discriminant = b * b - a * c;
+    (discriminant > 0.0).then(|| [(-b - discriminant.sqrt()) / a, (-b + discriminant.sqrt()) / a])
+}
+
+/// The t for which from + t slope lies in a range.
+fn between(slope: f64, from: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    if slope == 0.0 {
+        return (low < from && from < high).then_some([f64::NEG_INFINITY, f64::INFINITY]);
+    }
+    let (one, other) = ((low - from) / slope, (high - from) / slope);
+    Some([one.min(other), one.max(other)])
+}
+
+fn intersection(one: [f64; 2], other: [f64; 2]) -> Option<[f64; 2]> {
+    let [low, high] = [one[0].max(other[0]), one[1].min(other[1])];
+    (low <= high).then_some([low, high])
 }
 
 #[cfg(test)]
@@ -172,6 +216,28 @@ mod tests {
         assert_eq!(part.chord_height_mm, 0.5);
         let edge = chain((0..=20).map(|k| Point3::new(f64::from(k), 1.0, 0.0)).collect());
         assert!(outline().clipped(&edge, 2.0).is_empty());
+        // A long step over a notch: no point of it is near, and still it is left.
+        let notched = Outline {
+            corners: [
+                [0.0, 0.0],
+                [14.0, 0.0],
+                [15.0, 5.5],
+                [16.0, 0.0],
+                [30.0, 0.0],
+                [30.0, 12.0],
+                [0.0, 12.0],
+            ]
+            .map(Vector2::from)
+            .to_vec(),
+            chord_height_mm: 0.0,
+        };
+        let step = chain(vec![Point3::new(3.0, 6.0, 0.0), Point3::new(27.0, 6.0, 0.0)]);
+        let parts = notched.clipped(&step, 1.0);
+        assert_eq!(parts.len(), 2);
+        // The notch's tip is half a millimetre below the step.
+        let gap = 0.75f64.sqrt();
+        assert!((parts[0].points[1].x - (15.0 - gap)).abs() < 1e-9, "{}", parts[0].points[1]);
+        assert!((parts[1].points[0].x - (15.0 + gap)).abs() < 1e-9, "{}", parts[1].points[0]);
         // Out and in again: two parts.
         let bow = [(10.0, 6.0), (12.0, 6.0), (14.0, 11.5), (16.0, 6.0), (18.0, 6.0)];
         let bow = chain(bow.iter().map(|(x, y)| Point3::new(*x, *y, 0.0)).collect());

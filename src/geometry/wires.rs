@@ -57,9 +57,6 @@ impl WireJob {
 /// Points of one model.
 pub const POINT_LIMIT: usize = 2_000_000;
 
-/// Chords of one wire over one patch.
-const CHORD_LIMIT: f64 = 10_000.0;
-
 /// Chords over one patch by which lengths across wires are measured.
 const LENGTH_CHORDS: usize = 16;
 
@@ -79,7 +76,7 @@ pub enum WireError {
     SectionLost { at: Point3<f64> },
 }
 
-/// The wires of `surface`, whose normal points up where it starts.
+/// The wires of `surface`; for sections its normal must point up where it starts.
 ///
 /// # Errors
 /// One of [`WireError`].
@@ -90,58 +87,55 @@ pub fn wires(
 ) -> Result<Vec<Wire>, WireError> {
     match job.along {
         Along::U => along_u(surface, job, budget),
-        Along::V => {
-            // Turned by a quarter, v is u.
-            along_u(&surface.transposed(), job, budget)
-        }
+        Along::V => along_u(&surface.transposed(), job, budget),
         Along::X => sections(surface, 1, job, budget),
         Along::Y => sections(surface, 0, job, budget),
     }
 }
 
-/// Curves of constant v, at equal distances along the longest of three curves of constant u.
+/// Curves of constant v, at equal distances along three curves of constant u, of which the one that is longest between
+/// two places counts there.
 fn along_u(
     surface: &BezierSurface<impl Patch>,
     job: &WireJob,
     budget: &Budget,
 ) -> Result<Vec<Wire>, WireError> {
-    let [nu, nv] = surface.spans();
-    let across = [0.0, 0.5 * nu as f64, nu as f64].map(|u| Rule::new(surface, u));
-    let longest = across.into_iter().max_by(|a, b| a.length().total_cmp(&b.length()));
-    let Some(rule) = longest else { return Ok(Vec::new()) };
+    let rule = Rule::new(surface, budget)?;
     let n = count(rule.length(), job)?;
     let mut wires = Vec::with_capacity(n + 1);
-    let mut points = 0;
+    let mut left = POINT_LIMIT;
     for k in 0..=n {
         budget.check()?;
-        let v = rule.place(k as f64 / n as f64).clamp(0.0, nv as f64);
-        let wire = wire_along_u(surface, v, job.chord_height_mm);
-        points += wire.len();
-        if points > POINT_LIMIT {
-            return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
-        }
+        let wire = wire_along_u(surface, rule.place(k as f64 / n as f64), job.chord_height_mm, left)?;
+        left -= wire.len();
         wires.push(wire);
     }
     Ok(wires)
 }
 
-/// Lengths along a curve of constant u.
+/// Lengths along v.
 struct Rule {
     /// The length up to every place that is looked at, mm.
     lengths: Vec<f64>,
 }
 
 impl Rule {
-    fn new(surface: &dyn Surface, u: f64) -> Self {
-        let [_, nv] = surface.spans();
-        let point = |k: usize| surface.jet(u, k as f64 / LENGTH_CHORDS as f64).point;
+    fn new(surface: &dyn Surface, budget: &Budget) -> Result<Self, Stopped> {
+        let [nu, nv] = surface.spans();
+        let across = [0.0, 0.5 * nu as f64, nu as f64];
+        let points = |k: usize| across.map(|u| surface.jet(u, k as f64 / LENGTH_CHORDS as f64).point);
         let mut lengths = vec![0.0];
-        let mut total = 0.0;
-        for k in 0..nv * LENGTH_CHORDS {
-            total += (point(k + 1) - point(k)).norm();
+        let (mut total, mut here) = (0.0, points(0));
+        for k in 1..=nv * LENGTH_CHORDS {
+            if k.is_multiple_of(1024) {
+                budget.check()?;
+            }
+            let next = points(k);
+            total += here.iter().zip(&next).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);
             lengths.push(total);
+            here = next;
         }
-        Self { lengths }
+        Ok(Self { lengths })
     }
 
     fn length(&self) -> f64 {
@@ -153,13 +147,18 @@ impl Rule {
         let length = fraction * self.length();
         let above = self.lengths.partition_point(|known| *known < length).max(1).min(self.lengths.len() - 1);
         let [low, high] = [self.lengths[above - 1], self.lengths[above]];
-        let share = if high > low { (length - low) / (high - low) } else { 0.0 };
+        let share = if high > low { ((length - low) / (high - low)).min(1.0) } else { 0.0 };
         (above as f64 - 1.0 + share) / LENGTH_CHORDS as f64
     }
 }
 
-/// The curve of constant v from side to side.
-fn wire_along_u(surface: &BezierSurface<impl Patch>, v: f64, chord_height: f64) -> Wire {
+/// The curve of constant v from side to side, of at most `limit` points.
+fn wire_along_u(
+    surface: &BezierSurface<impl Patch>,
+    v: f64,
+    chord_height: f64,
+    limit: usize,
+) -> Result<Wire, WireError> {
     let [nu, nv] = surface.spans();
     let j = span_of(v, nv);
     let mut wire = vec![surface.jet(0.0, v).point];
@@ -167,10 +166,13 @@ fn wire_along_u(surface: &BezierSurface<impl Patch>, v: f64, chord_height: f64) 
         let patch = surface.patch(i, j);
         // A chord over a parameter step d leaves the curve by d^2 / 8 times the second derivative.
         let bend = patch.derivatives().duu.reach() / 8.0;
-        let chords = (bend / chord_height).sqrt().ceil().clamp(1.0, CHORD_LIMIT);
+        let chords = (bend / chord_height).sqrt().ceil().max(1.0);
+        if wire.len() as f64 + chords > limit as f64 {
+            return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
+        }
         wire.extend((1..=chords as usize).map(|k| patch.jet(k as f64 / chords, v - j as f64).point));
     }
-    wire
+    Ok(wire)
 }
 
 /// Plane sections at right angles to `axis` (0 is x, 1 is y), from side to side of the surface.
@@ -211,23 +213,29 @@ fn sections(
 fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
     let spaces = (length / job.pitch_mm - 1e-9).ceil().max(1.0);
     if spaces >= job.wire_limit as f64 {
-        return Err(WireError::TooManyWires { needed: spaces as usize + 1, limit: job.wire_limit });
+        return Err(WireError::TooManyWires {
+            needed: (spaces as usize).saturating_add(1),
+            limit: job.wire_limit,
+        });
     }
     Ok(spaces as usize)
 }
 
-/// A few curves along both parameters, the sides among them, to show a surface by.
-pub fn sketch(surface: &BezierSurface<impl Patch>, chord_height: f64) -> Vec<Wire> {
+/// A few curves along both parameters, the sides among them, to show a surface by: some ten thousand points however
+/// large the surface is.
+pub fn sketch(surface: &dyn Surface) -> Vec<Wire> {
     /// Spaces between the curves each way.
     const SPACES: usize = 16;
-    let along = |surface: &BezierSurface<_>| -> Vec<Wire> {
-        let [_, nv] = surface.spans();
-        let places = (0..=SPACES).map(|k| (nv * k) as f64 / SPACES as f64);
-        places.map(|v| wire_along_u(surface, v, chord_height)).collect()
+    /// Chords of one curve.
+    const CHORDS: usize = 384;
+    let at = |share: usize, of: usize, n: usize| (n * share) as f64 / of as f64;
+    let [nu, nv] = surface.spans();
+    let wire = |place: &dyn Fn(usize) -> (f64, f64)| -> Wire {
+        (0..=CHORDS).map(place).map(|(u, v)| surface.jet(u, v).point).collect()
     };
-    let mut wires = along(surface);
-    wires.extend(along(&surface.transposed()));
-    wires
+    let along_u = (0..=SPACES).map(|k| wire(&|t| (at(t, CHORDS, nu), at(k, SPACES, nv))));
+    let along_v = (0..=SPACES).map(|k| wire(&|t| (at(k, SPACES, nu), at(t, CHORDS, nv))));
+    along_u.chain(along_v).collect()
 }
 
 impl From<Irregular> for WireError {
@@ -332,6 +340,6 @@ mod tests {
         let error = wires(&upright, &job(Along::X), &Budget::unlimited()).unwrap_err();
         assert!(matches!(error, WireError::Overhang { .. }), "{error}");
         assert_eq!(wires(&upright, &job(Along::U), &Budget::unlimited()).unwrap().len(), 3);
-        assert_eq!(sketch(&upright, 0.1).len(), 34);
+        assert_eq!(sketch(&upright).len(), 34);
     }
 }

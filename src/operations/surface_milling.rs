@@ -56,7 +56,7 @@ use crate::toolpath::quantize::{QuantizeError, quantize};
 use crate::toolpath::{Move, PathError, Toolpath};
 pub use job::{Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing};
 use outline::Outline;
-use passes::Allowed;
+use passes::{Allowed, Seam};
 use planes::Slicer;
 
 /// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
@@ -205,11 +205,11 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
 
 fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
+    let surface = surface.upward();
     let surface = match job.boundary {
         Boundary::Past => surface.continued(job.tool.radius_mm).ok_or(Error::NoWayPast)?,
         Boundary::Inside | Boundary::On => surface,
     };
-    let surface = surface.upward();
     let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
     let cutting = job.cutting.above(top)?;
 
@@ -226,7 +226,9 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     let stepover_mm = (planes[1].at - planes[0].at).abs();
 
     let gap = CERTIFICATE_GAP * job.tolerance.mm();
-    let allowed = Allowed { tolerance: job.tolerance.mm() - gap, jump: joints.jump(offset) };
+    let least_share = slopes.iter().map(|slope| slope.share).fold(1.0, f64::min);
+    let seam = Seam { jump: joints.jump(offset), bend: joints.kink / (4.0 * least_share) };
+    let allowed = Allowed { tolerance: job.tolerance.mm() - gap, seam };
     let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
     let clearance = Clearance::new(&surface, offset, job.tool.radius_mm);
     let toolpath = links::join(job, &cutting, &passes, &clearance, budget)?;

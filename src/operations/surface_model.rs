@@ -6,7 +6,8 @@
 //! [`wires`].
 //!
 //! # Guarantees
-//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side; the curvature is an upper bound within a
+//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is level along a curve as
+//! the control points do; the curvature is an upper bound within a
 //! hundredth. Edges and gaps do not stop the model; they are warnings.
 //!
 //! # Cost
@@ -26,9 +27,6 @@ use crate::geometry::wires::{self, Wire, WireError, WireJob};
 
 /// How far the box may exceed the surface, mm, unless a side of it is level along a whole curve.
 pub const BOUNDS_ACCURACY_MM: f64 = 1e-6;
-
-/// Height of the curves of a sketch over their chords, as a part of the surface's size: below what a picture shows.
-const SKETCH_SHARE: f64 = 1e-4;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -146,24 +144,6 @@ fn fit_deviation(surface: &AnySurface, points: &[Vec<Point3<f64>>]) -> f64 {
     deviations.fold(0.0, f64::max)
 }
 
-/// A few curves by which a picture shows the surface.
-pub fn sketch(surface: &AnySurface) -> Vec<Wire> {
-    match surface {
-        AnySurface::Bicubic(surface) => sketch_of(surface),
-        AnySurface::Rational(surface) => sketch_of(surface),
-        AnySurface::HighDegree(surface) => sketch_of(surface),
-    }
-}
-
-fn sketch_of(surface: &BezierSurface<impl Patch>) -> Vec<Wire> {
-    let sizes = surface.patches().iter().map(|patch| {
-        let box_of = patch.bounds();
-        (box_of.max - box_of.min).norm()
-    });
-    let size = sizes.fold(0.0, f64::max);
-    wires::sketch(surface, (SKETCH_SHARE * size).max(f64::MIN_POSITIVE))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,6 +219,5 @@ mod tests {
         let model = modelled(Source::NetGrid(NetGrid { nets: vec![vec![pole]] }), None);
         assert_eq!(model.warnings, [Warning::NoNormal]);
         assert_eq!(model.curvature_max_concave_per_mm, None);
-        assert!(!sketch(&model.surface).is_empty());
     }
 }

@@ -15,15 +15,18 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::ball::Ball;
-use super::patch::DerivativeBounds;
+use super::patch::{Bounds, DerivativeBounds};
 use super::{BezierSurface, Jet, Patch};
 use crate::budget::{Budget, Stopped};
 
 /// Halvings in the search for the most concave place.
-const HALVINGS: usize = 200_000;
+const HALVINGS: usize = 50_000;
 
 /// How far the bound of the most concave place may exceed what was found, as a part of it.
 const GAP_SHARE: f64 = 0.01;
+
+/// What is smaller than this part of the surface is a point.
+const NO_SIZE: f64 = 1e-6;
 
 /// And as a part of one over the size of the surface: one that is nowhere concave has nothing else to compare with.
 const GAP_FLAT: f64 = 1e-3;
@@ -88,41 +91,71 @@ pub fn most_concave_at(jet: &Jet) -> f64 {
 }
 
 /// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of the
-/// largest there is; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
+/// largest there is, or a thousandth of one over the size of the surface; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
 ///
 /// # Errors
 /// Only the budget's stop.
 pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Result<Option<f64>, Stopped> {
-    let size = surface.patches().iter().map(|patch| patch.bounds().magnitude()).fold(0.0, f64::max);
-    let flat = GAP_FLAT / size.max(f64::MIN_POSITIVE);
-    let mut search = Search { found: f64::NEG_INFINITY, open: BinaryHeap::new() };
-    surface.patches().iter().for_each(|patch| search.add(*patch));
+    let around = surface.patches().iter().fold(Bounds::EMPTY, |all, patch| all.union(&patch.bounds()));
+    let size = (around.max - around.min).norm();
+    let gap = GAP_FLAT / size.max(f64::MIN_POSITIVE);
+    let mut search =
+        Search { found: f64::NEG_INFINITY, settled: f64::NEG_INFINITY, gap, open: BinaryHeap::new() };
+    for (k, patch) in surface.patches().iter().enumerate() {
+        if k.is_multiple_of(256) {
+            budget.check()?;
+        }
+        if !search.add(*patch, NO_SIZE * size) {
+            return Ok(None);
+        }
+    }
     for k in 0..HALVINGS {
         if k.is_multiple_of(1024) {
             budget.check()?;
         }
-        let Some(Bounded { bound, part }) = search.open.pop() else { return Ok(None) };
-        if bound <= search.found + GAP_SHARE * search.found.abs() + flat {
-            return Ok(bound.is_finite().then_some(bound));
+        let Some(Bounded { bound, part }) = search.open.pop() else { return Ok(Some(search.settled)) };
+        if bound <= search.enough() {
+            return Ok(Some(bound.max(search.settled)));
         }
-        part.split_by_bend().into_iter().for_each(|half| search.add(half));
+        for half in part.split_by_bend() {
+            if !search.add(half, NO_SIZE * size) {
+                return Ok(None);
+            }
+        }
     }
-    let bound = search.open.pop().map_or(f64::INFINITY, |worst| worst.bound);
-    Ok(bound.is_finite().then_some(bound))
+    let open = search.open.pop().map_or(f64::NEG_INFINITY, |worst| worst.bound);
+    Ok(Some(open.max(search.settled)))
 }
 
-/// The parts that are not decided yet, and the largest curvature found.
+/// The parts that are not decided yet, the largest curvature found, and the largest bound of what is decided.
 struct Search<P> {
     found: f64,
+    settled: f64,
+    gap: f64,
     open: BinaryHeap<Bounded<P>>,
 }
 
 impl<P: Patch> Search<P> {
-    fn add(&mut self, part: P) {
-        let bound = bounds(&part.derivatives()).map_or(f64::INFINITY, |[_, high]| high);
-        // Where there is no normal this is no number, and does not count.
-        self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
-        self.open.push(Bounded { bound, part });
+    /// A bound that is as good as this need not be better.
+    fn enough(&self) -> f64 {
+        self.found + GAP_SHARE * self.found.abs() + self.gap
+    }
+
+    /// Takes in a part, or its parts where nothing can be said of it as a whole; `false` where it has a place without a
+    /// normal: a part of no size that still has no bound.
+    fn add(&mut self, part: P, no_size: f64) -> bool {
+        let mut unbounded = vec![part];
+        while let Some(part) = unbounded.pop() {
+            // Where there is no normal this is no number, and does not count.
+            self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
+            match bounds(&part.derivatives()) {
+                Some([_, bound]) if bound <= self.enough() => self.settled = self.settled.max(bound),
+                Some([_, bound]) => self.open.push(Bounded { bound, part }),
+                None if part.extents().into_iter().fold(0.0, f64::max) < no_size => return false,
+                None => unbounded.extend(part.split()),
+            }
+        }
+        true
     }
 }
 

@@ -3,7 +3,7 @@
 //! # Method
 //! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a and k times
 //! b. They are linear in the control points of the span, so they are found once for every span and direction, as
-//! matrices (`extraction`), by de Boor's recursion with one argument a step; then every patch is matrix, net, matrix.
+//! matrices (`extraction`), by de Boor's recursion with one argument a step; a patch is matrix, net, matrix.
 //!
 //! # Guarantees
 //! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
@@ -14,7 +14,7 @@
 //! [`joints`](super::joints) finds; of more than p inside the domain would tear it and are refused.
 //!
 //! # Cost
-//! O(p^2 q + p q^2) for each patch of degree (p, q).
+//! O(p^2 q^2) for each patch of degree (p, q).
 //!
 //! # Reference
 //! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.
@@ -29,8 +29,12 @@ use super::source::AnySurface;
 /// The largest quotient of two weights: beyond it the smaller ones do nothing but harm.
 pub const MAX_WEIGHT_RATIO: f64 = 1e6;
 
+/// Patches of degree up to 3, and of a higher one: some sixty megabytes of either.
+pub const PATCH_LIMIT: usize = 125_000;
+pub const HIGH_DEGREE_PATCH_LIMIT: usize = 30_000;
+
 /// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be one.
-pub const SHORTEST_SPAN: f64 = 1e-9;
+pub const SHORTEST_SPAN: f64 = 1e-6;
 
 /// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm; knot vectors of
 /// length n + degree + 1 each way.
@@ -72,6 +76,8 @@ pub enum NurbsError {
     WeightColumns { row: usize, found: usize, expected: usize },
     #[error("the weight {weight} is not above zero, or not finite")]
     Weight { i: usize, j: usize, weight: f64 },
+    #[error("{patches} patches; of this degree at most {limit} can be taken")]
+    TooManyPatches { patches: usize, limit: usize },
     #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
     WeightRatio { i: usize, j: usize, weight: f64, largest: f64 },
 }
@@ -88,7 +94,12 @@ impl Nurbs {
         let spans = [0, 1].map(|along| extraction(&self.knots[along], self.degree[along], size[along]));
         let at = |i: usize, j: usize| [&spans[0][i], &spans[1][j]];
         let counts = [spans[0].len(), spans[1].len()];
-        Ok(if self.degree.iter().any(|degree| *degree > 3) {
+        let (patches, is_high) = (counts[0] * counts[1], self.degree.iter().any(|degree| *degree > 3));
+        let limit = if is_high { HIGH_DEGREE_PATCH_LIMIT } else { PATCH_LIMIT };
+        if patches > limit {
+            return Err(NurbsError::TooManyPatches { patches, limit });
+        }
+        Ok(if is_high {
             AnySurface::HighDegree(BezierSurface::from_fn(counts, |i, j| self.patch(at(i, j))))
         } else if self.has_equal_weights() {
             AnySurface::Bicubic(BezierSurface::from_fn(counts, |i, j| raised(&self.patch(at(i, j)))))

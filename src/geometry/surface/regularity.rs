@@ -52,7 +52,8 @@ pub struct Slope {
     /// Distance of two planes over that of the sections in them, along the surface: 1 where the surface does not rise
     /// across the planes, less where it is steeper. A lower bound.
     pub share: f64,
-    /// Largest curvature of the offset where it is concave, 1/mm; zero or more. An upper bound.
+    /// Largest curvature of the offset where it is concave, here or where it is less steep, 1/mm; zero or more. An upper
+    /// bound.
     pub concavity: f64,
 }
 
@@ -122,7 +123,15 @@ pub fn prove(
             Err(other) => return Err(other),
         }
     }
-    let slopes = proof.slopes.into_iter().flatten().collect();
+    // A way up or down a slope passes places that are less steep: what is concave there counts here too.
+    let mut concavity = 0.0f64;
+    let from_level = proof.slopes.into_iter().rev().flatten();
+    let slopes = from_level
+        .map(|slope| {
+            concavity = concavity.max(slope.concavity);
+            Slope { concavity, ..slope }
+        })
+        .collect();
     Ok(Regularity { spans: surface.spans(), section_curvatures, slopes })
 }
 

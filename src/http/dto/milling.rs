@@ -41,7 +41,7 @@ pub struct MillRequest {
     #[schema(default = "offset_section")]
     _engine: Engine,
     /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
-    /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius.
+    /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
     #[serde(default)]
     #[schema(default = "on")]
     boundary: Boundary,

@@ -1,8 +1,9 @@
 //! The dialects in which programs can be written.
 
 use serde::Serialize;
+use serde_json::Value;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::openapi::schema::{ObjectBuilder, Schema, SchemaType, Type};
 
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
@@ -28,8 +29,8 @@ pub fn find(name: Option<&str>) -> Result<&'static post::Dialect, String> {
 /// The name of one of them.
 pub fn schema() -> Schema {
     ObjectBuilder::new()
-        .schema_type(Type::String)
-        .enum_values(Some(names()))
+        .schema_type(SchemaType::from_iter([Type::String, Type::Null]))
+        .enum_values(Some(names().map(Value::from).chain([Value::Null])))
         .default(Some(DEFAULT.name.into()))
         .description(Some("A name listed by `/v1/dialects`."))
         .into()

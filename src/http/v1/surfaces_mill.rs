@@ -9,7 +9,7 @@ use axum::response::Response;
 
 use crate::budget::Budget;
 use crate::geometry::surface::source::Source;
-use crate::geometry::wires::Wire;
+use crate::geometry::wires::{self, Wire};
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -19,7 +19,6 @@ use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
 use crate::operations::surface_milling::{self, Plan};
-use crate::operations::surface_model;
 
 /// Plans the finishing of a surface and answers the toolpath, the NC program that cuts it, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/mill", operation_id = "millSurface", tag = "surfaces",
@@ -55,7 +54,7 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
 
 /// A few curves on the surface that was milled.
 fn sketch(surface: &Source) -> Vec<Wire> {
-    surface.surface().map(|surface| surface_model::sketch(&surface)).unwrap_or_default()
+    surface.surface().map(|surface| wires::sketch(&surface)).unwrap_or_default()
 }
 
 /// The proved figures for a program's header, rounded up.

@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::response::Response;
 
 use crate::budget::Budget;
-use crate::geometry::wires::WireError;
+use crate::geometry::wires::{WireError, sketch};
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -34,7 +34,7 @@ fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiErro
     let ModelJob { job, with_patches, meta } = job;
     let model = surface_model::model(&job, budget)?;
     // The wires that were asked for are the picture; else a few curves are.
-    let wires = model.wires.clone().unwrap_or_else(|| surface_model::sketch(&model.surface));
+    let wires = model.wires.clone().unwrap_or_else(|| sketch(&model.surface));
     Ok(Outcome {
         meta,
         warnings: model.warnings.iter().map(Warning::from).collect(),

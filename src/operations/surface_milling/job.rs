@@ -49,7 +49,7 @@ pub enum Boundary {
     /// The cutter's contact reaches the edge.
     #[default]
     On,
-    /// The contact goes on past the edge, straight on along the tangents, by the cutter's radius.
+    /// The contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
     Past,
 }
 

@@ -6,8 +6,11 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::section::Chain;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 
-/// Chords of one side of one patch at most.
-const CHORD_LIMIT: f64 = 1000.0;
+/// Chords of the whole outline, shared evenly by the patches along it; each has one at least.
+const CHORD_LIMIT: usize = 20_000;
+
+/// Steps between two looks at the budget.
+const STEPS_BETWEEN_CHECKS: usize = 64;
 
 /// The four sides of a surface in plan, as chords.
 pub(super) struct Outline {
@@ -28,31 +31,32 @@ impl Outline {
     ) -> Result<Self, Stopped> {
         let [nu, nv] = surface.spans();
         let mut outline = Self { corners: Vec::new(), chord_height_mm: 0.0 };
+        let most = (CHORD_LIMIT / (2 * (nu + nv))).max(1) as f64;
         // Round the domain: along v = 0, u = nu, v = nv and u = 0.
         for i in 0..nu {
-            outline.add(surface.patch(i, 0), |t| [t, 0.0], accuracy);
+            outline.add(surface.patch(i, 0), |t| [t, 0.0], [accuracy, most]);
         }
         budget.check()?;
         for j in 0..nv {
-            outline.add(surface.patch(nu - 1, j), |t| [1.0, t], accuracy);
+            outline.add(surface.patch(nu - 1, j), |t| [1.0, t], [accuracy, most]);
         }
         for i in (0..nu).rev() {
-            outline.add(surface.patch(i, nv - 1), |t| [1.0 - t, 1.0], accuracy);
+            outline.add(surface.patch(i, nv - 1), |t| [1.0 - t, 1.0], [accuracy, most]);
         }
         budget.check()?;
         for j in (0..nv).rev() {
-            outline.add(surface.patch(0, j), |t| [0.0, 1.0 - t], accuracy);
+            outline.add(surface.patch(0, j), |t| [0.0, 1.0 - t], [accuracy, most]);
         }
         Ok(outline)
     }
 
-    fn add(&mut self, patch: &impl Patch, place: impl Fn(f64) -> [f64; 2], accuracy: f64) {
+    fn add(&mut self, patch: &impl Patch, place: impl Fn(f64) -> [f64; 2], [accuracy, most]: [f64; 2]) {
         let derivatives = patch.derivatives();
         let [from, to] = [place(0.0), place(1.0)];
         let bend = if from[0] != to[0] { derivatives.duu } else { derivatives.dvv };
         // A chord over a parameter step d leaves the curve by d^2 / 8 times the second derivative.
         let bend = bend.reach() / 8.0;
-        let chords = (bend / accuracy).sqrt().ceil().clamp(1.0, CHORD_LIMIT);
+        let chords = (bend / accuracy).sqrt().ceil().clamp(1.0, most);
         self.chord_height_mm = self.chord_height_mm.max(bend / (chords * chords));
         self.corners.extend((0..chords as usize).map(|k| {
             let [u, v] = place(k as f64 / chords);
@@ -77,13 +81,19 @@ impl Outline {
     }
 
     /// The parts of `chain` at least `margin` mm inside the sides, a distance above zero.
-    pub(super) fn clipped(&self, chain: &Chain, margin: f64) -> Vec<Chain> {
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub(super) fn clipped(&self, chain: &Chain, margin: f64, budget: &Budget) -> Result<Vec<Chain>, Stopped> {
         let margin = margin + self.chord_height_mm;
         let mut parts = Vec::new();
         let mut part: Vec<Point3<f64>> = Vec::new();
         // How far from the margin the last look found the chain to be: it stays on its side that far.
         let (mut certain, mut was_inside) = (0.0, false);
-        for pair in chain.points.windows(2) {
+        for (k, pair) in chain.points.windows(2).enumerate() {
+            if k.is_multiple_of(STEPS_BETWEEN_CHECKS) {
+                budget.check()?;
+            }
             let length = (pair[1] - pair[0]).norm();
             if certain <= length {
                 let depth = self.depth(&pair[0].coords.xy()) - margin;
@@ -112,7 +122,7 @@ impl Outline {
         parts.push(part);
         parts.retain(|points| points.len() >= 2);
         let chord_height_mm = chain.chord_height_mm;
-        parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect()
+        Ok(parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect())
     }
 
     /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm from every
@@ -209,13 +219,13 @@ mod tests {
     fn chains_end_where_the_margin_does() {
         let chain = |points: Vec<Point3<f64>>| Chain { points, chord_height_mm: 0.5 };
         let across = chain((0..=200).map(|k| Point3::new(-5.0 + 0.2 * f64::from(k), 6.0, 1.0)).collect());
-        let parts = outline().clipped(&across, 2.0);
+        let parts = outline().clipped(&across, 2.0, &Budget::unlimited()).unwrap();
         let [part] = parts.as_slice() else { panic!("{} parts", parts.len()) };
         let (first, last) = (part.points[0], part.points[part.points.len() - 1]);
         assert!((first.x - 2.0).abs() < 1e-6 && (last.x - 28.0).abs() < 1e-6, "{first} {last}");
         assert_eq!(part.chord_height_mm, 0.5);
         let edge = chain((0..=20).map(|k| Point3::new(f64::from(k), 1.0, 0.0)).collect());
-        assert!(outline().clipped(&edge, 2.0).is_empty());
+        assert!(outline().clipped(&edge, 2.0, &Budget::unlimited()).unwrap().is_empty());
         // A long step over a notch: no point of it is near, and still it is left.
         let notched = Outline {
             corners: [
@@ -232,7 +242,7 @@ mod tests {
             chord_height_mm: 0.0,
         };
         let step = chain(vec![Point3::new(3.0, 6.0, 0.0), Point3::new(27.0, 6.0, 0.0)]);
-        let parts = notched.clipped(&step, 1.0);
+        let parts = notched.clipped(&step, 1.0, &Budget::unlimited()).unwrap();
         assert_eq!(parts.len(), 2);
         // The notch's tip is half a millimetre below the step.
         let gap = 0.75f64.sqrt();
@@ -241,6 +251,6 @@ mod tests {
         // Out and in again: two parts.
         let bow = [(10.0, 6.0), (12.0, 6.0), (14.0, 11.5), (16.0, 6.0), (18.0, 6.0)];
         let bow = chain(bow.iter().map(|(x, y)| Point3::new(*x, *y, 0.0)).collect());
-        assert_eq!(outline().clipped(&bow, 2.0).len(), 2);
+        assert_eq!(outline().clipped(&bow, 2.0, &Budget::unlimited()).unwrap().len(), 2);
     }
 }

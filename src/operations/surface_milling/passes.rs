@@ -10,7 +10,7 @@ use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::toolpath::PathError;
-use crate::toolpath::quantize::{Grid, quantize};
+use crate::toolpath::quantize::{Grid, round};
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -49,13 +49,22 @@ impl CutPass {
     }
 }
 
+/// What the exact CL curve may do where patches join that are smooth but for the rounding of their data.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seam {
+    /// It jumps by this at most, mm.
+    pub(super) jump: f64,
+    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which it bends.
+    pub(super) bend: f64,
+}
+
 /// What every pass is held to, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Allowed {
     /// Each pass deviates by at most this.
     pub(super) tolerance: f64,
-    /// The exact CL curve may jump by this where patches join, for the rounding of their data.
-    pub(super) jump: f64,
+    /// What the rounding of the data makes of joints.
+    pub(super) seam: Seam,
 }
 
 /// All passes in the order of cutting.
@@ -101,12 +110,16 @@ fn cut_plane(
     slicer: &Slicer,
     plane: PlaneAt,
     forward: bool,
-    Allowed { tolerance, jump }: Allowed,
+    Allowed { tolerance, seam }: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
     let mut spacing = Spacing {
         chord_height_mm: CHORD_HEIGHT_SHARE * tolerance,
-        step_length_mm: job.step_length_mm.unwrap_or(f64::INFINITY),
+        // Short enough that a seam under a chord takes no more than the section's own height.
+        step_length_mm: job
+            .step_length_mm
+            .unwrap_or(f64::INFINITY)
+            .min(CHORD_HEIGHT_SHARE * tolerance / seam.bend),
     };
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
@@ -119,7 +132,7 @@ fn cut_plane(
         chains.retain(|chain| chain.length() > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
-            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, jump)).collect();
+            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam)).collect();
         let passes = passes?;
         worst = (0.0, Point3::origin());
         for pass in &passes {
@@ -152,8 +165,8 @@ fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
 }
 
 /// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves how far these leave
-/// the section, which may jump by `jump` mm between its points.
-fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64, jump: f64) -> Result<CutPass, Error> {
+/// the section, which may bend and jump at seams.
+fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64, seam: Seam) -> Result<CutPass, Error> {
     let plane = job.plane.arc_plane();
     let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);
     let tips: Vec<Point3<f64>> = chain.points.iter().map(|center| center + down).collect();
@@ -172,7 +185,7 @@ fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64, jump: f64) -> Resu
         let curve = curve(plane, [from, to].map(on_plane), element.shape, |b| {
             on_plane(arc_fit::center(from, to, b))
         })?;
-        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm + jump)?;
+        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm, seam)?;
         pass.deviation_mm = pass.deviation_mm.max(deviation);
         pass.curves.push(curve);
         start = element.end;
@@ -199,13 +212,20 @@ fn curve(
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
 /// written.
 ///
-/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`. A point of the chord
+/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam` adds. A point of the chord
 /// is as far from a line as its ends, and from an arc, which lies as far away as the tips at most, by the height
 /// of the chord under that arc more. Ends correspond to ends, so the nearest points of a path that stays in so
 /// narrow a band run over all of the other: the bound holds both ways. What is written in several pieces is
 /// bounded by its displacement from `curve`.
-fn deviation(job: &Job, curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Result<f64, Error> {
+fn deviation(
+    job: &Job,
+    curve: &Curve,
+    tips: &[Point3<f64>],
+    section_height: f64,
+    seam: Seam,
+) -> Result<f64, Error> {
     let chord = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
+    let section_height = section_height + seam.jump + seam.bend * chord;
     let bound = |curve: &Curve| {
         let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
         let arc_height = match curve {
@@ -215,11 +235,12 @@ fn deviation(job: &Job, curve: &Curve, tips: &[Point3<f64>], section_height: f64
         farthest + arc_height + section_height + ACCURACY_MM + ROUNDING * tips[0].coords.amax()
     };
     let computed = bound(curve);
-    let written = match &quantize(curve, job.resolution)?[..] {
+    let rounded = round(curve, job.resolution)?;
+    let written = match &rounded.curves[..] {
         // The element vanishes on the grid; what remains is its length, and half a step each way.
         [] => curve.length() + job.resolution.step_mm(),
         [only] => bound(&only.curve) + only.slack_mm,
-        pieces => computed + pieces.iter().map(|piece| piece.displacement_mm).fold(0.0, f64::max),
+        _ => computed + rounded.displacement_mm,
     };
     let grid = Grid::new(job.resolution);
     let mut deviation = computed.max(written);

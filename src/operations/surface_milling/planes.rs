@@ -12,7 +12,8 @@ const TOUCH_MM: f64 = 5e-3;
 /// An edge is straight where the section next to it has this part of the length of that a little inside.
 const STRAIGHT_SHARE: f64 = 0.9;
 
-/// Places at which the first section of a narrow part is looked for.
+/// Places at which the first and the last section inside an outline are looked for; a part narrower than the distance of two is
+/// left out.
 const PROBES: usize = 64;
 
 /// Halvings between a plane with sections and one without.
@@ -37,12 +38,12 @@ impl<'a> Slicer<'a> {
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
         let chains = self.sections.chains(plane, spacing, budget)?;
-        Ok(match &self.inside {
-            None => chains,
-            Some((outline, margin)) => {
-                chains.iter().flat_map(|chain| outline.clipped(chain, *margin)).collect()
-            }
-        })
+        let Some((outline, margin)) = &self.inside else { return Ok(chains) };
+        let mut inside = Vec::new();
+        for chain in &chains {
+            inside.extend(outline.clipped(chain, *margin, budget)?);
+        }
+        Ok(inside)
     }
 
     /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
@@ -53,7 +54,11 @@ impl<'a> Slicer<'a> {
         let spaces = (width / stepover - 1e-9).ceil().max(1.0);
         let limit = job.plane_limit;
         if spaces >= limit as f64 {
-            return Err(Error::TooMuchWork { what: "section planes", needed: spaces as usize + 1, limit });
+            return Err(Error::TooMuchWork {
+                what: "section planes",
+                needed: (spaces as usize).saturating_add(1),
+                limit,
+            });
         }
         let n = spaces as usize;
         let first = self.outermost(low, 1.0, width, budget)?;
@@ -70,15 +75,23 @@ impl<'a> Slicer<'a> {
             return Ok([low, high]);
         }
         let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
-        // From the middle outwards, where a section is most likely.
-        let order = (0..PROBES).map(|k| if k % 2 == 0 { (PROBES + k) / 2 } else { (PROBES - k) / 2 });
-        for k in order {
+        let mut with_section = Vec::new();
+        for k in 0..PROBES {
             if self.cut_length(probe(k), budget)? > 0.0 {
-                let inside = probe(k);
-                return Ok([self.last_inside(inside, low, budget)?, self.last_inside(inside, high, budget)?]);
+                with_section.push(k);
             }
         }
-        Err(Error::NothingToCut)
+        let (Some(&first), Some(&last)) = (with_section.first(), with_section.last()) else {
+            return Err(Error::NothingToCut);
+        };
+        let outside = [
+            if first == 0 { low } else { probe(first - 1) },
+            if last == PROBES - 1 { high } else { probe(last + 1) },
+        ];
+        Ok([
+            self.last_inside(probe(first), outside[0], budget)?,
+            self.last_inside(probe(last), outside[1], budget)?,
+        ])
     }
 
     /// The last plane with a section on the way from one that has one.

@@ -21,6 +21,9 @@ const SIZE: usize = MAX_DEGREE + 1;
 /// terms.
 const ROUNDING: f64 = 1e-13;
 
+/// A continued patch keeps its weights above this part of the largest: it does not come near infinity.
+const LEAST_WEIGHT: f64 = 1e-6;
+
 /// A homogeneous control net over the unit square, with room for N control points each way; mm. Entries beyond the degree
 /// are zero. Patches are copied much: those of low degree are better off with little room.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,7 +172,8 @@ impl<const N: usize> Patch for RationalPatch<N> {
         let patch = Self::from_fn(self.degree, |a, b| {
             self.net[p][b] + (self.net[p][b] - self.net[p - 1][b]) * (reach * a as f64)
         });
-        patch.entries().all(|h| h.w > 0.0).then_some(patch)
+        let largest = patch.entries().map(|h| h.w).fold(0.0, f64::max);
+        patch.entries().all(|h| h.w > LEAST_WEIGHT * largest).then_some(patch)
     }
 
     fn derivatives(&self) -> DerivativeBounds {

@@ -99,6 +99,7 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
         | NurbsError::KnotMultiplicity { along, index, multiplicity: _, degree: _ } => {
             (knots(along).index(index), FieldCode::OutOfRange)
         }
+        NurbsError::TooManyPatches { patches: _, limit: _ } => (points, FieldCode::LimitExceeded),
         NurbsError::WeightRows { found: _, expected: _ } => (weights, FieldCode::WrongLength),
         NurbsError::WeightColumns { row, found: _, expected: _ } => {
             (weights.index(row), FieldCode::WrongLength)

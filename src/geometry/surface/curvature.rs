@@ -25,6 +25,9 @@ const HALVINGS: usize = 50_000;
 /// How far the bound of the most concave place may exceed what was found, as a part of it.
 const GAP_SHARE: f64 = 0.01;
 
+/// Parts of a part that are looked at before it counts as one without a normal somewhere.
+const UNBOUNDED_LIMIT: usize = 20_000;
+
 /// What is smaller than this part of the surface is a point.
 const NO_SIZE: f64 = 1e-6;
 
@@ -105,7 +108,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
         if k.is_multiple_of(256) {
             budget.check()?;
         }
-        if !search.add(*patch, NO_SIZE * size) {
+        if !search.add(*patch, NO_SIZE * size, budget)? {
             return Ok(None);
         }
     }
@@ -118,7 +121,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
             return Ok(Some(bound.max(search.settled)));
         }
         for half in part.split_by_bend() {
-            if !search.add(half, NO_SIZE * size) {
+            if !search.add(half, NO_SIZE * size, budget)? {
                 return Ok(None);
             }
         }
@@ -143,19 +146,25 @@ impl<P: Patch> Search<P> {
 
     /// Takes in a part, or its parts where nothing can be said of it as a whole; `false` where it has a place without a
     /// normal: a part of no size that still has no bound.
-    fn add(&mut self, part: P, no_size: f64) -> bool {
+    fn add(&mut self, part: P, no_size: f64, budget: &Budget) -> Result<bool, Stopped> {
         let mut unbounded = vec![part];
-        while let Some(part) = unbounded.pop() {
+        for k in 1.. {
+            let Some(part) = unbounded.pop() else { break };
+            if k % 256 == 0 {
+                budget.check()?;
+            }
+            let around = part.bounds();
+            let is_point = (around.max - around.min).norm() <= no_size || k > UNBOUNDED_LIMIT;
             // Where there is no normal this is no number, and does not count.
             self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
             match bounds(&part.derivatives()) {
                 Some([_, bound]) if bound <= self.enough() => self.settled = self.settled.max(bound),
                 Some([_, bound]) => self.open.push(Bounded { bound, part }),
-                None if part.extents().into_iter().fold(0.0, f64::max) < no_size => return false,
+                None if is_point => return Ok(false),
                 None => unbounded.extend(part.split()),
             }
         }
-        true
+        Ok(true)
     }
 }
 
@@ -232,6 +241,14 @@ mod tests {
         let (convex, concave) = if outside < inside { (outside, inside) } else { (inside, outside) };
         assert!((0.0..1e-3).contains(&convex), "{convex}");
         assert!((0.1..0.102).contains(&concave), "{concave}");
+    }
+
+    #[test]
+    fn a_point_is_no_surface_to_bound() {
+        let nothing = BezierSurface::from_fn([2, 1], |_, _| crate::geometry::surface::BicubicPatch {
+            net: [[nalgebra::Vector3::zeros(); 4]; 4],
+        });
+        assert_eq!(most_concave(&nothing, &Budget::unlimited()), Ok(None));
     }
 
     #[test]

@@ -7,8 +7,8 @@
 //!
 //! # Guarantees
 //! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is level along a curve as
-//! the control points do; the curvature is an upper bound within a
-//! hundredth. Edges and gaps do not stop the model; they are warnings.
+//! the control points do; the curvature is an upper bound, within a
+//! hundredth as far as the limit of work allows. Edges and gaps do not stop the model; they are warnings.
 //!
 //! # Cost
 //! O(patches + points of wires).
@@ -130,7 +130,7 @@ fn bounds(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Result<[Point
     for axis in 0..3 {
         let unit = Vector3::ith(axis, 1.0);
         high[axis] = surface.farthest_along(&unit, BOUNDS_ACCURACY_MM, budget)?;
-        low[axis] = -surface.farthest_along(&-unit, BOUNDS_ACCURACY_MM, budget)?;
+        low[axis] = 0.0 - surface.farthest_along(&-unit, BOUNDS_ACCURACY_MM, budget)?;
     }
     Ok([low, high])
 }

@@ -94,7 +94,7 @@ pub fn most_concave_at(jet: &Jet) -> f64 {
 }
 
 /// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of the
-/// largest there is, or a thousandth of one over the size of the surface; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
+/// largest there is, or a thousandth of one over the size of the surface, as far as the limit of work allows; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
 ///
 /// # Errors
 /// Only the budget's stop.

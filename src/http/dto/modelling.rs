@@ -132,7 +132,7 @@ pub struct ModelReport {
     fit_deviation_max_mm: Option<f64>,
     /// Proved upper bound of the curvature where the surface is concave seen from above; negative where it is convex
     /// everywhere. A ball of a larger radius than its inverse does not fit. `null` for a surface with a place
-    /// without a normal.
+    /// without a normal, or one that could not be told from it.
     curvature_max_concave_per_mm: Option<f64>,
 }
 

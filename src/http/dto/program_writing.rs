@@ -99,12 +99,14 @@ fn conditions(
     let request = request.unwrap_or_else(|| CuttingRequest::at_feed(first_feed(toolpath)));
     let highest_mm = measure::measure(toolpath, FeedRate::DEFAULT_RAPID).bounds.max.z;
     let clearance_z_mm = request.clearance_z_mm.unwrap_or(highest_mm);
-    // The approach crosses the part at the higher of the two.
-    let (approach_mm, top_mm) = (clearance_z_mm.max(toolpath.start().z), highest_cut_mm(toolpath));
-    if approach_mm < top_mm {
-        let at = Pointer::root().field("cutting").field("clearance_z_mm");
-        let detail = format!("clearance_z_mm is {clearance_z_mm} mm; the toolpath cuts up to {top_mm} mm");
-        violations.add(&at, FieldCode::HeightBelowTop, detail);
+    let top_mm = highest_cut_mm(toolpath);
+    let given = [("clearance_z_mm", request.clearance_z_mm), ("retract_z_mm", request.retract_z_mm)];
+    for (field, height_mm) in given {
+        if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm < top_mm) {
+            let at = Pointer::root().field("cutting").field(field);
+            let detail = format!("{field} is {height_mm} mm; the toolpath cuts up to {top_mm} mm");
+            violations.add(&at, FieldCode::HeightBelowTop, detail);
+        }
     }
     request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm))
 }

@@ -34,7 +34,7 @@ pub enum WarningCode {
     EndsReduced,
     /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
     NotSmooth,
-    /// The surface has a place without a normal.
+    /// The surface has a place without a normal, or one that could not be told from it.
     NoNormal,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart,

@@ -57,7 +57,7 @@ impl From<&surface_model::Warning> for Warning {
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,
-                detail: "the surface has a place without a normal, such as a pole: no curvature is stated"
+                detail: "the surface has a place without a normal, such as a pole, or one too like it to tell: no curvature is stated"
                     .into(),
             },
         }

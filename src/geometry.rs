@@ -3,7 +3,9 @@
 pub mod arc_fit;
 pub mod clearance;
 pub mod curve;
+pub mod interval;
 pub mod plane;
+pub mod plane_curve;
 pub mod section;
 pub mod surface;
 pub mod wires;

@@ -4,6 +4,7 @@ pub mod budget;
 pub mod config;
 pub mod geometry;
 pub mod http;
+pub mod language;
 pub mod operations;
 pub mod plot;
 pub mod post;

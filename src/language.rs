@@ -1,0 +1,1 @@
+//! Languages in which parts are described: expressions in x, and section curves.

@@ -3,6 +3,8 @@
 pub mod arc_fit;
 pub mod clearance;
 pub mod curve;
+pub mod deviation;
+pub mod element;
 pub mod interval;
 pub mod plane;
 pub mod plane_curve;

@@ -1,0 +1,263 @@
+//! How far an element lies from a curve, proved over the whole of both.
+//!
+//! # Method
+//! 1. The deviation is read at parameters of the curve: there the point of the curve is enclosed, and its signed distance
+//!    from the element (`gauge`). By the normal measure that is the distance to the foot on the element. It is largest
+//!    where the two run parallel, and there the distance from curve to element is that from element to curve.
+//! 2. Between two readings the second derivative of the distance is enclosed, from those of the curve and the curvature
+//!    of the element. So the distance lies within a parabola of the line through the readings.
+//! 3. Where that does not decide, or says more than 5/4 of what has been read, the range is halved. Where no derivatives
+//!    are bounded, as at a kink, what is read at an end holds as far as the curve goes.
+//!
+//! # Guarantees
+//! * [`Verdict::Within`] is a proof: every point of the curve over the range lies within the band about the element, its
+//!   foot runs from one end of the element to the other, and so every point of the element is as near to the curve. All
+//!   is rounded outward; a band is kept to [`GUARD_MM`], for a curve that is a line has a deviation of rounding.
+//! * The spread is never below what readings show, and at most 5/4 of it and a quarter of a micrometre's thousandth.
+//! * [`Verdict::Outside`] is certain: a point is named at which the band is left.
+//!
+//! # Degenerate input
+//! What cannot be decided within [`MOST_CELLS`] is [`Verdict::Unproved`].
+//!
+//! # Cost
+//! O(1) for a smooth piece that the element fits; O(log(1 / g)) where the deviation is within the part g of the band.
+
+mod gauge;
+
+use super::element::Element;
+use super::interval::Interval;
+use super::plane_curve::PlaneCurve;
+use gauge::{Gauge, Normal, Reading, Vertical};
+
+/// Bands are kept up to this, mm: a thousandth of the finest word of a program.
+pub const GUARD_MM: f64 = 1e-9;
+
+/// A bound may exceed what was read by a part of it, and by this, mm.
+const LOOSE_PART: f64 = 0.25;
+const LOOSE_MM: f64 = 2.5e-7;
+
+/// Cells that one proof may look at, and more for each break of the curve in its range.
+const MOST_CELLS: usize = 4096;
+const CELLS_A_BREAK: usize = 64;
+
+/// With more breaks than this in the range a few places are looked at first: the element will hardly fit.
+const BREAKS_TO_PROBE: usize = 4;
+const PROBES: u32 = 9;
+
+/// How a deviation is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Measure {
+    /// Along the normal: the distance.
+    #[default]
+    Normal,
+    /// Along y, for graphs of functions.
+    Vertical,
+}
+
+/// How far elements may lie to the right (below) and to the left (above) of the curve, mm; both are zero or more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    pub below_mm: f64,
+    pub above_mm: f64,
+    pub measure: Measure,
+}
+
+/// The signed deviations of an element from its curve: positive where the element lies to the left, or above. mm.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spread {
+    pub least_mm: f64,
+    pub most_mm: f64,
+}
+
+impl Spread {
+    /// The largest absolute deviation, mm.
+    pub fn largest_mm(&self) -> f64 {
+        self.most_mm.max(-self.least_mm).max(0.0)
+    }
+
+    pub fn hull(&self, other: &Self) -> Self {
+        Self { least_mm: self.least_mm.min(other.least_mm), most_mm: self.most_mm.max(other.most_mm) }
+    }
+}
+
+/// Where the ends of an element are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    /// On the curve, at the ends of the range.
+    OnCurve,
+    /// Beside the curve, on its normals at the ends of the range, or straight above and below.
+    Beside,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    Within(Spread),
+    /// The band is left at this parameter of the curve.
+    Outside {
+        at: f64,
+    },
+    /// It could not be decided, near this parameter.
+    Unproved {
+        at: f64,
+    },
+}
+
+/// Whether `element` stays within `band` of `curve` over the parameters `[from, to]`.
+pub fn judge(
+    curve: &impl PlaneCurve,
+    element: &Element,
+    [from, to]: [f64; 2],
+    ends: Ends,
+    band: &Band,
+) -> Verdict {
+    match band.measure {
+        Measure::Normal => search(&Normal { curve, element, from, to, ends }, curve, [from, to], band),
+        Measure::Vertical => search(&Vertical { curve, element }, curve, [from, to], band),
+    }
+}
+
+/// What a point of the curve may be to the left and right of the element.
+#[derive(Clone, Copy)]
+struct Limits {
+    least: f64,
+    most: f64,
+}
+
+impl Limits {
+    /// The curve is to the right of an element that is to its left.
+    fn of(band: &Band) -> Self {
+        Self { least: -(band.above_mm + GUARD_MM), most: band.below_mm + GUARD_MM }
+    }
+
+    fn hold(&self, distance: Interval) -> bool {
+        self.least <= distance.lo() && distance.hi() <= self.most
+    }
+
+    fn exclude(&self, reading: &Reading) -> bool {
+        let distance = reading.distance;
+        distance.lo() > self.most || distance.hi() < self.least || reading.away > self.most.max(-self.least)
+    }
+}
+
+fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> Verdict {
+    let limits = Limits::of(band);
+    let breaks = curve.breaks();
+    let first = breaks.partition_point(|t| *t <= from);
+    let last = breaks.partition_point(|t| *t < to).max(first);
+    let breaks = &breaks[first..last];
+    if breaks.len() > BREAKS_TO_PROBE {
+        for k in 1..PROBES {
+            let at = from + (to - from) * (f64::from(k) / f64::from(PROBES));
+            if limits.exclude(&gauge.read(at)) {
+                return Verdict::Outside { at };
+            }
+        }
+    }
+    let mut search = Search {
+        limits,
+        found: 0.0,
+        proved: Interval::ZERO,
+        cells: MOST_CELLS + CELLS_A_BREAK * breaks.len(),
+        open: Vec::with_capacity(16),
+    };
+    let mut before = gauge.read(from);
+    for at in breaks.iter().copied().chain([to]) {
+        let after = gauge.read(at);
+        if let Some(verdict) = search.piece(gauge, before, after) {
+            return verdict;
+        }
+        before = after;
+    }
+    Verdict::Within(Spread { least_mm: -search.proved.hi(), most_mm: -search.proved.lo() })
+}
+
+struct Search {
+    limits: Limits,
+    /// The largest distance that was read.
+    found: f64,
+    /// What is proved of the cells behind.
+    proved: Interval,
+    cells: usize,
+    open: Vec<[Reading; 2]>,
+}
+
+impl Search {
+    /// Goes through a range without breaks; a verdict where it ends the search.
+    fn piece(&mut self, gauge: &impl Gauge, before: Reading, after: Reading) -> Option<Verdict> {
+        for reading in [before, after] {
+            if let Some(verdict) = self.note(&reading) {
+                return Some(verdict);
+            }
+        }
+        // At both ends there is nothing to read where they are joints: the first halving comes before the first bound.
+        self.halve(gauge, before, after).err().or_else(|| {
+            while let Some([a, b]) = self.open.pop() {
+                let bound = bound(gauge, &a, &b);
+                let allowed = (1.0 + LOOSE_PART) * self.found + LOOSE_MM;
+                if self.limits.hold(bound) && bound.mag() <= allowed {
+                    self.proved = self.proved.hull(bound);
+                } else if let Err(verdict) = self.halve(gauge, a, b) {
+                    return Some(verdict);
+                }
+            }
+            None
+        })
+    }
+
+    fn halve(&mut self, gauge: &impl Gauge, a: Reading, b: Reading) -> Result<(), Verdict> {
+        let at = 0.5 * (a.t + b.t);
+        if self.cells == 0 || at <= a.t || at >= b.t {
+            return Err(Verdict::Unproved { at });
+        }
+        self.cells -= 1;
+        let middle = gauge.read_near(at, 0.5 * (a.u + b.u));
+        if let Some(verdict) = self.note(&middle) {
+            return Err(verdict);
+        }
+        self.open.push([middle, b]);
+        self.open.push([a, middle]);
+        Ok(())
+    }
+
+    fn note(&mut self, reading: &Reading) -> Option<Verdict> {
+        if self.limits.exclude(reading) {
+            return Some(Verdict::Outside { at: reading.t });
+        }
+        self.found = self.found.max(reading.away);
+        self.proved = self.proved.hull(reading.distance);
+        None
+    }
+}
+
+/// Encloses the distance between two readings.
+fn bound(gauge: &impl Gauge, a: &Reading, b: &Reading) -> Interval {
+    match gauge.bend(a, b) {
+        Some(bend) if bend.is_bounded() => between(a.distance, b.distance, bend, b.t - a.t),
+        _ => gauge.reach(a, b),
+    }
+}
+
+/// Encloses a function between its ends from its second derivative.
+fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
+    let square = width * width * (1.0 + 1e-14);
+    let above = bulge(b.hi() - a.hi(), (-bend.lo()).max(0.0) * square);
+    let below = bulge(a.lo() - b.lo(), bend.hi().max(0.0) * square);
+    let most = a.hi().max(b.hi()) + above;
+    let least = a.lo().min(b.lo()) - below;
+    Interval::between(least.next_down(), most.next_up())
+}
+
+/// How far the parabola with the second difference `bend` >= 0 over ends that differ by `rise` goes above the higher.
+///
+/// With s from 0 to 1 it is rise s + bend s (1 - s) / 2 above the one; largest at s = 1/2 + rise / bend.
+fn bulge(rise: f64, bend: f64) -> f64 {
+    let rise = rise.abs();
+    if 2.0 * rise >= bend {
+        return 0.0;
+    }
+    let over = bend - 2.0 * rise;
+    over * over / (8.0 * bend) * (1.0 + 1e-14)
+}
+
+#[cfg(test)]
+mod tests;

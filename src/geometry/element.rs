@@ -1,0 +1,252 @@
+//! Elements of an interpolation: a line, an arc or a parabola between two points of the plane.
+//!
+//! An element is seen by its feet: the foot of a point is the nearest place on the element, and its signed distance is
+//! positive where the point lies to the left of the element's direction.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Point2, Vector2};
+
+use super::arc_fit;
+use super::interval::Interval;
+
+/// Steps of Newton's method to a foot on a parabola; from a guess at hand it takes two to five.
+const FOOT_STEPS: usize = 30;
+
+/// One element, with both ends, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Element {
+    Line {
+        start: Point2<f64>,
+        end: Point2<f64>,
+    },
+    Arc(PlaneArc),
+    /// A quadratic Bezier curve.
+    Parabola {
+        start: Point2<f64>,
+        control: Point2<f64>,
+        end: Point2<f64>,
+    },
+}
+
+/// An arc in the plane of less than a full turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneArc {
+    pub start: Point2<f64>,
+    pub end: Point2<f64>,
+    pub center: Point2<f64>,
+    pub radius: f64,
+    /// The angle turned, positive to the left, radians.
+    pub turn: f64,
+}
+
+/// Where a point meets an element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// From 0 at the start to 1 at the end; outside of it on the line, circle or parabola continued.
+    pub u: f64,
+    /// Positive to the left of the element, mm.
+    pub distance: f64,
+    /// The unit tangent there.
+    pub tangent: Vector2<f64>,
+}
+
+impl PlaneArc {
+    /// The arc with this bulge, tan(turn / 4) and positive where the arc lies to the left of its chord, so that it turns to
+    /// the right; `None` when there is no such arc.
+    pub fn with_bulge(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> Option<Self> {
+        let center = Point2::from(arc_fit::center(start.coords, end.coords, bulge));
+        let radius = (start - center).norm();
+        let is_arc = bulge != 0.0 && radius.is_finite() && radius > 0.0 && start != end;
+        is_arc.then(|| Self { start, end, center, radius, turn: -4.0 * bulge.atan() })
+    }
+
+    /// Signed: positive where the arc turns to the left, 1/mm.
+    pub fn curvature(&self) -> f64 {
+        self.turn.signum() / self.radius
+    }
+
+    fn foot(&self, p: Point2<f64>) -> Foot {
+        let spoke = p - self.center;
+        let length = spoke.norm();
+        let sense = self.turn.signum();
+        let out = if length > 0.0 { spoke / length } else { Vector2::x() };
+        // Angles are counted from the middle of the arc, so that those behind it are farthest away.
+        let middle = nalgebra::Rotation2::new(self.turn / 2.0) * (self.start - self.center);
+        let angle = middle.perp(&spoke).atan2(middle.dot(&spoke));
+        Foot {
+            u: 0.5 + angle / self.turn,
+            distance: sense * (self.radius - length),
+            tangent: Vector2::new(-out.y, out.x) * sense,
+        }
+    }
+}
+
+impl Element {
+    pub fn start(&self) -> Point2<f64> {
+        match self {
+            Self::Line { start, .. } | Self::Parabola { start, .. } => *start,
+            Self::Arc(arc) => arc.start,
+        }
+    }
+
+    pub fn end(&self) -> Point2<f64> {
+        match self {
+            Self::Line { end, .. } | Self::Parabola { end, .. } => *end,
+            Self::Arc(arc) => arc.end,
+        }
+    }
+
+    /// The parabola through three points, the middle one at half of its parameter.
+    pub fn parabola_through([start, middle, end]: [Point2<f64>; 3]) -> Self {
+        let control = middle + ((middle - start) + (middle - end)) * 0.5;
+        Self::Parabola { start, control, end }
+    }
+
+    /// The foot of `p`; on a parabola the one that is found from the guess `near`, from 0 to 1.
+    pub fn foot(&self, p: Point2<f64>, near: f64) -> Foot {
+        match self {
+            Self::Line { start, end } => {
+                let along = end - start;
+                let length = along.norm();
+                let tangent = if length > 0.0 { along / length } else { Vector2::x() };
+                let from = p - start;
+                let u = if length > 0.0 { from.dot(&tangent) / length } else { 0.0 };
+                Foot { u, distance: tangent.perp(&from), tangent }
+            }
+            Self::Arc(arc) => arc.foot(p),
+            Self::Parabola { start, control, end } => parabola_foot([*start, *control, *end], p, near),
+        }
+    }
+
+    /// Encloses the signed curvature between two places on the element, 1/mm.
+    pub fn curvature(&self, from: f64, to: f64) -> Interval {
+        match self {
+            Self::Line { .. } => Interval::ZERO,
+            Self::Arc(arc) => Interval::point(arc.curvature()),
+            Self::Parabola { start, control, end } => {
+                let (first, second) = (2.0 * (control - start), 2.0 * ((start - control) + (end - control)));
+                let cross = first.perp(&second);
+                // The speed is the distance from a point to a line, so it is least at its foot or at an end.
+                let speed = |u: f64| (first + second * u).norm();
+                let slowest = -first.dot(&second) / second.norm_squared();
+                let slowest = if slowest.is_finite() { slowest.clamp(from, to) } else { from };
+                let [least, most] = [speed(slowest), speed(from).max(speed(to))];
+                if least > 0.0 {
+                    let curvature = Interval::between(cross / least.powi(3), cross / most.powi(3));
+                    curvature + Interval::around(0.0, 1e-13 * curvature.mag())
+                } else {
+                    Interval::ENTIRE
+                }
+            }
+        }
+    }
+
+    /// Encloses the length of the way of a foot by its `u`, also a little beyond the ends, mm.
+    pub fn speed(&self) -> Interval {
+        match self {
+            Self::Line { start, end } => Interval::point((end - start).norm()),
+            Self::Arc(arc) => Interval::point(arc.radius * arc.turn.abs()),
+            // It may stand still in a hairpin; beyond the ends it runs on faster, hardly ever so much.
+            Self::Parabola { start, control, end } => {
+                Interval::between(0.0, 4.0 * (control - start).norm().max((end - control).norm()))
+            }
+        }
+    }
+
+    /// y at x, for an element that is the graph of a function there; `None` where it is none.
+    pub fn graph_at(&self, x: f64) -> Option<f64> {
+        match self {
+            Self::Line { start, end } => {
+                let s = (x - start.x) / (end.x - start.x);
+                Some(start.y * (1.0 - s) + end.y * s).filter(|y| y.is_finite())
+            }
+            Self::Arc(arc) => {
+                let across = x - arc.center.x;
+                let rise = (arc.radius - across) * (arc.radius + across);
+                (self.is_graph() && rise >= 0.0).then(|| arc.center.y - arc.turn.signum() * rise.sqrt())
+            }
+            Self::Parabola { start, control, end } => {
+                let s = (x - start.x) / (end.x - start.x);
+                let [a, b] = [start.y + (control.y - start.y) * s, control.y + (end.y - control.y) * s];
+                Some(a + (b - a) * s).filter(|y| y.is_finite())
+            }
+        }
+    }
+
+    /// Encloses the second derivative by x between two places, for an element that is the graph of a function.
+    pub fn graph_bend(&self, from: f64, to: f64) -> Interval {
+        match self {
+            Self::Line { .. } => Interval::ZERO,
+            Self::Arc(arc) => {
+                let across = Interval::between(from, to) + Interval::point(-arc.center.x);
+                let radius = Interval::point(arc.radius);
+                let rise = radius.sqr() - across.sqr();
+                if rise.lo() <= 0.0 {
+                    return Interval::ENTIRE;
+                }
+                (radius.sqr().div(rise * rise.sqrt())) * arc.turn.signum()
+            }
+            Self::Parabola { start, control, end } => {
+                let width = end.x - start.x;
+                let bend = 2.0 * ((start.y - control.y) + (end.y - control.y)) / (width * width);
+                // The control's height, an ordinate of the curve, is known to its rounding.
+                let height = start.y.abs().max(control.y.abs()).max(end.y.abs());
+                Interval::around(bend, 16.0 * f64::EPSILON * height / (width * width))
+            }
+        }
+    }
+
+    /// Whether x rises all along the element.
+    fn is_graph(&self) -> bool {
+        match self {
+            Self::Line { start, end } | Self::Parabola { start, end, .. } => start.x < end.x,
+            Self::Arc(arc) => {
+                // The tangent points to the right at both ends, and turns by less than half a turn between.
+                let sense = arc.turn.signum();
+                let heads_right = |p: Point2<f64>| (arc.center.y - p.y) * sense > 0.0;
+                arc.turn.abs() < PI && heads_right(arc.start) && heads_right(arc.end)
+            }
+        }
+    }
+
+    /// The largest magnitude in its data, by which its rounding is counted, mm.
+    pub fn magnitude(&self) -> f64 {
+        let of = |p: &Point2<f64>| p.x.abs().max(p.y.abs());
+        match self {
+            Self::Line { start, end } => of(start).max(of(end)),
+            Self::Arc(arc) => of(&arc.start).max(of(&arc.end)) + 2.0 * arc.radius,
+            Self::Parabola { start, control, end } => of(start).max(of(end)).max(of(control)),
+        }
+    }
+}
+
+/// The foot on a parabola by Newton's method on the squared distance, which halves the step where it does not fall.
+fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: f64) -> Foot {
+    let (first, second) = (2.0 * (control - start), (start - control) + (end - control));
+    let at = |u: f64| start + first * u + second * (u * u);
+    let speed = |u: f64| first + second * (2.0 * u);
+    let mut u = near;
+    for _ in 0..FOOT_STEPS {
+        let (away, along) = (at(u) - p, speed(u));
+        let slope = along.norm_squared() + 2.0 * away.dot(&second);
+        // Where the distance is not convex the step of Gauss and Newton still descends.
+        let slope = if slope > 0.0 { slope } else { along.norm_squared() };
+        let step = away.dot(&along) / slope;
+        if !step.is_finite() {
+            break;
+        }
+        u -= step.clamp(-0.5, 0.5);
+        if step.abs() <= 1e-15 {
+            break;
+        }
+    }
+    let along = speed(u);
+    let length = along.norm();
+    let tangent = if length > 0.0 { along / length } else { Vector2::x() };
+    let away = p - at(u);
+    Foot { u, distance: away.norm().copysign(tangent.perp(&away)), tangent }
+}
+
+#[cfg(test)]
+mod tests;

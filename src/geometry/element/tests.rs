@@ -1,0 +1,98 @@
+use nalgebra::{Point2, Rotation2};
+use proptest::prelude::*;
+
+use super::*;
+
+fn elements() -> Vec<Element> {
+    let (start, end) = (Point2::new(1.0, 2.0), Point2::new(4.0, 3.0));
+    vec![
+        Element::Line { start, end },
+        Element::Arc(PlaneArc::with_bulge(start, end, 0.4).unwrap()),
+        Element::Arc(PlaneArc::with_bulge(start, end, -1.7).unwrap()),
+        Element::Parabola { start, control: Point2::new(2.0, 4.5), end },
+        Element::Parabola { start, control: Point2::new(3.5, 1.0), end },
+    ]
+}
+
+/// A point of the element by its definition.
+fn point(element: &Element, u: f64) -> Point2<f64> {
+    match element {
+        Element::Line { start, end } => start + (end - start) * u,
+        Element::Arc(arc) => arc.center + Rotation2::new(arc.turn * u) * (arc.start - arc.center),
+        Element::Parabola { start, control, end } => {
+            let (a, b) = (start + (control - start) * u, control + (end - control) * u);
+            a + (b - a) * u
+        }
+    }
+}
+
+#[test]
+fn a_foot_is_found_again_from_beside_it() {
+    for element in elements() {
+        for k in 0..=20 {
+            let u = f64::from(k) / 20.0;
+            let (p, q) = (point(&element, u - 1e-6), point(&element, u + 1e-6));
+            let tangent = (q - p).normalize();
+            let left = Vector2::new(-tangent.y, tangent.x);
+            for distance in [-0.2, -1e-3, 0.0, 1e-3, 0.2] {
+                let beside = point(&element, u) + left * distance;
+                let foot = element.foot(beside, (u + 0.1).min(1.0));
+                assert!((foot.u - u).abs() < 1e-6, "{element:?} {u} {foot:?}");
+                assert!((foot.distance - distance).abs() < 1e-8, "{element:?} {u} {distance} {foot:?}");
+                assert!((foot.tangent - tangent).norm() < 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn ends_are_at_zero_and_one() {
+    for element in elements() {
+        let [start, end] = [(element.start(), 0.0), (element.end(), 1.0)].map(|(p, u)| element.foot(p, u));
+        assert!(start.u.abs() < 1e-14 && (end.u - 1.0).abs() < 1e-14, "{element:?}");
+        assert!(start.distance.abs() < 1e-14 && end.distance.abs() < 1e-14, "{element:?}");
+    }
+}
+
+#[test]
+fn a_parabola_goes_through_its_three_points() {
+    let points = [Point2::new(0.0, 0.0), Point2::new(1.0, 2.0), Point2::new(3.0, -1.0)];
+    let element = Element::parabola_through(points);
+    for (p, u) in points.into_iter().zip([0.0, 0.5, 1.0]) {
+        assert!((point(&element, u) - p).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn graphs_are_those_of_the_functions() {
+    let (start, end) = (Point2::new(0.0, 0.0), Point2::new(2.0, 4.0));
+    let square = Element::Parabola { start, control: Point2::new(1.0, 0.0), end };
+    assert!((square.graph_at(1.5).unwrap() - 2.25).abs() < 1e-14);
+    assert!(square.graph_bend(0.0, 2.0).contains(2.0));
+    let arc =
+        PlaneArc::with_bulge(Point2::new(-3.0, 4.0), Point2::new(3.0, 4.0), 0.333_333_333_333_333_3).unwrap();
+    let arc = Element::Arc(arc);
+    assert!((arc.graph_at(0.0).unwrap() - 5.0).abs() < 1e-12);
+    let bend = arc.graph_bend(0.0, 1.0);
+    assert!(bend.contains(-0.2) && bend.contains(-25.0 / 24f64.powf(1.5)), "{bend:?}");
+    let upright = PlaneArc::with_bulge(start, end, 1.0).unwrap();
+    assert_eq!(Element::Arc(upright).graph_at(1.0), None);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn curvature_is_enclosed(u in 0.0..1.0f64, v in 0.0..1.0f64, w in 0.0..1.0f64) {
+        for element in elements() {
+            let (low, high) = (u.min(v), u.max(v));
+            let range = element.curvature(low, high);
+            let t = low + (high - low) * w;
+            const H: f64 = 1e-4;
+            let [p, q, r] = [t - H, t, t + H].map(|t| point(&element, t));
+            let (a, b) = (q - p, r - q);
+            let curvature = 2.0 * a.perp(&b) / (a.norm() * b.norm() * (r - p).norm());
+            prop_assert!(range.lo() - 1e-4 <= curvature && curvature <= range.hi() + 1e-4);
+        }
+    }
+}

@@ -1,4 +1,5 @@
 //! The operations: each takes a job and a budget and answers a plan or its own error.
 
+pub mod interpolation;
 pub mod surface_milling;
 pub mod surface_model;

@@ -64,7 +64,7 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let slack = x.width() + y.width() + ROUNDING * (self.element.magnitude() + p.x.abs() + p.y.abs());
         let distance = Interval::around(foot.distance, slack);
         let out = match (self.ends, self.element) {
-            (Ends::OnCurve, Element::Line { .. } | Element::Arc(_)) => {
+            (Ends::OnCurve, Element::Line { .. }) => {
                 (beyond(foot.u) - END_ROUNDING).max(0.0) * self.element.speed().lo()
             }
             _ => 0.0,

@@ -1,0 +1,47 @@
+//! Hyun's adaptive interpolation: an element that leaves the band is bisected.
+//!
+//! # Reference
+//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
+//! 1992, section 2, steps 1 to 4.
+
+use super::fit::{Fitted, Fitter};
+use super::{ELEMENT_LIMIT, Error};
+use crate::budget::Budget;
+use crate::geometry::plane_curve::PlaneCurve;
+
+/// Elements between two looks at the budget.
+const ELEMENTS_BETWEEN_CHECKS: usize = 64;
+
+/// Bisects `range` until every element stays within the band, and adds the elements in order.
+///
+/// # Errors
+/// When the budget ends, there are too many elements, or no element stays within the band however short.
+pub fn bisect(
+    fitter: &Fitter<impl PlaneCurve>,
+    range: [f64; 2],
+    elements: &mut Vec<Fitted>,
+    budget: &Budget,
+) -> Result<(), Error> {
+    let mut open = vec![range];
+    let mut looked = 0;
+    while let Some([from, to]) = open.pop() {
+        if looked % ELEMENTS_BETWEEN_CHECKS == 0 {
+            budget.check()?;
+        }
+        looked += 1;
+        if let Some(fitted) = fitter.fit([from, to]) {
+            if elements.len() >= ELEMENT_LIMIT {
+                return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+            }
+            elements.push(fitted);
+            continue;
+        }
+        let middle = 0.5 * (from + to);
+        if fitter.is_least([from, to]) {
+            return Err(Error::BandInfeasible { at: fitter.curve.point(middle) });
+        }
+        open.push([middle, to]);
+        open.push([from, middle]);
+    }
+    Ok(())
+}

@@ -1,0 +1,420 @@
+//! The fewest lines with joints anywhere in the band: a path of the least number of links through a corridor.
+//!
+//! # Method
+//! 1. Gates across the band, many for each element with joints on the curve, make a polygon of it: a corridor between a
+//!    left and a right chain. How far the chains may be from the edges of the band is bounded by derivatives; moved inward
+//!    by that the corridor lies inside the band, moved outward it holds the band.
+//! 2. From what can be reached with some lines, the next line goes as far as one can that leaves the left chain to its left
+//!    and the right chain to its right. It touches both, and ends where it leaves the corridor: from its last touch to
+//!    there is the window through which every path with one line more has to go. (Of the lines through points and below
+//!    others the steepest and the flattest are kept: O'Rourke.)
+//! 3. The joints are where these lines meet; each lies on a window.
+//!
+//! # Guarantees
+//! The number of lines through the corridor that holds the band is a lower bound for all paths in the band. Lines through
+//! the corridor inside are proved on their own by the caller.
+//!
+//! # Degenerate input
+//! A band that turns back within one line's reach, or folds, gives no path: the joints stay on the curve then.
+//!
+//! # Cost
+//! O(n m) for n gates, m of which one line passes.
+//!
+//! # Reference
+//! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J. O'Rourke, *An
+//! on-line algorithm for fitting straight lines between data ranges*, CACM 24, 1981.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::deviation::{Band, Measure};
+use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+
+/// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord between gates.
+const GATES_AN_ELEMENT: usize = 64;
+
+/// A point this little beside a line, in parts of its place along it, is on it: the last gate is a point of both chains.
+const ROUNDING: f64 = 1e-13;
+
+/// Gates between two looks at the budget.
+const GATES_BETWEEN_CHECKS: usize = 1024;
+
+/// A place of the band.
+#[derive(Debug, Clone, Copy)]
+struct Gate {
+    t: f64,
+    point: Point2<f64>,
+    /// The unit vector to the left along which the band is measured.
+    across: Vector2<f64>,
+    /// How far the edges of the band may lie from the chords to the next gate, mm.
+    bulge_mm: f64,
+}
+
+/// A band as gates.
+pub struct Corridor {
+    gates: Vec<Gate>,
+    band: Band,
+}
+
+/// On which side of the corridor's edge a path is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Edges {
+    Inside,
+    Outside,
+}
+
+/// A joint beside the curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    pub at: Point2<f64>,
+    /// The parameter on whose normal, or vertical, it lies.
+    pub t: f64,
+    /// How far to the left of the curve, mm.
+    pub offset_mm: f64,
+}
+
+impl Corridor {
+    /// The corridor along the ranges of elements that follow each other.
+    ///
+    /// # Errors
+    /// When the budget ends.
+    pub fn new(
+        curve: &impl PlaneCurve,
+        ranges: impl Iterator<Item = [f64; 2]>,
+        band: Band,
+        budget: &Budget,
+    ) -> Result<Self, Stopped> {
+        let mut parameters = Vec::new();
+        for [from, to] in ranges {
+            let step = (to - from) / GATES_AN_ELEMENT as f64;
+            parameters.extend((0..GATES_AN_ELEMENT).map(|k| from + step * k as f64));
+            parameters.push(to);
+        }
+        parameters.extend(curve.breaks());
+        parameters.sort_by(f64::total_cmp);
+        parameters.dedup();
+        let mut gates = Vec::with_capacity(parameters.len());
+        for (k, t) in parameters.iter().copied().enumerate() {
+            if k % GATES_BETWEEN_CHECKS == 0 {
+                budget.check()?;
+            }
+            let across = match band.measure {
+                Measure::Vertical => Vector2::y(),
+                Measure::Normal => {
+                    let along = curve.derivative(t);
+                    Vector2::new(-along.y, along.x) / along.norm()
+                }
+            };
+            let bulge_mm = parameters.get(k + 1).map_or(0.0, |next| bulge(curve, [t, *next], &band));
+            gates.push(Gate { t, point: curve.point(t), across, bulge_mm });
+        }
+        Ok(Self { gates, band })
+    }
+
+    /// The joints of a path of the fewest lines from the first gate to the last, the ends included; `None` where none is
+    /// found.
+    ///
+    /// # Errors
+    /// When the budget ends.
+    pub fn fewest(&self, curve: &impl PlaneCurve, edges: Edges, budget: &Budget) -> Result<Option<Vec<Joint>>, Stopped> {
+        let [left, right] = self.chains(edges);
+        if left.iter().chain(&right).any(|p| !(p.x.is_finite() && p.y.is_finite())) {
+            return Ok(None);
+        }
+        let mut walk = Walk { left: &left, right: &right, links: Vec::new() };
+        if !walk.walk(|gate| curve.derivative(self.gates[gate].t), budget)? {
+            return Ok(None);
+        }
+        Ok(self.joints(&walk.links, curve))
+    }
+
+    /// The left and the right chain. The first and the last gate are points of the curve.
+    fn chains(&self, edges: Edges) -> [Vec<Point2<f64>>; 2] {
+        let last = self.gates.len() - 1;
+        let outward = |k: usize| {
+            let bulge = self.gates[k].bulge_mm.max(if k > 0 { self.gates[k - 1].bulge_mm } else { 0.0 });
+            match edges {
+                Edges::Inside => -bulge,
+                Edges::Outside => bulge,
+            }
+        };
+        let chain = |side: f64, width: f64| {
+            let gates = self.gates.iter().enumerate();
+            gates
+                .map(|(k, gate)| {
+                    let is_end = k == 0 || k == last;
+                    if is_end { gate.point } else { gate.point + gate.across * (side * (width + outward(k))) }
+                })
+                .collect()
+        };
+        [chain(1.0, self.band.above_mm), chain(-1.0, self.band.below_mm)]
+    }
+
+    /// Where the lines of successive links meet.
+    fn joints(&self, links: &[Link], curve: &impl PlaneCurve) -> Option<Vec<Joint>> {
+        let end = |gate: &Gate| Joint { at: gate.point, t: gate.t, offset_mm: 0.0 };
+        let mut joints = vec![end(self.gates.first()?)];
+        for pair in links.windows(2) {
+            let (before, after) = (&pair[0], &pair[1]);
+            let sine = before.along.perp(&after.along);
+            let part = (after.through - before.through).perp(&after.along) / sine;
+            let at = before.through + before.along * part;
+            // Lines that hardly turn meet anywhere: then the end of the window does as well.
+            let at = if part.is_finite() && before.is_in_window(&at) { at } else { before.exit };
+            let joint = self.place(at, before.gates, curve)?;
+            if joint.t <= joints[joints.len() - 1].t {
+                return None;
+            }
+            joints.push(joint);
+        }
+        joints.push(end(self.gates.last()?));
+        let is_rising = joints.windows(2).all(|pair| pair[0].t < pair[1].t);
+        is_rising.then_some(joints)
+    }
+
+    /// The parameter on whose normal `at` lies, between two gates or a little beside them.
+    fn place(&self, at: Point2<f64>, [first, last]: [usize; 2], curve: &impl PlaneCurve) -> Option<Joint> {
+        if self.band.measure == Measure::Vertical {
+            return Some(Joint { at, t: at.x, offset_mm: at.y - curve.point(at.x).y });
+        }
+        let mut low = self.gates[first.saturating_sub(2)].t;
+        let mut high = self.gates[(last + 2).min(self.gates.len() - 1)].t;
+        let ahead = |t: f64| (at - curve.point(t)).dot(&curve.derivative(t));
+        if !(ahead(low) >= 0.0 && ahead(high) <= 0.0) {
+            return None;
+        }
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if ahead(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        let along = curve.derivative(low);
+        let offset_mm = along.perp(&(at - curve.point(low))) / along.norm();
+        Some(Joint { at, t: low, offset_mm })
+    }
+}
+
+/// How far the edges of the band may lie from their chords over a range, mm.
+fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
+    let Enclosure { first, second, .. } = curve.enclose(from, to);
+    let width = to - from;
+    match band.measure {
+        // A function whose slope varies by s, or whose second derivative is at most c.
+        Measure::Vertical => {
+            (0.25 * first[1].width() * width).min(0.125 * second[1].mag() * width * width)
+        }
+        Measure::Normal => {
+            let along = curve.derivative(0.5 * (from + to)).normalize();
+            let [x, y] = first;
+            let (ahead, aside) = (x * along.x + y * along.y, y * along.x - x * along.y);
+            if ahead.lo() <= 0.0 {
+                return f64::INFINITY;
+            }
+            // The tangent leaves the middle one by this sine at most; normals turn as much, which moves the edge along
+            // itself by the sine times the offset and across itself by its square.
+            let sine = aside.mag() / ahead.lo();
+            let speed = ahead.hi().hypot(aside.mag());
+            let chord = (0.5 * speed * sine * width)
+                .min(0.125 * second[0].mag().hypot(second[1].mag()) * width * width);
+            chord + 3.0 * sine * sine * band.below_mm.max(band.above_mm)
+        }
+    }
+}
+
+/// One line of a path, with the window to the next.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    through: Point2<f64>,
+    along: Vector2<f64>,
+    /// The last touch and the place where it leaves the corridor.
+    touch: Point2<f64>,
+    exit: Point2<f64>,
+    /// The gates between which the window lies.
+    gates: [usize; 2],
+}
+
+impl Link {
+    fn is_in_window(&self, p: &Point2<f64>) -> bool {
+        let place = |q: &Point2<f64>| (q - self.through).dot(&self.along);
+        let (from, to, at) = (place(&self.touch), place(&self.exit), place(p));
+        let slack = 1e-9 * (to - from).abs();
+        from.min(to) - slack <= at && at <= from.max(to) + slack
+    }
+}
+
+/// A point of a chain with its gate, in the frame of the link: along it and to the left of it.
+#[derive(Debug, Clone, Copy)]
+struct Vertex {
+    gate: usize,
+    at: Point2<f64>,
+    x: f64,
+    y: f64,
+}
+
+/// The line through two points of the chains, first and last touched.
+#[derive(Debug, Clone, Copy)]
+struct Touching {
+    first: Vertex,
+    last: Vertex,
+    /// The place of `last` in the list of its side.
+    index: usize,
+}
+
+impl Touching {
+    fn height(&self, x: f64) -> f64 {
+        self.first.y + (self.last.y - self.first.y) / (self.last.x - self.first.x) * (x - self.first.x)
+    }
+}
+
+/// The lines that leave `left` to their left and `right` to their right, of all points so far.
+#[derive(Debug, Default)]
+struct Bundle {
+    left: Vec<Vertex>,
+    right: Vec<Vertex>,
+    /// The line that turns most to the left: it touches the right chain, then the left.
+    steepest: Option<Touching>,
+    /// The line that turns most to the right.
+    flattest: Option<Touching>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+impl Bundle {
+    /// Takes one more point of a chain; `false` when no line is left.
+    fn take(&mut self, side: Side, vertex: Vertex) -> bool {
+        // The right side is the left of a mirror.
+        let (own, other, sign) = match side {
+            Side::Left => (&mut self.left, &self.right, 1.0),
+            Side::Right => (&mut self.right, &self.left, -1.0),
+        };
+        let (near, far) = match side {
+            Side::Left => (&mut self.steepest, &self.flattest),
+            Side::Right => (&mut self.flattest, &self.steepest),
+        };
+        if far.is_some_and(|line| sign * (vertex.y - line.height(vertex.x)) < -ROUNDING * vertex.x.abs()) {
+            return false;
+        }
+        if near.is_none_or(|line| sign * (vertex.y - line.height(vertex.x)) < 0.0) {
+            let slope = |from: &Vertex| sign * (vertex.y - from.y) / (vertex.x - from.x);
+            let before = other.iter().filter(|from| from.x < vertex.x);
+            if let Some(first) = before.min_by(|a, b| slope(a).total_cmp(&slope(b))) {
+                *near = Some(Touching { first: *first, last: vertex, index: own.len() });
+            }
+        }
+        own.push(vertex);
+        true
+    }
+}
+
+/// A chain from the window of a link on: a few points, then those of the gates from `next`.
+struct Rest<'a> {
+    first: Vec<(usize, Point2<f64>)>,
+    chain: &'a [Point2<f64>],
+    next: usize,
+    /// How many have been taken.
+    taken: usize,
+}
+
+impl<'a> Rest<'a> {
+    fn new(first: Vec<(usize, Point2<f64>)>, chain: &'a [Point2<f64>], next: usize) -> Self {
+        Self { first, chain, next, taken: 0 }
+    }
+
+    fn peek(&self) -> Option<(usize, Point2<f64>)> {
+        let gate = self.next + self.taken.saturating_sub(self.first.len());
+        self.first.get(self.taken).copied().or_else(|| Some((gate, *self.chain.get(gate)?)))
+    }
+
+    /// What has not been taken, behind other points.
+    fn behind(&self, mut points: Vec<(usize, Point2<f64>)>) -> Self {
+        points.extend(self.first.iter().skip(self.taken));
+        Self::new(points, self.chain, self.next + self.taken.saturating_sub(self.first.len()))
+    }
+}
+
+struct Walk<'a> {
+    left: &'a [Point2<f64>],
+    right: &'a [Point2<f64>],
+    links: Vec<Link>,
+}
+
+impl Walk<'_> {
+    /// Finds the links; `false` when it is stuck.
+    fn walk(&mut self, tangent: impl Fn(usize) -> Vector2<f64>, budget: &Budget) -> Result<bool, Stopped> {
+        let start = (0, self.left[0]);
+        let (mut left, mut right) = (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
+        let mut origin = start;
+        while self.links.len() <= self.left.len() {
+            budget.check()?;
+            let along = tangent(origin.0).normalize();
+            let vertex = |(gate, at): (usize, Point2<f64>)| {
+                let from = at - origin.1;
+                Vertex { gate, at, x: along.dot(&from), y: along.perp(&from) }
+            };
+            let mut bundle = Bundle::default();
+            // Of the two chains the point that is less far along comes first.
+            let blocked = loop {
+                let (side, next) = match (left.peek().map(vertex), right.peek().map(vertex)) {
+                    (Some(l), Some(r)) if l.x <= r.x => (Side::Left, l),
+                    (_, Some(r)) => (Side::Right, r),
+                    (Some(l), None) => (Side::Left, l),
+                    (None, None) => break None,
+                };
+                if !bundle.take(side, next) {
+                    break Some((side, next));
+                }
+                match side {
+                    Side::Left => left.taken += 1,
+                    Side::Right => right.taken += 1,
+                }
+            };
+            let Some((side, blocked)) = blocked else {
+                let (Some(steepest), Some(flattest)) = (bundle.steepest, bundle.flattest) else { return Ok(false) };
+                self.finish(self.left.len() - 1, steepest, flattest);
+                return Ok(true);
+            };
+            // The line that is farthest from what blocks it reaches farthest.
+            let (line, own, other) = match side {
+                Side::Left => (bundle.flattest, &bundle.left, &bundle.right),
+                Side::Right => (bundle.steepest, &bundle.right, &bundle.left),
+            };
+            let (Some(line), Some(before)) = (line, own.last()) else { return Ok(false) };
+            let (above, below) = (before.y - line.height(before.x), blocked.y - line.height(blocked.x));
+            let part = above / (above - below);
+            if !part.is_finite() {
+                return Ok(false);
+            }
+            let exit = before.at + (blocked.at - before.at) * part.clamp(0.0, 1.0);
+            let touch = line.last;
+            self.links.push(Link {
+                through: line.first.at,
+                along: (touch.at - line.first.at).normalize(),
+                touch: touch.at,
+                exit,
+                gates: [touch.gate, blocked.gate],
+            });
+            origin = (touch.gate, touch.at);
+            let touched: Vec<_> = other[line.index..].iter().map(|v| (v.gate, v.at)).collect();
+            let exit = vec![(before.gate, exit)];
+            (left, right) = match side {
+                Side::Left => (left.behind(exit), right.behind(touched)),
+                Side::Right => (left.behind(touched), right.behind(exit)),
+            };
+        }
+        Ok(false)
+    }
+
+    /// The last link ends at the last gate: halfway between the outermost lines that do.
+    fn finish(&mut self, last: usize, steepest: Touching, flattest: Touching) {
+        let end = self.left[last];
+        let direction = |line: Touching| (line.last.at - line.first.at).normalize();
+        let along = (direction(steepest) + direction(flattest)).normalize();
+        self.links.push(Link { through: end, along, touch: end, exit: end, gates: [last, last] });
+    }
+}

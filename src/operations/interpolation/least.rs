@@ -1,0 +1,214 @@
+//! The fewest elements with joints on the curve: each ends as far on as it can.
+//!
+//! # Method
+//! 1. From a joint the longest element is searched: its strain, the deviation in parts of the band, is a growing function
+//!    of its length, whose root at one is found in logarithms; the element there is then proved.
+//! 2. Where the curve is convex every part of an element that stays within the band does so too (`lower_bound`): then the
+//!    longest element from the farthest joint is the best there is, and greedy growth gives the least number. About an
+//!    inflection that need not be so: a longer element may fit again where a shorter does not, and an earlier joint may
+//!    reach farther. Both are tried.
+//!
+//! # Guarantees
+//! Every element is proved. Joints are as far on as they can be, to a part of 1e-9 of the element. How far the count may be
+//! from the least of all is told by the lower bound.
+//!
+//! # Cost
+//! O(n) for n elements: some 10 strains and 2 proofs each.
+
+use super::fit::{Fitted, Fitter};
+use super::job::Method;
+use super::{ELEMENT_LIMIT, Error};
+use crate::budget::Budget;
+use crate::geometry::plane_curve::PlaneCurve;
+
+/// Steps of the search for a length.
+const LENGTH_STEPS: usize = 60;
+
+/// The length is found to this part of itself.
+const LENGTH_PART: f64 = 1e-9;
+
+/// A strain this little below one is at the edge of the band.
+const STRAIN_PART: f64 = 2e-10;
+
+/// Parts by which a length is shortened until its element is proved; after them it is halved.
+const SHORTER: [f64; 5] = [0.0, 2e-9, 1e-7, 1e-5, 1e-3];
+
+/// Where else a joint is tried, in parts of the element before it, and where a longer element, in parts of the longest.
+const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
+const LONGER: [f64; 6] = [1.1, 1.25, 1.4, 1.6, 1.8, 2.0];
+
+/// Tangents by which a curve is seen to be convex.
+const TANGENTS: usize = 9;
+
+/// Elements between two looks at the budget.
+const ELEMENTS_BETWEEN_CHECKS: usize = 16;
+
+/// Adds the fewest elements over `range` that stay within the band, as far as is known.
+///
+/// # Errors
+/// When the budget ends, there are too many elements, or no element stays within the band however short.
+pub fn fewest(
+    fitter: &Fitter<impl PlaneCurve>,
+    range: [f64; 2],
+    elements: &mut Vec<Fitted>,
+    budget: &Budget,
+) -> Result<(), Error> {
+    let [from, to] = range;
+    let first = elements.len();
+    let mut at = from;
+    let mut length = to - from;
+    while at < to {
+        if elements.len() % ELEMENTS_BETWEEN_CHECKS == 0 {
+            budget.check()?;
+            budget.progress("interpolating", elements.len(), elements.len());
+        }
+        if elements.len() >= ELEMENT_LIMIT {
+            return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+        }
+        let mut next = fitter.longest([at, to], length)?;
+        if let Some(last) = elements[first..].last().copied()
+            && next.range[1] < to
+            && fitter.may_fit_again([last.range[0], next.range[1]])
+            && let Some([earlier, longer]) = fitter.around(&last, &next, to)
+        {
+            *elements.last_mut().unwrap_or(&mut next.clone()) = earlier;
+            next = longer;
+        }
+        length = next.range[1] - next.range[0];
+        at = next.range[1];
+        elements.push(next);
+    }
+    Ok(())
+}
+
+impl<C: PlaneCurve> Fitter<'_, C> {
+    /// The longest element that starts at `from` and ends at `most` at the latest; `guess` is about how long it is.
+    ///
+    /// # Errors
+    /// When no element stays within the band however short.
+    pub fn longest(&self, [from, most]: [f64; 2], guess: f64) -> Result<Fitted, Error> {
+        let room = most - from;
+        let mut length = self.limit_length(from, room, guess.min(room));
+        if length < room && self.may_fit_again([from, (from + 2.0 * length).min(most)]) {
+            // It may fit again farther on, where the curve has turned back.
+            for factor in LONGER {
+                let farther = (length * factor).min(room);
+                if self.strain([from, from + farther]) <= 1.0 {
+                    length = self.limit_length(from, room, farther).max(length);
+                }
+            }
+        }
+        let end = |length: f64| if length >= room { most } else { from + length };
+        for part in SHORTER {
+            if let Some(fitted) = self.fit([from, end(length * (1.0 - part))]) {
+                return Ok(fitted);
+            }
+        }
+        self.longest_proved([from, most], length)
+    }
+
+    /// The length at which the strain is one, or all the room there is.
+    ///
+    /// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the root,
+    /// within what is bracketed.
+    fn limit_length(&self, from: f64, room: f64, guess: f64) -> f64 {
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut length = guess;
+        let mut last: Option<(f64, f64)> = None;
+        for _ in 0..LENGTH_STEPS {
+            let strain = self.strain([from, from + length]).max(1e-12);
+            if strain <= 1.0 {
+                low = length;
+                if length >= room || strain >= 1.0 - STRAIN_PART {
+                    break;
+                }
+            } else {
+                high = length;
+            }
+            if high - low <= LENGTH_PART * low || high <= f64::EPSILON * (from.abs() + room) {
+                break;
+            }
+            let here = (length.ln(), strain.ln());
+            // Of the two shapes' powers, two for lines and three for parabolas.
+            let power = last.map(|last: (f64, f64)| (here.1 - last.1) / (here.0 - last.0)).filter(|p| (0.5..8.0).contains(p));
+            last = Some(here);
+            let next = (here.0 - (here.1 + 0.5 * STRAIN_PART) / power.unwrap_or(2.3)).exp().clamp(0.1 * length, 4.0 * length);
+            length = if low < next && next < high {
+                next
+            } else if high.is_finite() {
+                if low > 0.0 { (low * high).sqrt() } else { 0.5 * high }
+            } else {
+                2.0 * low
+            };
+            length = length.min(room);
+        }
+        if low > 0.0 { low } else { length }
+    }
+
+    /// As `longest`, by proofs alone: for curves whose deviation samples do not tell.
+    fn longest_proved(&self, [from, most]: [f64; 2], length: f64) -> Result<Fitted, Error> {
+        let mut high = length.min(most - from);
+        let mut best = loop {
+            high *= 0.5;
+            if self.is_least([from, from + high]) {
+                return Err(Error::BandInfeasible { at: self.curve.point(from) });
+            }
+            if let Some(fitted) = self.fit([from, from + high]) {
+                break fitted;
+            }
+        };
+        let (mut low, mut high) = (high, 2.0 * high);
+        while high - low > 1e-6 * low {
+            let middle = 0.5 * (low + high);
+            match self.fit([from, from + middle]) {
+                Some(fitted) => (best, low) = (fitted, middle),
+                None => high = middle,
+            }
+        }
+        Ok(best)
+    }
+
+    /// Whether a range is so short that halving it again changes nothing.
+    pub fn is_least(&self, [from, to]: [f64; 2]) -> bool {
+        let [first, last] = self.curve.domain();
+        to - from <= 1e-13 * (last - first).max(first.abs()).max(last.abs())
+    }
+
+    /// Whether a longer element might stay within the band where a shorter does not: not where lines meet a convex curve.
+    fn may_fit_again(&self, [from, to]: [f64; 2]) -> bool {
+        if self.method != Method::Linear {
+            return true;
+        }
+        let tangent = |k: usize| self.curve.derivative(from + (to - from) * (k as f64 / TANGENTS as f64));
+        let mut before = tangent(0);
+        let (mut left, mut right) = (false, false);
+        for k in 1..=TANGENTS {
+            let after = tangent(k);
+            let turn = before.perp(&after);
+            (left, right) = (left || turn > 0.0, right || turn < 0.0);
+            before = after;
+        }
+        left && right
+    }
+
+    /// The element before with an earlier end, and the next from there, where that reaches farther than `next`.
+    fn around(&self, before: &Fitted, next: &Fitted, most: f64) -> Option<[Fitted; 2]> {
+        let [start, joint] = before.range;
+        let reached = next.range[1];
+        let beyond = (reached + 1e-6 * (reached - joint)).min(most);
+        let mut best: Option<[Fitted; 2]> = None;
+        for part in EARLIER {
+            let at = joint - part * (joint - start);
+            if self.strain([at, beyond]) > 1.0 || self.strain([start, at]) > 1.0 {
+                continue;
+            }
+            let (Some(earlier), Ok(longer)) = (self.fit([start, at]), self.longest([at, most], beyond - at)) else {
+                continue;
+            };
+            if longer.range[1] > best.map_or(reached, |[_, longer]| longer.range[1]) {
+                best = Some([earlier, longer]);
+            }
+        }
+        best
+    }
+}

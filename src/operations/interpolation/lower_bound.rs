@@ -1,0 +1,282 @@
+//! How few elements there can be at least, whatever their joints on the curve: a bound for the count of all.
+//!
+//! # Method
+//! With r the farthest place that k elements can reach, k + 1 reach no farther than the farthest end of an element that
+//! starts at r or before it. That is bounded in two ways.
+//!
+//! 1. **Convex.** Lines: let the curve be convex, and its tangents differ by less than a right angle, where an element from
+//!    before r could run. Then the height of a part of the curve over its own chord is at most that of the whole over its
+//!    chord: the part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph; the
+//!    point of the part farthest from its chord has a tangent along it, so it lies on the side of the apex where the strip's
+//!    height counts in full, and its distance is at most that height times the cosine between the chords. (By the vertical
+//!    measure the chord of the whole lies above that of the part, which needs no tangents.) So an element from before r to
+//!    beyond b would have a part from r to b within the band; where that element is outside, b bounds the reach.
+//! 2. **Free.** An element that stays within the band over a range does so over every part of it, whatever its joints. It
+//!    is ruled out by a few points that none of its kind passes near enough: three for lines (the least height of the
+//!    triangle), four for arcs (the thinnest ring) and for parabolas over graphs (the third divided difference).
+//!
+//! # Guarantees
+//! No set of elements of the method with joints on the curve is smaller, up to rounding of 1e-9 of the band. The bound is
+//! the count itself for lines on convex curves; about inflections, and for arcs and parabolas, it is smaller by some tenth.
+//! For parabolas on curves that are no graphs nothing but 1 is known.
+//!
+//! # Cost
+//! O(n) for n elements, as much as finding the elements.
+//!
+//! # Reference
+//! Three and four points: C. J. de la Vallee Poussin's theorem; rings: Ebara, Fukuyama, Nakano, Nakanishi, *Roundness
+//! algorithms using the Voronoi diagrams*, CCCG 1989.
+
+use nalgebra::{Matrix2, Point2, Vector2};
+
+use super::Error;
+use super::fit::Fitter;
+use super::job::Method;
+use crate::budget::Budget;
+use crate::geometry::deviation::{Ends, GUARD_MM, Measure, Verdict, judge};
+use crate::geometry::element::Element;
+use crate::geometry::interval::Interval;
+use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+
+/// The reach is looked at this part of an element farther on than the longest that was found.
+const BEYOND_PART: f64 = 1e-6;
+
+/// Cells over which the curve is seen to be convex.
+const CELLS: usize = 16;
+
+/// Where the points stand that rule out an element: those of Chebyshev, in parts of the range.
+const THREE: [f64; 3] = [0.0, 0.5, 1.0];
+const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
+
+/// Points among which the three that rule out a line are looked for.
+const LINE_POINTS: usize = 17;
+
+/// Ranges grow by this factor until an element is ruled out, and the growth is then refined by halving it so often.
+const GROWTH: f64 = 1.04;
+const REFINEMENTS: usize = 8;
+
+/// A bound for the number of elements over `range`.
+///
+/// # Errors
+/// When the budget ends, or no element stays within the band however short.
+pub fn lower_bound(fitter: &Fitter<impl PlaneCurve>, range: [f64; 2], budget: &Budget) -> Result<usize, Error> {
+    let [from, to] = range;
+    let (mut before, mut reached, mut count) = (from, from, 0);
+    let mut guess = to - from;
+    while reached < to {
+        if count % 16 == 0 {
+            budget.check()?;
+        }
+        let next = fitter.reach_at_most([before, reached, to], &mut guess)?;
+        (before, reached) = (reached, next);
+        count += 1;
+    }
+    Ok(count)
+}
+
+impl<C: PlaneCurve> Fitter<'_, C> {
+    /// A bound for where elements end that start between `before` and `start`. `guess` is the length of the last element.
+    fn reach_at_most(&self, [before, start, to]: [f64; 3], guess: &mut f64) -> Result<f64, Error> {
+        let longest = self.longest([start, to], *guess)?.range[1];
+        *guess = longest - start;
+        if longest >= to {
+            return Ok(to);
+        }
+        if self.method == Method::Linear {
+            let beyond = longest + BEYOND_PART * (longest - start);
+            if beyond < to && self.is_convex([before, beyond]) && self.is_outside([start, beyond]) {
+                return Ok(beyond);
+            }
+        }
+        Ok(self.free_reach([start, to], *guess))
+    }
+
+    /// Whether the chord over a range certainly leaves the band.
+    fn is_outside(&self, [from, to]: [f64; 2]) -> bool {
+        let element = Element::Line { start: self.curve.point(from), end: self.curve.point(to) };
+        matches!(judge(self.curve, &element, [from, to], Ends::OnCurve, &self.band), Verdict::Outside { .. })
+    }
+
+    /// Whether the curve turns to one side only over a range, and by the normal measure by less than a right angle.
+    fn is_convex(&self, [from, to]: [f64; 2]) -> bool {
+        let breaks = self.curve.breaks();
+        let has_break = breaks.partition_point(|t| *t <= from) < breaks.partition_point(|t| *t < to);
+        if has_break && self.band.measure == Measure::Vertical {
+            return false;
+        }
+        let along = (self.curve.point(to) - self.curve.point(from)).normalize();
+        let (mut left, mut right) = (true, true);
+        let mut check = |a: f64, b: f64| {
+            let Enclosure { first, second, .. } = self.curve.enclose(a, b);
+            let turn = first[0] * second[1] - first[1] * second[0];
+            // A curve that is straight but for rounding is as good as convex.
+            let slack = 1e-12 * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
+            left &= turn.lo() >= -slack;
+            right &= turn.hi() <= slack;
+            let ahead = first[0] * along.x + first[1] * along.y;
+            let aside = first[1] * along.x - first[0] * along.y;
+            self.band.measure == Measure::Vertical || aside.mag() <= ahead.lo()
+        };
+        let first = breaks.partition_point(|t| *t <= from);
+        let last = breaks.partition_point(|t| *t < to).max(first);
+        // Where pieces join the curve has one tangent, or the directions on both sides leave the cone open.
+        let mut start = from;
+        for end in breaks[first..last].iter().copied().chain([to]) {
+            let step = (end - start) / CELLS as f64;
+            for k in 0..CELLS {
+                let a = start + step * k as f64;
+                let b = if k + 1 == CELLS { end } else { a + step };
+                if !check(a, b) {
+                    return false;
+                }
+            }
+            start = end;
+        }
+        (left || right) && self.turns_smoothly(&breaks[first..last])
+    }
+
+    /// Whether the tangent does not jump at any of `breaks`.
+    fn turns_smoothly(&self, breaks: &[f64]) -> bool {
+        breaks.iter().all(|t| {
+            let (before, after) = (self.curve.derivative(t.next_down()), self.curve.derivative(*t));
+            before.perp(&after).abs() <= 1e-9 * before.norm() * after.norm()
+        })
+    }
+
+    /// A bound for where elements end that stay within the band from `start` on, wherever they start.
+    fn free_reach(&self, [start, to]: [f64; 2], length: f64) -> f64 {
+        if matches!(self.method, Method::Parabolic | Method::Mixed) && !self.curve.is_graph() {
+            return to;
+        }
+        let is_ruled_out = |length: f64| self.rules_out([start, start + length]);
+        let (mut low, mut high) = (length, length);
+        while !is_ruled_out(high) {
+            low = high;
+            high *= GROWTH;
+            if start + high >= to {
+                return to;
+            }
+        }
+        for _ in 0..REFINEMENTS {
+            let middle = 0.5 * (low + high);
+            if is_ruled_out(middle) { high = middle } else { low = middle }
+        }
+        start + high
+    }
+
+    /// Whether a few points over a range show that no element of the method stays within the band there.
+    fn rules_out(&self, [from, to]: [f64; 2]) -> bool {
+        let at = |part: f64| from + (to - from) * part;
+        match self.method {
+            Method::Linear => {
+                let points: Vec<_> = (0..LINE_POINTS)
+                    .map(|k| self.curve.point(at(k as f64 / (LINE_POINTS - 1) as f64)))
+                    .collect();
+                let width = self.band.below_mm + self.band.above_mm + 4.0 * GUARD_MM;
+                triples(LINE_POINTS).any(|t| self.thickness(t.map(|k| points[k])) > width * (1.0 + 1e-9))
+            }
+            Method::Arc => {
+                let width = self.band.below_mm + self.band.above_mm + 4.0 * GUARD_MM;
+                // By the vertical measure a curve is no farther away than that.
+                ring(FOUR.map(|part| self.curve.point(at(part)))) > width * (1.0 + 1e-9)
+            }
+            Method::Parabolic | Method::Mixed => self.no_parabola(FOUR.map(at), [from, to]),
+        }
+    }
+
+    /// The least that a line lies away from one of three points on one side and another on the other, in sum.
+    fn thickness(&self, [a, b, c]: [Point2<f64>; 3]) -> f64 {
+        let twice_area = (b - a).perp(&(c - a)).abs();
+        match self.band.measure {
+            Measure::Normal => twice_area / (b - a).norm().max((c - b).norm()).max((a - c).norm()),
+            Measure::Vertical => twice_area / (c.x - a.x).abs(),
+        }
+    }
+
+    /// Whether no quadratic function passes near enough to four points of a graph.
+    ///
+    /// An element that lies within w of the curve lies above or below it by at most w sqrt(1 + m^2), with m the largest
+    /// slope of the curve within w of there.
+    fn no_parabola(&self, x: [f64; 4], [from, to]: [f64; 2]) -> bool {
+        let (below, above) = (self.band.below_mm + 2.0 * GUARD_MM, self.band.above_mm + 2.0 * GUARD_MM);
+        // The sum of (y + e) / w'(x) is zero for a quadratic through the points y moved by e.
+        let (mut sum, mut least, mut most) = (0.0, 0.0, 0.0);
+        for (k, xk) in x.iter().enumerate() {
+            let product: f64 = x.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, xj)| xk - xj).product();
+            let steepness = match self.band.measure {
+                Measure::Vertical => 1.0,
+                Measure::Normal => {
+                    let reach = below.max(above);
+                    let slope = self.curve.enclose((xk - reach).max(from), (xk + reach).min(to)).first[1];
+                    (Interval::point(1.0) + slope.sqr()).sqrt().hi()
+                }
+            };
+            sum += self.curve.point(*xk).y / product;
+            let (a, b) = (-below * steepness / product, above * steepness / product);
+            (least, most) = (least + a.min(b), most + a.max(b));
+        }
+        let slack = 1e-9 * (most - least);
+        !(least - slack..=most + slack).contains(&-sum) && least.is_finite() && most.is_finite()
+    }
+}
+
+/// All triples of neighbours at equal distances and those with an end moved: enough to see how thick a bent strip is.
+fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
+    (1..count - 1).flat_map(move |b| {
+        let last = count - 1;
+        [[0, b, last], [0, b, (2 * b).min(last)], [(2 * b).saturating_sub(last), b, last]]
+            .into_iter()
+            .filter(|[a, b, c]| a < b && b < c)
+    })
+}
+
+/// The width of the thinnest ring, or strip, that holds four points.
+///
+/// It has two of them on each of its circles, or three on one and one on the other; a strip has two on one of its lines.
+fn ring(p: [Point2<f64>; 4]) -> f64 {
+    let mut thinnest = strip(p);
+    let mut try_center = |center: Option<Point2<f64>>| {
+        if let Some(center) = center {
+            let distances = p.map(|q| (q - center).norm());
+            let [least, most] = distances
+                .iter()
+                .fold([f64::INFINITY, 0.0], |[least, most], d: &f64| [d.min(least), d.max(most)]);
+            thinnest = thinnest.min(most - least);
+        }
+    };
+    for [a, b, c, d] in [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2]] {
+        try_center(equidistant([p[a], p[b]], [p[c], p[d]]));
+    }
+    for [a, b, c] in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {
+        try_center(equidistant([p[a], p[b]], [p[b], p[c]]));
+    }
+    thinnest
+}
+
+/// The point as far from one of a pair as from the other, for two pairs.
+fn equidistant(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> Option<Point2<f64>> {
+    let [[a, b], [c, d]] = [one, other];
+    let (u, v) = (b - a, d - c);
+    let middle = |p: Point2<f64>, q: Point2<f64>| nalgebra::center(&p, &q).coords;
+    let rows = Matrix2::new(u.x, u.y, v.x, v.y);
+    let right = Vector2::new(u.dot(&middle(a, b)), v.dot(&middle(c, d)));
+    rows.try_inverse().map(|inverse| Point2::from(inverse * right)).filter(|p| p.x.is_finite() && p.y.is_finite())
+}
+
+/// The width of the thinnest strip that holds four points.
+fn strip(p: [Point2<f64>; 4]) -> f64 {
+    let mut thinnest = f64::INFINITY;
+    for (i, a) in p.iter().enumerate() {
+        for b in &p[i + 1..] {
+            let along = b - a;
+            let heights = p.map(|q| along.perp(&(q - a)) / along.norm());
+            let [least, most] = heights
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], h| [h.min(least), h.max(most)]);
+            if (most - least).is_finite() {
+                thinnest = thinnest.min(most - least);
+            }
+        }
+    }
+    thinnest
+}

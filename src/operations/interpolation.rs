@@ -1,25 +1,256 @@
-//! x
-pub mod job;
-pub mod fit;
+//! Interpolating a plane curve within a band: by lines, parabolas, both or arcs; by bisection, or as few as possible.
+//!
+//! # Method
+//! 1. The curve is made of its data (`source`) and divided into equal initial elements.
+//! 2. `bisection`: Hyun's methods. An element that leaves the band is halved; the mixed method tries a line first, then a
+//!    parabola, then halves. `least`: each element ends as far on as it can. `corridor`: lines whose joints may lie
+//!    anywhere in the band. `corners`: joints lie on real corners where that costs nothing.
+//! 3. Whether an element stays within the band is proved over the whole of it ([`deviation`](crate::geometry::deviation)).
+//! 4. `lower_bound`: how few elements there can be at least.
+//! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band stand for
+//!    them; beside the contour the path is offset by the cutter's radius.
+//!
+//! # Guarantees
+//! * Every element stays within the band, by the measure that is asked for: a proof, not a sample. `deviation_max_mm` bounds
+//!   what was read by at most 5/4.
+//! * Elements follow each other without gaps from the first point of the curve to the last.
+//! * No set of elements of the method with such joints is smaller than `n_elements_lower_bound`.
+//!
+//! # Degenerate input
+//! A band that no element keeps however short, as one without room on the side to which the curve bends, is refused with
+//! the place.
+//!
+//! # Cost
+//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. A bound for n and for the time of each
+//! is in `benches/interpolation.rs`.
+//!
+//! # Differences from the paper
+//! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered. Its machining
+//! time is that of its interpreter; here it is length by feed. Misprints in its tables are named where they are tested.
+//!
+//! # Reference
+//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
+//! Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
+
 mod bisection;
+mod corners;
 mod corridor;
+mod fit;
+mod job;
 mod least;
 mod lower_bound;
-use nalgebra::Point2;
-use crate::budget::Stopped;
-pub use bisection::bisect;
-pub use least::fewest;
+mod path;
+mod source;
 
+use nalgebra::Point2;
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::deviation::{Ends, Measure, Spread, Verdict, judge};
+use crate::geometry::element::Element;
+use crate::geometry::plane_curve::PlaneCurve;
+use crate::toolpath::cutting::{Cutting, HeightError};
+use crate::toolpath::quantize::QuantizeError;
+use crate::toolpath::{PathError, Toolpath};
+use corridor::{Corridor, Edges};
+use fit::{Fitted, Fitter};
+pub use job::{Job, Joints, Method, Side, Source, Subdivision};
+pub use source::{AnyCurve, SourceError};
+
+/// The most elements of one job.
 pub const ELEMENT_LIMIT: usize = 1_000_000;
 
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+/// One element as it is reported.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReportedElement {
+    pub element: Element,
+    /// Counted from 0.
+    pub initial_element: usize,
+    /// The range of the curve's parameter, x for a graph.
+    pub domain: [f64; 2],
+    pub spread: Spread,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    pub elements: Vec<ReportedElement>,
+    pub elements_per_initial: Vec<usize>,
+    /// No set of elements of the method over the whole curve is smaller.
+    pub n_elements_lower_bound: usize,
+    /// Length of what is cut, mm.
+    pub length_mm: f64,
+    /// `None` without a feed.
+    pub cutting_time_s: Option<f64>,
+    /// Proved, of all elements, mm.
+    pub deviation_max_mm: f64,
+    /// Proved, of the program at its decimals, mm; `None` beside the contour.
+    pub deviation_written_max_mm: Option<f64>,
+}
+
+/// Something the caller should know that does not stop the job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// Rounding to the program's decimals may leave the band.
+    RoundingLeavesBand { deviation_mm: f64 },
+    /// The cutter does not reach all of the contour.
+    ContourNotReached { uncut_mm: f64 },
+}
+
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub curve: AnyCurve,
+    pub toolpath: Toolpath,
+    pub report: Report,
+    /// The conditions with every default filled in.
+    pub cutting: Option<Cutting>,
+    pub warnings: Vec<Warning>,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     #[error(transparent)]
     Stopped(#[from] Stopped),
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    #[error("the vertical measure is for graphs of functions")]
+    VerticalWithoutGraph,
+    #[error("joints in the band are for lines only")]
+    JointsInBand,
+    #[error("beside the contour run lines and arcs only")]
+    CompensatedParabola,
     #[error("more than {limit} elements are needed")]
     TooManyElements { limit: usize },
     #[error("no element stays within the band near {at}, however short")]
     BandInfeasible { at: Point2<f64> },
+    #[error(transparent)]
+    Heights(#[from] HeightError),
+    #[error(transparent)]
+    Quantize(#[from] QuantizeError),
+    #[error(transparent)]
+    Path(#[from] PathError),
+}
+
+/// Interpolates a curve.
+///
+/// # Errors
+/// One of [`Error`]; no toolpath is returned with one.
+pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    if matches!(job.subdivision, Subdivision::Least(Joints::InBand)) && job.method != Method::Linear {
+        return Err(Error::JointsInBand);
+    }
+    if job.compensation.is_some() && matches!(job.method, Method::Parabolic | Method::Mixed) {
+        return Err(Error::CompensatedParabola);
+    }
+    let curve = job.curve.curve(budget)?;
+    if job.band.measure == Measure::Vertical && !curve.is_graph() {
+        return Err(Error::VerticalWithoutGraph);
+    }
+    // Each kind for itself: the search spends its time on points of the curve.
+    let divided = match &curve {
+        AnyCurve::Graph(graph) => divide(graph, job, budget),
+        AnyCurve::Piecewise(piecewise) => divide(piecewise, job, budget),
+    }?;
+    let path = match &curve {
+        AnyCurve::Graph(graph) => path::path(graph, &divided.elements, job, budget),
+        AnyCurve::Piecewise(piecewise) => path::path(piecewise, &divided.elements, job, budget),
+    }?;
+    let deviation_max_mm = divided.elements.iter().map(|element| element.spread.largest_mm()).fold(0.0, f64::max);
+    let widest = job.band.below_mm.max(job.band.above_mm);
+    let mut warnings = path.warnings;
+    if let Some(deviation_mm) = path.deviation_written_mm.filter(|mm| *mm > widest) {
+        warnings.push(Warning::RoundingLeavesBand { deviation_mm });
+    }
+    let report = Report {
+        elements: divided.elements,
+        elements_per_initial: divided.per_initial,
+        n_elements_lower_bound: divided.lower_bound,
+        length_mm: path.length_mm,
+        cutting_time_s: path.cutting_time_s,
+        deviation_max_mm,
+        deviation_written_max_mm: path.deviation_written_mm,
+    };
+    Ok(Plan { curve, toolpath: path.toolpath, report, cutting: path.cutting, warnings })
+}
+
+/// The elements of a curve.
+struct Divided {
+    elements: Vec<ReportedElement>,
+    per_initial: Vec<usize>,
+    lower_bound: usize,
+}
+
+fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided, Error> {
+    let fitter = Fitter { curve, method: job.method, band: job.band };
+    let [from, to] = curve.domain();
+    let count = job.initial_elements.max(1);
+    let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
+    let mut divided = Divided { elements: Vec::new(), per_initial: Vec::new(), lower_bound: 0 };
+    let mut outer_bound = None;
+    for initial_element in 0..count {
+        let range = [at(initial_element), at(initial_element + 1)];
+        let mut fitted = Vec::new();
+        match job.subdivision {
+            Subdivision::Bisection => bisection::bisect(&fitter, range, &mut fitted, budget)?,
+            Subdivision::Least(joints) => {
+                least::fewest(&fitter, range, &mut fitted, budget)?;
+                corners::keep_corners(&fitter, &mut fitted);
+                if joints == Joints::InBand {
+                    let free = in_band(&fitter, &fitted, budget)?;
+                    outer_bound = Some(outer_bound.unwrap_or(0) + free.lower_bound);
+                    if let Some(free) = free.fitted.filter(|free| free.len() < fitted.len()) {
+                        fitted = free;
+                    }
+                }
+            }
+        }
+        if divided.elements.len() + fitted.len() > ELEMENT_LIMIT {
+            return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+        }
+        divided.per_initial.push(fitted.len());
+        divided.elements.extend(fitted.iter().map(|fitted| ReportedElement {
+            element: fitted.element,
+            initial_element,
+            domain: fitted.range,
+            spread: fitted.spread,
+        }));
+    }
+    divided.lower_bound = match outer_bound {
+        // The initial elements share joints that a path without them need not have.
+        Some(bound) => bound.saturating_sub(count - 1).max(1),
+        None => lower_bound::lower_bound(&fitter, [from, to], budget)?,
+    };
+    Ok(divided)
+}
+
+/// Lines with joints in the band, and how few there can be.
+struct Free {
+    fitted: Option<Vec<Fitted>>,
+    lower_bound: usize,
+}
+
+fn in_band(fitter: &Fitter<impl PlaneCurve>, on_curve: &[Fitted], budget: &Budget) -> Result<Free, Error> {
+    let ranges = on_curve.iter().map(|fitted| fitted.range);
+    let corridor = Corridor::new(fitter.curve, ranges, fitter.band, budget)?;
+    let links = corridor.fewest(fitter.curve, Edges::Outside, budget)?.map(|joints| joints.len() - 1);
+    let joints = corridor.fewest(fitter.curve, Edges::Inside, budget)?;
+    let fitted = joints.and_then(|joints| {
+        let lines = joints.windows(2).map(|pair| {
+            let [start, end] = [pair[0], pair[1]];
+            let element = Element::Line { start: start.at, end: end.at };
+            let offsets = Spread {
+                least_mm: start.offset_mm.min(end.offset_mm),
+                most_mm: start.offset_mm.max(end.offset_mm),
+            };
+            let is_in_band = -offsets.least_mm <= fitter.band.below_mm && offsets.most_mm <= fitter.band.above_mm;
+            match judge(fitter.curve, &element, [start.t, end.t], Ends::Beside, &fitter.band) {
+                Verdict::Within(spread) if is_in_band => {
+                    Some(Fitted { element, range: [start.t, end.t], spread: spread.hull(&offsets) })
+                }
+                _ => None,
+            }
+        });
+        lines.collect()
+    });
+    Ok(Free { fitted, lower_bound: links.unwrap_or(1) })
 }
 
 #[cfg(test)]

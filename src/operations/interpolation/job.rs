@@ -1,5 +1,13 @@
 //! What is to be interpolated, and how.
 
+use nalgebra::Point2;
+
+use crate::geometry::deviation::Band;
+use crate::toolpath::cutting::CuttingRequest;
+use crate::toolpath::program::Resolution;
+
+pub use super::source::Source;
+
 /// What elements a curve is interpolated by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -9,4 +17,53 @@ pub enum Method {
     Mixed,
     /// Arcs, and lines where they would be too flat.
     Arc,
+}
+
+/// How the curve is divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subdivision {
+    /// Hyun's: what leaves the band is halved.
+    Bisection,
+    /// Into as few elements as possible.
+    Least(Joints),
+}
+
+/// Where elements meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joints {
+    OnCurve,
+    /// Anywhere in the band, for lines where that saves some; the ends of the curve are kept.
+    InBand,
+}
+
+/// On which side of the contour the cutter runs, seen along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+/// A job of interpolation.
+#[derive(Debug, Clone)]
+pub struct Job {
+    pub curve: Source,
+    pub method: Method,
+    pub subdivision: Subdivision,
+    /// Equal parts of the domain that the curve is divided into beforehand, one or more.
+    pub initial_elements: usize,
+    pub band: Band,
+    /// The side and radius of a cutter that is to run beside the contour, mm.
+    pub compensation: Option<(Side, f64)>,
+    /// Height of the contour, mm.
+    pub z_mm: f64,
+    /// Without them the toolpath has no feeds.
+    pub cutting: Option<CuttingRequest>,
+    pub resolution: Resolution,
+    /// Whether the control runs parabolas; else arcs and lines stand for them.
+    pub has_parabolas: bool,
+}
+
+/// A point of the plane at a height.
+pub fn at_height(p: Point2<f64>, z_mm: f64) -> nalgebra::Point3<f64> {
+    nalgebra::Point3::new(p.x, p.y, z_mm)
 }

@@ -10,6 +10,8 @@
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009.
 
+pub mod elementary;
+
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// All numbers from `lo` to `hi`; the ends may be infinite.
@@ -23,6 +25,7 @@ impl Interval {
     /// The whole line.
     pub const ENTIRE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
+    pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
 
     /// The numbers between two, in any order; the whole line when one is no number.
     pub fn between(a: f64, b: f64) -> Self {
@@ -98,9 +101,12 @@ impl Interval {
         Self { lo: square.lo.max(0.0), hi: square.hi }
     }
 
-    /// The square roots of what is not negative in it.
+    /// The square roots of what is not negative in it; zero where nothing is.
     pub fn sqrt(self) -> Self {
-        let root = outward(self.lo.max(0.0).sqrt(), self.hi.max(0.0).sqrt());
+        if self.hi <= 0.0 {
+            return Self::ZERO;
+        }
+        let root = outward(self.lo.max(0.0).sqrt(), self.hi.sqrt());
         Self { lo: root.lo.max(0.0), hi: root.hi }
     }
 

@@ -1,0 +1,101 @@
+//! Enclosures of an expression over a range of x.
+//!
+//! # Method
+//! 1. The tape is computed at the middle of the range, and every value and derivative on the way is kept.
+//! 2. It is computed over the whole range. Each value on the way is met with the one that the mean value theorem gives
+//!    from the middle, f(m) + f'(X) (X - m), and each derivative likewise. What operands have in common cancels
+//!    there: over a short range the enclosure of x - x^2 is as wide as the values are, not twice.
+//!
+//! # Reference
+//! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.
+
+use super::jet::{self, Jet, Node};
+use super::offence::{Certainty, Finding, Offence};
+use super::power;
+use super::tape::{Operation, Tape};
+use crate::geometry::interval::Interval;
+
+/// An expression computed at one x.
+pub struct Middle {
+    x: f64,
+    /// Value and first derivative after each step of the tape.
+    on_the_way: Vec<[Interval; 2]>,
+    pub value: Interval,
+    pub finding: Option<Finding>,
+}
+
+pub fn enclose(tape: &Tape, x: Interval) -> Jet {
+    if x.lo() == x.hi() {
+        return sweep(tape, x, |_, _| ()).0;
+    }
+    over(tape, x, &at(tape, x.mid())).0
+}
+
+/// The expression at `x`.
+pub fn at(tape: &Tape, x: f64) -> Middle {
+    let mut on_the_way = Vec::with_capacity(tape.steps().len());
+    let keep = |_, jet: &mut Jet| on_the_way.push([jet[0], jet[1]]);
+    let ([value, ..], finding) = sweep(tape, Interval::point(x), keep);
+    Middle { x, on_the_way, value, finding }
+}
+
+/// The expression over `x`, which holds the middle, and the gravest offence there.
+pub fn over(tape: &Tape, x: Interval, middle: &Middle) -> (Jet, Option<Finding>) {
+    let around = x - Interval::point(middle.x);
+    sweep(tape, x, |k, jet| {
+        if let Some(&[value, first]) = middle.on_the_way.get(k) {
+            if jet[2].is_bounded() {
+                jet[1] = jet[1].meet(first + jet[2] * around);
+            }
+            if jet[1].is_bounded() {
+                jet[0] = jet[0].meet(value + jet[1] * around);
+            }
+        }
+    })
+}
+
+/// Computes the tape; each jet is shown to `visit`, which may narrow it, with the number of its step.
+fn sweep(tape: &Tape, x: Interval, mut visit: impl FnMut(usize, &mut Jet)) -> (Jet, Option<Finding>) {
+    let mut stack = tape.stack();
+    let variable = Node::variable(x);
+    let mut last = variable;
+    let mut finding: Option<Finding> = None;
+    for (k, step) in tape.steps().iter().enumerate() {
+        let (node, verdict) = match step.operation {
+            Operation::Variable => {
+                stack.push(last);
+                (variable, None)
+            }
+            Operation::Constant(c) => {
+                stack.push(last);
+                (Node::constant(c), None)
+            }
+            Operation::Negate => (last.negated(), None),
+            Operation::Call(function) => jet::call(function, last),
+            Operation::WholePower(n) => power::whole(last, n),
+            Operation::FixedPower(c) => power::fixed(last, c),
+            Operation::Pair(pairing) => {
+                // The tape is well formed: there always is a value below the last one.
+                let Some(left) = stack.pop() else { return ([Interval::ENTIRE; 3], finding) };
+                jet::pair(pairing, left, last)
+            }
+        };
+        last = node;
+        visit(k, &mut last.jet);
+        if let Some((offence, certainty)) = verdict.or_else(|| overflow(last.jet[0])) {
+            let found = Finding { offence, certainty, at: step.at };
+            if finding.is_none_or(|known| found.is_graver_than(&known)) {
+                finding = Some(found);
+            }
+        }
+    }
+    (last.jet, finding)
+}
+
+/// What a value of legal operands says that may be infinite.
+fn overflow(value: Interval) -> Option<(Offence, Certainty)> {
+    if value.is_bounded() {
+        return None;
+    }
+    jet::unless(false, Offence::Overflow, value.lo() >= f64::MAX || value.hi() <= f64::MIN)
+}

@@ -1,0 +1,160 @@
+//! The proof that an expression is defined over a domain, with bounds of its values.
+//!
+//! # Method
+//! 1. The ends of the domain and some points between are computed: most faults show there, and have a place.
+//! 2. Cells, first the whole domain, are computed as intervals. A cell in which nothing can offend is legal. One in
+//!    which all offends ends the search, as does an offence at its middle. Any other is halved.
+//! 3. A legal cell whose values reach far beyond those seen at points is halved too, to tighten the bounds.
+//!
+//! # Guarantees
+//! Over a domain that passes, every operation is defined, continuous and finite, and the values are inside the bounds.
+//! Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) may be extended by what
+//! rounding explains: by 1e-12 of the magnitudes that cancel, or within cells of 2^-[`DEEPEST`] of the domain at whose
+//! middle they do not offend.
+//!
+//! # Degenerate input
+//! A domain that is not two finite numbers, the first less than the second, is an error. An expression that is defined
+//! only by cancellation, as x/x or sin(x)/x at zero, is not.
+//!
+//! # Cost
+//! O(n) a cell for n steps of the tape, with at most [`MOST_CELLS`] cells.
+
+use super::enclose::{self, Middle};
+use super::offence::{Certainty, Finding, Offence};
+use super::tape::Tape;
+use crate::budget::{Budget, Stopped};
+use crate::geometry::interval::Interval;
+
+/// More cells are not examined: a second or two for an expression of common length. Only faults that are all but
+/// touched at thousands of places take as many.
+const MOST_CELLS: usize = 200_000;
+
+/// Halvings after which a cell is a rounding of the domain wide.
+const DEEPEST: u32 = 52;
+
+/// Parts into which the points seen first divide the domain.
+const FIRST_PARTS: u32 = 32;
+
+/// Legal cells are halved for tighter bounds until so many have been seen.
+const MOST_CELLS_FOR_BOUNDS: usize = 10_000;
+
+/// Bounds may exceed the values seen by so much of the largest.
+const LOOSENESS: f64 = 1e-4;
+
+/// And by so much where all values are about zero, mm.
+const LEAST_LOOSENESS: f64 = 1e-9;
+
+/// Steps of tapes between two looks at the budget: some milliseconds.
+const STEPS_UNWATCHED: usize = 50_000;
+
+/// Why an expression cannot be used over a domain. `at` is the byte of the text whose operation offends.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Undefined {
+    #[error("the domain must be two finite numbers, the first less than the second")]
+    NoDomain,
+    #[error("{offence} at x = {x} (byte {at})")]
+    At { offence: Offence, x: f64, at: usize },
+    /// In a cell as narrow as the rounding of the domain, around `x`.
+    #[error("{offence} near x = {x} (byte {at})")]
+    Near { offence: Offence, x: f64, at: usize },
+    /// The cells were used up.
+    #[error("{offence} cannot be ruled out near x = {x} (byte {at})")]
+    NotRuledOut { offence: Offence, x: f64, at: usize },
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+/// A part of the domain.
+struct Cell {
+    from: f64,
+    to: f64,
+    halvings: u32,
+}
+
+pub fn examine(tape: &Tape, [from, to]: [f64; 2], budget: &Budget) -> Result<Interval, Undefined> {
+    if !(from.is_finite() && to.is_finite() && from < to && (to - from).is_finite()) {
+        return Err(Undefined::NoDomain);
+    }
+    budget.check()?;
+    let mut seen = values_at_points(tape, from, to)?;
+    let mut bounds = seen;
+    let mut cells = vec![Cell { from, to, halvings: 0 }];
+    let (mut count, mut unwatched) = (0, 0);
+    // The leftmost cell comes first, so that the first fault is the one reported.
+    while let Some(cell) = cells.pop() {
+        count += 1;
+        unwatched += tape.steps().len();
+        if unwatched > STEPS_UNWATCHED {
+            budget.check()?;
+            unwatched = 0;
+        }
+        let range = Interval::between(cell.from, cell.to);
+        let middle = legal_at(tape, range.mid())?;
+        seen = seen.hull(Interval::point(middle.value.mid()));
+        let ([values, ..], finding) = enclose::over(tape, range, &middle);
+        let done = match finding {
+            Some(finding) => is_settled(finding, &cell, count)?,
+            None => count > MOST_CELLS_FOR_BOUNDS || cell.halvings == DEEPEST || is_tight(values, seen),
+        };
+        if done {
+            bounds = bounds.hull(values);
+        } else {
+            let (middle, halvings) = (range.mid(), cell.halvings + 1);
+            cells.push(Cell { from: middle, to: cell.to, halvings });
+            cells.push(Cell { from: cell.from, to: middle, halvings });
+        }
+    }
+    Ok(bounds)
+}
+
+/// The hull of the values at the ends and between.
+fn values_at_points(tape: &Tape, from: f64, to: f64) -> Result<Interval, Undefined> {
+    let mut seen = legal_at(tape, from)?.value.hull(legal_at(tape, to)?.value);
+    for k in 1..FIRST_PARTS {
+        let x = from + f64::from(k) / f64::from(FIRST_PARTS) * (to - from);
+        seen = seen.hull(legal_at(tape, x)?.value);
+    }
+    Ok(seen)
+}
+
+/// The expression at `x`, unless it certainly offends there.
+fn legal_at(tape: &Tape, x: f64) -> Result<Middle, Undefined> {
+    let middle = enclose::at(tape, x);
+    match middle.finding {
+        Some(Finding { offence, certainty: Certainty::Certain, at }) => Err(Undefined::At { offence, x, at }),
+        _ => Ok(middle),
+    }
+}
+
+/// Whether a cell with an offence is legal all the same; if not, it is to be halved.
+fn is_settled(finding: Finding, cell: &Cell, count: usize) -> Result<bool, Undefined> {
+    let Finding { offence, certainty, at } = finding;
+    let (x, middle) = (shortest(cell), Interval::between(cell.from, cell.to).mid());
+    if certainty == Certainty::Certain {
+        return Err(Undefined::At { offence, x: middle, at });
+    }
+    if cell.halvings == DEEPEST || middle <= cell.from || middle >= cell.to {
+        return if offence.is_past_a_closed_end() {
+            Ok(true)
+        } else {
+            Err(Undefined::Near { offence, x, at })
+        };
+    }
+    if count >= MOST_CELLS {
+        return Err(Undefined::NotRuledOut { offence, x, at });
+    }
+    Ok(false)
+}
+
+/// The number in a cell that is written with the fewest digits.
+fn shortest(cell: &Cell) -> f64 {
+    let range = Interval::between(cell.from, cell.to);
+    let rounded = |digits: usize| format!("{:.digits$e}", range.mid()).parse().unwrap_or(f64::NAN);
+    let candidates = std::iter::once(0.0).chain((0..17).map(rounded));
+    candidates.into_iter().find(|&x| range.contains(x)).unwrap_or(range.mid())
+}
+
+fn is_tight(values: Interval, seen: Interval) -> bool {
+    let slack = LOOSENESS * seen.mag() + LEAST_LOOSENESS;
+    values.lo() >= seen.lo() - slack && values.hi() <= seen.hi() + slack
+}

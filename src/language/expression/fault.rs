@@ -1,0 +1,40 @@
+//! What may be wrong with the text of an expression.
+
+use super::{DEEPEST_NESTING, LONGEST_TEXT};
+
+/// A text that is not an expression.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{fault} (byte {at})")]
+pub struct ExpressionError {
+    /// The byte of the text, from zero; its length where something is missing at its end.
+    pub at: usize,
+    pub fault: Fault,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    #[error("the expression is empty")]
+    Empty,
+    #[error("the expression is longer than {LONGEST_TEXT} bytes")]
+    TooLong,
+    #[error("parentheses, signs or powers are nested deeper than {DEEPEST_NESTING}")]
+    TooDeep,
+    #[error("unexpected character {0:?}")]
+    UnexpectedCharacter(char),
+    #[error("a number, a name or a parenthesis is missing")]
+    MissingOperand,
+    #[error("an operator is missing; a product is written with *, as in 2*x")]
+    MissingOperator,
+    #[error("the parenthesis is not closed")]
+    UnclosedParenthesis,
+    #[error("the parenthesis was not opened")]
+    UnopenedParenthesis,
+    #[error("{0:?} is not the variable x, a constant or a function known here")]
+    UnknownName(String),
+    #[error("the arguments of {0} must be in parentheses")]
+    MissingArguments(&'static str),
+    #[error("{name} takes {takes} argument(s), not {given}")]
+    WrongNumberOfArguments { name: &'static str, takes: usize, given: usize },
+    #[error("the number is too large")]
+    NumberTooLarge,
+}

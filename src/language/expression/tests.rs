@@ -1,0 +1,12 @@
+//! Tests of expressions: their texts, their domains, and their values and derivatives against trees made at random.
+
+mod domains;
+mod jets;
+mod texts;
+mod trees;
+
+use super::Expression;
+
+fn parsed(text: &str) -> Expression {
+    Expression::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"))
+}

@@ -1,10 +1,12 @@
-//! Curves that a tool follows in one motion: a line, or an arc (helices included).
+//! Curves that a tool follows in one motion: a line, an arc (helices included), or a part of a parabola.
 
 pub mod arc;
 pub mod line;
+pub mod parabola;
 
 pub use arc::{Arc, ArcError, Direction};
 pub use line::Line;
+pub use parabola::{Parabola, ParabolaError};
 
 use nalgebra::Point3;
 
@@ -13,6 +15,7 @@ use nalgebra::Point3;
 pub enum Curve {
     Line(Line),
     Arc(Arc),
+    Parabola(Parabola),
 }
 
 impl Curve {
@@ -20,6 +23,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.start,
             Curve::Arc(arc) => arc.start(),
+            Curve::Parabola(parabola) => parabola.start(),
         }
     }
 
@@ -27,6 +31,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.end,
             Curve::Arc(arc) => arc.end(),
+            Curve::Parabola(parabola) => parabola.end(),
         }
     }
 
@@ -35,6 +40,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.length(),
             Curve::Arc(arc) => arc.length(),
+            Curve::Parabola(parabola) => parabola.length(),
         }
     }
 
@@ -43,6 +49,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.point_at(t),
             Curve::Arc(arc) => arc.point_at(t),
+            Curve::Parabola(parabola) => parabola.point_at(t),
         }
     }
 
@@ -51,6 +58,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.distance_to(p),
             Curve::Arc(arc) => arc.distance_to(p),
+            Curve::Parabola(parabola) => parabola.distance_to(p),
         }
     }
 
@@ -59,6 +67,7 @@ impl Curve {
         match self {
             Curve::Line(line) => line.support(direction),
             Curve::Arc(arc) => arc.support(direction),
+            Curve::Parabola(parabola) => parabola.support(direction),
         }
     }
 }

@@ -52,7 +52,7 @@ use crate::geometry::surface::regularity::{self, Irregular};
 use crate::geometry::surface::source::{AnySurface, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::cutting::{Cutting, HeightError};
-use crate::toolpath::quantize::{QuantizeError, quantize};
+use crate::toolpath::quantize::{Parabolas, QuantizeError, quantize};
 use crate::toolpath::{Move, PathError, Toolpath};
 pub use job::{Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing};
 use outline::Outline;
@@ -284,7 +284,7 @@ fn certify(
             Move::Dwell { .. } => continue,
         };
         clearance.penetrate(&curve, 0.0, gap, &mut deepest, budget)?;
-        for written in quantize(&curve, job.resolution)? {
+        for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
             clearance.penetrate(&written.curve, written.slack_mm, gap, &mut deepest, budget)?;
         }
         if let (true, Some(at)) = (deepest.found_mm > job.tolerance.mm(), deepest.at) {

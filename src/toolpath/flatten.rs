@@ -17,7 +17,8 @@ pub enum FlattenError {
 
 /// Points on `curve`, its exact ends first and last, whose chords stay within `chord_tolerance_mm` of it.
 ///
-/// A full circle has at least three chords. Cost O(sqrt(radius / tolerance)) points, at most `limit`.
+/// They are evenly spaced by length, and by the parameter on a parabola. A full circle has at least three chords. Cost
+/// O(sqrt(size / tolerance)) points, at most `limit`.
 ///
 /// # Errors
 /// When the tolerance is not above zero, or more than `limit` points are needed.
@@ -32,12 +33,22 @@ pub fn flatten(
     let chords = match curve {
         Curve::Line(_) => 1.0,
         Curve::Arc(arc) => (arc.sweep() / (2.0 * half_angle(arc, chord_tolerance_mm))).ceil().max(1.0),
+        Curve::Parabola(parabola) => {
+            let height = parabola.bend().norm() / 4.0;
+            // One rounding error more must not push a chord over the tolerance.
+            (height / chord_tolerance_mm * (1.0 + 1e-9)).sqrt().ceil().max(1.0)
+        }
     };
     if chords >= limit as f64 {
         return Err(FlattenError::TooManyPoints { limit });
     }
     let n = chords as usize;
-    let mut points: Vec<_> = (0..n).map(|k| curve.point_at(k as f64 / chords)).collect();
+    let at = |t: f64| match curve {
+        Curve::Line(line) => line.point_at(t),
+        Curve::Arc(arc) => arc.point_at(t),
+        Curve::Parabola(parabola) => parabola.at(t),
+    };
+    let mut points: Vec<_> = (0..n).map(|k| at(k as f64 / chords)).collect();
     points.push(curve.end());
     Ok(points)
 }
@@ -58,7 +69,7 @@ fn half_angle(arc: &Arc, tolerance_mm: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::curve::{Direction, Line};
+    use crate::geometry::curve::{Direction, Line, Parabola};
     use crate::geometry::plane::Plane;
 
     fn arc(radius: f64, rise: f64) -> Curve {
@@ -83,6 +94,26 @@ mod tests {
                 }
                 let least = 1.5 * std::f64::consts::PI / (8.0 * tolerance / radius).sqrt();
                 assert!(n as f64 <= (1.02 * least).ceil().max(5.0), "{n} {least}");
+            }
+        }
+    }
+
+    #[test]
+    fn chords_of_a_parabola_stay_within_the_tolerance_too() {
+        for (control, end) in [([5.0, 8.0, 1.0], [10.0, 0.0, 3.0]), ([30.0, 0.1, 0.0], [10.0, 0.0, 0.0])] {
+            let parabola = Parabola::new(Point3::origin(), control.into(), end.into()).unwrap();
+            for tolerance in [1.0, 0.1, 0.01, 0.001] {
+                let points = flatten(&Curve::Parabola(parabola), tolerance, 100_000).unwrap();
+                assert_eq!((points[0], points[points.len() - 1]), (parabola.start(), parabola.end()));
+                let n = points.len() - 1;
+                for (k, pair) in points.windows(2).enumerate() {
+                    let chord = Line { start: pair[0], end: pair[1] };
+                    for i in 0..=20 {
+                        let t = (k as f64 + f64::from(i) / 20.0) / n as f64;
+                        assert!(chord.distance_to(&parabola.at(t)) <= tolerance);
+                    }
+                }
+                assert_eq!(n as f64, (parabola.bend().norm() / (4.0 * tolerance)).sqrt().ceil());
             }
         }
     }

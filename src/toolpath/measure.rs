@@ -1,8 +1,8 @@
 //! Lengths, times, counts and bounds of a toolpath: computed here once, never by an operation.
 //!
 //! # Guarantees
-//! Lengths are closed forms; bounds hold the start, rapids and the extremes of arcs. Times are those of a
-//! machine without ramps: length by feed.
+//! Lengths are closed forms; bounds hold the start, rapids and the extremes of arcs and parabolas. Times are those of a
+//! machine without ramps: length by feed. Where a move has no feed they cannot be told.
 //!
 //! # Cost
 //! O(n) in the moves.
@@ -35,11 +35,12 @@ pub struct Bounds {
 pub struct Measures {
     pub cutting_length_mm: f64,
     pub rapid_length_mm: f64,
-    pub cutting_time_s: f64,
+    /// None where a feed move has no feed.
+    pub cutting_time_s: Option<f64>,
     pub rapid_time_s: f64,
     pub dwell_time_s: f64,
-    /// Cutting, rapid and dwell time.
-    pub total_time_s: f64,
+    /// Cutting, rapid and dwell time; none where there is no cutting time.
+    pub total_time_s: Option<f64>,
     pub counts: MoveCounts,
     pub bounds: Bounds,
 }
@@ -50,10 +51,10 @@ pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
     let mut measures = Measures {
         cutting_length_mm: 0.0,
         rapid_length_mm: 0.0,
-        cutting_time_s: 0.0,
+        cutting_time_s: Some(0.0),
         rapid_time_s: 0.0,
         dwell_time_s: 0.0,
-        total_time_s: 0.0,
+        total_time_s: None,
         counts: MoveCounts::default(),
         bounds: Bounds { min: start, max: start },
     };
@@ -68,17 +69,20 @@ pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
                 match along {
                     Curve::Line(_) => measures.counts.line += 1,
                     Curve::Arc(_) => measures.counts.arc += 1,
+                    Curve::Parabola(_) => measures.counts.parabola += 1,
                 }
                 let length = along.length();
                 measures.cutting_length_mm += length;
-                measures.cutting_time_s += length / rate.mm_per_min() * 60.0;
+                let seconds = rate.map(|rate| length / rate.mm_per_min() * 60.0);
+                measures.cutting_time_s = measures.cutting_time_s.zip(seconds).map(|(sum, own)| sum + own);
                 measures.bounds.include(along);
             }
             Move::Dwell { seconds } => measures.dwell_time_s += seconds,
         }
     }
     measures.rapid_time_s = measures.rapid_length_mm / rapid_feed.mm_per_min() * 60.0;
-    measures.total_time_s = measures.cutting_time_s + measures.rapid_time_s + measures.dwell_time_s;
+    measures.total_time_s =
+        measures.cutting_time_s.map(|cutting| cutting + measures.rapid_time_s + measures.dwell_time_s);
     measures
 }
 
@@ -123,10 +127,10 @@ mod tests {
         let measures = measure(&builder.finish().unwrap(), feed(4800.0));
         assert!((measures.cutting_length_mm - (3.0 + 15.0 * PI)).abs() < 1e-12);
         assert_eq!(measures.rapid_length_mm, 48.0);
-        assert!((measures.cutting_time_s - (3.0 + 2.0 * PI / 2.0 + PI)).abs() < 1e-12);
+        assert!((measures.cutting_time_s.unwrap() - (3.0 + 2.0 * PI / 2.0 + PI)).abs() < 1e-12);
         assert!((measures.rapid_time_s - 0.6).abs() < 1e-12);
         assert_eq!(measures.dwell_time_s, 1.5);
-        assert!((measures.total_time_s - (5.1 + 2.0 * PI)).abs() < 1e-12);
+        assert!((measures.total_time_s.unwrap() - (5.1 + 2.0 * PI)).abs() < 1e-12);
         let counts = MoveCounts { rapid: 1, line: 1, arc: 2, ..MoveCounts::default() };
         assert_eq!(measures.counts, counts);
         let bounds = measures.bounds;
@@ -135,10 +139,37 @@ mod tests {
     }
 
     #[test]
+    fn parabolas_count_with_their_extremes_and_lengths() {
+        let mut builder = Toolpath::builder(Point3::new(-1.0, 1.0, 0.0));
+        // y = x^2.
+        builder
+            .parabola(Point3::new(1.0, 1.0, 0.0), Point3::new(0.0, -1.0, 0.0), feed(60.0), Role::Cut)
+            .unwrap();
+        let measures = measure(&builder.finish().unwrap(), feed(1.0));
+        let length = 5f64.sqrt() + 2f64.asinh() / 2.0;
+        assert!((measures.cutting_length_mm - length).abs() < 1e-14);
+        assert!((measures.total_time_s.unwrap() - length).abs() < 1e-14);
+        assert_eq!(measures.counts, MoveCounts { parabola: 1, ..MoveCounts::default() });
+        assert_eq!(measures.bounds.min, Point3::new(-1.0, 0.0, 0.0));
+        assert_eq!(measures.bounds.max, Point3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn without_a_feed_there_are_lengths_and_no_cutting_time() {
+        let mut builder = Toolpath::builder(Point3::origin());
+        builder.line(Point3::new(3.0, 0.0, 0.0), feed(60.0), Role::Cut).unwrap();
+        builder.line(Point3::new(3.0, 4.0, 0.0), None, Role::Cut).unwrap();
+        builder.rapid(Point3::origin()).unwrap();
+        let measures = measure(&builder.finish().unwrap(), feed(60.0));
+        assert_eq!((measures.cutting_length_mm, measures.rapid_time_s), (7.0, 5.0));
+        assert_eq!((measures.cutting_time_s, measures.total_time_s), (None, None));
+    }
+
+    #[test]
     fn an_empty_path_is_its_start() {
         let start = Point3::new(1.0, 2.0, 3.0);
         let measures = measure(&Toolpath::builder(start).finish().unwrap(), feed(1.0));
         assert_eq!(measures.bounds, Bounds { min: start, max: start });
-        assert_eq!(measures.total_time_s, 0.0);
+        assert_eq!(measures.total_time_s, Some(0.0));
     }
 }

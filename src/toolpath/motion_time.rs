@@ -4,7 +4,7 @@
 //! 1. A chain is a run of moves of one kind, feed or rapid. The machine is at rest where a chain begins and ends:
 //!    at the ends of the path, at a dwell, and between rapid and feed.
 //! 2. Within a move the speed is at most its feed; on an arc also sqrt(a / k), where k is the curvature, so that
-//!    the centripetal acceleration is at most a.
+//!    the centripetal acceleration is at most a. A parabola is taken in parts, each at its own largest curvature.
 //! 3. At the joint of two moves that meet at the angle w (pi where they go straight on) the speed v is at most that
 //!    of a circle which touches both and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w / 2)), with
 //!    d = 0.01 mm, Grbl's default.
@@ -29,37 +29,43 @@
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
 
+mod stretch;
+
 use nalgebra::Vector3;
 
+use self::stretch::Stretch;
 use super::path::{Move, Toolpath};
 use super::units::{Acceleration, FeedRate};
-use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::curve::Curve;
 
 /// How far the circle that stands for a corner leaves it, mm.
 const JUNCTION_DEVIATION_MM: f64 = 0.01;
 
-/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`.
-pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acceleration) -> f64 {
+/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`; none where a feed move has no
+/// feed.
+pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acceleration) -> Option<f64> {
     let a = acceleration.mm_per_s2();
     let mut chain = Chain::default();
     let mut seconds = 0.0;
     for step in toolpath.moves() {
-        let (kind, stretch) = match step {
-            Move::Rapid { line } => (Kind::Rapid, Stretch::of(&Curve::Line(*line), rapid_feed, a)),
-            Move::Feed { along, rate, .. } => (Kind::Feed, Stretch::of(along, *rate, a)),
+        let (kind, curve, rate) = match step {
+            Move::Rapid { line } => (Kind::Rapid, Curve::Line(*line), rapid_feed),
+            Move::Feed { along, rate, .. } => (Kind::Feed, *along, (*rate)?),
             Move::Dwell { seconds: pause } => {
                 seconds += chain.finish(a) + pause;
                 continue;
             }
         };
-        let Some(stretch) = stretch else { continue };
+        if curve.length() == 0.0 {
+            continue;
+        }
         if chain.kind != Some(kind) {
             seconds += chain.finish(a);
             chain.kind = Some(kind);
         }
-        chain.stretches.push(stretch);
+        stretch::push(&mut chain.stretches, &curve, rate, a);
     }
-    seconds + chain.finish(a)
+    Some(seconds + chain.finish(a))
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -73,54 +79,6 @@ enum Kind {
 struct Chain {
     kind: Option<Kind>,
     stretches: Vec<Stretch>,
-}
-
-/// A move as its speed sees it.
-#[derive(Clone, Copy)]
-struct Stretch {
-    length_mm: f64,
-    /// The square of the largest speed, mm2/s2.
-    most: f64,
-    /// Unit vectors at both ends.
-    from: Vector3<f64>,
-    to: Vector3<f64>,
-}
-
-impl Stretch {
-    /// None for a move without length.
-    fn of(curve: &Curve, rate: FeedRate, acceleration: f64) -> Option<Self> {
-        let length_mm = curve.length();
-        let (from, to, curvature) = match curve {
-            Curve::Line(Line { start, end }) => {
-                let along = (end - start).try_normalize(0.0)?;
-                (along, along, 0.0)
-            }
-            Curve::Arc(arc) => {
-                let [from, to] = tangents(arc);
-                (from.try_normalize(0.0)?, to.try_normalize(0.0)?, curvature(arc))
-            }
-        };
-        let most = rate.mm_per_s().powi(2).min(acceleration / curvature);
-        Some(Self { length_mm, most, from, to })
-    }
-}
-
-/// Vectors along the arc at its start and its end.
-fn tangents(arc: &Arc) -> [Vector3<f64>; 2] {
-    let plane = arc.plane();
-    let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
-    let center = plane.to_local(&arc.center());
-    [arc.start(), arc.end()].map(|p| {
-        let spoke = plane.to_local(&p) - center;
-        let local = Vector3::new(-spoke.y * sense, spoke.x * sense, arc.rise() / arc.sweep());
-        plane.to_workpiece(&local).coords
-    })
-}
-
-/// Curvature, 1/mm; that of the helix where there is one.
-fn curvature(arc: &Arc) -> f64 {
-    let (r, rise) = (arc.radius(), arc.rise() / arc.sweep());
-    r / (r * r + rise * rise)
 }
 
 impl Chain {
@@ -182,6 +140,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::geometry::curve::{Arc, Direction, Line, Parabola};
     use crate::geometry::plane::Plane;
     use crate::toolpath::measure::measure;
     use crate::toolpath::{Builder, Role};
@@ -195,7 +154,7 @@ mod tests {
     }
 
     fn time(builder: &Builder, a: f64) -> f64 {
-        motion_time(&builder.clone().finish().unwrap(), feed(100.0), acceleration(a))
+        motion_time(&builder.clone().finish().unwrap(), feed(100.0), acceleration(a)).unwrap()
     }
 
     fn line(builder: &mut Builder, to: [f64; 3], mm_per_s: f64) {
@@ -252,6 +211,32 @@ mod tests {
     }
 
     #[test]
+    fn a_parabola_is_slow_near_its_vertex_alone() {
+        for height in [0.0, 1e-6, 0.01, 1.0, 30.0] {
+            let (start, control, end) = (Point3::origin(), [80.0, height, 0.0].into(), [0.0, height, 0.0].into());
+            let parabola = Parabola::new(start, control, end).unwrap();
+            let mut path = Toolpath::builder(start);
+            path.parabola(end, control, feed(20.0), Role::Cut).unwrap();
+            // As very many short lines, which slow down at every joint as little as the turn there asks for.
+            let mut lines = Toolpath::builder(start);
+            for k in 1..=2000 {
+                lines.line(parabola.point_at(f64::from(k) / 2000.0), feed(20.0), Role::Cut).unwrap();
+            }
+            let (whole, by_lines) = (time(&path, 1000.0), time(&lines, 1000.0));
+            let plain = parabola.length() / 20.0;
+            assert!(whole >= plain && whole < 1.1 * plain, "{height}: {whole} {plain}");
+            assert!((whole - by_lines).abs() < 0.05 * plain, "{height}: {whole} {by_lines}");
+        }
+    }
+
+    #[test]
+    fn without_a_feed_there_is_no_time() {
+        let mut path = Toolpath::builder(Point3::origin());
+        path.line(Point3::new(4.0, 0.0, 0.0), None, Role::Cut).unwrap();
+        assert_eq!(motion_time(&path.finish().unwrap(), feed(100.0), acceleration(1.0)), None);
+    }
+
+    #[test]
     fn it_looks_ahead_over_many_moves() {
         // A hundredth of a millimetre at a time, to a standstill: as one line.
         let mut path = Toolpath::builder(Point3::origin());
@@ -298,7 +283,7 @@ mod tests {
             for k in 1..=parts {
                 let end = curve.point_at(f64::from(k) / f64::from(parts));
                 match &curve {
-                    Curve::Line(_) => path.line(end, feed(*speed), Role::Cut).unwrap(),
+                    Curve::Line(_) | Curve::Parabola(_) => path.line(end, feed(*speed), Role::Cut).unwrap(),
                     Curve::Arc(arc) => {
                         path.arc(end, arc.center(), turn, feed(*speed), Role::Cut).unwrap();
                     }
@@ -314,7 +299,7 @@ mod tests {
         #[test]
         fn it_is_never_below_the_plain_time_and_falls_to_it(hops in hops()) {
             let path = path(&hops, 1);
-            let plain = measure(&path.clone().finish().unwrap(), feed(100.0)).total_time_s;
+            let plain = measure(&path.clone().finish().unwrap(), feed(100.0)).total_time_s.unwrap();
             let times = [1.0, 100.0, 1e4, 1e6, 1e12].map(|a| time(&path, a));
             prop_assert!(times.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-12)), "{times:?}");
             prop_assert!(times[4] >= plain * (1.0 - 1e-9));

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::units::FeedRate;
-use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
+use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola, ParabolaError};
 use crate::geometry::plane::Plane;
 
 /// What a feed move is for.
@@ -21,7 +21,8 @@ pub enum Role {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Move {
     Rapid { line: Line },
-    Feed { along: Curve, rate: FeedRate, role: Role },
+    /// Without a rate where nobody has said how fast: it has a length, but no time and no place in a program.
+    Feed { along: Curve, rate: Option<FeedRate>, role: Role },
     Dwell { seconds: f64 },
 }
 
@@ -77,6 +78,8 @@ pub enum PathError {
     BadDwell { seconds: f64 },
     #[error(transparent)]
     Arc(#[from] ArcError),
+    #[error(transparent)]
+    Parabola(#[from] ParabolaError),
 }
 
 /// Builds a toolpath move by move; what it returns keeps the promises of the module.
@@ -107,9 +110,14 @@ impl Builder {
 
     /// # Errors
     /// When `to` is not finite.
-    pub fn line(&mut self, to: Point3<f64>, rate: FeedRate, role: Role) -> Result<(), PathError> {
+    pub fn line(
+        &mut self,
+        to: Point3<f64>,
+        rate: impl Into<Option<FeedRate>>,
+        role: Role,
+    ) -> Result<(), PathError> {
         let along = Curve::Line(self.line_to(to)?);
-        self.push(Move::Feed { along, rate, role }, to);
+        self.push(Move::Feed { along, rate: rate.into(), role }, to);
         Ok(())
     }
 
@@ -122,11 +130,27 @@ impl Builder {
         to: Point3<f64>,
         center: Point3<f64>,
         (plane, direction): (Plane, Direction),
-        rate: FeedRate,
+        rate: impl Into<Option<FeedRate>>,
         role: Role,
     ) -> Result<(), PathError> {
         let along = Curve::Arc(Arc::new(plane, direction, self.at, to, center)?);
-        self.push(Move::Feed { along, rate, role }, to);
+        self.push(Move::Feed { along, rate: rate.into(), role }, to);
+        Ok(())
+    }
+
+    /// The quadratic Bezier curve with the control point `control`.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite, or too large for its square.
+    pub fn parabola(
+        &mut self,
+        to: Point3<f64>,
+        control: Point3<f64>,
+        rate: impl Into<Option<FeedRate>>,
+        role: Role,
+    ) -> Result<(), PathError> {
+        let along = Curve::Parabola(Parabola::new(self.at, control, to)?);
+        self.push(Move::Feed { along, rate: rate.into(), role }, to);
         Ok(())
     }
 

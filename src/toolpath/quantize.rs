@@ -9,6 +9,8 @@
 //! 3. The distance from the source to whatever a control may run for the block is bounded. An arc whose bound
 //!    is too large, whose sense or sweep would change, or whose centre cannot be found is split in two.
 //! 4. An arc that is flatter than half a step becomes a line, one of more than [`MAX_RADIUS_MM`] chords.
+//! 5. A parabola's three control points are rounded (`parabola`), and divided as arcs are; one that is flatter than half
+//!    a step becomes a line, and where there are no blocks for it, chords no farther from it than half a step.
 //!
 //! # Guarantees
 //! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
@@ -23,8 +25,10 @@
 //! # Cost
 //! O(1) for nearly every curve; O(sqrt(radius / step)) where chords are needed.
 
+mod biarcs;
 pub(super) mod bound;
 mod candidate;
+mod parabola;
 
 use nalgebra::Point3;
 
@@ -61,22 +65,43 @@ const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
 /// One curve as it will be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Written {
-    /// The exact curve: its ends lie on the grid, and an arc's centre is the point nearest to the written one
-    /// from which both ends are equally far.
+    /// The exact curve: its ends lie on the grid, as does a parabola's control point, and an arc's centre is the point
+    /// nearest to the written one from which both ends are equally far.
     pub curve: Curve,
     /// The end in units of the last decimal.
     pub end_units: [i64; 3],
-    /// For an arc, the written centre from the start, along the plane's first and second axis, in units of the
-    /// last decimal.
-    pub center_offset_units: Option<[i64; 2]>,
+    pub form: Form,
     /// Difference of the written radii at the two ends, mm.
     pub radius_mismatch_mm: f64,
     /// Upper bound for the distance between `curve` and any curve a control may run for the block: one about
-    /// the written centre with a radius anywhere between those at the ends. mm, both ways.
+    /// the written centre with a radius anywhere between those at the ends, and arcs in place of a parabola. mm, both ways.
     pub slack_mm: f64,
     /// Upper bound for the distance of the source from `curve` and from any curve a control may run for the
     /// block, mm, both ways and in order.
     pub displacement_mm: f64,
+}
+
+/// What is said of a curve beside its end, in units of the last decimal from the start along two axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Line,
+    /// The centre, along the first and the second axis of the arc's plane.
+    Arc {
+        center: [i64; 2],
+    },
+    /// The Bezier control point, along x and y.
+    Parabola {
+        control: [i64; 2],
+    },
+}
+
+/// Which parabolas are written as such.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parabolas {
+    /// None: all are lines.
+    AsLines,
+    /// Those that lie at one height.
+    InXy,
 }
 
 /// Why a curve cannot be written.
@@ -152,20 +177,25 @@ pub struct Rounded {
 ///
 /// # Errors
 /// When a coordinate has no place on the grid, or too many pieces are needed.
-pub fn quantize(curve: &Curve, resolution: Resolution) -> Result<Vec<Written>, QuantizeError> {
-    round(curve, resolution).map(|rounded| rounded.curves)
+pub fn quantize(
+    curve: &Curve,
+    resolution: Resolution,
+    parabolas: Parabolas,
+) -> Result<Vec<Written>, QuantizeError> {
+    round(curve, resolution, parabolas).map(|rounded| rounded.curves)
 }
 
 /// As [`quantize`], with the bound for the whole curve.
 ///
 /// # Errors
 /// As [`quantize`].
-pub fn round(curve: &Curve, resolution: Resolution) -> Result<Rounded, QuantizeError> {
+pub fn round(curve: &Curve, resolution: Resolution, parabolas: Parabolas) -> Result<Rounded, QuantizeError> {
     let mut output =
         Output { grid: Grid::new(resolution), curves: Vec::with_capacity(1), displacement_mm: 0.0 };
     match curve {
         Curve::Line(line) => output.line(&line.start, &line.end, 0.0)?,
         Curve::Arc(arc) => output.arc(arc)?,
+        Curve::Parabola(source) => parabola::write(&mut output, source, parabolas)?,
     }
     Ok(Rounded { curves: output.curves, displacement_mm: output.displacement_mm })
 }
@@ -271,7 +301,7 @@ impl Output {
         self.push(Written {
             curve: Curve::Line(line),
             end_units: to,
-            center_offset_units: None,
+            form: Form::Line,
             radius_mismatch_mm: 0.0,
             slack_mm: 0.0,
             displacement_mm,

@@ -9,8 +9,8 @@
 
 use nalgebra::Vector3;
 
-use super::path::Piece;
-use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use super::path::{Piece, Track};
+use crate::geometry::curve::{Arc, Direction, Line};
 use crate::geometry::surface::Patch;
 use crate::geometry::surface::patch::SquareBound;
 
@@ -26,9 +26,9 @@ pub(super) struct Nearness {
 }
 
 pub(super) fn nearness(piece: &Piece, part: &impl Patch) -> Nearness {
-    let squared = match &piece.curve {
-        Curve::Line(line) => to_line(line, part),
-        Curve::Arc(arc) => to_arc(arc, part),
+    let squared = match &piece.track {
+        Track::Line(line) => to_line(line, part),
+        Track::Arc(arc) => to_arc(arc, part),
     };
     let [bend_u, bend_v] = squared.bends;
     let lowest = squared.lowest - ROUNDING * squared.magnitude;

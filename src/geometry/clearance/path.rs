@@ -11,16 +11,23 @@ const LARGEST_SWEEP: f64 = std::f64::consts::FRAC_PI_2;
 /// Pieces of one curve; a longer curve has longer pieces.
 const PIECE_LIMIT: f64 = 1e5;
 
-/// A line or a plane arc of the centre's path.
+/// What bounds are known for: a line, or an arc in its plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Track {
+    Line(Line),
+    Arc(Arc),
+}
+
+/// A part of the centre's path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    pub(super) curve: Curve,
-    /// How far the true path may leave the curve, mm.
+    pub(super) track: Track,
+    /// How far the true path may leave the track, mm.
     pub(super) slack: f64,
 }
 
-/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A helix becomes chords of a
-/// height of at most `chord_height` mm, which adds to the slack.
+/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A helix or a
+/// parabola becomes chords of a height of at most `chord_height` mm, which adds to the slack.
 pub(super) fn pieces(
     tip: &Curve,
     rise: f64,
@@ -30,33 +37,37 @@ pub(super) fn pieces(
 ) -> impl Iterator<Item = Piece> {
     let center = raised(tip, rise);
     let by_length = (center.length() / length).ceil();
-    let (count, slack, is_helix) = match &center {
-        Curve::Line(_) => (by_length, slack, false),
+    let limited = |count: f64| count.clamp(1.0, PIECE_LIMIT);
+    let (count, slack) = match &center {
+        Curve::Line(_) => (limited(by_length), slack),
         Curve::Arc(arc) if arc.rise() == 0.0 => {
-            (by_length.max((arc.sweep() / LARGEST_SWEEP).ceil()), slack, false)
+            (limited(by_length.max((arc.sweep() / LARGEST_SWEEP).ceil())), slack)
         }
         Curve::Arc(arc) => {
             let chord_angle = (8.0 * chord_height / arc.radius()).sqrt().min(LARGEST_SWEEP);
-            let count = (arc.sweep() / chord_angle).ceil().clamp(1.0, PIECE_LIMIT);
+            let count = limited((arc.sweep() / chord_angle).ceil());
             // A chord and its arc, both rising evenly, part by no more than the arc's height at equal
             // fractions of the sweep, which exceeds the least distance.
             let angle = arc.sweep() / count;
-            (count, slack + arc.radius() * (0.25 * angle * angle).min(2.0), true)
+            (count, slack + arc.radius() * (0.25 * angle * angle).min(2.0))
+        }
+        Curve::Parabola(parabola) => {
+            // At equal parameters chord and curve part by this much at one chord, and by its square at more.
+            let height = parabola.bend().norm() / 4.0;
+            let count = limited(by_length.max((height / chord_height).sqrt().ceil()));
+            (count, slack + height / (count * count))
         }
     };
-    let count = count.clamp(1.0, PIECE_LIMIT) as usize;
-    (0..count).map(move |k| {
-        let at = |k: usize| k as f64 / count as f64;
-        let curve = match &center {
-            Curve::Line(line) => {
-                Curve::Line(Line { start: line.point_at(at(k)), end: line.point_at(at(k + 1)) })
-            }
-            Curve::Arc(arc) if is_helix => {
-                Curve::Line(Line { start: arc.point_at(at(k)), end: arc.point_at(at(k + 1)) })
-            }
-            Curve::Arc(arc) => Curve::Arc(arc.part(at(k), at(k + 1))),
+    (0..count as usize).map(move |k| {
+        let [from, to] = [k, k + 1].map(|k| k as f64 / count);
+        let chord = |at: &dyn Fn(f64) -> Point3<f64>| Track::Line(Line { start: at(from), end: at(to) });
+        let track = match &center {
+            Curve::Line(line) => chord(&|t| line.point_at(t)),
+            Curve::Arc(arc) if arc.rise() == 0.0 => Track::Arc(arc.part(from, to)),
+            Curve::Arc(arc) => chord(&|t| arc.point_at(t)),
+            Curve::Parabola(parabola) => chord(&|t| parabola.at(t)),
         };
-        Piece { curve, slack }
+        Piece { track, slack }
     })
 }
 
@@ -65,44 +76,67 @@ fn raised(curve: &Curve, by: f64) -> Curve {
     match curve {
         Curve::Line(line) => Curve::Line(Line { start: line.start + up, end: line.end + up }),
         Curve::Arc(arc) => Curve::Arc(arc.translated(&up)),
+        Curve::Parabola(parabola) => Curve::Parabola(parabola.translated(&up)),
+    }
+}
+
+impl Track {
+    fn start(&self) -> Vector3<f64> {
+        match self {
+            Track::Line(line) => line.start.coords,
+            Track::Arc(arc) => arc.start().coords,
+        }
+    }
+
+    fn end(&self) -> Vector3<f64> {
+        match self {
+            Track::Line(line) => line.end.coords,
+            Track::Arc(arc) => arc.end().coords,
+        }
     }
 }
 
 impl Piece {
     pub(super) fn length(&self) -> f64 {
-        self.curve.length()
+        match &self.track {
+            Track::Line(line) => line.length(),
+            Track::Arc(arc) => arc.length(),
+        }
     }
 
     pub(super) fn halves(&self) -> [Piece; 2] {
-        let part = |from: f64, to: f64| match &self.curve {
-            Curve::Line(line) => Curve::Line(Line { start: line.point_at(from), end: line.point_at(to) }),
-            Curve::Arc(arc) => Curve::Arc(arc.part(from, to)),
+        let part = |from: f64, to: f64| match &self.track {
+            Track::Line(line) => Track::Line(Line { start: line.point_at(from), end: line.point_at(to) }),
+            Track::Arc(arc) => Track::Arc(arc.part(from, to)),
         };
-        [part(0.0, 0.5), part(0.5, 1.0)].map(|curve| Piece { curve, slack: self.slack })
+        [part(0.0, 0.5), part(0.5, 1.0)].map(|track| Piece { track, slack: self.slack })
     }
 
-    /// The largest coordinate along `direction` over the curve.
+    /// The largest coordinate along `direction` over the track.
     pub(super) fn support(&self, direction: &Vector3<f64>) -> f64 {
-        self.curve.support(direction)
+        match &self.track {
+            Track::Line(line) => line.support(direction),
+            Track::Arc(arc) => arc.support(direction),
+        }
     }
 
-    /// A point of the curve at or near the least distance from `p`.
+    /// A point of the track at or near the least distance from `p`.
     pub(super) fn nearest(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        match &self.curve {
-            Curve::Line(line) => {
+        match &self.track {
+            Track::Line(line) => {
                 let along = line.end - line.start;
                 let squared = along.norm_squared();
                 let t = if squared > 0.0 { (p - line.start.coords).dot(&along) / squared } else { 0.0 };
                 line.point_at(t.clamp(0.0, 1.0)).coords
             }
-            Curve::Arc(arc) => nearest_on_arc(arc, p),
+            Track::Arc(arc) => nearest_on_arc(arc, p),
         }
     }
 
     /// Distance of `p` from the axis ray over `nearest`, or over an end of the piece if that is less; never
     /// below the distance to the swept set.
     pub(super) fn axis_distance(&self, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
-        [*nearest, self.curve.start().coords, self.curve.end().coords]
+        [*nearest, self.track.start(), self.track.end()]
             .iter()
             .map(|c| {
                 let mut d = p - c;
@@ -127,10 +161,10 @@ impl Piece {
 
     /// The largest absolute coordinate that bounds for the piece are computed from.
     pub(super) fn magnitude(&self) -> f64 {
-        let ends = self.curve.start().coords.amax().max(self.curve.end().coords.amax());
-        match &self.curve {
-            Curve::Line(_) => ends,
-            Curve::Arc(arc) => ends + arc.radius(),
+        let ends = self.track.start().amax().max(self.track.end().amax());
+        match &self.track {
+            Track::Line(_) => ends,
+            Track::Arc(arc) => ends + arc.radius(),
         }
     }
 }

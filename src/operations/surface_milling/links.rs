@@ -9,7 +9,7 @@ use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::surface::Patch;
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::quantize::quantize;
+use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::{Builder, Role, Toolpath};
 
 /// The toolpath of `passes`, from the clearance plane over the first to that over the last.
@@ -38,6 +38,9 @@ pub(super) fn join(
                 Curve::Arc(arc) => {
                     let turn = (arc.plane(), arc.direction());
                     builder.arc(arc.end(), arc.center(), turn, cutting.feed, Role::Cut)?;
+                }
+                Curve::Parabola(parabola) => {
+                    builder.parabola(parabola.end(), parabola.control(), cutting.feed, Role::Cut)?;
                 }
             }
         }
@@ -77,7 +80,7 @@ fn is_linked(
     let mut deepest = Penetration::NONE;
     let curve = Curve::Line(*link);
     clearance.penetrate(&curve, 0.0, gap, &mut deepest, budget)?;
-    for written in quantize(&curve, job.resolution)? {
+    for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
         clearance.penetrate(&written.curve, written.slack_mm, gap, &mut deepest, budget)?;
     }
     Ok(deepest.bound_mm <= job.tolerance.mm() - gap)

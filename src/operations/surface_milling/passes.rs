@@ -10,7 +10,7 @@ use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::toolpath::PathError;
-use crate::toolpath::quantize::{Grid, round};
+use crate::toolpath::quantize::{Grid, Parabolas, round};
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -228,14 +228,16 @@ fn deviation(
     let section_height = section_height + seam.jump + seam.bend * chord;
     let bound = |curve: &Curve| {
         let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
+        let under = |radius: f64| chord_height(chord, 1.0 / (radius - farthest).max(0.0));
         let arc_height = match curve {
             Curve::Line(_) => 0.0,
-            Curve::Arc(arc) => chord_height(chord, 1.0 / (arc.radius() - farthest).max(0.0)),
+            Curve::Arc(arc) => under(arc.radius()),
+            Curve::Parabola(parabola) => under(1.0 / parabola.largest_curvature()),
         };
         farthest + arc_height + section_height + ACCURACY_MM + ROUNDING * tips[0].coords.amax()
     };
     let computed = bound(curve);
-    let rounded = round(curve, job.resolution)?;
+    let rounded = round(curve, job.resolution, Parabolas::AsLines)?;
     let written = match &rounded.curves[..] {
         // The element vanishes on the grid; what remains is its length, and half a step each way.
         [] => curve.length() + job.resolution.step_mm(),

@@ -6,7 +6,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece,
+    ACCEPTED_STEPS, Form, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece,
     QuantizeError, Written,
 };
 use crate::geometry::curve::{Arc, Curve};
@@ -125,7 +125,7 @@ impl<'a> Rounded<'a> {
         Some(Written {
             curve: Curve::Arc(exact),
             end_units: self.end_units,
-            center_offset_units: Some(offsets),
+            form: Form::Arc { center: offsets },
             radius_mismatch_mm: mismatch_units * step,
             slack_mm: bound::distance(&family, &exactly)?,
             displacement_mm,

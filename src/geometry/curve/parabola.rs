@@ -1,0 +1,257 @@
+//! A part of a parabola: a quadratic Bezier curve in space.
+//!
+//! # Method
+//! With B from the start to the control point and A = start - 2 control + end, the point at the parameter t is
+//! start + 2 t B + t^2 A. Its velocity 2 (B + t A) is longest away from the vertex: with w = (B + t A) . A / |A| along
+//! the axis and q = |A x B| / |A| across it, half the speed is sqrt(w^2 + q^2).
+//! * Length: the integral of the speed, w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends over |A|, written as a sum
+//!   of terms that are not negative, so that nothing cancels however small A is.
+//! * Distance: the cubic (P(t) - p) . P'(t) = 0, one root between each two neighbours of the ends and its own extremes.
+//! * Curvature: |A x B| / (2 |B + t A|^3), largest where the speed is least: at the vertex, or at an end.
+//!
+//! # Degenerate input
+//! Control points on one line make a straight motion, which turns back where the control point lies beyond an end;
+//! length, distance and support are those of that motion. A control point at an end, and three equal points, are
+//! legal.
+//!
+//! # Cost
+//! O(1) each; a point by length and a distance take some ten steps of Newton's method.
+
+use nalgebra::{Point3, Vector3};
+
+/// Halvings and Newton steps together: by halving alone an interval of length one shrinks below its rounding.
+const STEPS: usize = 64;
+
+/// Why three points do not make a parabola.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ParabolaError {
+    #[error("a coordinate of the parabola is not finite, or too large for its square")]
+    NotFinite,
+}
+
+/// The quadratic Bezier curve of its three control points, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parabola {
+    start: Point3<f64>,
+    control: Point3<f64>,
+    end: Point3<f64>,
+}
+
+impl Parabola {
+    /// # Errors
+    /// When a coordinate is not finite, or the square of a distance would not be.
+    pub fn new(start: Point3<f64>, control: Point3<f64>, end: Point3<f64>) -> Result<Self, ParabolaError> {
+        let parabola = Self { start, control, end };
+        let [b, a] = parabola.coefficients();
+        let squares = b.norm_squared() + a.norm_squared();
+        let is_finite = [start, control, end].iter().all(|p| p.iter().all(|x| x.is_finite()));
+        // The cubic of the distance holds fourth powers.
+        if is_finite && (squares * squares).is_finite() {
+            Ok(parabola)
+        } else {
+            Err(ParabolaError::NotFinite)
+        }
+    }
+
+    pub fn start(&self) -> Point3<f64> {
+        self.start
+    }
+
+    /// The point where the tangents at both ends meet.
+    pub fn control(&self) -> Point3<f64> {
+        self.control
+    }
+
+    pub fn end(&self) -> Point3<f64> {
+        self.end
+    }
+
+    /// The second difference start - 2 control + end: half the second derivative by the parameter, along the axis. A
+    /// chord over parameters h apart leaves the curve by |A| h^2 / 4 at equal parameters.
+    pub fn bend(&self) -> Vector3<f64> {
+        (self.start - self.control) + (self.end - self.control)
+    }
+
+    /// Half the first derivative by the parameter at `t`.
+    pub fn velocity(&self, t: f64) -> Vector3<f64> {
+        (self.control - self.start) * (1.0 - t) + (self.end - self.control) * t
+    }
+
+    /// The point at the parameter `t`. The ends are returned exactly.
+    pub fn at(&self, t: f64) -> Point3<f64> {
+        if t <= 0.0 {
+            return self.start;
+        }
+        if t >= 1.0 {
+            return self.end;
+        }
+        let from = self.start + (self.control - self.start) * t;
+        let to = self.control + (self.end - self.control) * t;
+        from + (to - from) * t
+    }
+
+    /// Length, mm.
+    pub fn length(&self) -> f64 {
+        let [b, a] = self.coefficients();
+        length(&b, &a)
+    }
+
+    /// The parameter at the fraction `fraction` of the length.
+    pub fn parameter_at(&self, fraction: f64) -> f64 {
+        if !(fraction > 0.0 && fraction < 1.0) {
+            return fraction.clamp(0.0, 1.0);
+        }
+        let [b, a] = self.coefficients();
+        let wanted = fraction * length(&b, &a);
+        // The part before t has the coefficients t B and t^2 A.
+        let beyond = |t: f64| length(&(b * t), &(a * (t * t))) - wanted;
+        root([0.0, 1.0], |t| (beyond(t), 2.0 * (b + a * t).norm()))
+    }
+
+    /// The point at the fraction `t` of the length. The ends are returned exactly.
+    pub fn point_at(&self, t: f64) -> Point3<f64> {
+        self.at(self.parameter_at(t))
+    }
+
+    /// The parameter of the point nearest to `p`.
+    pub fn nearest(&self, p: &Point3<f64>) -> f64 {
+        let [b, a] = self.coefficients();
+        let from = self.start - p;
+        // Half of (P - p) . P' / 2, as a cubic in t.
+        let [c3, c2, c1, c0] =
+            [a.norm_squared(), 3.0 * a.dot(&b), 2.0 * b.norm_squared() + from.dot(&a), from.dot(&b)];
+        let value = |t: f64| ((c3 * t + c2) * t + c1) * t + c0;
+        let slope = |t: f64| (3.0 * c3 * t + 2.0 * c2) * t + c1;
+        let [first, second] = extremes(c3, c2, c1).map(|t| t.clamp(0.0, 1.0));
+        let roots = [[0.0, first], [first, second], [second, 1.0]]
+            .map(|between| root(between, |t| (value(t), slope(t))));
+        let off = |t: f64| (self.at(t) - p).norm();
+        roots.into_iter().chain([1.0]).fold(0.0, |best, t| if off(t) < off(best) { t } else { best })
+    }
+
+    /// Distance from `p` to the curve, mm.
+    pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
+        (self.at(self.nearest(p)) - p).norm()
+    }
+
+    /// The largest coordinate along `direction` over the curve.
+    pub fn support(&self, direction: &Vector3<f64>) -> f64 {
+        let ends = self.start.coords.dot(direction).max(self.end.coords.dot(direction));
+        let [b, a] = self.coefficients().map(|v| v.dot(direction));
+        // It rises at the start, and falls at the end.
+        if b > 0.0 && b + a < 0.0 { ends.max(self.start.coords.dot(direction) - b * (b / a)) } else { ends }
+    }
+
+    /// The part between the parameters `from` < `to`.
+    pub fn part(&self, from: f64, to: f64) -> Parabola {
+        let at = |t: f64| self.start + (self.control - self.start) * t;
+        let on = |t: f64| self.control + (self.end - self.control) * t;
+        let control = if (from, to) == (0.0, 1.0) { self.control } else { at(from) + (on(from) - at(from)) * to };
+        Parabola { start: self.at(from), control, end: self.at(to) }
+    }
+
+    pub fn translated(&self, by: &Vector3<f64>) -> Parabola {
+        Parabola { start: self.start + by, control: self.control + by, end: self.end + by }
+    }
+
+    /// The parameter of least speed: that of the vertex, or of the end that is nearer to it.
+    pub fn slowest(&self) -> f64 {
+        let [b, a] = self.coefficients();
+        let squared = a.norm_squared();
+        if squared > 0.0 { (-b.dot(&a) / squared).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// The largest curvature, 1/mm: zero on a straight way, infinite where that turns back.
+    pub fn largest_curvature(&self) -> f64 {
+        let [b, a] = self.coefficients();
+        let t = self.slowest();
+        let speed = (b + a * t).norm();
+        let turn = b.cross(&a).norm();
+        if speed > 0.0 {
+            turn / (2.0 * speed * speed * speed)
+        } else if t > 0.0 && t < 1.0 {
+            f64::INFINITY
+        } else {
+            0.0
+        }
+    }
+
+    /// Vectors along the curve at its start and its end; zero where three points are one.
+    pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        let chord = self.end - self.start;
+        [self.control - self.start, self.end - self.control]
+            .map(|tangent| if tangent == Vector3::zeros() { chord } else { tangent })
+    }
+
+    /// B and A.
+    fn coefficients(&self) -> [Vector3<f64>; 2] {
+        [self.control - self.start, self.bend()]
+    }
+}
+
+/// The length of the curve with the coefficients B and A.
+fn length(b: &Vector3<f64>, a: &Vector3<f64>) -> f64 {
+    let bend = a.norm();
+    let speeds = [b.norm(), (b + a).norm()];
+    let sum = speeds[0] + speeds[1];
+    if bend == 0.0 || sum == 0.0 {
+        return sum;
+    }
+    // Along the axis at both ends, turned so that the later is the farther one.
+    let first = b.dot(a) / bend;
+    let along = if 2.0 * first + bend < 0.0 { [-first - bend, -first] } else { [first, first + bend] };
+    let speeds = if 2.0 * first + bend < 0.0 { [speeds[1], speeds[0]] } else { speeds };
+    let lean = along[0] + along[1];
+    let q = a.cross(b).norm() / bend;
+    // The difference of asinh(w / q), over |A|.
+    let turned = if q * q == 0.0 {
+        0.0
+    } else if along[0] < 0.0 {
+        ((along[1] / q).asinh() + (-along[0] / q).asinh()) / bend
+    } else {
+        let rate = (1.0 + lean / sum) / (along[0] + speeds[0]);
+        // For a small argument the logarithm is the argument.
+        let argument = bend * rate;
+        if argument > f64::EPSILON { argument.ln_1p() / bend } else { rate }
+    };
+    sum / 2.0 + lean * (lean / sum) / 2.0 + q * q * turned
+}
+
+/// The zeros of 3 a t^2 + 2 b t + c, rising; where there are none, zeros.
+fn extremes(a: f64, b: f64, c: f64) -> [f64; 2] {
+    let discriminant = b * b - 3.0 * a * c;
+    if discriminant <= 0.0 {
+        return [0.0; 2];
+    }
+    // Of the two forms of a root, the one in which nothing cancels.
+    let sum = -(b + b.signum() * discriminant.sqrt());
+    let [one, other] = [c / sum, sum / (3.0 * a)];
+    if one <= other { [one, other] } else { [other, one] }
+}
+
+/// The zero of a function, given with its slope, that is monotone between two places; the end that is nearer to zero
+/// where there is none.
+fn root([mut low, mut high]: [f64; 2], at: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let (first, last) = (at(low).0, at(high).0);
+    if first == 0.0 || first.signum() == last.signum() {
+        return if first.abs() <= last.abs() { low } else { high };
+    }
+    let mut t = (low + high) / 2.0;
+    for _ in 0..STEPS {
+        let (value, slope) = at(t);
+        if value == 0.0 {
+            return t;
+        }
+        if value.signum() == first.signum() { low = t } else { high = t }
+        let next = t - value / slope;
+        let next = if next > low && next < high { next } else { (low + high) / 2.0 };
+        if (next - t).abs() <= f64::EPSILON * (low + high) / 4.0 {
+            return next;
+        }
+        t = next;
+    }
+    t
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,99 @@
+//! Moves as their speed sees them: lengths, directions at the ends, and the largest speed.
+
+use nalgebra::Vector3;
+
+use super::JUNCTION_DEVIATION_MM;
+use crate::geometry::curve::{Arc, Curve, Direction, Parabola};
+use crate::toolpath::units::FeedRate;
+
+/// A move, or a part of one, with one largest speed.
+#[derive(Clone, Copy)]
+pub struct Stretch {
+    pub length_mm: f64,
+    /// The square of the largest speed, mm2/s2.
+    pub most: f64,
+    /// Unit vectors at both ends.
+    pub from: Vector3<f64>,
+    pub to: Vector3<f64>,
+}
+
+/// Appends the stretches of `curve`; none where it has no length.
+pub fn push(stretches: &mut Vec<Stretch>, curve: &Curve, rate: FeedRate, acceleration: f64) {
+    let mut add = |length_mm: f64, [from, to]: [Vector3<f64>; 2], curvature: f64| {
+        let most = rate.mm_per_s().powi(2).min(acceleration / curvature);
+        if let (Some(from), Some(to)) = (from.try_normalize(0.0), to.try_normalize(0.0)) {
+            stretches.push(Stretch { length_mm, most, from, to });
+        }
+    };
+    match curve {
+        Curve::Line(line) => add(line.length(), [line.end - line.start; 2], 0.0),
+        Curve::Arc(arc) => add(arc.length(), tangents(arc), curvature(arc)),
+        Curve::Parabola(parabola) => {
+            for part in parts(parabola) {
+                match part {
+                    Part::Even(part) => add(part.length(), part.tangents(), part.largest_curvature()),
+                    Part::Corner(part) => add(part.length(), [part.end() - part.start(); 2], 0.0),
+                }
+            }
+        }
+    }
+}
+
+/// A part of a parabola.
+enum Part {
+    /// Its curvature varies little: by no more than a factor of eight.
+    Even(Parabola),
+    /// One end is curved sharply, but so short that it is a corner to the machine.
+    Corner(Parabola),
+}
+
+/// The parts of a parabola, in order. From the place of largest curvature on, each is twice as long in its parameter as
+/// the one before, for there the speed by the parameter no more than doubles, and the curvature goes with its cube.
+fn parts(parabola: &Parabola) -> Vec<Part> {
+    let slowest = parabola.slowest();
+    let mut parts = Vec::new();
+    towards(parabola, slowest, 0.0, &mut parts);
+    parts.reverse();
+    towards(parabola, slowest, 1.0, &mut parts);
+    parts
+}
+
+/// The parts from the parameter `slowest` to the end at `far`, in this order.
+fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<Part>) {
+    let speed = |t: f64| parabola.velocity(t).norm();
+    let between = |s: f64, t: f64| parabola.part(s.min(t), s.max(t));
+    let mut ends = vec![far];
+    let mut end = far;
+    while end != slowest {
+        let first = between(slowest, end);
+        if speed(end) <= 2.0 * speed(slowest) {
+            parts.push(Part::Even(first));
+            break;
+        }
+        if first.length() <= JUNCTION_DEVIATION_MM {
+            parts.push(Part::Corner(first));
+            break;
+        }
+        end = slowest + (end - slowest) / 2.0;
+        ends.push(end);
+    }
+    parts.extend(ends.windows(2).rev().map(|pair| Part::Even(between(pair[1], pair[0]))));
+}
+
+/// Vectors along the arc at its start and its end.
+fn tangents(arc: &Arc) -> [Vector3<f64>; 2] {
+    let plane = arc.plane();
+    let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
+    let center = plane.to_local(&arc.center());
+    [arc.start(), arc.end()].map(|p| {
+        let spoke = plane.to_local(&p) - center;
+        let local = Vector3::new(-spoke.y * sense, spoke.x * sense, arc.rise() / arc.sweep());
+        plane.to_workpiece(&local).coords
+    })
+}
+
+/// Curvature, 1/mm; that of the helix where there is one.
+fn curvature(arc: &Arc) -> f64 {
+    let (r, rise) = (arc.radius(), arc.rise() / arc.sweep());
+    r / (r * r + rise * rise)
+}

@@ -1,0 +1,257 @@
+//! What a control makes of a quadratic spline block, and how far that is from the parabola.
+//!
+//! LinuxCNC, whose blocks these are, runs none: it divides the parameter into twelve equal parts and runs each as two
+//! arcs that touch each other and the tangents at its ends (`NURBS_FEED` and `biarc` in its `emccanon.cc`). The
+//! tangents it takes from differences over 1e-5 of the parameter, which at the ends of a block are one-sided.
+//!
+//! # Method
+//! 1. The same arcs are computed here, without the cancellation that the control's own formulas have.
+//! 2. The normal at the point where two arcs meet divides their part of the parabola. So each arc and its share have
+//!    common normals at both ends, and are compared along the normals of the arc.
+//! 3. With x the parabola seen from the arc's start, and n the way from there to its centre, the distance to the circle of
+//!    radius r is (|x|^2 - 2 x . n) / (|x - n| + r). Numerator and x are polynomials in the parameter, and bounded by
+//!    their Bernstein coefficients.
+//! 4. For what the control's rounding does is added: half an ulp a thousand times over in its differences, and the
+//!    cancellation in its quadratic equation.
+//!
+//! # Guarantees
+//! An upper bound, both ways and in order. A part that hardly turns is refused: the control divides by the square of the
+//! turn, and at zero it moves to no number.
+//!
+//! # Reference
+//! K. M. Bolton, *Biarc curves*, Computer-Aided Design 7, 1975.
+
+use nalgebra::Vector2;
+
+/// Parts of a block.
+const PARTS: u32 = 12;
+
+/// The difference of parameters over which the control takes tangents.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The control runs an arc as a line where twice its chord times the sine of its angle at the start is below this, in
+/// units of the program: the arc is then flatter than a quarter of it.
+const STRAIGHT_UNITS: f64 = 1e-6;
+
+/// A part turns by at least this, radians: ten thousand roundings fit in its square.
+const LEAST_TURN: f64 = 1e-6;
+
+/// A part turns by at most this, radians, so that arcs and parabola run along each other.
+const LARGEST_TURN: f64 = 1.0;
+
+/// The rounding of a coordinate in the control, as a part of the largest, with that of the few products it is made of.
+const ROUNDING: f64 = 1e-15;
+
+/// Why a bound cannot be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotRun {
+    TooStraight,
+    TurnsTooFar,
+}
+
+/// An upper bound for the distance between the parabola from the origin through the control point `control` to `end`,
+/// mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
+pub fn distance(
+    control: &Vector2<f64>,
+    end: &Vector2<f64>,
+    reach: f64,
+    unit_mm: f64,
+) -> Result<f64, NotRun> {
+    let parabola = Quadratic { b: *control, a: end - control * 2.0 };
+    let mut farthest: f64 = 0.0;
+    for k in 0..PARTS {
+        let [from, to] = [k, k + 1].map(|k| f64::from(k) / f64::from(PARTS));
+        farthest = farthest.max(parabola.distance([from, to], reach, unit_mm)?);
+    }
+    Ok(farthest)
+}
+
+/// The parabola 2 u b + u^2 a.
+struct Quadratic {
+    b: Vector2<f64>,
+    a: Vector2<f64>,
+}
+
+impl Quadratic {
+    fn at(&self, u: f64) -> Vector2<f64> {
+        self.b * (2.0 * u) + self.a * (u * u)
+    }
+
+    /// Half the derivative, as the control finds it.
+    fn velocity(&self, u: f64) -> Vector2<f64> {
+        let (low, high) = ((u - DIFFERENCE).max(0.0), (u + DIFFERENCE).min(1.0));
+        self.b + self.a * ((low + high) / 2.0)
+    }
+
+    /// The Bezier points of a part, seen from `origin`.
+    fn seen_from(&self, origin: &Vector2<f64>, [from, to]: [f64; 2]) -> [Vector2<f64>; 3] {
+        let middle = self.b * (from + to) + self.a * (from * to);
+        [self.at(from), middle, self.at(to)].map(|p| p - origin)
+    }
+
+    fn distance(&self, [from, to]: [f64; 2], reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
+        let velocities = [from, to].map(|u| self.velocity(u));
+        let slowest = velocities[0].norm().min(velocities[1].norm());
+        // A tangent is the difference of two rounded points over the way between them.
+        let wrong = ROUNDING * reach / (DIFFERENCE * slowest);
+        let [t0, t1] = velocities.map(|velocity| velocity / velocity.norm());
+        let turn = t0.perp(&t1).atan2(t0.dot(&t1)).abs();
+        // So written that what is no number is refused.
+        if !(turn >= LEAST_TURN.max(8.0 * wrong)) {
+            return Err(NotRun::TooStraight);
+        }
+        if turn > LARGEST_TURN {
+            return Err(NotRun::TurnsTooFar);
+        }
+        let (start, end) = (self.at(from), self.at(to));
+        let chord = end - start;
+        // The way along both tangents: the positive root of -|t1 - t0|^2 s^2 - 2 chord . (t0 + t1) s + |chord|^2.
+        let (square, half, rest) = ((t1 - t0).norm_squared(), chord.dot(&(t0 + t1)), chord.norm_squared());
+        let reach_along = rest / (half + (half * half + square * rest).sqrt());
+        let meet = (start + t0 * reach_along + end - t1 * reach_along) / 2.0;
+        let along = (end - t1 * reach_along - meet).normalize();
+        let split = self.normal_through(&meet, &along, [from, to]).ok_or(NotRun::TurnsTooFar)?;
+        let first = self.to_arc([&start, &meet], &t0, [from, split], unit_mm);
+        let second = self.to_arc([&meet, &end], &along, [split, to], unit_mm);
+        let rounding = 2.0 * wrong * chord.norm() + 8.0 * ROUNDING * (reach + reach_along / turn);
+        Ok(first.max(second) + rounding)
+    }
+
+    /// The parameter at which the parabola passes through the normal to `along` at `meet`.
+    fn normal_through(&self, meet: &Vector2<f64>, along: &Vector2<f64>, [from, to]: [f64; 2]) -> Option<f64> {
+        let (a, b, c) = (self.a.dot(along), self.b.dot(along), -meet.dot(along));
+        // a u^2 + 2 b u + c rises over the part, from below zero to above it.
+        let root = (b * b - a * c).max(0.0).sqrt();
+        [-c / (b + root), -c / (b - root)]
+            .into_iter()
+            .find(|u| (from..=to).contains(u) && b + a * u > 0.0)
+    }
+
+    /// The largest distance of a part from the arc between two points that starts along `tangent`.
+    fn to_arc(
+        &self,
+        [start, end]: [&Vector2<f64>; 2],
+        tangent: &Vector2<f64>,
+        part: [f64; 2],
+        unit_mm: f64,
+    ) -> f64 {
+        let chord = end - start;
+        let leaning = 2.0 * tangent.perp(&chord);
+        let [x0, x1, x2] = self.seen_from(start, part);
+        if leaning.abs() <= 2.0 * STRAIGHT_UNITS * unit_mm {
+            // It may be run as a line; as an arc it is as near to it as that is flat.
+            let across = chord.normalize();
+            let farthest = [x0, x1, x2].iter().map(|x| across.perp(x).abs()).fold(0.0, f64::max);
+            return farthest + STRAIGHT_UNITS * unit_mm;
+        }
+        // From the start to the centre, along the normal.
+        let radius = chord.norm_squared() / leaning;
+        let to_center = Vector2::new(-tangent.y, tangent.x) * radius;
+        let [l0, l1, l2] = [x0, x1, x2].map(|x| -2.0 * x.dot(&to_center));
+        let bernstein = [
+            x0.dot(&x0) + l0,
+            x0.dot(&x1) + (l0 + l1) / 2.0,
+            (2.0 * x1.dot(&x1) + x0.dot(&x2)) / 3.0 + (l0 + 4.0 * l1 + l2) / 6.0,
+            x1.dot(&x2) + (l1 + l2) / 2.0,
+            x2.dot(&x2) + l2,
+        ];
+        let numerator = bernstein.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        // At first the distance from the centre is only known to be above zero, then to be near the radius.
+        let crude = numerator / radius.abs();
+        if crude < radius.abs() { numerator / (2.0 * radius.abs() - crude) } else { crude }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The points of LinuxCNC's own biarcs for a block, by its own formulas: `emccanon.cc`, `biarc` and `arc`.
+    fn run(control: &Vector2<f64>, end: &Vector2<f64>) -> Vec<Vector2<f64>> {
+        let point = |u: f64| control * (2.0 * u * (1.0 - u)) + end * (u * u);
+        let tangent = |u: f64| {
+            let (low, high) = ((u - 1e-5f64).max(0.0), (u + 1e-5f64).min(1.0));
+            (point(high) - point(low)).normalize()
+        };
+        let mut points = vec![Vector2::zeros()];
+        let mut arc = |from: Vector2<f64>, to: Vector2<f64>, along: Vector2<f64>| {
+            let chord = to - from;
+            let den = 2.0 * (chord.y * along.x - chord.x * along.y);
+            for k in 1..=20 {
+                let t = f64::from(k) / 20.0;
+                if den.abs() <= 1e-6 {
+                    points.push(from + chord * t);
+                    continue;
+                }
+                let r = -chord.norm_squared() / den;
+                let center = from + Vector2::new(along.y, -along.x) * r;
+                let (s, e) = (from - center, to - center);
+                let angle = s.perp(&e).atan2(s.dot(&e)) * t;
+                points.push(center + nalgebra::Rotation2::new(angle) * s);
+            }
+        };
+        for k in 0..12 {
+            let (u0, u1) = (f64::from(k) / 12.0, f64::from(k + 1) / 12.0);
+            let (p0, p4, ts, te) = (point(u0), point(u1), tangent(u0), tangent(u1));
+            let v = p0 - p4;
+            let (a, b, c) = (2.0 * (ts.dot(&te) - 1.0), 2.0 * v.dot(&(ts + te)), v.norm_squared());
+            let root = (b * b - 4.0 * a * c).sqrt();
+            let beta = ((-b - root) / 2.0 / a).max((-b + root) / 2.0 / a);
+            let (p1, p3) = (p0 + ts * beta, p4 - te * beta);
+            let p2 = (p1 + p3) / 2.0;
+            arc(p0, p2, ts);
+            arc(p2, p4, (p3 - p2).normalize());
+        }
+        points
+    }
+
+    fn farthest(points: &[Vector2<f64>], others: &[Vector2<f64>]) -> f64 {
+        let to_line = |p: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>| {
+            let along = b - a;
+            let t = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (p - a - along * t).norm()
+        };
+        let nearest = |p: &Vector2<f64>| {
+            others.windows(2).map(|pair| to_line(p, &pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
+        };
+        points.iter().map(nearest).fold(0.0, f64::max)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn what_linuxcnc_runs_is_within_the_bound(
+            control in prop::array::uniform2(-50.0..50.0f64), end in prop::array::uniform2(-50.0..50.0f64),
+            flatness in prop_oneof![Just(1.0), 1e-6..1.0f64],
+        ) {
+            let end = Vector2::from(end);
+            let control = end / 2.0 + (Vector2::from(control) - end / 2.0) * flatness;
+            if let Ok(bound) = distance(&control, &end, 50.0, 1.0) {
+                let own = run(&control, &end);
+                let n = 6000;
+                let curve: Vec<_> = (0..=n)
+                    .map(|k| f64::from(k) / f64::from(n))
+                    .map(|u| control * (2.0 * u * (1.0 - u)) + end * (u * u))
+                    .collect();
+                let found = farthest(&own, &curve);
+                // The chords of the samples lie inside by up to |A| / (4 n^2).
+                prop_assert!(found <= bound + 2e-6, "{found} {bound}");
+                prop_assert!(bound <= 4.0 * found + 1e-5, "{found} {bound}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_control_would_fail_on_is_refused() {
+        let v = Vector2::new;
+        assert_eq!(distance(&v(1.0, 0.0), &v(3.0, 0.0), 3.0, 1.0), Err(NotRun::TooStraight));
+        assert_eq!(distance(&v(0.0, 0.0), &v(0.0, 0.0), 0.0, 1.0), Err(NotRun::TooStraight));
+        assert_eq!(distance(&v(500.0, 1e-6), &v(1000.0, 0.0), 1000.0, 1.0), Err(NotRun::TooStraight));
+        assert!(distance(&v(5.0, 0.01), &v(4.0, 0.0), 5.0, 1.0).is_err());
+        // Ten micrometres of a 20 mm arch.
+        assert!(distance(&v(10.0, 5.0), &v(20.0, 0.0), 20.0, 1.0).is_ok_and(|mm| mm < 0.001));
+    }
+}

@@ -71,6 +71,14 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_SURFACE_POINTS", default_value_t = Limits::DEFAULT.surface_points, global = true)]
     pub max_surface_points: usize,
 
+    /// Most points or knots of a curve
+    #[arg(long, env = "TOOLPATHD_MAX_CURVE_POINTS", default_value_t = Limits::DEFAULT.curve_points, global = true)]
+    pub max_curve_points: usize,
+
+    /// Most elements of an interpolated curve
+    #[arg(long, env = "TOOLPATHD_MAX_ELEMENTS", default_value_t = Limits::DEFAULT.elements, global = true)]
+    pub max_elements: usize,
+
     /// Most section planes of a milling job
     #[arg(long, env = "TOOLPATHD_MAX_SECTIONS", default_value_t = Limits::DEFAULT.sections, global = true)]
     pub max_sections: usize,
@@ -138,6 +146,8 @@ impl Settings {
         Limits {
             body_bytes: self.body_limit,
             surface_points: self.max_surface_points,
+            curve_points: self.max_curve_points,
+            elements: self.max_elements,
             sections: self.max_sections,
             moves: self.max_moves,
         }
@@ -151,6 +161,10 @@ pub struct Limits {
     pub body_bytes: usize,
     /// Points of one surface.
     pub surface_points: usize,
+    /// Points of one curve.
+    pub curve_points: usize,
+    /// Elements of one interpolated curve.
+    pub elements: usize,
     /// Section planes of one milling job.
     pub sections: usize,
     /// Moves of one toolpath that is sent.
@@ -159,8 +173,14 @@ pub struct Limits {
 
 impl Limits {
     /// The limits written into the contract; a server may be set otherwise and says so at `/v1/limits`.
-    pub const DEFAULT: Limits =
-        Limits { body_bytes: 16 * 1024 * 1024, surface_points: 250_000, sections: 20_000, moves: 500_000 };
+    pub const DEFAULT: Limits = Limits {
+        body_bytes: 16 * 1024 * 1024,
+        surface_points: 250_000,
+        curve_points: 250_000,
+        elements: 250_000,
+        sections: 20_000,
+        moves: 500_000,
+    };
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

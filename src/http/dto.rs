@@ -3,7 +3,9 @@
 
 pub mod answer;
 pub mod check;
+pub mod curve;
 pub mod cutting;
+pub mod interpolation;
 pub mod meta;
 pub mod milling;
 pub mod modelling;

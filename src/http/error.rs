@@ -52,6 +52,7 @@ pub enum Code {
     ToleranceNotReached,
     SectionLost,
     NothingToCut,
+    BandInfeasible,
     InternalError,
     Overloaded,
     DeadlinePassed,
@@ -80,7 +81,8 @@ impl Code {
             | Code::ToleranceBelowDecimals
             | Code::ToleranceNotReached
             | Code::SectionLost
-            | Code::NothingToCut => StatusCode::UNPROCESSABLE_ENTITY,
+            | Code::NothingToCut
+            | Code::BandInfeasible => StatusCode::UNPROCESSABLE_ENTITY,
             Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
             Code::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
             Code::DeadlinePassed => StatusCode::GATEWAY_TIMEOUT,
@@ -113,6 +115,7 @@ impl Code {
             Code::ToleranceNotReached => "The tolerance was not reached",
             Code::SectionLost => "A section of the surface could not be followed",
             Code::NothingToCut => "There is nothing to cut",
+            Code::BandInfeasible => "The band leaves no room for an element",
             Code::InternalError => "The server failed",
             Code::Overloaded => "The server is full",
             Code::DeadlinePassed => "The computation took too long",
@@ -170,6 +173,12 @@ pub enum FieldCode {
     ToleranceBelowDecimals,
     /// The points do not make an arc.
     NoArc,
+    /// The text is not in its language; `offset` says where.
+    Syntax,
+    /// The expression has no value somewhere in its domain; `offset` names the operation.
+    Undefined,
+    /// Neighbouring points coincide.
+    Coincident,
     FeedRequired,
 }
 
@@ -182,11 +191,20 @@ pub struct FieldError {
     pub code: FieldCode,
     /// The value received and the limit.
     pub detail: String,
+    /// The byte of a text in a language, from zero, where there is one to blame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 16_777_216)]
+    pub offset: Option<usize>,
 }
 
 impl FieldError {
     pub fn new(at: &Pointer, code: FieldCode, detail: impl Into<String>) -> Self {
-        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()) }
+        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()), offset: None }
+    }
+
+    /// As [`FieldError::new`], for a text in a language.
+    pub fn in_text(at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) -> Self {
+        Self { offset: Some(offset), ..Self::new(at, code, detail) }
     }
 }
 

@@ -22,12 +22,13 @@ use super::{App, health, metrics, v1};
             a body holds for what was coded."
     ),
     tags(
+        (name = "curves", description = "Curves in the plane"),
         (name = "surfaces", description = "Sculptured surfaces"),
         (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
-    components(schemas(Problem, super::events::Progress, super::dto::point::Point))
+    components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint))
 )]
 struct Document;
 
@@ -77,6 +78,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
 /// Every route with its documentation.
 pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
+        .routes(routes!(v1::curves_interpolate::interpolate_curve))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
         .routes(routes!(v1::programs_write::write_program))

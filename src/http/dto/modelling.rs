@@ -185,7 +185,7 @@ pub struct GeneralPatch {
 
 impl From<&BicubicPatch> for Patch {
     fn from(patch: &BicubicPatch) -> Self {
-        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Point(p.into())))))
+        Self::Bicubic(Box::new(patch.net.map(|row| row.map(Point::from))))
     }
 }
 
@@ -195,7 +195,7 @@ impl<const N: usize> From<&RationalPatch<N>> for Patch {
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
         };
-        let mut points = patch.control_points().map(|p| Point(p.into()));
+        let mut points = patch.control_points().map(Point::from);
         Self::General(GeneralPatch {
             degree: [p, q],
             net: (0..=p).map(|_| points.by_ref().take(q + 1).collect()).collect(),

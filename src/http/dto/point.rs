@@ -1,10 +1,10 @@
-//! Points and vectors, `[x, y, z]`.
+//! Points and vectors, `[x, y, z]` or `[x, y]`.
 
 use std::fmt;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 use utoipa::openapi::{Ref, RefOr};
 use utoipa::{PartialSchema, ToSchema};
@@ -12,11 +12,23 @@ use utoipa::{PartialSchema, ToSchema};
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use crate::http::pointer::Pointer;
 
-/// A point in mm, or a vector.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Point(pub [f64; 3]);
+/// A point in mm, or a vector, by its coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinates<const N: usize>(pub [f64; N]);
 
-impl Point {
+/// In space.
+pub type Point = Coordinates<3>;
+
+/// In the plane.
+pub type PlanePoint = Coordinates<2>;
+
+impl<const N: usize> Serialize for Coordinates<N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0)
+    }
+}
+
+impl<const N: usize> Coordinates<N> {
     /// Whether every coordinate is of a legal magnitude.
     pub fn is_legal(&self) -> bool {
         self.0.iter().all(|x| x.abs() <= MAX_MAGNITUDE_MM)
@@ -32,14 +44,20 @@ impl Point {
 }
 
 impl From<Point> for Point3<f64> {
-    fn from(Point(xyz): Point) -> Self {
+    fn from(Coordinates(xyz): Point) -> Self {
         xyz.into()
     }
 }
 
 impl From<Point> for Vector3<f64> {
-    fn from(Point(xyz): Point) -> Self {
+    fn from(Coordinates(xyz): Point) -> Self {
         xyz.into()
+    }
+}
+
+impl From<PlanePoint> for Point2<f64> {
+    fn from(Coordinates(xy): PlanePoint) -> Self {
+        xy.into()
     }
 }
 
@@ -49,34 +67,39 @@ impl From<Point3<f64>> for Point {
     }
 }
 
-impl<'de> Deserialize<'de> for Point {
+impl<'de, const N: usize> Deserialize<'de> for Coordinates<N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(Coordinates)
+        deserializer.deserialize_seq(Sequence)
     }
 }
 
-struct Coordinates;
+struct Sequence<const N: usize>;
 
-impl<'de> Visitor<'de> for Coordinates {
-    type Value = Point;
+impl<'de, const N: usize> Visitor<'de> for Sequence<N> {
+    type Value = Coordinates<N>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a point [x, y, z]")
+        write!(f, "a point {}", form(N))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Point, A::Error> {
-        let mut xyz = [0.0; 3];
-        for (k, coordinate) in xyz.iter_mut().enumerate() {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut coordinates = [0.0; N];
+        for (k, coordinate) in coordinates.iter_mut().enumerate() {
             *coordinate = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(k, &self))?;
         }
         match seq.next_element::<IgnoredAny>()? {
-            None => Ok(Point(xyz)),
-            Some(_) => Err(A::Error::invalid_length(4, &self)),
+            None => Ok(Coordinates(coordinates)),
+            Some(_) => Err(A::Error::invalid_length(N + 1, &self)),
         }
     }
 }
 
-impl PartialSchema for Point {
+/// How a point of so many coordinates is written.
+fn form(dimension: usize) -> &'static str {
+    if dimension == 2 { "[x, y]" } else { "[x, y, z]" }
+}
+
+impl<const N: usize> PartialSchema for Coordinates<N> {
     fn schema() -> RefOr<Schema> {
         let coordinate = ObjectBuilder::new()
             .schema_type(Type::Number)
@@ -85,23 +108,28 @@ impl PartialSchema for Point {
             .maximum(Some(MAX_MAGNITUDE_MM));
         ArrayBuilder::new()
             .items(coordinate)
-            .min_items(Some(3))
-            .max_items(Some(3))
-            .description(Some("A point `[x, y, z]` in mm, or a vector."))
+            .min_items(Some(N))
+            .max_items(Some(N))
+            .description(Some(format!("A point `{}` in mm, or a vector.", form(N))))
             .into()
     }
 }
 
-impl ToSchema for Point {
+impl<const N: usize> ToSchema for Coordinates<N> {
     fn name() -> std::borrow::Cow<'static, str> {
-        "Point".into()
+        if N == 2 { "PlanePoint".into() } else { "Point".into() }
     }
 }
 
 /// Points in a row, of which there must be some.
 pub fn row_schema(max_items: usize) -> ArrayBuilder {
+    row_schema_of::<Point>(max_items)
+}
+
+/// As [`row_schema`], of points of any dimension.
+pub fn row_schema_of<P: ToSchema>(max_items: usize) -> ArrayBuilder {
     ArrayBuilder::new()
-        .items(RefOr::<Schema>::Ref(Ref::from_schema_name("Point")))
+        .items(RefOr::<Schema>::Ref(Ref::from_schema_name(P::name())))
         .min_items(Some(2))
         .max_items(Some(max_items))
 }

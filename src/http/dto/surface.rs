@@ -4,7 +4,7 @@ mod bezier_patches;
 mod failure;
 mod ferguson;
 mod grid;
-mod nurbs;
+pub mod nurbs;
 mod point_grid;
 
 use nalgebra::Point3;

@@ -63,7 +63,7 @@ pub fn unpack(message: &str) -> Option<FieldError> {
     let mut parts = message.strip_prefix(MARK)?.split(MARK);
     let (pointer, code, detail) = (parts.next()?, parts.next()?, parts.next()?);
     let code = *CODES.get(code.parse::<usize>().ok()?)?;
-    Some(FieldError { pointer: pointer.to_owned(), code, detail: detail.to_owned() })
+    Some(FieldError { pointer: pointer.to_owned(), code, detail: detail.to_owned(), offset: None })
 }
 
 /// What decoding can find.

@@ -17,6 +17,9 @@ use crate::http::output::Encoded;
 pub struct ServerLimits {
     body_bytes: usize,
     surface_points: usize,
+    curve_points: usize,
+    /// Elements of one interpolated curve.
+    elements: usize,
     /// Section planes of one milling job.
     sections: usize,
     /// Moves of one toolpath that is sent.
@@ -35,10 +38,12 @@ pub struct ServerLimits {
 
 impl From<&App> for ServerLimits {
     fn from(app: &App) -> Self {
-        let Limits { body_bytes, surface_points, sections, moves } = app.limits;
+        let Limits { body_bytes, surface_points, curve_points, elements, sections, moves } = app.limits;
         Self {
             body_bytes,
             surface_points,
+            curve_points,
+            elements,
             sections,
             moves,
             meta_entries: meta::MAX_ENTRIES,

@@ -1,7 +1,5 @@
 //! What is to be interpolated, and how.
 
-use nalgebra::Point2;
-
 use crate::geometry::deviation::Band;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::Resolution;
@@ -59,11 +57,8 @@ pub struct Job {
     /// Without them the toolpath has no feeds.
     pub cutting: Option<CuttingRequest>,
     pub resolution: Resolution,
+    /// The most elements.
+    pub element_limit: usize,
     /// Whether the control runs parabolas; else arcs and lines stand for them.
     pub has_parabolas: bool,
-}
-
-/// A point of the plane at a height.
-pub fn at_height(p: Point2<f64>, z_mm: f64) -> nalgebra::Point3<f64> {
-    nalgebra::Point3::new(p.x, p.y, z_mm)
 }

@@ -16,7 +16,7 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
 /// Weights; only their ratios matter.
-const WEIGHTS: Range = Range { min: 1e-6, max: 1e6 };
+pub const WEIGHTS: Range = Range { min: 1e-6, max: 1e6 };
 
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -63,7 +63,8 @@ fn weights_schema() -> Schema {
     rows.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
 }
 
-fn number(range: Range) -> ObjectBuilder {
+/// The schema of a number in a range.
+pub fn number(range: Range) -> ObjectBuilder {
     ObjectBuilder::new()
         .schema_type(Type::Number)
         .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
@@ -102,7 +103,8 @@ impl Nurbs {
     }
 }
 
-fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violations: &mut Violations) {
+/// Looks at a knot vector that is to have `expected` knots.
+pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violations: &mut Violations) {
     if let Some(expected) = expected.filter(|expected| knots.len() != *expected) {
         let detail = format!("{} knots; control points and degree ask for {expected}", knots.len());
         violations.add(at, FieldCode::WrongLength, detail);

@@ -1,0 +1,76 @@
+//! `POST /v1/curves/interpolate`: a plane curve and a band go in, elements, a program or a picture come out.
+
+mod failure;
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+
+use crate::budget::Budget;
+use crate::http::App;
+use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::interpolation::{InterpolateJob, InterpolateReport, InterpolateRequest};
+use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::ApiError;
+use crate::http::extract::JobBody;
+use crate::http::wanted::{Toolpaths, Wanted};
+use crate::operations::interpolation::{self, Plan};
+
+/// Interpolates a plane curve within a band and answers the elements, the NC program that runs them, or a picture.
+#[utoipa::path(post, path = "/v1/curves/interpolate", operation_id = "interpolateCurve", tag = "curves",
+    params(Wanted<Toolpaths>), request_body = InterpolateRequest,
+    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<InterpolateReport>)))]
+pub async fn interpolate_curve(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Toolpaths>,
+    body: JobBody<InterpolateRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, interpolate).await
+}
+
+fn interpolate(job: InterpolateJob, budget: &Budget) -> Result<Outcome<InterpolateReport>, ApiError> {
+    let InterpolateJob { job, tool, program, dialect, meta } = job;
+    let plan = interpolation::plan(&job, budget)?;
+    let drawing = interpolation::drawing(&plan, &job.band);
+    let Plan { curve: _, toolpath, report, cutting, warnings } = plan;
+    Ok(Outcome {
+        meta,
+        warnings: warnings.iter().map(Warning::from).collect(),
+        cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments: vec![proved(&report)] }),
+        report: InterpolateReport::from(report),
+        nc: None,
+        drawing: Box::new(move || drawing.clone()),
+    })
+}
+
+/// The proved figures for a program's header, rounded up.
+fn proved(report: &interpolation::Report) -> String {
+    let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
+    format!(
+        "{} ELEMENTS - AT LEAST {} - PROVED DEVIATION {:.4} MM",
+        report.elements.len(),
+        report.n_elements_lower_bound,
+        up(report.deviation_max_mm)
+    )
+}
+
+impl From<&interpolation::Warning> for Warning {
+    fn from(warning: &interpolation::Warning) -> Self {
+        match warning {
+            interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self {
+                code: WarningCode::RoundingLeavesBand,
+                detail: format!(
+                    "the program rounds to its decimals: it may be {deviation_mm} mm from the curve, beyond the band; more decimals would help"
+                ),
+            },
+            interpolation::Warning::ContourNotReached { uncut_mm } => Self {
+                code: WarningCode::ContourNotReached,
+                detail: format!(
+                    "the contour is curved more tightly than the cutter: it is left uncut by up to some {uncut_mm} mm"
+                ),
+            },
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The failures of interpolation as the caller sees them.
+
+use crate::http::error::{ApiError, Code, FieldCode, FieldError};
+use crate::http::pointer::Pointer;
+use crate::language::expression::Undefined;
+use crate::operations::interpolation::{Error, SourceError};
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        let detail = error.to_string();
+        let root = Pointer::root();
+        let unsupported = |at: Pointer, detail: String| {
+            Self::new(Code::Unsupported, detail).blaming(&at, FieldCode::Unsupported)
+        };
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Source(source) => source.into(),
+            Error::VerticalWithoutGraph => {
+                let at = root.field("band").field("measure");
+                Self::invalid(vec![FieldError::new(&at, FieldCode::Conflict, detail)])
+            }
+            Error::JointsInBand => unsupported(root.field("joints"), detail),
+            Error::CompensatedParabola => unsupported(root.field("compensation"), detail),
+            Error::TooManyElements { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&root.field("band"), FieldCode::LimitExceeded)
+            }
+            Error::BandInfeasible { at } => {
+                let band = root.field("band");
+                Self::new(Code::BandInfeasible, detail).blaming(&band, FieldCode::OutOfRange).at([at.x, at.y, 0.0])
+            }
+            Error::Heights(heights) => heights.into(),
+            Error::Quantize(quantize) => quantize.into(),
+            Error::Path(_) => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<SourceError> for ApiError {
+    fn from(error: SourceError) -> Self {
+        let detail = error.to_string();
+        let curve = Pointer::root().field("curve");
+        let expression = curve.field("expression");
+        let one = |error: FieldError| Self::invalid(vec![error]);
+        match error {
+            SourceError::Expression(fault) => {
+                one(FieldError::in_text(&expression, fault.at, FieldCode::Syntax, detail))
+            }
+            SourceError::Undefined(undefined) => match undefined {
+                Undefined::Stopped(stopped) => stopped.into(),
+                Undefined::NoDomain => one(FieldError::new(&curve.field("domain"), FieldCode::OutOfRange, detail)),
+                Undefined::At { at, .. } | Undefined::Near { at, .. } | Undefined::NotRuledOut { at, .. } => {
+                    one(FieldError::in_text(&expression, at, FieldCode::Undefined, detail))
+                }
+            },
+            SourceError::TooLarge { .. } => one(FieldError::new(&expression, FieldCode::TooLarge, detail)),
+            SourceError::Interpolant(fault) => {
+                let points = curve.field("points");
+                one(match fault.index() {
+                    Some(k) => FieldError::new(&points.index(k), FieldCode::Coincident, detail),
+                    None => FieldError::new(&points, FieldCode::OutOfRange, detail),
+                })
+            }
+            SourceError::Nurbs(fault) => nurbs(fault, &curve, detail),
+            SourceError::SectionCurve(fault) => {
+                one(FieldError::in_text(&curve.field("text"), fault.at, FieldCode::Syntax, detail))
+            }
+        }
+    }
+}
+
+fn nurbs(fault: crate::geometry::plane_curve::nurbs::NurbsError, curve: &Pointer, detail: String) -> ApiError {
+    use crate::geometry::plane_curve::nurbs::NurbsError;
+    let (at, code) = match fault {
+        NurbsError::Degree { .. } => (curve.field("degree"), FieldCode::OutOfRange),
+        NurbsError::TooFewPoints { .. } => (curve.field("control_points"), FieldCode::TooFewPoints),
+        NurbsError::Point { index } => (curve.field("control_points").index(index), FieldCode::TooLarge),
+        NurbsError::Knots(_) => (curve.field("knots"), FieldCode::OutOfRange),
+        NurbsError::WeightCount { .. } => (curve.field("weights"), FieldCode::WrongLength),
+        NurbsError::Weight { index, .. } | NurbsError::WeightRatio { index, .. } => {
+            (curve.field("weights").index(index), FieldCode::OutOfRange)
+        }
+        NurbsError::Gap { .. } => (curve.field("knots"), FieldCode::OutOfRange),
+        NurbsError::Chain(_) => (curve.clone(), FieldCode::OutOfRange),
+    };
+    ApiError::invalid(vec![FieldError::new(&at, code, detail)])
+}

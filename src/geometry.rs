@@ -1,11 +1,13 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
 pub mod arc_fit;
+pub mod bspline;
 pub mod clearance;
 pub mod curve;
 pub mod interval;
 pub mod plane;
 pub mod plane_curve;
 pub mod section;
+pub mod spline;
 pub mod surface;
 pub mod wires;

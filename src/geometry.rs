@@ -1,6 +1,7 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
 pub mod arc_fit;
+pub mod bspline;
 pub mod clearance;
 pub mod curve;
 pub mod deviation;
@@ -9,5 +10,6 @@ pub mod interval;
 pub mod plane;
 pub mod plane_curve;
 pub mod section;
+pub mod spline;
 pub mod surface;
 pub mod wires;

@@ -1,5 +1,8 @@
 //! Plane curves as they are designed, with proved enclosures: what interpolation starts from.
 
+pub mod nurbs;
+pub mod piecewise;
+
 use nalgebra::{Point2, Vector2};
 
 use super::interval::Interval;

@@ -17,7 +17,6 @@ pub mod regularity;
 pub mod source;
 
 mod hermite;
-mod spline;
 
 pub use bezier::BezierSurface;
 pub use patch::{BicubicPatch, Patch, RationalPatch};

@@ -1,9 +1,8 @@
 //! Rational B-spline surfaces as Bezier patches, a patch for each pair of knot spans.
 //!
 //! # Method
-//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a and k times
-//! b. They are linear in the control points of the span, so they are found once for every span and direction, as
-//! matrices (`extraction`), by de Boor's recursion with one argument a step; a patch is matrix, net, matrix.
+//! The Bezier control points of a span along one direction are linear in the control points of the span
+//! ([`spans`]); a patch is matrix, net, matrix.
 //!
 //! # Guarantees
 //! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
@@ -15,19 +14,15 @@
 //!
 //! # Cost
 //! O(p^2 q^2) for each patch of degree (p, q).
-//!
-//! # Reference
-//! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.
 
-use nalgebra::{DMatrix, Point3, Vector4};
+use nalgebra::{Point3, Vector4};
 
 use super::bezier::BezierSurface;
-use super::patch::rational::MAX_DEGREE;
 use super::patch::{BicubicPatch, RationalPatch};
 use super::source::AnySurface;
-
-/// The largest quotient of two weights: beyond it the smaller ones do nothing but harm.
-pub const MAX_WEIGHT_RATIO: f64 = 1e6;
+use crate::geometry::bspline::{
+    KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
+};
 
 /// Patches of degree up to 3, and of a higher one: some sixty megabytes of either.
 pub const PATCH_LIMIT: usize = 125_000;
@@ -89,9 +84,13 @@ impl Nurbs {
         let size = self.checked_size()?;
         self.check_weights(size)?;
         for (along, knots) in self.knots.iter().enumerate() {
-            check_knots(knots, self.degree[along], size[along], along)?;
+            let rules = KnotRules { multiplicity: self.degree[along], shortest_span: SHORTEST_SPAN };
+            check_knots(knots, self.degree[along], size[along], rules)
+                .map_err(|error| NurbsError::of_knots(error, along))?;
         }
-        let spans = [0, 1].map(|along| extraction(&self.knots[along], self.degree[along], size[along]));
+        let spans = [0, 1].map(|along| -> Vec<Span> {
+            spans(&self.knots[along], self.degree[along], size[along]).collect()
+        });
         let at = |i: usize, j: usize| [&spans[0][i], &spans[1][j]];
         let counts = [spans[0].len(), spans[1].len()];
         let (patches, is_high) = (counts[0] * counts[1], self.degree.iter().any(|degree| *degree > 3));
@@ -192,6 +191,20 @@ impl Nurbs {
     }
 }
 
+impl NurbsError {
+    fn of_knots(error: KnotError, along: usize) -> Self {
+        match error {
+            KnotError::Count { found, points, degree } => Self::KnotCount { along, found, points, degree },
+            KnotError::Decrease { index } => Self::KnotsDecrease { along, index },
+            KnotError::Multiplicity { index, multiplicity, most } => {
+                Self::KnotMultiplicity { along, index, multiplicity, degree: most }
+            }
+            KnotError::EmptyDomain => Self::EmptyDomain { along },
+            KnotError::SpanTooShort { index, shortest: _ } => Self::SpanTooShort { along, index },
+        }
+    }
+}
+
 /// A polynomial patch of degree up to 3 with equal weights, with its degree raised to 3 each way.
 fn raised(patch: &RationalPatch<4>) -> BicubicPatch {
     /// Rows: cubic control points; columns: those of the lower degree.
@@ -216,78 +229,6 @@ fn raised(patch: &RationalPatch<4>) -> BicubicPatch {
         })
     });
     BicubicPatch { net }
-}
-
-/// A knot span: its Bezier control points are `extraction` times the control points from `first` on.
-struct Span {
-    first: usize,
-    extraction: DMatrix<f64>,
-}
-
-/// The spans of a knot vector that have a length.
-fn extraction(knots: &[f64], degree: usize, points: usize) -> Vec<Span> {
-    let has_length = |i: &usize| knots[i + 1] > knots[*i];
-    let extraction = |i: usize| {
-        DMatrix::from_fn(degree + 1, degree + 1, |row, column| blossom(knots, degree, i, row, column))
-    };
-    let spans = (degree..points).filter(has_length);
-    spans.map(|i| Span { first: i - degree, extraction: extraction(i) }).collect()
-}
-
-fn check_knots(knots: &[f64], degree: usize, points: usize, along: usize) -> Result<(), NurbsError> {
-    if knots.len() != points + degree + 1 {
-        return Err(NurbsError::KnotCount { along, found: knots.len(), points, degree });
-    }
-    let is_wrong = |k: &usize| !knots[*k].is_finite() || (*k > 0 && knots[*k] < knots[k - 1]);
-    if let Some(index) = (0..knots.len()).find(is_wrong) {
-        return Err(NurbsError::KnotsDecrease { along, index });
-    }
-    let length = knots[points] - knots[degree];
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(NurbsError::EmptyDomain { along });
-    }
-    let is_short =
-        |k: &usize| (f64::MIN_POSITIVE..SHORTEST_SPAN * length).contains(&(knots[*k] - knots[k - 1]));
-    if let Some(index) = (degree + 1..=points).find(is_short) {
-        return Err(NurbsError::SpanTooShort { along, index });
-    }
-    for (index, multiplicity) in inner_knots(knots, degree, points) {
-        if multiplicity > degree {
-            return Err(NurbsError::KnotMultiplicity { along, index, multiplicity, degree });
-        }
-    }
-    Ok(())
-}
-
-/// The distinct knots inside the domain, by the index of the first of each, with their multiplicities.
-fn inner_knots(knots: &[f64], degree: usize, points: usize) -> Vec<(usize, usize)> {
-    let mut inner: Vec<(usize, usize)> = Vec::new();
-    for (index, knot) in knots.iter().enumerate() {
-        if *knot <= knots[degree] || *knot >= knots[points] {
-            continue;
-        }
-        match inner.last_mut() {
-            Some((first, multiplicity)) if knots[*first] == *knot => *multiplicity += 1,
-            _ => inner.push((index, 1)),
-        }
-    }
-    inner
-}
-
-/// The share of control point `span - degree + column` in the blossom of the span at `row` times its end and
-/// `degree - row` times its start.
-fn blossom(knots: &[f64], degree: usize, span: usize, row: usize, column: usize) -> f64 {
-    let mut values = [0.0; MAX_DEGREE + 1];
-    values[column] = 1.0;
-    for step in 1..=degree {
-        let argument = if step <= row { knots[span + 1] } else { knots[span] };
-        for k in 0..=degree - step {
-            let (low, high) = (knots[span - degree + k + step], knots[span + 1 + k]);
-            let t = (argument - low) / (high - low);
-            values[k] = values[k] * (1.0 - t) + values[k + 1] * t;
-        }
-    }
-    values[0]
 }
 
 #[cfg(test)]

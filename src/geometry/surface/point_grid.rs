@@ -33,7 +33,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::bezier::BezierSurface;
 use super::hermite::{self, Corner};
-use super::spline::{EndCondition, derivatives};
+use crate::geometry::spline::{self, derivatives};
+
+type EndCondition = spline::EndCondition<3>;
 
 /// How the mixed derivatives at the grid's points are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -9,11 +9,10 @@ mod product;
 use nalgebra::{Point3, Vector3, Vector4};
 
 use super::{DerivativeBounds, Patch, SquareBound};
+pub use crate::geometry::bspline::MAX_DEGREE;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::{Ball, Interval};
 use product::{BINOMIALS, PRODUCT_SIZE, Product};
-
-pub const MAX_DEGREE: usize = 7;
 
 const SIZE: usize = MAX_DEGREE + 1;
 

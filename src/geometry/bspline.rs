@@ -1,0 +1,131 @@
+//! What B-spline curves and surfaces share: the rules for their knots, and their Bezier control points.
+//!
+//! # Method
+//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a and k times
+//! b. They are linear in the control points of the span, so they are found for a knot vector, as matrices
+//! ([`spans`]), by de Boor's recursion with one argument a step.
+//!
+//! # Guarantees
+//! Every step is a convex combination, whatever the spacing and multiplicity of the knots, clamped or not.
+//!
+//! # Degenerate input
+//! Knot spans without length are left out.
+//!
+//! # Cost
+//! O(p^4) for each span of degree p.
+//!
+//! # Reference
+//! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.
+
+use nalgebra::DMatrix;
+
+/// The highest degree of a curve, and of a surface along one direction.
+pub const MAX_DEGREE: usize = 7;
+
+/// The largest quotient of two weights: beyond it the smaller ones do nothing but harm.
+pub const MAX_WEIGHT_RATIO: f64 = 1e6;
+
+/// What a knot vector of its use may hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnotRules {
+    /// How often a knot may be repeated inside the domain.
+    pub multiplicity: usize,
+    /// The shortest span, in parts of the domain.
+    pub shortest_span: f64,
+}
+
+/// Why numbers are no knot vector.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum KnotError {
+    #[error("{found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
+    Count { found: usize, points: usize, degree: usize },
+    #[error("the knot {index} is not finite, or below the one before it")]
+    Decrease { index: usize },
+    #[error("the knot {index} is repeated {multiplicity} times; inside the domain {most} times are allowed")]
+    Multiplicity { index: usize, multiplicity: usize, most: usize },
+    #[error("the domain has no length")]
+    EmptyDomain,
+    #[error("the knot {index} follows the one before it by less than {shortest} of the domain")]
+    SpanTooShort { index: usize, shortest: f64 },
+}
+
+/// A knot span: its Bezier control points are `extraction` times the control points from `first` on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    pub first: usize,
+    /// The knots it lies between, rising.
+    pub ends: [f64; 2],
+    pub extraction: DMatrix<f64>,
+}
+
+/// The spans that have a length, of a knot vector that [`check_knots`] accepts.
+pub fn spans(knots: &[f64], degree: usize, points: usize) -> impl Iterator<Item = Span> + '_ {
+    let has_length = |i: &usize| knots[i + 1] > knots[*i];
+    (degree..points).filter(has_length).map(move |i| Span {
+        first: i - degree,
+        ends: [knots[i], knots[i + 1]],
+        extraction: DMatrix::from_fn(degree + 1, degree + 1, |row, column| {
+            blossom(knots, degree, i, row, column)
+        }),
+    })
+}
+
+/// Whether `knots` are those of so many control points, more than `degree`, which is 1 to [`MAX_DEGREE`].
+///
+/// # Errors
+/// The first of [`KnotError`] that applies.
+pub fn check_knots(knots: &[f64], degree: usize, points: usize, rules: KnotRules) -> Result<(), KnotError> {
+    if knots.len() != points + degree + 1 {
+        return Err(KnotError::Count { found: knots.len(), points, degree });
+    }
+    let is_wrong = |k: &usize| !knots[*k].is_finite() || (*k > 0 && knots[*k] < knots[k - 1]);
+    if let Some(index) = (0..knots.len()).find(is_wrong) {
+        return Err(KnotError::Decrease { index });
+    }
+    let length = knots[points] - knots[degree];
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(KnotError::EmptyDomain);
+    }
+    let shortest = rules.shortest_span;
+    let is_short = |k: &usize| (f64::MIN_POSITIVE..shortest * length).contains(&(knots[*k] - knots[k - 1]));
+    if let Some(index) = (degree + 1..=points).find(is_short) {
+        return Err(KnotError::SpanTooShort { index, shortest });
+    }
+    for (index, multiplicity) in inner_knots(knots, degree, points) {
+        if multiplicity > rules.multiplicity {
+            return Err(KnotError::Multiplicity { index, multiplicity, most: rules.multiplicity });
+        }
+    }
+    Ok(())
+}
+
+/// The distinct knots inside the domain, by the index of the first of each, with their multiplicities.
+pub fn inner_knots(knots: &[f64], degree: usize, points: usize) -> Vec<(usize, usize)> {
+    let mut inner: Vec<(usize, usize)> = Vec::new();
+    for (index, knot) in knots.iter().enumerate() {
+        if *knot <= knots[degree] || *knot >= knots[points] {
+            continue;
+        }
+        match inner.last_mut() {
+            Some((first, multiplicity)) if knots[*first] == *knot => *multiplicity += 1,
+            _ => inner.push((index, 1)),
+        }
+    }
+    inner
+}
+
+/// The share of control point `span - degree + column` in the blossom of the span at `row` times its end and
+/// `degree - row` times its start.
+fn blossom(knots: &[f64], degree: usize, span: usize, row: usize, column: usize) -> f64 {
+    let mut values = [0.0; MAX_DEGREE + 1];
+    values[column] = 1.0;
+    for step in 1..=degree {
+        let argument = if step <= row { knots[span + 1] } else { knots[span] };
+        for k in 0..=degree - step {
+            let (low, high) = (knots[span - degree + k + step], knots[span + 1 + k]);
+            let t = (argument - low) / (high - low);
+            values[k] = values[k] * (1.0 - t) + values[k + 1] * t;
+        }
+    }
+    values[0]
+}

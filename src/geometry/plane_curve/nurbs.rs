@@ -1,0 +1,156 @@
+//! NURBS curves in the plane, as chains of Bezier pieces.
+//!
+//! # Method
+//! A piece for each knot span that has a length: its control points are linear in those of the span
+//! ([`spans`]), weights and weighted points alike.
+//!
+//! # Guarantees
+//! The pieces are the curve, to rounding, whatever the spacing and multiplicity of the knots, clamped or not. Control
+//! points that the curve passes at the ends of clamped spans stay what they are where there are no weights.
+//!
+//! # Degenerate input
+//! Knot spans without length have no piece. A knot of multiplicity p + 1 inside the domain tears the curve, and is
+//! refused unless both ends agree.
+//!
+//! # Cost
+//! O(n p^4) for n control points of degree p.
+
+use nalgebra::{Point2, Vector3};
+
+use super::piecewise::{Bezier, BezierError, LARGEST, Piecewise, PiecewiseError};
+use crate::geometry::bspline::{
+    KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, spans,
+};
+
+/// The shortest knot span, in parts of the domain; shorter ones are two knots that were to be one. Curves of a million
+/// points have spans of a millionth.
+pub const SHORTEST_SPAN: f64 = 1e-9;
+
+/// Control points in the plane (not multiplied by the weights), mm; a full knot vector of length n + degree + 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nurbs {
+    pub degree: usize,
+    pub knots: Vec<f64>,
+    pub control_points: Vec<Point2<f64>>,
+    /// All 1 where there are none.
+    pub weights: Option<Vec<f64>>,
+}
+
+/// Why the data make no curve.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NurbsError {
+    #[error("a degree of {degree}; 1 to {MAX_DEGREE} can be read")]
+    Degree { degree: usize },
+    #[error("{points} control points; a degree of {degree} needs {}", degree + 1)]
+    TooFewPoints { points: usize, degree: usize },
+    #[error("the control point {index} is not finite, or beyond {LARGEST:e}")]
+    Point { index: usize },
+    #[error(transparent)]
+    Knots(KnotError),
+    #[error("{found} weights for {expected} control points")]
+    WeightCount { found: usize, expected: usize },
+    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
+    Weight { index: usize, weight: f64 },
+    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    WeightRatio { index: usize, weight: f64, largest: f64 },
+    #[error("the curve is torn by {gap_mm} mm at the parameter {parameter}")]
+    Gap { parameter: f64, gap_mm: f64 },
+    /// What the rules above leave: parameters beyond all measure, or pieces beyond all number.
+    #[error("{0}")]
+    Chain(PiecewiseError),
+    #[error("{0}")]
+    Piece(BezierError),
+}
+
+impl Nurbs {
+    /// The curve, with the knots inside the domain as breaks. Its domain is from the knot `degree` to the knot
+    /// n.
+    ///
+    /// # Errors
+    /// One of [`NurbsError`].
+    pub fn curve(&self) -> Result<Piecewise, NurbsError> {
+        let (degree, points) = (self.degree, self.control_points.len());
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(NurbsError::Degree { degree });
+        }
+        if points <= degree {
+            return Err(NurbsError::TooFewPoints { points, degree });
+        }
+        let is_wrong = |p: &Point2<f64>| !p.iter().all(|x| x.abs() <= LARGEST);
+        if let Some(index) = self.control_points.iter().position(is_wrong) {
+            return Err(NurbsError::Point { index });
+        }
+        let rules = KnotRules { multiplicity: degree + 1, shortest_span: SHORTEST_SPAN };
+        check_knots(&self.knots, degree, points, rules).map_err(NurbsError::Knots)?;
+        self.check_weights()?;
+        let is_rational = !self.has_equal_weights();
+        let mut starts = Vec::new();
+        let mut pieces = Vec::new();
+        for span in spans(&self.knots, degree, points) {
+            let bezier = if is_rational { self.rational(&span) } else { self.polynomial(&span) };
+            pieces.push((bezier.map_err(NurbsError::Piece)?, span.ends[1]));
+            starts.push(span.ends[0]);
+        }
+        Piecewise::new(self.knots[degree], pieces).map_err(|error| match error {
+            PiecewiseError::Gap { index, gap_mm } => {
+                NurbsError::Gap { parameter: starts.get(index).copied().unwrap_or_default(), gap_mm }
+            }
+            other => NurbsError::Chain(other),
+        })
+    }
+
+    fn polynomial(&self, span: &Span) -> Result<Bezier, BezierError> {
+        let mut points = [Point2::origin(); MAX_DEGREE + 1];
+        for (row, point) in points.iter_mut().enumerate().take(self.degree + 1) {
+            for column in 0..=self.degree {
+                point.coords +=
+                    self.control_points[span.first + column].coords * span.extraction[(row, column)];
+            }
+        }
+        Bezier::polynomial(&points[..=self.degree])
+    }
+
+    fn rational(&self, span: &Span) -> Result<Bezier, BezierError> {
+        let mut points = [Point2::origin(); MAX_DEGREE + 1];
+        let mut weights = [0.0; MAX_DEGREE + 1];
+        for row in 0..=self.degree {
+            let mut sum = Vector3::zeros();
+            for column in 0..=self.degree {
+                let at = span.first + column;
+                let weight = self.weights.as_ref().map_or(1.0, |weights| weights[at]);
+                let homogeneous = (self.control_points[at].coords * weight).push(weight);
+                sum += homogeneous * span.extraction[(row, column)];
+            }
+            points[row] = Point2::from(sum.xy() / sum.z);
+            weights[row] = sum.z;
+        }
+        Bezier::rational(&points[..=self.degree], &weights[..=self.degree])
+    }
+
+    fn has_equal_weights(&self) -> bool {
+        let mut weights = self.weights.iter().flatten();
+        let first = weights.next();
+        weights.all(|weight| Some(weight) == first)
+    }
+
+    fn check_weights(&self) -> Result<(), NurbsError> {
+        let Some(weights) = &self.weights else { return Ok(()) };
+        let expected = self.control_points.len();
+        if weights.len() != expected {
+            return Err(NurbsError::WeightCount { found: weights.len(), expected });
+        }
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        for (index, &weight) in weights.iter().enumerate() {
+            if !(1.0 / LARGEST..=LARGEST).contains(&weight) {
+                return Err(NurbsError::Weight { index, weight });
+            }
+            if weight * MAX_WEIGHT_RATIO < largest {
+                return Err(NurbsError::WeightRatio { index, weight, largest });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::geometry::plane_curve::PlaneCurve;
+
+/// The basis function by its definition (Cox and de Boor), on a half-open span.
+fn basis(knots: &[f64], k: usize, degree: usize, t: f64) -> f64 {
+    if degree == 0 {
+        return if knots[k] <= t && t < knots[k + 1] { 1.0 } else { 0.0 };
+    }
+    let part = |above: f64, below: f64, value: f64| if below > 0.0 { above / below * value } else { 0.0 };
+    part(t - knots[k], knots[k + degree] - knots[k], basis(knots, k, degree - 1, t))
+        + part(
+            knots[k + degree + 1] - t,
+            knots[k + degree + 1] - knots[k + 1],
+            basis(knots, k + 1, degree - 1, t),
+        )
+}
+
+fn by_definition(nurbs: &Nurbs, t: f64) -> Point2<f64> {
+    let mut sum = Vector3::zeros();
+    for (i, p) in nurbs.control_points.iter().enumerate() {
+        let weight = nurbs.weights.as_ref().map_or(1.0, |weights| weights[i]);
+        sum += (p.coords * weight).push(weight) * basis(&nurbs.knots, i, nurbs.degree, t);
+    }
+    Point2::from(sum.xy() / sum.z)
+}
+
+fn any_nurbs() -> impl Strategy<Value = Nurbs> {
+    let entries = prop::collection::vec((-1.0f64..1.0, -1.0f64..1.0, 0.2f64..4.0), 7..30);
+    let steps = prop::collection::vec(0u8..4, 38);
+    (1usize..=7, steps, entries, any::<bool>()).prop_map(|(degree, steps, entries, is_rational)| {
+        let n = entries.len().max(degree + 1);
+        let entries: Vec<_> = entries.into_iter().cycle().take(n).collect();
+        // Zeros repeat a knot, up to the degree.
+        let (mut knot, mut run) = (-1.0, 0);
+        let knots = steps.iter().take(n + degree + 1).map(|step| {
+            run = if *step == 0 && run + 1 < degree { run + 1 } else { 0 };
+            knot += if run > 0 { 0.0 } else { f64::from((*step).max(1)) };
+            knot
+        });
+        Nurbs {
+            degree,
+            knots: knots.collect(),
+            control_points: entries.iter().map(|(x, y, _)| Point2::new(*x, *y)).collect(),
+            weights: is_rational.then(|| entries.iter().map(|(_, _, w)| *w).collect()),
+        }
+    })
+}
+
+proptest! {
+    #[test]
+    fn pieces_are_the_curve_of_the_definition(nurbs in any_nurbs(), share in 0.0f64..0.999) {
+        let curve = match nurbs.curve() {
+            Ok(curve) => curve,
+            // The only span may be one without length.
+            Err(NurbsError::Knots(KnotError::EmptyDomain)) => return Ok(()),
+            Err(other) => return Err(TestCaseError::fail(other.to_string())),
+        };
+        let [start, end] = curve.domain();
+        prop_assert_eq!([start, end], [nurbs.knots[nurbs.degree], nurbs.knots[nurbs.control_points.len()]]);
+        let t = start + share * (end - start);
+        let distance = (curve.point(t) - by_definition(&nurbs, t)).norm();
+        prop_assert!(distance < 1e-12, "{distance}");
+        let enclosure = curve.enclose(t, t).point;
+        prop_assert!(enclosure[0].contains(curve.point(t).x) && enclosure[1].contains(curve.point(t).y));
+    }
+}
+
+/// The circle of radius 40 about (100, -3), in four quadratic pieces.
+fn circle() -> Nurbs {
+    let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    Nurbs {
+        degree: 2,
+        knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
+        control_points: corners
+            .map(|(x, y)| Point2::new(100.0 + 40.0 * f64::from(x), -3.0 + 40.0 * f64::from(y)))
+            .to_vec(),
+        weights: Some((0..9).map(|k| if k % 2 == 0 { 1.0 } else { FRAC_1_SQRT_2 }).collect()),
+    }
+}
+
+#[test]
+fn the_circle_is_one() {
+    let curve = circle().curve().unwrap();
+    assert_eq!(curve.breaks(), [1.0, 2.0, 3.0]);
+    let center = Point2::new(100.0, -3.0);
+    for k in 0..=4000 {
+        let p = curve.point(f64::from(k) / 1000.0);
+        assert!(((p - center).norm() - 40.0).abs() < 1e-13, "{k}");
+    }
+    let quarter = curve.enclose(1.0, 2.0).point;
+    assert!((quarter[0].lo() - 60.0).abs() < 1e-10 && (quarter[0].hi() - 100.0).abs() < 1e-10);
+}
+
+#[test]
+fn unclamped_knots_give_the_inner_spans() {
+    let points = (0..5).map(|k| Point2::new(f64::from(k), 0.0)).collect();
+    let knots = (0..9).map(f64::from).collect();
+    let curve = Nurbs { degree: 3, knots, control_points: points, weights: None }.curve().unwrap();
+    assert_eq!(curve.domain(), [3.0, 5.0]);
+    assert_eq!(curve.breaks(), [4.0]);
+    assert!((curve.point(3.0).x - 1.0).abs() < 1e-15);
+    assert!((curve.point(5.0).x - 3.0).abs() < 1e-15);
+}
+
+#[test]
+fn control_points_at_clamped_knots_are_passed_exactly() {
+    let points: Vec<_> = (0..7).map(|k| Point2::new(0.1 * f64::from(k), 1.0 / f64::from(k + 3))).collect();
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.3, 0.3, 1.0, 1.0, 1.0, 1.0];
+    let nurbs = Nurbs { degree: 3, knots, control_points: points.clone(), weights: None };
+    let curve = nurbs.curve().unwrap();
+    assert_eq!([0.0, 0.3, 1.0].map(|t| curve.point(t)), [0, 3, 6].map(|k| points[k]));
+}
+
+#[test]
+fn a_torn_curve_is_refused_unless_its_ends_agree() {
+    let mut nurbs = Nurbs {
+        degree: 1,
+        knots: vec![0.0, 0.0, 0.5, 0.5, 1.0, 1.0],
+        control_points: [0.0, 1.0, 1.25, 2.0].map(|x| Point2::new(x, 0.0)).to_vec(),
+        weights: None,
+    };
+    assert_eq!(nurbs.curve().unwrap_err(), NurbsError::Gap { parameter: 0.5, gap_mm: 0.25 });
+    nurbs.control_points[2].x = 1.0;
+    assert_eq!(nurbs.curve().unwrap().breaks(), [0.5]);
+    nurbs.control_points.push(Point2::origin());
+    nurbs.knots = vec![0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0];
+    let torn = KnotError::Multiplicity { index: 2, multiplicity: 3, most: 2 };
+    assert_eq!(nurbs.curve().unwrap_err(), NurbsError::Knots(torn));
+}
+
+#[test]
+fn broken_data_are_named() {
+    let good = circle();
+    let fault = |change: &dyn Fn(&mut Nurbs)| {
+        let mut nurbs = good.clone();
+        change(&mut nurbs);
+        nurbs.curve().unwrap_err()
+    };
+    assert_eq!(fault(&|n| n.degree = 0), NurbsError::Degree { degree: 0 });
+    assert_eq!(fault(&|n| n.degree = 8), NurbsError::Degree { degree: 8 });
+    assert_eq!(fault(&|n| n.control_points.truncate(2)), NurbsError::TooFewPoints { points: 2, degree: 2 });
+    assert_eq!(fault(&|n| n.control_points[3].y = f64::NAN), NurbsError::Point { index: 3 });
+    let count = KnotError::Count { found: 11, points: 9, degree: 2 };
+    assert_eq!(fault(&|n| n.knots.truncate(11)), NurbsError::Knots(count));
+    assert_eq!(fault(&|n| n.knots[4] = 0.5), NurbsError::Knots(KnotError::Decrease { index: 4 }));
+    assert_eq!(fault(&|n| n.knots[4] = f64::NAN), NurbsError::Knots(KnotError::Decrease { index: 4 }));
+    assert_eq!(fault(&|n| n.knots.fill(1.0)), NurbsError::Knots(KnotError::EmptyDomain));
+    let short = KnotError::SpanTooShort { index: 4, shortest: SHORTEST_SPAN };
+    assert_eq!(fault(&|n| n.knots[4] = 1.0 + 1e-12), NurbsError::Knots(short));
+    let weights = |change: &dyn Fn(&mut Vec<f64>)| fault(&|n| change(n.weights.as_mut().unwrap()));
+    assert_eq!(weights(&|w| w.truncate(3)), NurbsError::WeightCount { found: 3, expected: 9 });
+    assert_eq!(weights(&|w| w[2] = 0.0), NurbsError::Weight { index: 2, weight: 0.0 });
+    let ratio = NurbsError::WeightRatio { index: 2, weight: 1e-7, largest: 1.0 };
+    assert_eq!(weights(&|w| w[2] = 1e-7), ratio);
+    let far = fault(&|n| n.knots.iter_mut().for_each(|t| *t *= 1e70));
+    assert_eq!(far, NurbsError::Chain(PiecewiseError::Parameter { index: 1 }));
+}

@@ -1,0 +1,103 @@
+//! One Bezier curve in the plane, from which chains are built.
+
+use nalgebra::Point2;
+
+use super::LARGEST;
+use crate::geometry::bspline::{MAX_DEGREE, MAX_WEIGHT_RATIO};
+
+const SIZE: usize = MAX_DEGREE + 1;
+
+/// Why control points make no Bezier curve.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum BezierError {
+    #[error("{points} control points; 2 to {SIZE} can be taken")]
+    Degree { points: usize },
+    #[error("the control point {index} is not finite, or beyond {LARGEST:e}")]
+    Point { index: usize },
+    #[error("{found} weights for {expected} control points")]
+    WeightCount { found: usize, expected: usize },
+    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
+    Weight { index: usize, weight: f64 },
+    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    WeightRatio { index: usize, weight: f64, largest: f64 },
+}
+
+/// A polynomial or rational Bezier curve of degree 1 to 7; mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bezier {
+    degree: usize,
+    points: [Point2<f64>; SIZE],
+    weights: Option<[f64; SIZE]>,
+}
+
+impl Bezier {
+    /// The polynomial curve of these control points, one more than its degree.
+    ///
+    /// # Errors
+    /// When there are too few or too many, or one is not finite or absurdly large.
+    pub fn polynomial(points: &[Point2<f64>]) -> Result<Self, BezierError> {
+        if !(2..=SIZE).contains(&points.len()) {
+            return Err(BezierError::Degree { points: points.len() });
+        }
+        if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.abs() <= LARGEST)) {
+            return Err(BezierError::Point { index });
+        }
+        let mut room = [Point2::origin(); SIZE];
+        room[..points.len()].copy_from_slice(points);
+        Ok(Self { degree: points.len() - 1, points: room, weights: None })
+    }
+
+    /// The rational curve of these control points, not multiplied by their weights. Equal weights make it polynomial.
+    ///
+    /// # Errors
+    /// Those of [`Bezier::polynomial`]; when the weights are not as many, not above zero, or far apart.
+    pub fn rational(points: &[Point2<f64>], weights: &[f64]) -> Result<Self, BezierError> {
+        let polynomial = Self::polynomial(points)?;
+        if weights.len() != points.len() {
+            return Err(BezierError::WeightCount { found: weights.len(), expected: points.len() });
+        }
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        for (index, &weight) in weights.iter().enumerate() {
+            if !(1.0 / LARGEST..=LARGEST).contains(&weight) {
+                return Err(BezierError::Weight { index, weight });
+            }
+            if weight * MAX_WEIGHT_RATIO < largest {
+                return Err(BezierError::WeightRatio { index, weight, largest });
+            }
+        }
+        if weights.iter().all(|weight| *weight == largest) {
+            return Ok(polynomial);
+        }
+        let mut room = [0.0; SIZE];
+        room[..weights.len()].copy_from_slice(weights);
+        Ok(Self { weights: Some(room), ..polynomial })
+    }
+
+    /// The curve of control points and weights that were those of one before.
+    pub(super) fn stored(points: &[[f64; 2]], weights: Option<&[f64]>) -> Self {
+        let mut bezier = Self { degree: points.len() - 1, points: [Point2::origin(); SIZE], weights: None };
+        for (place, p) in bezier.points.iter_mut().zip(points) {
+            *place = Point2::from(*p);
+        }
+        bezier.weights = weights.map(|weights| {
+            let mut room = [0.0; SIZE];
+            room[..weights.len()].copy_from_slice(weights);
+            room
+        });
+        bezier
+    }
+
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The control points, in the plane also where the curve is rational.
+    pub fn points(&self) -> &[Point2<f64>] {
+        &self.points[..=self.degree]
+    }
+
+    /// The weights; none of a polynomial curve.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_ref().map(|weights| &weights[..=self.degree])
+    }
+}

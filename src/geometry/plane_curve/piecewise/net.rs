@@ -1,0 +1,147 @@
+//! Bezier control nets over a part of their range, with bounds of all rounding.
+//!
+//! # Method
+//! The control points of the part [u, v] of a polynomial of degree n are the values of its blossom at n - k times u and k
+//! times v. Every one takes n steps a + (b - a) t, with t in [0, 1].
+//!
+//! # Guarantees
+//! With e the unit of rounding, M the largest value of the net and L its largest step, a step of the recursion errs by at
+//! most e (M + 2 L), and what it is given wrong is not enlarged. The parameters, wrong by 3 e, move a value by 3 e L a
+//! step. So all n steps together err by at most n e (M + 5 L), beside what the net errs from the start.
+
+use crate::geometry::interval::{Interval, outward};
+
+/// The unit of rounding, with room for the squares that the bounds leave out.
+pub(super) const UNIT: f64 = 0.501 * f64::EPSILON;
+
+/// The control points of a polynomial in D coordinates over [0, 1].
+#[derive(Clone, Copy)]
+pub(super) struct Net<const N: usize, const D: usize> {
+    points: [[f64; D]; N],
+    /// The number of control points: the net of a derivative leaves the last ones of its room unused.
+    len: usize,
+    /// How far each coordinate of a control point may be wrong.
+    error: [f64; D],
+}
+
+/// The control points of a part of a polynomial, and how far each coordinate of one may be wrong.
+pub(super) struct Part<const N: usize, const D: usize> {
+    pub(super) points: [[f64; D]; N],
+    len: usize,
+    pub(super) error: [f64; D],
+}
+
+impl<const N: usize, const D: usize> Net<N, D> {
+    /// The net of exactly these control points.
+    #[inline(always)]
+    pub(super) fn new(points: [[f64; D]; N]) -> Self {
+        Self { points, len: N, error: [0.0; D] }
+    }
+
+    /// The net of these control points, each coordinate of which is wrong by at most so many units of rounding of itself.
+    #[inline(always)]
+    pub(super) fn rounded(points: [[f64; D]; N], units: f64) -> Self {
+        let net = Self::new(points);
+        Self { error: net.magnitude().map(|most| units * UNIT * most), ..net }
+    }
+
+    /// The derivative, one degree lower, by a parameter that grows by `span` over the net; the difference of two numbers.
+    #[inline(always)]
+    pub(super) fn derived(&self, span: f64) -> Self {
+        let len = self.len.saturating_sub(1);
+        let factor = len as f64 / span;
+        let mut points = self.points;
+        for (k, point) in points.iter_mut().enumerate().take(len) {
+            *point = std::array::from_fn(|c| (self.points[k + 1][c] - self.points[k][c]) * factor);
+        }
+        let derived = Self { points, len, error: [0.0; D] };
+        // A difference, the span, the factor and the product each round once.
+        let most = derived.magnitude();
+        Self {
+            error: std::array::from_fn(|c| 2.0 * factor * self.error[c] + 4.0 * UNIT * most[c]),
+            ..derived
+        }
+    }
+
+    /// The value at `u`, to rounding.
+    #[inline(always)]
+    pub(super) fn value(&self, u: f64) -> [f64; D] {
+        let mut points = self.points;
+        for width in (1..self.len).rev() {
+            for k in 0..width {
+                points[k] = between(&points[k], &points[k + 1], u);
+            }
+        }
+        points[0]
+    }
+
+    #[inline(always)]
+    pub(super) fn part(&self, [u, v]: [f64; 2]) -> Part<N, D> {
+        let steps = self.len.saturating_sub(1);
+        // Row c: the values with c of the arguments so far at v, the others at u.
+        let mut rows = [self.points; N];
+        for step in 0..steps {
+            let width = steps - step;
+            for k in 0..width {
+                rows[step + 1][k] = between(&rows[step][k], &rows[step][k + 1], v);
+            }
+            for row in rows.iter_mut().take(step + 1) {
+                for k in 0..width {
+                    row[k] = between(&row[k], &row[k + 1], u);
+                }
+            }
+        }
+        let (most, largest_step, steps) = (self.magnitude(), self.largest_step(), steps as f64);
+        let error = |c: usize| self.error[c] + steps * UNIT * (most[c] + 5.0 * largest_step[c]);
+        Part { points: rows.map(|row| row[0]), len: self.len, error: std::array::from_fn(error) }
+    }
+
+    /// A box that holds the polynomial over `range`.
+    #[inline(always)]
+    pub(super) fn hull(&self, range: [f64; 2]) -> [Interval; D] {
+        self.part(range).hull()
+    }
+
+    /// The largest absolute value of each coordinate.
+    #[inline(always)]
+    fn magnitude(&self) -> [f64; D] {
+        let mut most = [0.0; D];
+        for p in self.points.iter().take(self.len) {
+            most = std::array::from_fn(|c| larger(most[c], p[c].abs()));
+        }
+        most
+    }
+
+    #[inline(always)]
+    fn largest_step(&self) -> [f64; D] {
+        let mut most = [0.0; D];
+        for k in 1..self.len {
+            let step = |c: usize| (self.points[k][c] - self.points[k - 1][c]).abs();
+            most = std::array::from_fn(|c| larger(most[c], step(c)));
+        }
+        most
+    }
+}
+
+impl<const N: usize, const D: usize> Part<N, D> {
+    #[inline(always)]
+    pub(super) fn hull(&self) -> [Interval; D] {
+        let (mut low, mut high) = (self.points[0], self.points[0]);
+        for p in self.points.iter().take(self.len).skip(1) {
+            low = std::array::from_fn(|c| -larger(-low[c], -p[c]));
+            high = std::array::from_fn(|c| larger(high[c], p[c]));
+        }
+        std::array::from_fn(|c| outward(low[c] - self.error[c], high[c] + self.error[c]))
+    }
+}
+
+#[inline(always)]
+fn between<const D: usize>(a: &[f64; D], b: &[f64; D], t: f64) -> [f64; D] {
+    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+}
+
+/// The larger of two finite numbers; one instruction where `f64::max` is several, for its rule about NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

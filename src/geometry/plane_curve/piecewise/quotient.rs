@@ -1,0 +1,116 @@
+//! Rational Bezier pieces: points, derivatives and enclosures by the quotient rule.
+//!
+//! # Method
+//! About an origin near the range the curve is C = A / W, with A of the control points times their weights and W of the
+//! weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. What cancels in them is as small as C, so the origin
+//! is the point in the middle of the range.
+//! 1. Over the range: C in the hull of its own control points A_k / W_k; C' and C'' from hulls of A, W and derivatives.
+//! 2. In the middle: the same over a range without length.
+//! 3. By the mean value theorem C' is within C'' times half the range of its middle, and C within C' times it.
+//!
+//! # Guarantees
+//! The excess shrinks with the square of the range for C and C', and with the range for C''.
+
+use super::net::{Net, Part, UNIT};
+use crate::geometry::interval::{Interval, outward};
+use crate::geometry::plane_curve::Enclosure;
+
+/// The point at `u`, 0 to 1, to rounding.
+pub(super) fn point<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], u: f64) -> [f64; 2] {
+    let origin = points[0];
+    let [x, y, w] = about(points, weights, origin).value(u);
+    [origin[0] + x / w, origin[1] + y / w]
+}
+
+/// The derivative at `u`, 0 to 1, by a parameter that grows by `span` over the piece; to rounding.
+pub(super) fn derivative<const N: usize>(
+    points: &[[f64; 2]; N],
+    weights: &[f64; N],
+    u: f64,
+    span: f64,
+) -> [f64; 2] {
+    let net = about(points, weights, points[0]);
+    let ([x, y, w], [dx, dy, dw]) = (net.value(u), net.derived(span).value(u));
+    [(dx - x / w * dw) / w, (dy - y / w * dw) / w]
+}
+
+/// The curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span` over the piece.
+pub(super) fn enclose<const N: usize>(
+    points: &[[f64; 2]; N],
+    weights: &[f64; N],
+    range: [f64; 2],
+    span: f64,
+) -> Enclosure {
+    let middle = 0.5 * (range[0] + range[1]);
+    let origin = point(points, weights, middle);
+    let net = about(points, weights, origin);
+    let derived = net.derived(span);
+    let nets = [net, derived, derived.derived(span)];
+    let at_middle = quotients(&nets, [middle, middle]);
+    let Enclosure { point, first, second } = if range[0] == range[1] {
+        // The origin is what the curve tells as its point there.
+        Enclosure { point: at_middle.point.map(|x| x.hull(Interval::ZERO)), ..at_middle }
+    } else {
+        let over = quotients(&nets, range);
+        let half = (range[1] - middle).max(middle - range[0]) + 4.0 * UNIT;
+        // Of both ends and the span's rounding.
+        let half = Interval::around(0.0, half * span * (1.0 + 4.0 * UNIT));
+        let near = |at: [Interval; 2], slope: [Interval; 2]| [0, 1].map(|c| at[c] + slope[c] * half);
+        let met = |a: [Interval; 2], b: [Interval; 2]| [0, 1].map(|c| a[c].meet(b[c]));
+        let first = met(over.first, near(at_middle.first, over.second));
+        let point = met(over.point, near(at_middle.point, first));
+        Enclosure { point, first, second: over.second }
+    };
+    let origin = origin.map(Interval::point);
+    Enclosure { point: [point[0] + origin[0], point[1] + origin[1]], first, second }
+}
+
+/// The control points about an origin, times their weights, and the weights.
+#[inline(always)]
+fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f64; 2]) -> Net<N, 3> {
+    let homogeneous = |k: usize| {
+        let ([x, y], w) = (points[k], weights[k]);
+        [(x - origin[0]) * w, (y - origin[1]) * w, w]
+    };
+    // A difference and a product.
+    Net::rounded(std::array::from_fn(homogeneous), 2.0)
+}
+
+/// The quotient and its derivatives over `range`, about the origin of the nets of A and W and of their derivatives.
+fn quotients<const N: usize>(nets: &[Net<N, 3>; 3], range: [f64; 2]) -> Enclosure {
+    let part = nets[0].part(range);
+    let [_, _, w] = part.hull();
+    let [dx, dy, dw] = nets[1].hull(range);
+    let [ddx, ddy, ddw] = if N > 2 { nets[2].hull(range) } else { [Interval::ZERO; 3] };
+    let point = control_hull(&part);
+    let first = [(dx - point[0] * dw).div(w), (dy - point[1] * dw).div(w)];
+    let second = [(ddx, 0), (ddy, 1)]
+        .map(|(dd, c): (Interval, usize)| (dd - first[c] * dw * 2.0 - point[c] * ddw).div(w));
+    Enclosure { point, first, second }
+}
+
+/// A box that holds the control points A_k / W_k, and with them the quotient, since the W_k are above zero.
+#[inline(always)]
+fn control_hull<const N: usize>(part: &Part<N, 3>) -> [Interval; 2] {
+    let mut low = [f64::INFINITY; 2];
+    let mut high = [f64::NEG_INFINITY; 2];
+    let (mut least_weight, mut largest) = (f64::INFINITY, [0.0f64; 2]);
+    for [x, y, w] in part.points {
+        let quotient = [x / w, y / w];
+        for c in 0..2 {
+            low[c] = low[c].min(quotient[c]);
+            high[c] = high[c].max(quotient[c]);
+            largest[c] = largest[c].max(quotient[c].abs());
+        }
+        least_weight = least_weight.min(w);
+    }
+    let [ex, ey, ew] = part.error;
+    let least_weight = least_weight - ew;
+    if least_weight.is_nan() || least_weight <= 0.0 {
+        return [Interval::ENTIRE; 2];
+    }
+    // |A / W - a / w| <= (|A - a| + |a / w| |W - w|) / W, and the quotient rounds.
+    let error = |e: f64, most: f64| (e + most * ew) / least_weight * (1.0 + 8.0 * UNIT) + 2.0 * UNIT * most;
+    let error = [error(ex, largest[0]), error(ey, largest[1])];
+    [0, 1].map(|c| outward(low[c] - error[c], high[c] + error[c]))
+}

@@ -1,0 +1,198 @@
+//! Derivatives of the C2 cubic spline through values in any number of dimensions.
+//!
+//! # Method
+//! The first derivatives of a C2 cubic solve a tridiagonal system: one row a value says that the second derivatives on
+//! both sides agree, one row an end what that end does.
+//!
+//! # Guarantees
+//! Elimination needs no pivoting: the rows are diagonally dominant but for the not-a-knot end, whose pivots stay above
+//! zero (with steps a, b, .. from the end, a + b after one step).
+//!
+//! # Degenerate input
+//! With too few values for their end condition, not-a-knot and Bessel give the interpolating polynomial.
+//!
+//! # Cost
+//! O(n).
+//!
+//! # Reference
+//! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.
+
+use nalgebra::SVector;
+
+/// How the spline ends, the same at both ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EndCondition<const D: usize> {
+    /// Second derivative zero.
+    Natural,
+    /// The first two and the last two spans are one cubic; with fewer than four values the interpolating
+    /// polynomial.
+    NotAKnot,
+    /// Given first derivatives.
+    Clamped(SVector<f64, D>, SVector<f64, D>),
+    /// First derivative of the parabola through the three values nearest the end.
+    Bessel,
+}
+
+/// First derivatives, by the parameter that grows by one from value to value, of the spline through
+/// `values`, two at least.
+pub fn derivatives<const D: usize>(
+    values: &[SVector<f64, D>],
+    ends: EndCondition<D>,
+) -> Vec<SVector<f64, D>> {
+    derivatives_over(&vec![1.0; values.len().saturating_sub(1)], values, ends)
+}
+
+/// First derivatives, by the parameter that grows by `steps[i]`, above zero, from value i to the next, of the spline
+/// through `values`, two at least and one more than the steps.
+pub fn derivatives_over<const D: usize>(
+    steps: &[f64],
+    values: &[SVector<f64, D>],
+    ends: EndCondition<D>,
+) -> Vec<SVector<f64, D>> {
+    let n = values.len();
+    let last = n - 1;
+    let slope = |i: usize| (values[i + 1] - values[i]) / steps[i];
+    if n == 2 && matches!(ends, EndCondition::NotAKnot | EndCondition::Bessel) {
+        return vec![slope(0); 2];
+    }
+    // Derivatives at an end of the parabola through the three values nearest to it.
+    let first_bessel = || parabola_end([steps[0], steps[1]], [slope(0), slope(1)]);
+    let last_bessel = || parabola_end([steps[last - 1], steps[last - 2]], [slope(last - 1), slope(last - 2)]);
+    if n == 3 && matches!(ends, EndCondition::NotAKnot) {
+        let middle = (slope(0) * steps[1] + slope(1) * steps[0]) / (steps[0] + steps[1]);
+        return vec![first_bessel(), middle, last_bessel()];
+    }
+    let mut rows = Vec::with_capacity(n);
+    let mut right = Vec::with_capacity(n);
+    let mut push = |row: [f64; 3], value: SVector<f64, D>| {
+        rows.push(Row { below: row[0], diagonal: row[1], above: row[2] });
+        right.push(value);
+    };
+    match ends {
+        EndCondition::Natural => push([0.0, 2.0, 1.0], slope(0) * 3.0),
+        EndCondition::NotAKnot => {
+            let ([a, b], [p, q]) = ([steps[0], steps[1]], [slope(0), slope(1)]);
+            push([0.0, b, a + b], not_a_knot([a, b], [p, q]));
+        }
+        EndCondition::Clamped(first, _) => push([0.0, 1.0, 0.0], first),
+        EndCondition::Bessel => push([0.0, 1.0, 0.0], first_bessel()),
+    }
+    for i in 1..last {
+        let (a, b) = (steps[i - 1], steps[i]);
+        push([b, 2.0 * (a + b), a], (slope(i - 1) * b + slope(i) * a) * 3.0);
+    }
+    match ends {
+        EndCondition::Natural => push([1.0, 2.0, 0.0], slope(last - 1) * 3.0),
+        EndCondition::NotAKnot => {
+            let (a, b) = (steps[last - 1], steps[last - 2]);
+            push([a + b, b, 0.0], not_a_knot([a, b], [slope(last - 1), slope(last - 2)]));
+        }
+        EndCondition::Clamped(_, end) => push([0.0, 1.0, 0.0], end),
+        EndCondition::Bessel => push([0.0, 1.0, 0.0], last_bessel()),
+    }
+    solve(&mut rows, &mut right);
+    right
+}
+
+/// Derivative at the end of the parabola with these slopes over the steps nearest to the end, the nearest first.
+fn parabola_end<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
+    p + (p - q) * (a / (a + b))
+}
+
+/// The right side of the row b m0 + (a + b) m1, which says that the spans of the steps `a` and `b`, the end's first, are
+/// one cubic; `p` and `q` are the slopes over them.
+fn not_a_knot<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
+    (p * (b * (3.0 * a + 2.0 * b)) + q * (a * a)) / (a + b)
+}
+
+/// below m[i - 1] + diagonal m[i] + above m[i + 1].
+struct Row {
+    below: f64,
+    diagonal: f64,
+    above: f64,
+}
+
+/// Puts the solution in the place of the right sides.
+fn solve<const D: usize>(rows: &mut [Row], right: &mut [SVector<f64, D>]) {
+    let last = right.len() - 1;
+    for i in 1..=last {
+        let factor = rows[i].below / rows[i - 1].diagonal;
+        rows[i].diagonal -= factor * rows[i - 1].above;
+        let previous = right[i - 1];
+        right[i] -= previous * factor;
+    }
+    right[last] /= rows[last].diagonal;
+    for i in (0..last).rev() {
+        let next = right[i + 1];
+        right[i] = (right[i] - next * rows[i].above) / rows[i].diagonal;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    fn sampled(n: usize, f: impl Fn(f64) -> f64) -> Vec<Vector3<f64>> {
+        (0..n).map(|i| Vector3::new(f(i as f64), 0.0, 1.0)).collect()
+    }
+
+    /// Uneven parameters, the steps between them, and the values of `f` there.
+    fn uneven(n: usize, f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>, Vec<Vector3<f64>>) {
+        let t: Vec<f64> = (0..n).map(|i| i as f64 + 0.4 * (2.1 * i as f64).sin()).collect();
+        let values = t.iter().map(|t| Vector3::new(f(*t), *t, 1.0)).collect();
+        (t.clone(), t.windows(2).map(|t| t[1] - t[0]).collect(), values)
+    }
+
+    #[test]
+    fn not_a_knot_reproduces_cubics() {
+        let cubic = |t: f64| 1.0 - 2.0 * t + 0.5 * t * t - 0.1 * t * t * t;
+        let slope = |t: f64| -2.0 + t - 0.3 * t * t;
+        for n in 4..9 {
+            for (i, m) in derivatives(&sampled(n, cubic), EndCondition::NotAKnot).iter().enumerate() {
+                assert!((m.x - slope(i as f64)).abs() < 1e-12, "n {n} i {i}: {}", m.x);
+            }
+            let (t, steps, values) = uneven(n, cubic);
+            for (t, m) in t.iter().zip(derivatives_over(&steps, &values, EndCondition::NotAKnot)) {
+                assert!((m.x - slope(*t)).abs() < 1e-12 && (m.y - 1.0).abs() < 1e-12, "n {n} t {t}: {}", m.x);
+            }
+        }
+    }
+
+    #[test]
+    fn few_values_give_the_interpolating_polynomial() {
+        let m = derivatives(&sampled(3, |t| t * t), EndCondition::NotAKnot);
+        assert!((0..3).all(|i| (m[i].x - 2.0 * i as f64).abs() < 1e-14));
+        let (t, steps, values) = uneven(3, |t| t * t);
+        let m = derivatives_over(&steps, &values, EndCondition::NotAKnot);
+        assert!((0..3).all(|i| (m[i].x - 2.0 * t[i]).abs() < 1e-13));
+        let m = derivatives(&sampled(2, |t| 3.0 * t), EndCondition::NotAKnot);
+        assert!(m.iter().all(|m| (m.x - 3.0).abs() < 1e-15));
+        let m = derivatives(&sampled(2, |t| 3.0 * t), EndCondition::Natural);
+        assert!(m.iter().all(|m| (m.x - 3.0).abs() < 1e-15));
+    }
+
+    #[test]
+    fn clamped_and_bessel_reproduce_what_they_can() {
+        let cubic = |t: f64| t * t * t;
+        let ends = EndCondition::Clamped(Vector3::zeros(), Vector3::new(75.0, 0.0, 0.0));
+        let m = derivatives(&sampled(6, cubic), ends);
+        assert!((0..6).all(|i| (m[i].x - 3.0 * (i * i) as f64).abs() < 1e-12));
+        let m = derivatives(&sampled(6, |t| t * t), EndCondition::Bessel);
+        assert!((0..6).all(|i| (m[i].x - 2.0 * i as f64).abs() < 1e-12));
+        let (t, steps, values) = uneven(6, |t| t * t);
+        let m = derivatives_over(&steps, &values, EndCondition::Bessel);
+        assert!((0..6).all(|i| (m[i].x - 2.0 * t[i]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn natural_ends_have_no_second_derivative() {
+        let (_, steps, values) = uneven(7, |t| (0.7 * t).sin());
+        let m = derivatives_over(&steps, &values, EndCondition::Natural);
+        let second = (values[1] - values[0]) * (6.0 / steps[0]) - m[0] * 4.0 - m[1] * 2.0;
+        assert!(second.norm() < 1e-12);
+        let second = (values[6] - values[5]) * (6.0 / steps[5]) - m[6] * 4.0 - m[5] * 2.0;
+        assert!(second.norm() < 1e-12);
+    }
+}

@@ -45,7 +45,13 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 10] = [
+const EXAMPLES: [(&str, &str, &str); 16] = [
+    example!("/v1/curves/interpolate", "curves-interpolate", "in-band"),
+    example!("/v1/curves/interpolate", "curves-interpolate", "nurbs"),
+    example!("/v1/curves/interpolate", "curves-interpolate", "parabolas"),
+    example!("/v1/curves/interpolate", "curves-interpolate", "profile"),
+    example!("/v1/curves/interpolate", "curves-interpolate", "sine"),
+    example!("/v1/curves/interpolate", "curves-interpolate", "spline"),
     example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
     example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
     example!("/v1/surfaces/mill", "surfaces-mill", "bezier-patches"),

@@ -56,9 +56,6 @@ use fit::{Fitted, Fitter};
 pub use job::{Job, Joints, Method, Side, Source, Subdivision};
 pub use source::{AnyCurve, SourceError};
 
-/// The most elements of one job.
-pub const ELEMENT_LIMIT: usize = 1_000_000;
-
 /// One element as it is reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportedElement {
@@ -179,7 +176,7 @@ struct Divided {
 }
 
 fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided, Error> {
-    let fitter = Fitter { curve, method: job.method, band: job.band };
+    let fitter = Fitter { curve, method: job.method, band: job.band, element_limit: job.element_limit };
     let [from, to] = curve.domain();
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
@@ -202,8 +199,8 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
                 }
             }
         }
-        if divided.elements.len() + fitted.len() > ELEMENT_LIMIT {
-            return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+        if divided.elements.len() + fitted.len() > job.element_limit {
+            return Err(Error::TooManyElements { limit: job.element_limit });
         }
         divided.per_initial.push(fitted.len());
         divided.elements.extend(fitted.iter().map(|fitted| ReportedElement {

@@ -12,4 +12,4 @@ mod negotiation;
 mod operation;
 mod programs;
 mod shutdown;
-mod support;
+pub mod support;

@@ -1,6 +1,7 @@
 //! The integration tests, one binary.
 
 mod api;
+mod interpolation;
 mod laws;
 mod nurbs;
 mod openapi;

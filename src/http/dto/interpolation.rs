@@ -230,7 +230,7 @@ impl IntoJob for InterpolateRequest {
             cutting,
             resolution: program.resolution,
             element_limit: limits.elements,
-            has_parabolas: dialect.has_parabolas(),
+            parabolas: dialect.parabolas,
         };
         Ok(InterpolateJob { job, tool, program, dialect, meta })
     }

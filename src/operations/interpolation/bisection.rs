@@ -5,7 +5,7 @@
 //! 1992, section 2, steps 1 to 4.
 
 use super::fit::{Fitted, Fitter};
-use super::{ELEMENT_LIMIT, Error};
+use super::Error;
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
@@ -30,8 +30,8 @@ pub fn bisect(
         }
         looked += 1;
         if let Some(fitted) = fitter.fit([from, to]) {
-            if elements.len() >= ELEMENT_LIMIT {
-                return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+            if elements.len() >= fitter.element_limit {
+                return Err(Error::TooManyElements { limit: fitter.element_limit });
             }
             elements.push(fitted);
             continue;

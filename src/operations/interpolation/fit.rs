@@ -50,6 +50,7 @@ pub struct Fitter<'a, C> {
     pub curve: &'a C,
     pub method: Method,
     pub band: Band,
+    pub element_limit: usize,
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {

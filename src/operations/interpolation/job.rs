@@ -3,6 +3,7 @@
 use crate::geometry::deviation::Band;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::Resolution;
+use crate::toolpath::quantize::Parabolas;
 
 pub use super::source::Source;
 
@@ -59,6 +60,6 @@ pub struct Job {
     pub resolution: Resolution,
     /// The most elements.
     pub element_limit: usize,
-    /// Whether the control runs parabolas; else arcs and lines stand for them.
-    pub has_parabolas: bool,
+    /// Whether the control runs parabolas; where it does not, arcs and lines stand for them.
+    pub parabolas: Parabolas,
 }

@@ -17,7 +17,7 @@
 
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
-use super::{ELEMENT_LIMIT, Error};
+use super::Error;
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
@@ -62,8 +62,8 @@ pub fn fewest(
             budget.check()?;
             budget.progress("interpolating", elements.len(), elements.len());
         }
-        if elements.len() >= ELEMENT_LIMIT {
-            return Err(Error::TooManyElements { limit: ELEMENT_LIMIT });
+        if elements.len() >= fitter.element_limit {
+            return Err(Error::TooManyElements { limit: fitter.element_limit });
         }
         let mut next = fitter.longest([at, to], length)?;
         if let Some(last) = elements[first..].last().copied()

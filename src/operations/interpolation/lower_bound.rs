@@ -44,8 +44,7 @@ const BEYOND_PART: f64 = 1e-6;
 /// Cells over which the curve is seen to be convex.
 const CELLS: usize = 16;
 
-/// Where the points stand that rule out an element: those of Chebyshev, in parts of the range.
-const THREE: [f64; 3] = [0.0, 0.5, 1.0];
+/// Where the four points stand that rule out an arc or a parabola: those of Chebyshev, in parts of the range.
 const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 
 /// Points among which the three that rule out a line are looked for.

@@ -10,8 +10,9 @@ use crate::geometry::element::Element;
 use crate::geometry::plane::Plane;
 use crate::geometry::plane_curve::PlaneCurve;
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::quantize::{self, Parabolas};
 use crate::toolpath::units::FeedRate;
-use crate::toolpath::{Builder, Move, Role, Toolpath, quantize};
+use crate::toolpath::{Builder, Move, Role, Toolpath};
 
 /// The top of the part where nothing else is known of it: zero, or the contour if that is higher, mm.
 const TOP_MM: f64 = 0.0;
@@ -60,7 +61,7 @@ pub fn path(
             let length = along.length();
             length_mm += length;
             seconds = seconds.zip(*rate).map(|(seconds, rate)| seconds + length / rate.mm_per_s());
-            let rounded = quantize::round(along, job.resolution)?;
+            let rounded = quantize::round(along, job.resolution, job.parabolas)?;
             written = written.max(deviations.next().unwrap_or(0.0) + rounded.displacement_mm);
         }
     }
@@ -77,9 +78,9 @@ fn runnable(
     budget: &Budget,
 ) -> Result<Vec<Stretch>, Error> {
     let mut stretches = Vec::with_capacity(elements.len());
-    let fitter = |method| Fitter { curve, method, band: job.band };
+    let fitter = |method| Fitter { curve, method, band: job.band, element_limit: job.element_limit };
     for element in elements {
-        let is_run = job.has_parabolas || !matches!(element.element, Element::Parabola { .. });
+        let is_run = job.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
         if is_run {
             stretches.push(Stretch { element: element.element, deviation_mm: element.spread.largest_mm() });
             continue;

@@ -1,0 +1,25 @@
+//! Interpolated curves, judged by an evaluator that shares no code with what made them.
+
+mod evaluator;
+mod hyun_1992;
+mod least;
+mod bounds;
+mod refused;
+
+use serde_json::Value;
+
+use crate::api::support::{Answer, app, post};
+
+pub const PATH: &str = "/v1/curves/interpolate";
+
+/// Posts a body.
+pub async fn ask(body: &Value) -> Answer {
+    post(&app(&["--workers", "1"]), PATH, body.to_string(), &[]).await
+}
+
+/// The answer to a body that is legal.
+pub async fn answer(body: &Value) -> Value {
+    let answer = ask(body).await;
+    assert_eq!(answer.status, 200, "{}\n{body}", answer.text());
+    answer.json()
+}

@@ -1,0 +1,92 @@
+//! The fewest elements of sin x over [0, 6.5], each verified by brute force.
+
+use serde_json::{Value, json};
+
+use super::answer;
+use super::evaluator::{Curve, domain, moves};
+
+async fn sine(method: &str, mm: f64, joints: &str, measure: &str) -> Value {
+    answer(&json!({
+        "curve": { "kind": "graph", "expression": "sin(x)", "domain": [0, 6.5] },
+        "method": method, "subdivision": "least", "joints": joints,
+        "band": { "below_mm": mm, "above_mm": mm, "measure": measure },
+    }))
+    .await
+}
+
+/// The number of elements, after a look at each: it is within the band, and the chain has no gap.
+fn verified(answer: &Value, mm: f64, measure: &str) -> usize {
+    let curve = Curve { point: &|x| [x, x.sin()], domain: [0.0, 6.5] };
+    let elements = answer["report"]["elements"].as_array().expect("elements");
+    let paths = moves(answer);
+    assert_eq!(paths.len(), elements.len());
+    let mut end = [0.0, 0.0];
+    let mut at = 0.0;
+    for (path, element) in paths.iter().zip(elements) {
+        assert_eq!(path[0], end);
+        end = path[path.len() - 1];
+        let range = domain(element);
+        assert_eq!(range[0], at);
+        at = range[1];
+        let found =
+            if measure == "vertical" { curve.vertical_deviation(path) } else { curve.deviation(path, range) };
+        let stated = element["deviation_mm"].as_f64().expect("a deviation");
+        assert!(found <= mm + 2e-9 && found <= stated + 1e-12, "{found} {stated}");
+        assert!(stated <= 2.0 * found + 1e-6, "{found} {stated}");
+    }
+    assert_eq!(at, 6.5);
+    assert!((end[0] - 6.5).abs() + (end[1] - 6.5f64.sin()).abs() < 1e-12);
+    let least = answer["report"]["n_elements_lower_bound"].as_u64().expect("a bound");
+    assert!(least <= elements.len() as u64);
+    elements.len()
+}
+
+#[tokio::test]
+async fn lines_with_joints_on_the_curve() {
+    for (mm, most) in [(0.1, 5), (0.01, 17), (0.001, 54)] {
+        let answer = sine("linear", mm, "on_curve", "vertical").await;
+        assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
+        // Each ends as far on as it can: a millionth farther is outside. The last ends with the curve.
+        let elements = answer["report"]["elements"].as_array().expect("elements");
+        for element in &elements[..elements.len() - 1] {
+            let [a, b] = domain(element);
+            let b = b + 1e-6;
+            let chord = |x: f64| a.sin() + (b.sin() - a.sin()) * (x - a) / (b - a);
+            let largest = (0..=20_000)
+                .map(|k| a + (b - a) * f64::from(k) / 20_000.0)
+                .map(|x| (x.sin() - chord(x)).abs())
+                .fold(0.0, f64::max);
+            assert!(largest > mm - 1e-11, "{a} {b} {largest}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn parabolas() {
+    for (mm, most, most_normal) in [(0.1, 2, 2), (0.01, 6, 5), (0.001, 11, 11)] {
+        let answer = sine("parabolic", mm, "on_curve", "vertical").await;
+        assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
+        let answer = sine("parabolic", mm, "on_curve", "normal").await;
+        assert!(verified(&answer, mm, "normal") <= most_normal, "{mm}");
+    }
+}
+
+#[tokio::test]
+async fn arcs_need_no_more_than_three_quarters_of_the_lines() {
+    for (mm, most) in [(0.1, 3), (0.01, 6), (0.001, 13)] {
+        let answer = sine("arc", mm, "on_curve", "normal").await;
+        assert!(verified(&answer, mm, "normal") <= most, "{mm}");
+    }
+}
+
+/// 13 lines at 0.01, and no fewer: the corridor that holds the band has no shorter path.
+#[tokio::test]
+async fn lines_with_joints_in_the_band() {
+    for (mm, exactly) in [(0.1, 5), (0.01, 13), (0.001, 39)] {
+        let answer = sine("linear", mm, "in_band", "vertical").await;
+        assert_eq!(verified(&answer, mm, "vertical"), exactly);
+        assert_eq!(answer["report"]["n_elements_lower_bound"], exactly);
+        let normal = sine("linear", mm, "in_band", "normal").await;
+        assert!(verified(&normal, mm, "normal") <= exactly);
+    }
+}

@@ -111,6 +111,7 @@ impl Interval {
     }
 
     /// The quotients; the whole line where the divisor may be zero.
+    #[expect(clippy::should_implement_trait, reason = "no sign hides that it may say nothing")]
     pub fn div(self, divisor: Self) -> Self {
         if divisor.contains(0.0) {
             return Self::ENTIRE;

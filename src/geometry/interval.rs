@@ -111,9 +111,13 @@ impl Interval {
     }
 
     /// The quotients; the whole line where the divisor may be zero.
+    #[expect(clippy::should_implement_trait, reason = "no sign hides that it may say nothing")]
     pub fn div(self, divisor: Self) -> Self {
         if divisor.contains(0.0) {
             return Self::ENTIRE;
+        }
+        if self == Self::ZERO {
+            return self;
         }
         of_corners([self.lo / divisor.lo, self.lo / divisor.hi, self.hi / divisor.lo, self.hi / divisor.hi])
     }
@@ -128,20 +132,30 @@ pub(crate) fn outward(lo: f64, hi: f64) -> Interval {
     if lo <= hi { Interval { lo: lo.next_down(), hi: hi.next_up() } } else { Interval::ENTIRE }
 }
 
+/// Ends of sums, one number outward. A sum that comes out as zero is zero; left as it is it keeps operations away from
+/// the least numbers, with which processors are slow.
+fn of_sums(lo: f64, hi: f64) -> Interval {
+    let sums = outward(lo, hi);
+    Interval { lo: if lo == 0.0 { 0.0 } else { sums.lo }, hi: if hi == 0.0 { 0.0 } else { sums.hi } }
+}
+
 /// The hull of four products or quotients. One of zero and infinity is no number: then nothing is known.
-fn of_corners(corners: [f64; 4]) -> Interval {
-    if corners.iter().any(|x| x.is_nan()) {
+fn of_corners([a, b, c, d]: [f64; 4]) -> Interval {
+    // The sum is no number if one of them is none, or if both infinities are among them.
+    if (a + b + c + d).is_nan() {
         return Interval::ENTIRE;
     }
-    let [a, b, c, d] = corners;
-    outward(a.min(b).min(c).min(d), a.max(b).max(c).max(d))
+    // Without the care for what is no number that `f64::min` takes: these are in the innermost loops.
+    let least = |x, y| if x < y { x } else { y };
+    let most = |x, y| if x > y { x } else { y };
+    outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
 }
 
 impl Add for Interval {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        outward(self.lo + other.lo, self.hi + other.hi)
+        of_sums(self.lo + other.lo, self.hi + other.hi)
     }
 }
 
@@ -149,7 +163,7 @@ impl Sub for Interval {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        outward(self.lo - other.hi, self.hi - other.lo)
+        of_sums(self.lo - other.hi, self.hi - other.lo)
     }
 }
 
@@ -165,6 +179,9 @@ impl Mul for Interval {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
+        if (self == Self::ZERO && other.is_bounded()) || (other == Self::ZERO && self.is_bounded()) {
+            return Self::ZERO;
+        }
         of_corners([self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi])
     }
 }
@@ -173,6 +190,9 @@ impl Mul<f64> for Interval {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
+        if self == Self::ZERO && factor.is_finite() {
+            return self;
+        }
         let (a, b) = (self.lo * factor, self.hi * factor);
         outward(a.min(b), a.max(b))
     }

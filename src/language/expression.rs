@@ -51,7 +51,7 @@ use tape::Tape;
 pub const LONGEST_TEXT: usize = 10_000;
 
 /// Deeper nesting is refused: parentheses, arguments, signs and powers of powers all count. The parser recurses, and
-/// at this depth it takes a tenth of the 2 MB that a thread has.
+/// at this depth it takes less than an eighth of the 2 MB that a thread has.
 pub const DEEPEST_NESTING: usize = 200;
 
 /// A function of x.
@@ -90,7 +90,7 @@ impl Expression {
     }
 
     /// Proves that the expression is defined, finite and continuous over the closed `domain`, and encloses its values
-    /// there, to about one part in ten thousand of the largest.
+    /// there, to about one part in ten thousand of the largest; less tightly where ten thousand cells do not suffice.
     ///
     /// # Errors
     /// Where it is not defined, or cannot be proved to be; or that the budget is spent.

@@ -43,13 +43,17 @@ pub fn at(tape: &Tape, x: f64) -> Middle {
 pub fn over(tape: &Tape, x: Interval, middle: &Middle) -> (Jet, Option<Finding>) {
     let around = x - Interval::point(middle.x);
     sweep(tape, x, |k, jet| {
-        if let Some(&[value, first]) = middle.on_the_way.get(k) {
-            if jet[2].is_bounded() {
-                jet[1] = jet[1].meet(first + jet[2] * around);
-            }
-            if jet[1].is_bounded() {
-                jet[0] = jet[0].meet(value + jet[1] * around);
-            }
+        let Some(&[value, first]) = middle.on_the_way.get(k) else { return };
+        if jet[1] == Interval::ZERO {
+            // A constant has the value that it has at the middle.
+            jet[0] = jet[0].meet(value);
+            return;
+        }
+        if jet[2].is_bounded() {
+            jet[1] = jet[1].meet(first + jet[2] * around);
+        }
+        if jet[1].is_bounded() {
+            jet[0] = jet[0].meet(value + jet[1] * around);
         }
     })
 }

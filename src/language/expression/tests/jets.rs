@@ -6,6 +6,9 @@ use super::parsed;
 use super::trees::tree;
 use crate::budget::Budget;
 use crate::geometry::interval::Interval;
+use crate::geometry::plane_curve::PlaneCurve;
+use crate::language::expression::Expression;
+use crate::language::graph::Graph;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
@@ -22,16 +25,20 @@ proptest! {
     fn enclosures_hold_values_and_slopes(tree in tree(), lo in -3.0..3.0f64, width in 0.0..1.0f64, narrow in 0..20i32) {
         let range = Interval::between(lo, lo + width * 0.5f64.powi(narrow));
         let text = tree.text();
-        let expression = parsed(&text);
         // Outside of their domain values are as they come.
         let domain = [range.lo(), range.hi().max(range.lo().next_up())];
-        prop_assume!(expression.examine(domain, &Budget::unlimited()).is_ok());
+        let graph = Graph::new(parsed(&text), domain, &Budget::unlimited());
+        prop_assume!(graph.is_ok());
+        let graph = graph.unwrap();
+        let expression = graph.expression();
         let [value, first, _] = expression.enclose(range);
+        let bounds = graph.bounds();
         for k in 0..=20 {
             let x = (range.lo() + f64::from(k) / 20.0 * (range.hi() - range.lo())).min(range.hi());
-            let y = expression.value(x);
-            let slack = rounding(&expression, x);
+            let y = graph.point(x).y;
+            let slack = rounding(expression, x);
             prop_assert!(meets(value, y, slack[0]), "{text} at {x}: {y} not in {value:?}");
+            prop_assert!(meets(bounds, y, slack[0]), "{text} at {x}: {y} not in {bounds:?}");
             let [_, slope] = expression.value_and_derivative(x);
             if slope.is_finite() {
                 prop_assert!(meets(first, slope, slack[1]), "{text} at {x}: slope {slope} not in {first:?}");
@@ -73,7 +80,7 @@ proptest! {
 }
 
 /// How far computed values may be from exact ones: what their enclosures at points are wide.
-fn rounding(expression: &crate::language::expression::Expression, x: f64) -> [f64; 2] {
+fn rounding(expression: &Expression, x: f64) -> [f64; 2] {
     let [value, first, _] = expression.enclose(Interval::point(x));
     let wide = |of: Interval| if of.is_bounded() { of.width() } else { 0.0 };
     [wide(value), wide(first)]

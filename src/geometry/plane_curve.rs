@@ -1,5 +1,6 @@
 //! Plane curves as they are designed, with proved enclosures: what interpolation starts from.
 
+pub mod interpolant;
 pub mod nurbs;
 pub mod piecewise;
 

@@ -3,8 +3,8 @@
 //! # Method
 //! 1. A parameter finds its piece by a table of equal stretches of the domain, then by bisection in its stretch.
 //! 2. Points and derivatives are de Casteljau's.
-//! 3. Ranges: the control points of the part of the piece, and of its derivatives ([`net`]), or for a rational piece of
-//!    its numerator and denominator ([`quotient`]), hold it in their hull.
+//! 3. Ranges: the control points of the part of the piece, and of its derivatives (`net`), or for a rational piece of
+//!    its numerator and denominator (`quotient`), hold it in their hull.
 //!
 //! # Guarantees
 //! Enclosures allow for every rounding by forward error bounds: that of a point is some ten units of rounding of the

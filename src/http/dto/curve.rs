@@ -64,7 +64,7 @@ pub enum SectionCurveKind {
 /// The graph of a function y(x), mm.
 ///
 /// The expression is in x: `+ - * / ^`, signs, parentheses, numbers, `pi`, `e`, and sin cos tan asin acos atan sinh cosh
-/// tanh exp ln log log10 log2 sqrt cbrt abs min max pow hypot atan2; `log` is `ln`. `^` binds to the right, `-x^2` is
+/// tanh exp ln log log10 log2 sqrt cbrt abs min max pow hypot; `log` is `ln`. `^` binds to the right, `-x^2` is
 /// `-(x^2)`, a product is written with `*`. It must be defined and continuous over the whole domain.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -99,7 +99,7 @@ pub struct SectionCurve {
     #[serde(rename = "kind")]
     #[schema(inline)]
     _kind: SectionCurveKind,
-    #[schema(max_length = 1_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
+    #[schema(max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
     text: String,
 }
 
@@ -134,7 +134,7 @@ impl Curve {
             }
             Self::Nurbs(nurbs) => nurbs.check(at, limits, violations),
             Self::SectionCurve(SectionCurve { _kind: _, text }) => {
-                too_long(&at.field("text"), text, section_curve::LONGEST_TEXT, violations);
+                too_long(&at.field("text"), text, section_curve::TEXT_LIMIT, violations);
             }
         }
     }

@@ -27,6 +27,7 @@ pub fn bisect(
     while let Some([from, to]) = open.pop() {
         if looked % ELEMENTS_BETWEEN_CHECKS == 0 {
             budget.check()?;
+            budget.progress("interpolating", elements.len(), elements.len() + open.len() + 1);
         }
         looked += 1;
         if let Some(fitted) = fitter.fit([from, to]) {

@@ -3,13 +3,13 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::budget::Budget;
-//TMP use crate::geometry::plane_curve::interpolant::{self, InterpolantError};
+use crate::geometry::plane_curve::interpolant::{self, InterpolantError};
 use crate::geometry::plane_curve::nurbs::{Nurbs, NurbsError};
 use crate::geometry::plane_curve::piecewise::Piecewise;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 use crate::language::expression::{Expression, ExpressionError, Undefined};
 use crate::language::graph::Graph;
-//TMP use crate::language::section_curve::{SectionCurve, SectionCurveError};
+use crate::language::section_curve::{SectionCurve, SectionCurveError};
 
 /// Coordinates beyond a kilometre are mistakes, mm.
 const LARGEST_MM: f64 = 1e6;
@@ -35,10 +35,14 @@ pub enum SourceError {
     Undefined(#[from] Undefined),
     #[error("y goes from {least_mm} to {most_mm} mm; {LARGEST_MM} mm is the most")]
     TooLarge { least_mm: f64, most_mm: f64 },
-    //TMP
+    #[error(transparent)]
+    Interpolant(#[from] InterpolantError),
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
-    //TMP
+    #[error(transparent)]
+    SectionCurve(#[from] SectionCurveError),
+    #[error("the curve is in space; two coordinates a point make a plane one")]
+    InSpace,
 }
 
 impl Source {
@@ -56,9 +60,12 @@ impl Source {
                 }
                 AnyCurve::Graph(graph)
             }
-            Self::Points(points) => {let _ = points; todo!()},
+            Self::Points(points) => AnyCurve::Piecewise(interpolant::through(points)?),
             Self::Nurbs(nurbs) => AnyCurve::Piecewise(nurbs.curve()?),
-            Self::SectionCurve(text) => {let _ = text; todo!()},
+            Self::SectionCurve(text) => match SectionCurve::parse(text)? {
+                SectionCurve::Plane(chain) => AnyCurve::Piecewise(chain.curve()?),
+                SectionCurve::Space(_) => return Err(SourceError::InSpace),
+            },
         })
     }
 }

@@ -26,7 +26,7 @@ pub(super) struct Net<const N: usize, const D: usize> {
 
 /// The control points of a part of a polynomial, and how far each coordinate of one may be wrong.
 pub(super) struct Part<const N: usize, const D: usize> {
-    pub(super) points: [[f64; D]; N],
+    points: [[f64; D]; N],
     len: usize,
     pub(super) error: [f64; D],
 }
@@ -75,6 +75,12 @@ impl<const N: usize, const D: usize> Net<N, D> {
         points[0]
     }
 
+    /// The value at `u` alone, as the part of no length there.
+    #[inline(always)]
+    pub(super) fn at(&self, u: f64) -> Part<N, D> {
+        Part { points: [self.value(u); N], len: 1, error: self.part_error() }
+    }
+
     #[inline(always)]
     pub(super) fn part(&self, [u, v]: [f64; 2]) -> Part<N, D> {
         let steps = self.len.saturating_sub(1);
@@ -91,9 +97,14 @@ impl<const N: usize, const D: usize> Net<N, D> {
                 }
             }
         }
-        let (most, largest_step, steps) = (self.magnitude(), self.largest_step(), steps as f64);
-        let error = |c: usize| self.error[c] + steps * UNIT * (most[c] + 5.0 * largest_step[c]);
-        Part { points: rows.map(|row| row[0]), len: self.len, error: std::array::from_fn(error) }
+        Part { points: rows.map(|row| row[0]), len: self.len, error: self.part_error() }
+    }
+
+    #[inline(always)]
+    fn part_error(&self) -> [f64; D] {
+        let steps = self.len.saturating_sub(1) as f64;
+        let (most, largest_step) = (self.magnitude(), self.largest_step());
+        std::array::from_fn(|c| self.error[c] + steps * UNIT * (most[c] + 5.0 * largest_step[c]))
     }
 
     /// A box that holds the polynomial over `range`.
@@ -124,6 +135,11 @@ impl<const N: usize, const D: usize> Net<N, D> {
 }
 
 impl<const N: usize, const D: usize> Part<N, D> {
+    #[inline(always)]
+    pub(super) fn points(&self) -> impl Iterator<Item = &[f64; D]> {
+        self.points.iter().take(self.len)
+    }
+
     #[inline(always)]
     pub(super) fn hull(&self) -> [Interval; D] {
         let (mut low, mut high) = (self.points[0], self.points[0]);

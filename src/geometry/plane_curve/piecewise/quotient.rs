@@ -46,12 +46,12 @@ pub(super) fn enclose<const N: usize>(
     let net = about(points, weights, origin);
     let derived = net.derived(span);
     let nets = [net, derived, derived.derived(span)];
-    let at_middle = quotients(&nets, [middle, middle]);
+    let at_middle = quotients(nets.map(|net| net.at(middle)));
     let Enclosure { point, first, second } = if range[0] == range[1] {
         // The origin is what the curve tells as its point there.
         Enclosure { point: at_middle.point.map(|x| x.hull(Interval::ZERO)), ..at_middle }
     } else {
-        let over = quotients(&nets, range);
+        let over = quotients(nets.map(|net| net.part(range)));
         let half = (range[1] - middle).max(middle - range[0]) + 4.0 * UNIT;
         // Of both ends and the span's rounding.
         let half = Interval::around(0.0, half * span * (1.0 + 4.0 * UNIT));
@@ -76,16 +76,17 @@ fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f6
     Net::rounded(std::array::from_fn(homogeneous), 2.0)
 }
 
-/// The quotient and its derivatives over `range`, about the origin of the nets of A and W and of their derivatives.
-fn quotients<const N: usize>(nets: &[Net<N, 3>; 3], range: [f64; 2]) -> Enclosure {
-    let part = nets[0].part(range);
+/// The quotient and its derivatives, from the same part of A and W and of their derivatives.
+fn quotients<const N: usize>([part, first, second]: [Part<N, 3>; 3]) -> Enclosure {
     let [_, _, w] = part.hull();
-    let [dx, dy, dw] = nets[1].hull(range);
-    let [ddx, ddy, ddw] = if N > 2 { nets[2].hull(range) } else { [Interval::ZERO; 3] };
+    let by_w = Interval::point(1.0).div(w);
+    let [dx, dy, dw] = first.hull();
+    let [ddx, ddy, ddw] = if N > 2 { second.hull() } else { [Interval::ZERO; 3] };
     let point = control_hull(&part);
-    let first = [(dx - point[0] * dw).div(w), (dy - point[1] * dw).div(w)];
+    let first = [(dx - point[0] * dw) * by_w, (dy - point[1] * dw) * by_w];
+    let twice = dw * 2.0;
     let second = [(ddx, 0), (ddy, 1)]
-        .map(|(dd, c): (Interval, usize)| (dd - first[c] * dw * 2.0 - point[c] * ddw).div(w));
+        .map(|(dd, c): (Interval, usize)| (dd - first[c] * twice - point[c] * ddw) * by_w);
     Enclosure { point, first, second }
 }
 
@@ -95,7 +96,7 @@ fn control_hull<const N: usize>(part: &Part<N, 3>) -> [Interval; 2] {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     let (mut least_weight, mut largest) = (f64::INFINITY, [0.0f64; 2]);
-    for [x, y, w] in part.points {
+    for &[x, y, w] in part.points() {
         let quotient = [x / w, y / w];
         for c in 0..2 {
             low[c] = low[c].min(quotient[c]);

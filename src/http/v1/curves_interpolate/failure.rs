@@ -1,5 +1,7 @@
 //! The failures of interpolation as the caller sees them.
 
+use crate::geometry::plane_curve::interpolant::InterpolantError;
+use crate::geometry::plane_curve::nurbs::NurbsError;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use crate::language::expression::Undefined;
@@ -55,21 +57,24 @@ impl From<SourceError> for ApiError {
             SourceError::TooLarge { .. } => one(FieldError::new(&expression, FieldCode::TooLarge, detail)),
             SourceError::Interpolant(fault) => {
                 let points = curve.field("points");
-                one(match fault.index() {
-                    Some(k) => FieldError::new(&points.index(k), FieldCode::Coincident, detail),
-                    None => FieldError::new(&points, FieldCode::OutOfRange, detail),
-                })
+                let (at, code) = match fault {
+                    InterpolantError::TooFewPoints { .. } => (points, FieldCode::TooFewPoints),
+                    InterpolantError::Point { index } => (points.index(index), FieldCode::TooLarge),
+                    InterpolantError::Coincident { index } => (points.index(index), FieldCode::Coincident),
+                    InterpolantError::Piece(_) | InterpolantError::Chain(_) => (points, FieldCode::OutOfRange),
+                };
+                one(FieldError::new(&at, code, detail))
             }
             SourceError::Nurbs(fault) => nurbs(fault, &curve, detail),
             SourceError::SectionCurve(fault) => {
                 one(FieldError::in_text(&curve.field("text"), fault.at, FieldCode::Syntax, detail))
             }
+            SourceError::InSpace => one(FieldError::new(&curve.field("text"), FieldCode::Unsupported, detail)),
         }
     }
 }
 
-fn nurbs(fault: crate::geometry::plane_curve::nurbs::NurbsError, curve: &Pointer, detail: String) -> ApiError {
-    use crate::geometry::plane_curve::nurbs::NurbsError;
+fn nurbs(fault: NurbsError, curve: &Pointer, detail: String) -> ApiError {
     let (at, code) = match fault {
         NurbsError::Degree { .. } => (curve.field("degree"), FieldCode::OutOfRange),
         NurbsError::TooFewPoints { .. } => (curve.field("control_points"), FieldCode::TooFewPoints),

@@ -1,0 +1,292 @@
+//! Items along a curve, and the segments that they make.
+
+use nalgebra::{Point, SVector};
+
+use super::corner::{self, Rounding};
+use super::grammar::{Kind, Row, Written};
+use super::{Fault, NEAREST_MM, SectionCurveError};
+use crate::geometry::plane_curve::piecewise::{Bezier, Piecewise, PiecewiseError};
+use crate::geometry::spline::{EndCondition, derivatives};
+
+/// What tangents may take too much of a line, and what of a line is left out, in parts of its length: the rounding of
+/// tangents that meet.
+const FIT: f64 = 1e-14;
+
+/// An item in D dimensions, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item<const D: usize> {
+    /// `l`, and `r` with the radius 0.
+    Point(Point<f64, D>),
+    /// `r`: the radius is above zero.
+    Corner { point: Point<f64, D>, radius_mm: f64 },
+    /// `b`: two points or more.
+    Smooth(Vec<Point<f64, D>>),
+}
+
+/// The shape of a segment, by control points in D dimensions, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape<const D: usize> {
+    Line([Point<f64, D>; 2]),
+    /// A rational quadratic, of a quarter turn at most; the weights of the outer points are 1.
+    Arc {
+        points: [Point<f64, D>; 3],
+        weight: f64,
+    },
+    Cubic([Point<f64, D>; 4]),
+}
+
+/// A part of the curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment<const D: usize> {
+    pub shape: Shape<D>,
+    /// The item that it belongs to, or leads to.
+    pub item: usize,
+    /// The parameters of its ends.
+    pub ends: [f64; 2],
+}
+
+/// A section curve in D dimensions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain<const D: usize> {
+    items: Vec<Item<D>>,
+    /// Where the items are in the text.
+    places: Vec<usize>,
+    segments: Vec<Segment<D>>,
+}
+
+impl<const D: usize> Chain<D> {
+    /// The items in order, one at least.
+    pub fn items(&self) -> &[Item<D>] {
+        &self.items
+    }
+
+    /// Where in the text each item is: bytes before it.
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// The curve from its start to its end, without gaps; parameters start at 0.
+    pub fn segments(&self) -> &[Segment<D>] {
+        &self.segments
+    }
+
+    pub(super) fn new(written: &[Written]) -> Result<Self, SectionCurveError> {
+        for end in written.first().into_iter().chain(written.last()) {
+            if end.kind == Kind::Corner {
+                return Err(fault(end.at, Fault::CornerAtEnd));
+            }
+        }
+        let items = written.iter().map(item).collect::<Result<Vec<Item<D>>, _>>()?;
+        let places: Vec<usize> = written.iter().map(|item| item.at).collect();
+        if let [Item::Point(_)] = items[..] {
+            return Err(fault(places[0], Fault::OnePoint));
+        }
+        for (k, pair) in items.windows(2).enumerate() {
+            if coincide(pair[0].exit(), pair[1].entry()) {
+                return Err(fault(places[k + 1], Fault::Coincident));
+            }
+        }
+        let roundings = roundings(&items, &places)?;
+        let segments = segments(&items, &roundings);
+        let flat = segments.iter().find(|s| s.ends[1] <= s.ends[0]);
+        if let Some(segment) = flat {
+            // The curve is so long that its parameter cannot tell these points apart.
+            return Err(fault(places[segment.item], Fault::Coincident));
+        }
+        Ok(Self { items, places, segments })
+    }
+}
+
+impl Chain<2> {
+    /// The curve, a piece for each segment.
+    ///
+    /// # Errors
+    /// When its parameters cannot be told apart: only on curves of absurd length.
+    pub fn curve(&self) -> Result<Piecewise, SectionCurveError> {
+        let place = |k: usize| self.segments.get(k).map_or(0, |segment| self.places[segment.item]);
+        let mut pieces = Vec::with_capacity(self.segments.len());
+        for (k, segment) in self.segments.iter().enumerate() {
+            let bezier = match &segment.shape {
+                Shape::Line(points) => Bezier::polynomial(points),
+                Shape::Arc { points, weight } => Bezier::rational(points, &[1.0, *weight, 1.0]),
+                Shape::Cubic(points) => Bezier::polynomial(points),
+            };
+            pieces.push((bezier.map_err(|error| fault(place(k), Fault::Piece(error)))?, segment.ends[1]));
+        }
+        Piecewise::new(0.0, pieces).map_err(|error| {
+            let piece = match error {
+                PiecewiseError::Parameter { index } => index.saturating_sub(1),
+                PiecewiseError::Gap { index, gap_mm: _ } => index,
+                PiecewiseError::Empty | PiecewiseError::TooManyPieces => 0,
+            };
+            fault(place(piece), Fault::Chain(error))
+        })
+    }
+}
+
+impl<const D: usize> Item<D> {
+    /// Where the line before it leads to.
+    pub fn entry(&self) -> &Point<f64, D> {
+        match self {
+            Self::Point(point) | Self::Corner { point, radius_mm: _ } => point,
+            Self::Smooth(points) => &points[0],
+        }
+    }
+
+    /// Where the line after it comes from.
+    pub fn exit(&self) -> &Point<f64, D> {
+        match self {
+            Self::Point(point) | Self::Corner { point, radius_mm: _ } => point,
+            Self::Smooth(points) => &points[points.len() - 1],
+        }
+    }
+}
+
+fn item<const D: usize>(written: &Written) -> Result<Item<D>, SectionCurveError> {
+    match (written.kind, &written.rows[..]) {
+        (Kind::Corner, [row]) => {
+            let point = point(row, 1)?;
+            let radius_mm = row.numbers[D];
+            if radius_mm < 0.0 {
+                return Err(fault(written.at, Fault::NegativeRadius { radius_mm }));
+            }
+            Ok(if radius_mm > 0.0 { Item::Corner { point, radius_mm } } else { Item::Point(point) })
+        }
+        (Kind::Smooth, rows) => {
+            let points = rows.iter().map(|row| point(row, 0)).collect::<Result<Vec<_>, _>>()?;
+            if points.len() < 2 {
+                return Err(fault(written.at, Fault::OneSmoothPoint));
+            }
+            for (k, pair) in points.windows(2).enumerate() {
+                if coincide(&pair[0], &pair[1]) {
+                    return Err(fault(rows[k + 1].at, Fault::Coincident));
+                }
+            }
+            Ok(Item::Smooth(points))
+        }
+        (_, rows) => match rows.first() {
+            Some(row) => Ok(Item::Point(point(row, 0)?)),
+            None => Err(fault(written.at, Fault::NumberCount { found: 0 })),
+        },
+    }
+}
+
+/// The point of a row with so many numbers after it.
+fn point<const D: usize>(row: &Row, further: usize) -> Result<Point<f64, D>, SectionCurveError> {
+    match row.count.checked_sub(further) {
+        Some(found) if found == D => Ok(Point::from(SVector::from_fn(|c, _| row.numbers[c]))),
+        Some(found @ (2 | 3)) => Err(fault(row.at, Fault::Dimension { expected: D, found })),
+        _ => Err(fault(row.at, Fault::NumberCount { found: row.count })),
+    }
+}
+
+/// The rounding of each item that is a corner which turns; all of them fit between their neighbours.
+fn roundings<const D: usize>(
+    items: &[Item<D>],
+    places: &[usize],
+) -> Result<Vec<Option<Rounding<D>>>, SectionCurveError> {
+    let mut roundings: Vec<Option<Rounding<D>>> = Vec::with_capacity(items.len());
+    for (k, item) in items.iter().enumerate() {
+        roundings.push(match item {
+            Item::Corner { point, radius_mm } if k > 0 && k + 1 < items.len() => {
+                let corner = [*items[k - 1].exit(), *point, *items[k + 1].entry()];
+                corner::rounding(corner, *radius_mm).map_err(|error| fault(places[k], error))?
+            }
+            _ => None,
+        });
+    }
+    let tangent = |k: usize| roundings[k].as_ref().map_or(0.0, |rounding| rounding.tangent);
+    for k in 1..items.len() {
+        let (length_mm, taken_mm) = (leg(items, k), tangent(k - 1) + tangent(k));
+        if taken_mm > length_mm * (1.0 + FIT) {
+            // The corner that does not fit even by itself, or else the later one.
+            let blamed = if tangent(k) == 0.0 || tangent(k - 1) > length_mm { k - 1 } else { k };
+            let radius_mm = match &items[blamed] {
+                Item::Corner { radius_mm, .. } => *radius_mm,
+                _ => 0.0,
+            };
+            return Err(fault(places[blamed], Fault::CornerDoesNotFit { radius_mm, taken_mm, length_mm }));
+        }
+    }
+    Ok(roundings)
+}
+
+/// The distance from the item before `k` to it.
+fn leg<const D: usize>(items: &[Item<D>], k: usize) -> f64 {
+    (items[k].entry() - items[k - 1].exit()).norm()
+}
+
+fn segments<const D: usize>(items: &[Item<D>], roundings: &[Option<Rounding<D>>]) -> Vec<Segment<D>> {
+    let mut pen = Pen { segments: Vec::new(), at: *items[0].entry(), parameter: 0.0 };
+    let tangent = |k: usize| roundings[k].as_ref().map_or(0.0, |rounding| rounding.tangent);
+    for (k, item) in items.iter().enumerate() {
+        if k > 0 {
+            let length = leg(items, k);
+            let left = length - tangent(k - 1) - tangent(k);
+            let to = match &roundings[k] {
+                Some(rounding) => rounding.arcs[0].0[0],
+                None => *item.entry(),
+            };
+            if left > FIT * length {
+                pen.draw(Shape::Line([pen.at, to]), k, left);
+            } else if roundings[k].is_none() {
+                pen.land(to);
+            }
+        }
+        for (points, weight) in roundings[k].iter().flat_map(|rounding| &rounding.arcs) {
+            let length = roundings[k].as_ref().map_or(0.0, |rounding| rounding.length);
+            pen.draw(Shape::Arc { points: [pen.at, points[1], points[2]], weight: *weight }, k, length);
+        }
+        if let Item::Smooth(points) = item {
+            let values: Vec<SVector<f64, D>> = points.iter().map(|p| p.coords).collect();
+            let slopes = derivatives(&values, EndCondition::Natural);
+            let length: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+            let span = length / (points.len() - 1) as f64;
+            for (i, pair) in points.windows(2).enumerate() {
+                let (from, to) = (pair[0], pair[1]);
+                let cubic = [from, from + slopes[i] / 3.0, to - slopes[i + 1] / 3.0, to];
+                pen.draw(Shape::Cubic(cubic), k, span);
+            }
+        }
+    }
+    pen.segments
+}
+
+/// Draws segments one after the other.
+struct Pen<const D: usize> {
+    segments: Vec<Segment<D>>,
+    at: Point<f64, D>,
+    parameter: f64,
+}
+
+impl<const D: usize> Pen<D> {
+    /// Draws a segment that starts where the pen is.
+    fn draw(&mut self, shape: Shape<D>, item: usize, length: f64) {
+        let end = self.parameter + length;
+        self.segments.push(Segment { shape, item, ends: [self.parameter, end] });
+        self.at = match shape {
+            Shape::Line([.., end]) | Shape::Arc { points: [.., end], .. } | Shape::Cubic([.., end]) => end,
+        };
+        self.parameter = end;
+    }
+
+    /// Makes the last segment end at `to`, from which only rounding keeps it.
+    fn land(&mut self, to: Point<f64, D>) {
+        self.at = to;
+        if let Some(segment) = self.segments.last_mut() {
+            match &mut segment.shape {
+                Shape::Line([.., end]) | Shape::Arc { points: [.., end], .. } | Shape::Cubic([.., end]) => {
+                    *end = to;
+                }
+            }
+        }
+    }
+}
+
+fn coincide<const D: usize>(a: &Point<f64, D>, b: &Point<f64, D>) -> bool {
+    (a - b).norm() <= NEAREST_MM
+}
+
+fn fault(at: usize, fault: Fault) -> SectionCurveError {
+    SectionCurveError { at, fault }
+}

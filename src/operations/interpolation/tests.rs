@@ -78,31 +78,3 @@ fn in_band() {
         }
     }
 }
-
-#[test]
-fn speed() {
-    use crate::geometry::plane_curve::nurbs::Nurbs;
-    let n: usize = std::env::var("N").unwrap().parse().unwrap();
-    let points: Vec<_> = (0..n).map(|k| { let k = k as f64; Point2::new(k * 1.0, 5.0 * (k * 0.7).sin() + 3.0 * (k * 0.13).cos()) }).collect();
-    let mut knots = vec![0.0; 4];
-    knots.extend((1..n - 3).map(|k| k as f64));
-    knots.extend([(n - 3) as f64; 4]);
-    for weights in [None, Some((0..n).map(|k| 1.0 + 0.3 * (k as f64).sin()).collect::<Vec<_>>())] {
-    let curve = Nurbs { degree: 3, knots: knots.clone(), control_points: points.clone(), weights }.curve().unwrap();
-    for (method, mm) in [(Method::Linear, 1e-2), (Method::Linear, 5e-3), (Method::Linear, 4e-3), (Method::Parabolic, 1e-4), (Method::Mixed, 1e-3), (Method::Arc, 1e-3)] {
-        let band = Band { below_mm: mm, above_mm: mm, measure: Measure::Normal };
-        let fitter = Fitter { curve: &curve, method, band, element_limit: 1000_000 };
-        let now = std::time::Instant::now();
-        let mut out = vec![];
-        bisect(&fitter, curve.domain(), &mut out, &Budget::unlimited()).unwrap();
-        let t1 = now.elapsed();
-        let now = std::time::Instant::now();
-        println!("bisected {} {t1:?}", out.len()); let mut least = vec![];
-        fewest(&fitter, curve.domain(), &mut least, &Budget::unlimited()).unwrap();
-        let t2 = now.elapsed();
-        let now = std::time::Instant::now();
-        let lb = super::lower_bound::lower_bound(&fitter, curve.domain(), &Budget::unlimited()).unwrap();
-        println!("{method:?} {mm}: bisect {} in {t1:?}; least {} in {t2:?}; lower {lb} in {:?}", out.len(), least.len(), now.elapsed());
-    }
-    }
-}

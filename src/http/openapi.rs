@@ -44,7 +44,7 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 10] = [
+const EXAMPLES: [(&str, &str, &str); 11] = [
     example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
     example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
     example!("/v1/surfaces/mill", "surfaces-mill", "bezier-patches"),
@@ -55,6 +55,7 @@ const EXAMPLES: [(&str, &str, &str); 10] = [
     example!("/v1/programs/write", "programs-write", "contour"),
     example!("/v1/programs/write", "programs-write", "inch-fanuc"),
     example!("/v1/programs/write", "programs-write", "one-line"),
+    example!("/v1/programs/write", "programs-write", "parabolas"),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.

@@ -4,7 +4,8 @@
 //! 1. The bounds of all that is drawn choose the largest standard scale at which the plan, the front and the left
 //!    side fit in first-angle arrangement (`layout`).
 //! 2. Every curve is projected into every view (`view`): an arc facing the view stays an arc, in pieces of a quarter
-//!    turn at most; an arc seen from its edge is its extremes; a helix seen from its side is flattened.
+//!    turn at most; an arc seen from its edge is its extremes; a helix seen from its side is flattened; a parabola is a
+//!    quadratic curve in every view.
 //! 3. For each view and each class of motion one pen writes path data (`pen`): runs of lines are thinned within a
 //!    cone of directions, curves below the drawing's resolution become lines.
 //! 4. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same class

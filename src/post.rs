@@ -2,14 +2,15 @@
 //!
 //! # Method
 //! 1. `lower`: the toolpath becomes blocks of integers, units of the last decimal, with the approach before
-//!    and the retract behind it; curves are rounded by [`crate::toolpath::quantize`].
+//!    and the retract behind it; curves are rounded by [`crate::toolpath::quantize`]. A parabola that the dialect cannot
+//!    say becomes lines.
 //! 2. `header`: what people should know about the program before it runs.
 //! 3. `write`: the blocks become lines of words between the dialect's start and end; modal words are left out
 //!    where they would repeat what holds.
 //! 4. `check`: the text is read back by a reader of its own and compared with the blocks.
 //!
 //! # Guarantees
-//! * What is returned has been read back: kinds, ends, senses, feeds and centres are those of the blocks, and
+//! * What is returned has been read back: kinds, ends, senses, feeds, centres and control points are those of the blocks, and
 //!   no two radii of an arc differ by more than 1.5 units of the last decimal.
 //! * Every cutting point of the text lies within 1.5 units of the last decimal of the toolpath, and vice
 //!   versa, in order. Nothing accumulates: ends are absolute and rounded on their own.
@@ -88,6 +89,8 @@ pub enum WriteError {
     WorkOffset { number: u8 },
     #[error("a spindle speed of {rpm} rpm cannot be written")]
     SpindleSpeed { rpm: f64 },
+    #[error("a move has no feed")]
+    FeedMissing,
     #[error("a feed of {mm_per_min} mm/min cannot be written")]
     Feed { mm_per_min: f64 },
     #[error("a dwell of {seconds} s cannot be written")]
@@ -113,7 +116,7 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
         return Err(WriteError::Decimals { decimals: resolution.decimals, max });
     }
     let grid = Grid::new(resolution);
-    let lowered = lower::lower(toolpath, job.cutting, resolution, budget)?;
+    let lowered = lower::lower(toolpath, job, budget)?;
     let remarks = header::remarks(toolpath, &lowered, job)?;
     let blocks = &lowered.blocks;
     let text = write::text(blocks, &remarks, job)?;

@@ -45,7 +45,7 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 16] = [
+const EXAMPLES: [(&str, &str, &str); 17] = [
     example!("/v1/curves/interpolate", "curves-interpolate", "in-band"),
     example!("/v1/curves/interpolate", "curves-interpolate", "nurbs"),
     example!("/v1/curves/interpolate", "curves-interpolate", "parabolas"),
@@ -62,6 +62,7 @@ const EXAMPLES: [(&str, &str, &str); 16] = [
     example!("/v1/programs/write", "programs-write", "contour"),
     example!("/v1/programs/write", "programs-write", "inch-fanuc"),
     example!("/v1/programs/write", "programs-write", "one-line"),
+    example!("/v1/programs/write", "programs-write", "parabolas"),
 ];
 
 /// Statuses of failure that any operation can answer, and those of operations with a body.

@@ -12,12 +12,20 @@ pub enum Class {
     Link,
     CutLine,
     CutArc,
+    CutParabola,
     Entry,
 }
 
 impl Class {
-    pub const ALL: [Class; 6] =
-        [Class::Wire, Class::Rapid, Class::Link, Class::CutLine, Class::CutArc, Class::Entry];
+    pub const ALL: [Class; 7] = [
+        Class::Wire,
+        Class::Rapid,
+        Class::Link,
+        Class::CutLine,
+        Class::CutArc,
+        Class::CutParabola,
+        Class::Entry,
+    ];
 
     /// The class in the style sheet.
     pub fn name(self) -> &'static str {
@@ -27,6 +35,7 @@ impl Class {
             Class::Link => "link",
             Class::CutLine => "cut",
             Class::CutArc => "cut-arc",
+            Class::CutParabola => "cut-parabola",
             Class::Entry => "entry",
         }
     }
@@ -39,6 +48,7 @@ impl Class {
             Class::Link => "link",
             Class::CutLine => "cut, line",
             Class::CutArc => "cut, arc",
+            Class::CutParabola => "cut, parabola",
             Class::Entry => "plunge, ramp, lead",
         }
     }
@@ -51,6 +61,7 @@ impl Class {
             Class::Link => "stroke:#b0508a;stroke-width:.3;stroke-dasharray:2.4 .7 .5 .7;stroke-linecap:butt",
             Class::CutLine => "stroke:#0072b2;stroke-width:.18",
             Class::CutArc => "stroke:#00734f;stroke-width:.35",
+            Class::CutParabola => "stroke:#56b4e9;stroke-width:.5",
             Class::Entry => "stroke:#e69f00;stroke-width:.6;stroke-dasharray:.01 1",
         }
     }
@@ -64,6 +75,7 @@ pub fn of(step: &Move) -> Option<(Class, Curve)> {
             let class = match (role, along) {
                 (Role::Cut, Curve::Line(_)) => Class::CutLine,
                 (Role::Cut, Curve::Arc(_)) => Class::CutArc,
+                (Role::Cut, Curve::Parabola(_)) => Class::CutParabola,
                 (Role::Link, _) => Class::Link,
                 (Role::Plunge | Role::Ramp | Role::LeadIn | Role::LeadOut, _) => Class::Entry,
             };

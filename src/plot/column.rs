@@ -79,7 +79,8 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
         let middle = |y: f64| Point2::new(LEFT_MM + 0.5 * SAMPLE_MM, y);
         entry(&|y| marks::start(middle(y)), "start");
         entry(&|y| marks::cross(middle(y)), "end");
-        if used.contains(&Class::CutLine) || used.contains(&Class::CutArc) {
+        let cuts = [Class::CutLine, Class::CutArc, Class::CutParabola];
+        if cuts.iter().any(|class| used.contains(class)) {
             entry(&|y| marks::arrow(middle(y), Vector2::x()), "direction of the cut");
         }
     }
@@ -139,7 +140,10 @@ fn moves(scene: &Scene) -> String {
     let Some(toolpath) = scene.toolpath else { return String::new() };
     // Only the counts are wanted, which no feed changes.
     let counts = measure(toolpath, FeedRate::DEFAULT_RAPID).counts;
-    let words = format!("Moves: {} rapid, {} line, {} arc", counts.rapid, counts.line, counts.arc);
+    let mut words = format!("Moves: {} rapid, {} line, {} arc", counts.rapid, counts.line, counts.arc);
+    if counts.parabola > 0 {
+        words += &format!(", {} parabola", counts.parabola);
+    }
     line("", LEFT_MM, BLOCK_Y_MM + 37.0, &words)
 }
 

@@ -98,6 +98,16 @@ impl Pen {
         self.write_turn(turn);
     }
 
+    /// Draws a quadratic Bezier curve, or its chord where nobody could tell.
+    pub fn quadratic(&mut self, points: [Point2<f64>; 3]) {
+        let [start, control, end] = points;
+        if ((start - control) + (end - control)).norm() <= 4.0 * CHORD_MM {
+            return self.line(start, end);
+        }
+        self.end_run();
+        self.write_quadratic(points);
+    }
+
     /// The path data.
     pub fn finish(mut self) -> String {
         self.end_run();
@@ -139,6 +149,20 @@ impl Pen {
         // Writing to a string does not fail.
         let _ = write!(self.data, "A{radius} {radius} 0 0 {} ", u8::from(turn.clockwise));
         self.push_point(turn.end);
+    }
+
+    fn write_quadratic(&mut self, [start, control, end]: [Point2<f64>; 3]) {
+        let (first, second) = (control - start, end - control);
+        let point = |t: f64| start + first * (2.0 * t * (1.0 - t)) + (end - start) * (t * t);
+        // Between points at equal parameters lies no more than a share of this.
+        let longest = 2.0 * first.norm().max(second.norm());
+        if self.ink.as_mut().is_some_and(|ink| ink.covers(longest, point)) {
+            return;
+        }
+        self.move_to(start);
+        self.push('Q', control);
+        self.data.push(' ');
+        self.push_point(end);
     }
 
     /// Begins a stroke at `from`; whether it continues what is written.

@@ -94,6 +94,26 @@ fn turn(builder: &mut Builder, about: (Plane, Direction), radius: f64, from: f64
 }
 
 #[test]
+fn a_parabola_is_one_quadratic_curve_in_every_view() {
+    let mut builder = Toolpath::builder(Point3::origin());
+    let (control, to) = (Point3::new(40.0, 50.0, 20.0), Point3::new(80.0, 0.0, 0.0));
+    builder.parabola(to, control, feed(), Role::Cut).unwrap();
+    let path = builder.finish().unwrap();
+    compare(&path);
+    let picture = of_path(&path);
+    let drawing = Drawing::read(&picture);
+    for (view, [x, y]) in [("plan", [40.0, 50.0]), ("front", [40.0, 20.0]), ("left-side", [20.0, 50.0])] {
+        let [fx, fy] = drawing.at(view, [0.0, 0.0]);
+        let [cx, cy] = drawing.at(view, [x, y]);
+        let [tx, ty] = drawing.at(view, if view == "left-side" { [0.0, 0.0] } else { [80.0, 0.0] });
+        assert_eq!(drawing.data(view, "cut-parabola"), Some(format!("M{fx} {fy}Q{cx} {cy} {tx} {ty}").as_str()));
+    }
+    assert!(drawing.texts.iter().any(|text| text == "Moves: 0 rapid, 0 line, 0 arc, 1 parabola"));
+    assert!(drawing.texts.iter().any(|text| text == "cut, parabola"));
+    assert!(!of_path(&square()).contains(" parabola<"));
+}
+
+#[test]
 fn views_share_their_axes_and_the_stated_scale_is_true() {
     let corners = [[0.0, 0.0, 0.0], [900.0, 0.0, 0.0], [900.0, 400.0, 0.0], [900.0, 400.0, 150.0]];
     let wire: Vec<Point3<f64>> = corners.map(Point3::from).to_vec();
@@ -187,7 +207,7 @@ fn what_has_no_extent_or_no_place_is_a_legal_sheet() {
 /// Random moves of every kind within a cube of two units, at any place and size.
 fn toolpath() -> impl Strategy<Value = Toolpath> {
     let unit = || (-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0);
-    let step = (0usize..10, unit(), unit());
+    let step = (0usize..13, unit(), unit());
     let size = prop_oneof![Just(1e-3), Just(0.05), Just(1.0), Just(30.0), Just(1e6)];
     let place = prop_oneof![Just(0.0), Just(1e5)];
     (size, place, prop::collection::vec(step, 1..12)).prop_map(|(size, place, steps)| {
@@ -200,6 +220,10 @@ fn toolpath() -> impl Strategy<Value = Toolpath> {
             let _ = match kind {
                 0 | 1 => builder.rapid(to),
                 2..=4 => builder.line(to, feed(), role),
+                10.. => {
+                    let control = Point3::new(place + size * q.0, size * q.1 - place, place + size * q.2);
+                    builder.parabola(to, control, feed(), role)
+                }
                 _ => {
                     let plane = Plane::ALL[kind % 3];
                     let direction = if q.0 < 0.0 { Direction::Cw } else { Direction::Ccw };

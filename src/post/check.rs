@@ -70,6 +70,7 @@ fn difference(
             }
         }
         Block::Line { to, .. } | Block::Arc { to, .. } => *at = to.map(Some),
+        Block::Parabola { to, .. } => *at = [Some(to[0]), Some(to[1]), at[2]],
         Block::Dwell { .. } => {}
     }
     let is_near = |a: f64, b: f64| (a - b).abs() <= AGREEMENT_STEPS * grid.step_mm();
@@ -109,6 +110,19 @@ fn difference(
             let offsets = [written[a] - arc.start()[a], written[b] - arc.start()[b]];
             if !(is_near(offsets[0], grid.mm(center[0])) && is_near(offsets[1], grid.mm(center[1]))) {
                 return Some("centre");
+            }
+            (!is_feed(rate, feed)).then_some("feed")
+        }
+        (
+            Block::Parabola { control, feed, .. },
+            Step::Feed { along: Curve::Parabola(parabola), rate, .. },
+        ) => {
+            if !(is_at(parabola.start(), start) && is_at(parabola.end(), *at)) {
+                return Some("place");
+            }
+            let offset = parabola.control() - parabola.start();
+            if !(is_near(offset.x, grid.mm(control[0])) && is_near(offset.y, grid.mm(control[1]))) {
+                return Some("control");
             }
             (!is_feed(rate, feed)).then_some("feed")
         }

@@ -1,6 +1,7 @@
 //! What differs between the programs of different controls, as data.
 
 use super::dialects;
+pub use crate::toolpath::quantize::Parabolas;
 
 /// How a control is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +24,7 @@ pub struct Dialect {
     pub numbers: Numbers,
     pub block_numbers: BlockNumbers,
     pub dwell: Dwell,
+    pub parabolas: Parabolas,
     /// The lines before the first motion and after the last.
     pub start: &'static [Frame],
     pub end: &'static [Frame],

@@ -53,7 +53,9 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     let measures = measure(toolpath, job.cutting.rapid_feed);
     say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
     let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
-    say("TIME", format!("{} - WITH ACCELERATION {}", clock(measures.total_time_s), clock(with_ramps)));
+    if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
+        say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
+    }
     say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", up(lowered.displacement_mm)));
     for caution in job.cutting.cautions(job.tool) {
         say("WARNING", caution_text(caution));
@@ -118,7 +120,7 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
     ];
     let mut ranges = [None; ROLES.len()];
     for step in toolpath.moves() {
-        let Move::Feed { rate, role, .. } = step else { continue };
+        let Move::Feed { rate: Some(rate), role, .. } = step else { continue };
         for (range, _) in ranges.iter_mut().zip(ROLES).filter(|(_, (of, _))| of == role) {
             let (least, most) = range.unwrap_or((*rate, *rate));
             *range =

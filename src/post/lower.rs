@@ -3,15 +3,14 @@
 use nalgebra::Point3;
 
 use super::words::{self, FeedWord};
-use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, WriteError};
+use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::toolpath::Toolpath;
-use crate::toolpath::cutting::Cutting;
 use crate::toolpath::path::Move;
 use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{self, Grid, Written};
+use crate::toolpath::quantize::{self, Form, Grid, Parabolas, Written};
 use crate::toolpath::units::FeedRate;
 
 /// The longest dwell, s: eleven days.
@@ -36,6 +35,12 @@ pub enum Block {
         center: [i64; 2],
         feed: FeedWord,
     },
+    /// At the height where it starts. `control`, of the Bezier form, is counted from the start.
+    Parabola {
+        to: [i64; 2],
+        control: [i64; 2],
+        feed: FeedWord,
+    },
     Dwell {
         milliseconds: u64,
     },
@@ -49,16 +54,14 @@ pub struct Lowered {
 }
 
 /// The blocks of the approach, of every move and of the retract.
-pub fn lower(
-    toolpath: &Toolpath,
-    cutting: &Cutting,
-    resolution: Resolution,
-    budget: &Budget,
-) -> Result<Lowered, WriteError> {
+pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
+    let resolution = job.program.resolution;
     let grid = Grid::new(resolution);
-    let clearance = grid.units(cutting.clearance_z_mm)?;
+    let clearance = grid.units(job.cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
-    let mut lowering = Lowering { resolution, grid, at, blocks: Vec::new(), displacement_mm: 0.0 };
+    let parabolas = job.dialect.parabolas;
+    let mut lowering =
+        Lowering { resolution, grid, parabolas, at, blocks: Vec::new(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
@@ -71,7 +74,7 @@ pub fn lower(
         }
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,
-            Move::Feed { along, rate, .. } => lowering.feed(along, *rate)?,
+            Move::Feed { along, rate, .. } => lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?)?,
             Move::Dwell { seconds } => lowering.dwell(*seconds)?,
         }
     }
@@ -84,6 +87,7 @@ pub fn lower(
 struct Lowering {
     resolution: Resolution,
     grid: Grid,
+    parabolas: Parabolas,
     at: [i64; 3],
     blocks: Vec<Block>,
     displacement_mm: f64,
@@ -121,13 +125,14 @@ impl Lowering {
 
     fn feed(&mut self, along: &Curve, rate: FeedRate) -> Result<(), WriteError> {
         let feed = words::feed(rate, self.resolution.units)?;
-        let rounded = quantize::round(along, self.resolution)?;
+        let rounded = quantize::round(along, self.resolution, self.parabolas)?;
         self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
-        for Written { curve, end_units: to, center_offset_units, .. } in rounded.curves {
-            self.push(match (curve, center_offset_units) {
-                (Curve::Arc(arc), Some(center)) => {
+        for Written { curve, end_units: to, form, .. } in rounded.curves {
+            self.push(match (curve, form) {
+                (Curve::Arc(arc), Form::Arc { center }) => {
                     Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }
                 }
+                (_, Form::Parabola { control }) => Block::Parabola { to: [to[0], to[1]], control, feed },
                 _ => Block::Line { to, feed },
             })?;
             self.at = to;

@@ -16,11 +16,11 @@
 
 mod block;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use self::block::Words;
-use super::dialect::{Dialect, Dwell, Point};
-use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
+use super::dialect::{Dialect, Dwell, Parabolas, Point};
+use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
 
@@ -88,6 +88,10 @@ pub enum Fault {
     UnknownStart,
     #[error("an arc has no centre")]
     MissingCenter,
+    #[error("a parabola stands outside of the XY plane")]
+    ParabolaPlane,
+    #[error("a coordinate of a parabola is too large")]
+    ParabolaSize,
     #[error("the radii at an arc's ends differ by {mismatch_mm} mm")]
     RadiusMismatch { mismatch_mm: f64 },
     #[error(transparent)]
@@ -124,6 +128,8 @@ enum Motion {
     Rapid,
     Line,
     Arc(Direction),
+    /// In this block alone.
+    Parabola,
 }
 
 /// Where in a program the reader is.
@@ -214,6 +220,10 @@ impl<'a> Reader<'a> {
                         _ => Motion::Arc(Direction::Ccw),
                     });
                 }
+                51 if self.dialect.parabolas == Parabolas::InXy => {
+                    motions += 1;
+                    self.motion = Some(Motion::Parabola);
+                }
                 40 => is_dwell = true,
                 170 => self.plane = Plane::Xy,
                 180 => self.plane = Plane::Zx,
@@ -269,16 +279,16 @@ impl<'a> Reader<'a> {
     }
 
     fn motion_of(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if self.motion == Some(Motion::Parabola) {
+            // What the control does without a G word after it is what it did before, even a rapid.
+            self.motion = None;
+            return self.parabola_of(words);
+        }
         if words.first_of("XYZIJK").is_none() {
             return Ok(None);
         }
         let motion = self.motion.ok_or(Fault::NoMotion)?;
-        let from = self.at;
-        for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
-            if let Some(value) = words.get(letter) {
-                self.at[axis] = Some(value * self.unit_mm);
-            }
-        }
+        let from = self.moved(words);
         if let (Motion::Rapid | Motion::Line, Some(letter)) = (motion, words.first_of("IJK")) {
             return Err(Fault::Unused(letter));
         }
@@ -300,6 +310,40 @@ impl<'a> Reader<'a> {
         }
         let arc = Arc::with_center_near(self.plane, direction, start, end, center).map_err(Fault::Arc)?;
         Ok(Some(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) }))
+    }
+
+    /// The parabola of a block: the offsets of its control point are both written, and it stays at its height.
+    fn parabola_of(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if self.plane != Plane::Xy {
+            return Err(Fault::ParabolaPlane);
+        }
+        if let Some(letter) = words.first_of("ZK") {
+            return Err(Fault::Unused(letter));
+        }
+        if words.first_of("XY").is_none() {
+            return Err(Fault::Missing('X'));
+        }
+        let offset =
+            |letter| words.get(letter).map(|value| value * self.unit_mm).ok_or(Fault::Missing(letter));
+        let offset = Vector3::new(offset('I')?, offset('J')?, 0.0);
+        let from = self.moved(words);
+        let rate = self.feed.ok_or(Fault::NoFeed)?;
+        let start = known(from).ok_or(Fault::UnknownStart)?;
+        let end = known(self.at).ok_or(Fault::UnknownStart)?;
+        let parabola = Parabola::new(start, start + offset, end).map_err(|_| Fault::ParabolaSize)?;
+        let along = Curve::Parabola(parabola);
+        Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }))
+    }
+
+    /// Goes to the coordinates of a block, and returns where it starts.
+    fn moved(&mut self, words: &Words) -> [Option<f64>; 3] {
+        let from = self.at;
+        for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
+            if let Some(value) = words.get(letter) {
+                self.at[axis] = Some(value * self.unit_mm);
+            }
+        }
+        from
     }
 
     /// The written centre: offsets from the start, of which one may be missing.

@@ -18,6 +18,7 @@ use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Builder, Role};
 
 mod golden;
+mod parabolas;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
@@ -156,8 +157,16 @@ fn what_cannot_be_written_is_an_error() {
 
 #[test]
 fn a_changed_text_does_not_pass_the_check() {
-    let blocks = lower::lower(&sample(), &cutting(), MM, &Budget::unlimited()).unwrap().blocks;
-    let text = written(&sample(), &program(MM), &cutting(), &[]).unwrap().text;
+    let (program, cutting) = (program(MM), cutting());
+    let job = ProgramJob {
+        program: &program,
+        tool: Some(&TOOL),
+        cutting: &cutting,
+        dialect: DIALECTS[0],
+        comments: &[],
+    };
+    let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap().blocks;
+    let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
     let grid = Grid::new(MM);
     assert!(check::read_back(&text, &blocks, DIALECTS[0], &grid, &Budget::unlimited()).is_ok());
     let changes = [
@@ -186,6 +195,7 @@ enum Hop {
     Rapid([f64; 3]),
     Line([f64; 3], f64),
     Arc { plane: Plane, direction: Direction, radius: f64, angle: f64, sweep: f64, rise: f64, rate: f64 },
+    Parabola { control: [f64; 3], by: [f64; 3], rate: f64 },
     Dwell(f64),
 }
 
@@ -206,6 +216,10 @@ fn hops() -> impl Strategy<Value = Hop> {
         6 => arc.prop_map(|(plane, direction, radius, angle, sweep, rise, rate)| {
             Hop::Arc { plane, direction, radius, angle, sweep, rise, rate }
         }),
+        2 => (along(), along(), any::<bool>(), 0.1..5000.0f64).prop_map(|(control, by, level, rate)| {
+            let [control, by] = [control, by].map(|[x, y, z]| [x, y, if level { 0.0 } else { z }]);
+            Hop::Parabola { control, by, rate }
+        }),
         1 => (0.0..10.0f64).prop_map(Hop::Dwell),
     ]
 }
@@ -216,6 +230,9 @@ fn hop(path: &mut Builder, hop: &Hop) -> Result<(), crate::toolpath::PathError> 
         Hop::Rapid(by) => path.rapid(at + Vector3::from(by)),
         Hop::Line(by, rate) => path.line(at + Vector3::from(by), feed(rate), Role::Cut),
         Hop::Dwell(seconds) => path.dwell(seconds),
+        Hop::Parabola { control, by, rate } => {
+            path.parabola(at + Vector3::from(by), at + Vector3::from(control), feed(rate), Role::Cut)
+        }
         Hop::Arc { plane, direction, radius, angle, sweep, rise, rate } => {
             let turned = if direction == Direction::Ccw { angle + sweep } else { angle - sweep };
             let spoke = |angle: f64| Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.0);
@@ -262,7 +279,8 @@ proptest! {
         }
         let measures = measure(&path, feed(10_000.0));
         prop_assert!((length - measures.cutting_length_mm).abs() <= 1e-3 * measures.cutting_length_mm + 0.01);
-        prop_assert!((time - measures.cutting_time_s).abs() <= 1e-3 * measures.cutting_time_s + 0.1);
+        let cutting_time_s = measures.cutting_time_s.unwrap();
+        prop_assert!((time - cutting_time_s).abs() <= 1e-3 * cutting_time_s + 0.1);
         prop_assert!((dwell - measures.dwell_time_s).abs() <= 5e-4 * hops.len() as f64);
         check_words(&program.text, dialect, resolution)?;
     }

@@ -10,7 +10,7 @@ use crate::geometry::plane::Plane;
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::Units;
 
-/// The letters of the axes and of the centre's offsets along them.
+/// The letters of the axes and of the offsets of centres and control points along them.
 const AXES: [char; 3] = ['X', 'Y', 'Z'];
 const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 
@@ -180,6 +180,19 @@ impl Writer<'_> {
                 }
                 self.feed(feed);
             }
+            Block::Parabola { to, control, feed } => {
+                self.plane(Plane::Xy);
+                // It is no mode, and what was one before it must be said again.
+                self.word("G5.1");
+                self.motion = None;
+                for axis in 0..2 {
+                    self.axis(axis, to[axis]);
+                }
+                for axis in 0..2 {
+                    self.coordinate(OFFSETS[axis], control[axis]);
+                }
+                self.feed(feed);
+            }
             Block::Dwell { milliseconds } => {
                 self.word("G4");
                 let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);
@@ -203,6 +216,9 @@ impl Writer<'_> {
             Block::Line { to, feed } => to.into_iter().chain([feed.digits]).any(is_long),
             Block::Arc { to, center, feed, .. } => {
                 to.into_iter().chain(center).chain([feed.digits]).any(is_long)
+            }
+            Block::Parabola { to, control, feed } => {
+                to.into_iter().chain(control).chain([feed.digits]).any(is_long)
             }
             Block::Dwell { milliseconds } => is_longer(milliseconds),
         };

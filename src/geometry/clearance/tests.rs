@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::curve::{Arc, Direction, Line};
+use crate::geometry::curve::{Arc, Direction, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::BezierSurface;
 use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
@@ -109,6 +109,18 @@ fn a_helix_is_bounded_by_its_lowest_turn() {
     let arc = Arc::new(Plane::Xy, Direction::Cw, from, to, Point3::new(0.0, 0.0, 6.0)).unwrap();
     let clearance = Clearance::new(&plate, 3.0, 3.0);
     let depth = clearance.penetration(&[Curve::Arc(arc)], 1e-3, &Budget::unlimited()).unwrap();
+    assert!(depth.bound_mm >= 0.03 && depth.bound_mm < 0.032, "{depth:?}");
+}
+
+#[test]
+fn a_parabola_is_bounded_by_its_lowest_place() {
+    let plate = grid(4, 60.0, |_, _| 0.0);
+    let (from, control, to) =
+        (Point3::new(-10.0, 0.0, 1.0), Point3::new(0.0, 8.0, -1.06), Point3::new(10.0, 0.0, 1.0));
+    // Halfway it is at the mean of the control point and the middle of the ends.
+    let parabola = Curve::Parabola(Parabola::new(from, control, to).unwrap());
+    let clearance = Clearance::new(&plate, 3.0, 3.0);
+    let depth = clearance.penetration(&[parabola], 1e-3, &Budget::unlimited()).unwrap();
     assert!(depth.bound_mm >= 0.03 && depth.bound_mm < 0.032, "{depth:?}");
 }
 

@@ -9,6 +9,7 @@ use super::tagged;
 use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
 use crate::toolpath as core;
+use crate::toolpath::units::FeedRate;
 
 /// One move, told apart by `kind`. It starts where the last one ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
@@ -17,12 +18,13 @@ pub enum Move {
     Rapid(RapidMove),
     Line(LineMove),
     Arc(ArcMove),
+    Parabola(ParabolaMove),
     Dwell(DwellMove),
 }
 
 /// Moves that can be read, and those of the contract that this version cannot.
-const KINDS: [&str; 4] = ["rapid", "line", "arc", "dwell"];
-const LATER: [&str; 2] = ["parabola", "spline"];
+const KINDS: [&str; 5] = ["rapid", "line", "arc", "parabola", "dwell"];
+const LATER: [&str; 1] = ["spline"];
 
 impl<'de> Deserialize<'de> for Move {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -31,6 +33,7 @@ impl<'de> Deserialize<'de> for Move {
             "rapid" => tagged::decode(object).map(Self::Rapid),
             "line" => tagged::decode(object).map(Self::Line),
             "arc" => tagged::decode(object).map(Self::Arc),
+            "parabola" => tagged::decode(object).map(Self::Parabola),
             "dwell" => tagged::decode(object).map(Self::Dwell),
             other => Err(tagged::unknown(other, &LATER, &KINDS)),
         }
@@ -53,7 +56,7 @@ pub struct LineMove {
     #[schema(inline)]
     kind: LineKind,
     pub to: Point,
-    /// In every answer. Default in a request: that of `cutting` for the role.
+    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
@@ -75,7 +78,24 @@ pub struct ArcMove {
     pub center: Point,
     pub plane: Plane,
     pub direction: Direction,
-    /// In every answer. Default in a request: that of `cutting` for the role.
+    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    pub feed_mm_per_min: Option<f64>,
+    #[serde(default)]
+    #[schema(default = "cut")]
+    pub role: Role,
+}
+
+/// A part of a parabola: the quadratic Bezier curve with the control point `control`, where the tangents at its ends meet.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParabolaMove {
+    #[schema(inline)]
+    kind: ParabolaKind,
+    pub to: Point,
+    pub control: Point,
+    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
@@ -111,6 +131,12 @@ pub enum LineKind {
 #[serde(rename_all = "snake_case")]
 pub enum ArcKind {
     Arc,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ParabolaKind {
+    Parabola,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -157,7 +183,7 @@ impl From<&core::Move> for Move {
             core::Move::Feed { along: Curve::Line(line), rate, role } => Move::Line(LineMove {
                 kind: LineKind::Line,
                 to: line.end.into(),
-                feed_mm_per_min: Some(rate.mm_per_min()),
+                feed_mm_per_min: rate.map(FeedRate::mm_per_min),
                 role: role.into(),
             }),
             core::Move::Feed { along: Curve::Arc(arc), rate, role } => Move::Arc(ArcMove {
@@ -166,9 +192,18 @@ impl From<&core::Move> for Move {
                 center: arc.center().into(),
                 plane: arc.plane().into(),
                 direction: arc.direction().into(),
-                feed_mm_per_min: Some(rate.mm_per_min()),
+                feed_mm_per_min: rate.map(FeedRate::mm_per_min),
                 role: role.into(),
             }),
+            core::Move::Feed { along: Curve::Parabola(parabola), rate, role } => {
+                Move::Parabola(ParabolaMove {
+                    kind: ParabolaKind::Parabola,
+                    to: parabola.end().into(),
+                    control: parabola.control().into(),
+                    feed_mm_per_min: rate.map(FeedRate::mm_per_min),
+                    role: role.into(),
+                })
+            }
             core::Move::Dwell { seconds } => Move::Dwell(DwellMove { kind: DwellKind::Dwell, seconds }),
         }
     }

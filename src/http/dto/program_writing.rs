@@ -123,7 +123,7 @@ fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
 /// The feed of the first move that has one.
 fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
     let feed = toolpath.moves().find_map(|step| match step {
-        Move::Feed { rate, .. } => Some(*rate),
+        Move::Feed { rate, .. } => *rate,
         Move::Rapid { .. } | Move::Dwell { .. } => None,
     });
     feed.unwrap_or(FeedRate::DEFAULT_RAPID)

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use serde::Deserialize;
 
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::moves::{ArcMove, DwellMove, LineMove, Move, RapidMove, Role};
+use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, Role};
 use super::point::Point;
 use super::toolpath::MAX_LEVEL;
 use crate::http::error::FieldCode;
@@ -103,6 +103,13 @@ impl Reader<'_> {
                 self.line(to, rate, *role, at);
             }
             Move::Arc(arc) => self.arc(arc, at),
+            Move::Parabola(ParabolaMove { to, control, feed_mm_per_min, role, .. }) => {
+                check_point(to, || at().field("to"), self.violations);
+                check_point(control, || at().field("control"), self.violations);
+                let rate = self.feed(*feed_mm_per_min, *role, &at);
+                let added = self.builder.parabola((*to).into(), (*control).into(), rate, (*role).into());
+                self.blame(added, at);
+            }
             Move::Dwell(DwellMove { seconds, .. }) => {
                 let range = Range { min: 0.0, max: MAX_DWELL_S };
                 if (range.min..=range.max).contains(seconds) {

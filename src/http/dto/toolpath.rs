@@ -64,14 +64,18 @@ impl From<Caution> for Warning {
 pub struct Measures {
     pub cutting_length_mm: f64,
     pub rapid_length_mm: f64,
-    pub cutting_time_s: f64,
+    /// Absent where moves have no feed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cutting_time_s: Option<f64>,
     pub rapid_time_s: f64,
-    /// Cutting, rapid and dwell.
-    pub total_time_s: f64,
+    /// Cutting, rapid and dwell; absent where moves have no feed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub total_time_s: Option<f64>,
     pub dwell_time_s: f64,
     /// As `total_time_s`, of a machine that takes time to change its speed: an estimate with the acceleration of
-    /// `cutting`, look-ahead, and slower corners and small arcs.
-    pub time_with_acceleration_s: f64,
+    /// `cutting`, look-ahead, and slower corners and small arcs. Absent where moves have no feed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_with_acceleration_s: Option<f64>,
     pub moves: MoveCounts,
     pub bounds: Bounds,
 }
@@ -162,7 +166,25 @@ mod tests {
 
     use super::*;
     use crate::geometry::{curve, plane};
+    use crate::toolpath::cutting::CuttingRequest;
     use crate::toolpath::units::FeedRate;
+
+    #[test]
+    fn times_are_left_out_where_moves_have_no_feed() {
+        let rate = FeedRate::from_mm_per_min(60.0);
+        let cutting = CuttingRequest::at_feed(FeedRate::DEFAULT_RAPID).at_heights(0.0, 0.0);
+        for (rate, times) in [(rate, [json!(3.0), json!(3.0)]), (None, [json!(null), json!(null)])] {
+            let mut builder = core::Toolpath::builder(Point3::origin());
+            builder.line(Point3::new(3.0, 0.0, 0.0), rate, core::Role::Cut).expect("a line");
+            let measures = Measures::of(&builder.finish().expect("a toolpath"), &cutting);
+            let measures = serde_json::to_value(measures).expect("JSON");
+            assert_eq!(measures["cutting_length_mm"], 3.0);
+            assert_eq!(["cutting_time_s", "total_time_s"].map(|name| measures[name].clone()), times);
+            for name in ["cutting_time_s", "total_time_s", "time_with_acceleration_s"] {
+                assert_eq!(measures.get(name).is_some(), rate.is_some(), "{name}");
+            }
+        }
+    }
 
     #[test]
     fn moves_are_written_as_the_contract_names_them() {
@@ -174,6 +196,9 @@ mod tests {
         let (to, center) = (Point3::new(0.0, 10.0, 0.0), Point3::origin());
         let arc = (plane::Plane::Xy, curve::Direction::Ccw);
         builder.arc(to, center, arc, rate, core::Role::Cut).expect("an arc");
+        let control = Point3::new(0.0, 5.0, 0.0);
+        builder.parabola(Point3::new(5.0, 0.0, 0.0), control, rate, core::Role::Cut).expect("a parabola");
+        builder.line(Point3::origin(), None, core::Role::Link).expect("a line");
         builder.dwell(0.5).expect("a dwell");
         let toolpath = Toolpath::from(builder.finish().expect("a toolpath"));
         assert_eq!(
@@ -183,6 +208,9 @@ mod tests {
                 { "kind": "line", "to": [10.0, 0.0, 0.0], "feed_mm_per_min": 800.0, "role": "lead_in" },
                 { "kind": "arc", "to": [0.0, 10.0, 0.0], "center": [0.0, 0.0, 0.0], "plane": "xy",
                   "direction": "ccw", "feed_mm_per_min": 800.0, "role": "cut" },
+                { "kind": "parabola", "to": [5.0, 0.0, 0.0], "control": [0.0, 5.0, 0.0],
+                  "feed_mm_per_min": 800.0, "role": "cut" },
+                { "kind": "line", "to": [0.0, 0.0, 0.0], "role": "link" },
                 { "kind": "dwell", "seconds": 0.5 },
             ] }] })
         );

@@ -113,7 +113,7 @@ pub fn compare(toolpath: &Toolpath) {
             meant.entry(class).or_default().extend(points.windows(2).map(|pair| [pair[0], pair[1]]));
         }
         let [left, top, width, height] = drawing.frame(view);
-        for class in ["rapid", "link", "cut", "cut-arc", "entry"] {
+        for class in ["rapid", "link", "cut", "cut-arc", "cut-parabola", "entry"] {
             let drawn = drawing.strokes(view, class);
             let meant = meant.remove(class).unwrap_or_default();
             assert!(lies_on(&drawn, &meant), "{view} {class}: drawn, but not meant");
@@ -135,6 +135,7 @@ fn classed(step: &Move) -> Option<(&'static str, Curve)> {
             let class = match (role, along) {
                 (Role::Cut, Curve::Line(_)) => "cut",
                 (Role::Cut, Curve::Arc(_)) => "cut-arc",
+                (Role::Cut, Curve::Parabola(_)) => "cut-parabola",
                 (Role::Link, _) => "link",
                 _ => "entry",
             };
@@ -162,7 +163,7 @@ pub fn distance(p: [f64; 2], [a, b]: Segment) -> f64 {
     (to[0] - t * along[0]).hypot(to[1] - t * along[1])
 }
 
-/// Path data of M, L, A and h0.
+/// Path data of M, L, A, Q and h0.
 fn strokes(data: &str) -> Vec<Segment> {
     let mut segments = Vec::new();
     let mut at = [0.0; 2];
@@ -183,6 +184,16 @@ fn strokes(data: &str) -> Vec<Segment> {
             ('h', &[0.0]) => segments.push([at, at]),
             ('A', &[rx, ry, 0.0, 0.0, sense, x, y]) if rx == ry => {
                 arc(at, rx, sense == 1.0, [x, y], &mut segments);
+                at = [x, y];
+            }
+            ('Q', &[cx, cy, x, y]) => {
+                let chords = 300;
+                let point = |k: i32| {
+                    let t = f64::from(k) / f64::from(chords);
+                    [(at[0], cx, x), (at[1], cy, y)]
+                        .map(|(a, b, c)| (1.0 - t) * ((1.0 - t) * a + t * b) + t * ((1.0 - t) * b + t * c))
+                };
+                segments.extend((0..chords).map(|k| [point(k), point(k + 1)]));
                 at = [x, y];
             }
             other => panic!("{other:?} in {data}"),

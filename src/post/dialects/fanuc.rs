@@ -7,12 +7,15 @@
 //! * There is no G64 with a tolerance: how closely corners are followed is set on the machine, by parameters or G5.1.
 //! * The F of a helix is taken along the helix, which is parameter 1403 bit 5 (HTG) on the control; without it the
 //!   helix is cut faster than written, by its length over that of its circle.
+//! * Parabolas are lines: G5.1 is contour control here.
 //! * T M6 goes to the change position by itself: no G28 is written.
 //!
 //! Decimals are those of the increment system IS-B, 3 with mm and 4 with inches; IS-C has one more with mm. The radii of
 //! arcs differ by less than one unit of the last decimal, which parameter 3410 has to allow.
 
-use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Point, ProgramNumber};
+use crate::post::dialect::{
+    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber,
+};
 
 pub const FANUC: Dialect = Dialect {
     name: "fanuc",
@@ -31,6 +34,7 @@ pub const FANUC: Dialect = Dialect {
     numbers: Numbers { point: Point::Always, max_digits: 8, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     block_numbers: BlockNumbers { step: 10, max: 99_990 },
     dwell: Dwell::Milliseconds,
+    parabolas: Parabolas::AsLines,
     start: &[
         Frame::Header,
         Frame::ByUnits { mm: "G21", inch: "G20" },

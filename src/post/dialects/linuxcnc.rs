@@ -4,9 +4,15 @@
 //! and joins no blocks. Exact path mode, G61, would leave the path nowhere but stop at every joint that
 //! rounding has kinked; without either word a control keeps its speed and cuts corners as far as it likes.
 //!
+//! A parabola at one height is `G5.1 X Y I J`, with the Bezier control point from the start: X, Y, I and J of a quadratic
+//! spline. The interpreter wants G17, no Z, and the G word with both offsets on every block; the feed is modal as
+//! elsewhere. It is no mode: a block without a G word behind it is run as the last G0 to G3 says, so that word is written
+//! again. The control runs such a block as 24 arcs, and what these leave of it is part of the rounding that the header
+//! states.
+//!
 //! M30 alone ends the program; a pair of percent signs would be the other way and is not needed.
 
-use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Point};
+use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
 
 pub const LINUXCNC: Dialect = Dialect {
     name: "linuxcnc",
@@ -30,6 +36,7 @@ pub const LINUXCNC: Dialect = Dialect {
     },
     block_numbers: BlockNumbers { step: 10, max: 99_990 },
     dwell: Dwell::Seconds,
+    parabolas: Parabolas::InXy,
     start: &[
         Frame::Header,
         Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },

@@ -95,7 +95,7 @@ impl Words {
     /// Whether two G words are of one group.
     pub fn has_conflict(&self) -> bool {
         let group = |tenths: i32| match tenths {
-            0..=39 | 800 => 1,
+            0..=39 | 51 | 800 => 1,
             170..=199 => 2,
             200..=219 => 3,
             430 | 490 => 4,

@@ -26,9 +26,9 @@ fn fault(text: &str) -> (usize, Fault) {
 fn reads_every_kind_of_step() {
     let text = "%\n(PROGRAM: DIE)\nN10 G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT1 M6\nG43 H1\nS1000 M3\nM8\n\
                 G0 Z50.000\nX0.000 Y0.000 ; across\ng1 z0. f300\nG18 G3 X10 I5 K0\nG19 G2 Y10. J5.\nG4 P1.5\n\
-                G17 G2 I-5 J0\nM5\nM9\nM30\nG0 X99\n%\n";
+                G17 G2 I-5 J0\nG5.1 X20 Y12 I3 J4\nM5\nM9\nM30\nG0 X99\n%\n";
     let steps = read(text).unwrap();
-    assert_eq!(steps.len(), 7);
+    assert_eq!(steps.len(), 8);
     assert_eq!(steps[0], Step::Rapid { from: [None; 3], to: [None, None, Some(50.0)] });
     let highest = |step: &Step| match step {
         Step::Feed { along: Curve::Arc(arc), .. } => arc.point_at(0.5),
@@ -40,6 +40,9 @@ fn reads_every_kind_of_step() {
     let Step::Feed { along, rate, .. } = steps[6] else { panic!("no feed") };
     assert!((along.length() - 10.0 * PI).abs() < 1e-12);
     assert_eq!(rate.mm_per_min(), 300.0);
+    let Step::Feed { along: Curve::Parabola(parabola), .. } = steps[7] else { panic!("no parabola") };
+    assert_eq!(parabola.control() - parabola.start(), Vector3::new(3.0, 4.0, 0.0));
+    assert_eq!((parabola.end().x, parabola.end().y), (20.0, 12.0));
 }
 
 #[test]
@@ -67,6 +70,14 @@ fn every_fault_is_found_with_its_line() {
         ("G1 X1 I2", Fault::Unused('I')),
         ("G17 G2 X1 K1 I.5", Fault::Unused('K')),
         ("X1 H2", Fault::Unused('H')),
+        ("G5.1 X1 Y1 I1", Fault::Missing('J')),
+        ("G5.1 X1 Y1 J1", Fault::Missing('I')),
+        ("G5.1 I1 J1", Fault::Missing('X')),
+        ("G5.1", Fault::Missing('X')),
+        ("G5.1 X1 Z0 I1 J1", Fault::Unused('Z')),
+        ("G5.1 X1 K0 I1 J1", Fault::Unused('K')),
+        ("G18 G5.1 X1 I1 J1", Fault::ParabolaPlane),
+        ("G1 G5.1 X1 I1 J1", Fault::Conflict),
         ("G43", Fault::Missing('H')),
         ("G4", Fault::Missing('P')),
         ("X1 P2", Fault::Unused('P')),
@@ -91,6 +102,10 @@ fn every_fault_is_found_with_its_line() {
     }
     assert_eq!(fault("G0 X0 Y0 Z0\nG1 X1"), (2, Fault::NoFeed));
     assert_eq!(fault("F100 G1 X1"), (1, Fault::UnknownStart));
+    assert_eq!(fault("F100 G5.1 X1 I1 J1"), (1, Fault::UnknownStart));
+    assert_eq!(fault("G0 X0 Y0 Z0\nG5.1 X1 I1 J1"), (2, Fault::NoFeed));
+    // The control would run the second as a rapid.
+    assert_eq!(fault(&format!("{before}G5.1 X1 Y1 I1 J0\nX2")), (4, Fault::NoMotion));
     let (line, found) = fault(&format!("{before}G3 X10 I5.002 J0"));
     assert!(
         line == 3
@@ -104,6 +119,9 @@ fn fanuc_counts_without_a_point_and_keeps_within_its_marks() {
     let steps = read_as(&FANUC, whole).unwrap();
     assert_eq!(steps.len(), 4);
     assert_eq!(steps[3], Step::Dwell { seconds: 0.25 });
+    let contour_control = whole.replacen("G1 X10.", "G5.1 X10. Y1. I1. J1.", 1);
+    let error = read_as(&FANUC, &contour_control).unwrap_err();
+    assert_eq!(error, ReadError { line: 7, fault: Fault::UnknownG(5.1) });
     let cases = [
         ("%\nO0501", "O0501", 1, Fault::TapeMark),
         ("M30\n%\n", "M30\n", 9, Fault::TapeMark),

@@ -1,3 +1,5 @@
+mod parabolas;
+
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;

@@ -11,10 +11,11 @@ use super::support::{Answer, MILL, app, get, post};
 
 const WRITE: &str = "/v1/programs/write";
 
-const EXAMPLES: [(&str, &str); 3] = [
+const EXAMPLES: [(&str, &str); 4] = [
     ("contour", include_str!("../../../openapi/examples/programs-write/contour.json")),
     ("inch-fanuc", include_str!("../../../openapi/examples/programs-write/inch-fanuc.json")),
     ("one-line", include_str!("../../../openapi/examples/programs-write/one-line.json")),
+    ("parabolas", include_str!("../../../openapi/examples/programs-write/parabolas.json")),
 ];
 
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
@@ -112,6 +113,10 @@ async fn what_mill_answers_is_written_as_mill_writes_it() {
     assert_eq!(report["report"]["arc_adjustment_max_mm"], 0.0);
 }
 
+fn parabola(to: [i32; 3], control: Value) -> Value {
+    json!({ "kind": "parabola", "to": to, "control": control })
+}
+
 #[tokio::test]
 async fn moves_are_refused_where_they_are_wrong() {
     let moves = "/toolpath/passes/0/moves";
@@ -119,7 +124,7 @@ async fn moves_are_refused_where_they_are_wrong() {
         ("/3/to/1", json!("9"), "wrong_type", "/3/to/1"),
         ("/3/to", json!([1, 2]), "wrong_length", "/3/to"),
         ("/3/to/1", json!(2e6), "too_large", "/3/to/1"),
-        ("/3/kind", json!("parabola"), "unsupported", "/3/kind"),
+        ("/3/kind", json!("parabola"), "missing_field", "/3/control"),
         ("/3/kind", json!("spline"), "unsupported", "/3/kind"),
         ("/3/kind", json!("curve"), "unknown_value", "/3/kind"),
         ("/3/axis", json!([0, 0, 1]), "unsupported", "/3/axis"),
@@ -131,6 +136,8 @@ async fn moves_are_refused_where_they_are_wrong() {
         ("/3", json!({ "to": [0, 0, 0] }), "missing_field", "/3/kind"),
         ("/3", json!({ "kind": "line" }), "missing_field", "/3/to"),
         ("/3", json!(7), "wrong_type", "/3"),
+        ("/3", parabola([0, 0, -3], json!([1e7, 0, 0])), "too_large", "/3/control/0"),
+        ("/3", parabola([0, 0, -3], json!([0, 0])), "wrong_length", "/3/control"),
         ("/4/plane", json!("xz"), "unknown_value", "/4/plane"),
         ("/4/center/0", json!(20.1), "no_arc", "/4"),
         ("/4/center/2", json!(-2), "no_arc", "/4"),

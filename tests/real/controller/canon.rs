@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::curve::Direction;
+use toolpathd::geometry::curve::{Direction, Parabola};
 use toolpathd::geometry::plane::Plane;
 use toolpathd::post::dialect::{Dialect, Dwell};
 
@@ -20,6 +20,8 @@ pub enum Motion {
     Rapid { to: Point3<f64> },
     Line { to: Point3<f64>, rate: f64 },
     Arc { plane: Plane, direction: Direction, to: Point3<f64>, center: Point3<f64>, rate: f64 },
+    /// To the last digit.
+    Parabola { curve: Parabola, rate: f64 },
     Dwell { seconds: f64 },
 }
 
@@ -83,12 +85,50 @@ pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>
     if !status.success() {
         return Err(format!("refused: {}", fs::read_to_string(&complaint).map_err(fault)?));
     }
-    let motions = parse(&fs::read_to_string(&canon).map_err(fault)?)?;
+    let printed = fs::read_to_string(&canon).map_err(fault)?;
+    let splines = if printed.contains("NURBS_FEED(") { splines(&home)? } else { Vec::new() };
+    let motions = parse(&printed, splines)?;
     fs::remove_dir_all(&home).map_err(fault)?;
     Ok(motions)
 }
 
-fn parse(text: &str) -> Result<Vec<Motion>, String> {
+/// The curves of the program's spline blocks, of which the interpreter itself prints no points.
+fn splines(home: &Path) -> Result<Vec<Parabola>, String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/real/controller/preview.py");
+    let mut command = Command::new("/usr/bin/python3");
+    command.arg(script).arg("program.ngc").current_dir(home).env("HOME", home).stdin(Stdio::null());
+    let output = command.output().map_err(|error| format!("the preview: {error}"))?;
+    if !output.status.success() {
+        return Err(format!("the preview: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    String::from_utf8_lossy(&output.stdout).lines().map(spline).collect()
+}
+
+/// The parabola through points at equal steps of its parameter, the last at its end.
+fn spline(line: &str) -> Result<Parabola, String> {
+    let numbers: Result<Vec<f64>, _> = line.split(' ').map(str::parse).collect();
+    let numbers = numbers.map_err(|error| format!("the preview: {error}"))?;
+    let points: Vec<Point3<f64>> = numbers.chunks_exact(3).map(Point3::from_slice).collect();
+    let n = points.len();
+    if n < 3 || !n.is_multiple_of(3) {
+        return Err(format!("a spline of {n} points"));
+    }
+    // At a third, 9 P = 4 start + 4 control + end; at two thirds the ends change places.
+    let (third, rest, end) = (points[n / 3 - 1], points[2 * n / 3 - 1], points[n - 1]);
+    let start = end + (third - rest) * 3.0;
+    let control = Point3::from((third.coords * 9.0 - start.coords * 4.0 - end.coords) / 4.0);
+    let curve = Parabola::new(start, control, end).map_err(|error| error.to_string())?;
+    for (k, point) in points.iter().enumerate() {
+        let off = (curve.at((k + 1) as f64 / n as f64) - point).norm();
+        if off > 1e-9 {
+            return Err(format!("a spline block is no parabola: {off} mm at its point {k}"));
+        }
+    }
+    Ok(curve)
+}
+
+fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
+    let mut splines = splines.into_iter();
     let (mut unit, mut rate, mut plane) = (1.0, 0.0, Plane::Xy);
     let mut motions = Vec::new();
     for line in text.lines() {
@@ -130,9 +170,13 @@ fn parse(text: &str) -> Result<Vec<Motion>, String> {
                 motions.push(Motion::Arc { plane, direction, to, center, rate });
             }
             "DWELL" => motions.push(Motion::Dwell { seconds: numbers()?[0] }),
-            "NURBS_FEED" | "STRAIGHT_PROBE" | "RIGID_TAP" => return Err(format!("unexpected: {line}")),
+            "NURBS_FEED" => {
+                let curve = splines.next().ok_or("a spline without its points")?;
+                motions.push(Motion::Parabola { curve, rate });
+            }
+            "STRAIGHT_PROBE" | "RIGID_TAP" => return Err(format!("unexpected: {line}")),
             _ => {}
         }
     }
-    Ok(motions)
+    if splines.next().is_none() { Ok(motions) } else { Err("more splines than the interpreter runs".into()) }
 }

@@ -3,14 +3,14 @@
 use std::fmt;
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::curve::{Arc, Curve, Direction};
+use toolpathd::geometry::curve::{Arc, Curve, Direction, Parabola};
 use toolpathd::post::Dialect;
 use toolpathd::post::read::{Reader, Step};
 use toolpathd::toolpath::Toolpath;
 use toolpathd::toolpath::measure::measure;
 use toolpathd::toolpath::path::Move;
 use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::{MAX_DISPLACEMENT_STEPS, quantize};
+use toolpathd::toolpath::quantize::{MAX_DISPLACEMENT_STEPS, Parabolas, quantize};
 use toolpathd::toolpath::units::FeedRate;
 
 use crate::canon::Motion;
@@ -29,6 +29,7 @@ const MISMATCH_LIMIT_MM: f64 = 1.5 * 0.00254;
 pub struct Figures {
     motions: usize,
     arcs: usize,
+    parabolas: usize,
     to_text_mm: f64,
     to_path_mm: f64,
     to_path_inch_mm: f64,
@@ -42,6 +43,7 @@ impl Figures {
         Self {
             motions: self.motions + other.motions,
             arcs: self.arcs + other.arcs,
+            parabolas: self.parabolas + other.parabolas,
             to_text_mm: self.to_text_mm.max(other.to_text_mm),
             to_path_mm: self.to_path_mm.max(other.to_path_mm),
             to_path_inch_mm: self.to_path_inch_mm.max(other.to_path_inch_mm),
@@ -56,10 +58,11 @@ impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} motions, {} arcs; apart from the text {:.5} mm, from the toolpath {:.5} mm (inch programs \
+            "{} motions, {} arcs, {} parabolas; apart from the text {:.5} mm, from the toolpath {:.5} mm (inch programs \
              {:.5} mm), radius mismatch {:.5} mm, lengths {:.5} %, times {:.5} %",
             self.motions,
             self.arcs,
+            self.parabolas,
             self.to_text_mm,
             self.to_path_mm,
             self.to_path_inch_mm,
@@ -92,6 +95,7 @@ impl Run {
                 let z = s.z + (e.z - s.z) * t;
                 plane.to_workpiece(&Vector3::new(c.x + r * angle.cos(), c.y + r * angle.sin(), z))
             }
+            Motion::Parabola { curve, .. } => curve.point_at(t),
             Motion::Line { to, .. } | Motion::Rapid { to } => self.start + (to - self.start) * t,
             Motion::Dwell { .. } => self.start,
         }
@@ -100,6 +104,7 @@ impl Run {
     fn end(&self) -> Point3<f64> {
         match self.motion {
             Motion::Arc { to, .. } | Motion::Line { to, .. } | Motion::Rapid { to } => to,
+            Motion::Parabola { curve, .. } => curve.end(),
             Motion::Dwell { .. } => self.start,
         }
     }
@@ -112,6 +117,7 @@ impl Run {
                 let arc = Arc::with_center_near(plane, direction, self.start, to, center);
                 (arc.map_or(f64::NAN, |arc| arc.length()), rate)
             }
+            Motion::Parabola { curve, rate } => (curve.length(), rate),
             Motion::Line { to, rate } => ((to - self.start).norm(), rate),
             Motion::Rapid { .. } | Motion::Dwell { .. } => (0.0, 1.0),
         };
@@ -137,6 +143,7 @@ fn as_written(along: &Curve, center: Option<Point3<f64>>, rate: FeedRate) -> Run
         (Curve::Arc(arc), Some(center)) => {
             Motion::Arc { plane: arc.plane(), direction: arc.direction(), to, center, rate }
         }
+        (Curve::Parabola(curve), _) => Motion::Parabola { curve: *curve, rate },
         _ => Motion::Line { to, rate },
     };
     Run { start: along.start(), motion }
@@ -171,7 +178,7 @@ pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Fi
                 Motion::Line { rate: run_rate, .. } | Motion::Arc { rate: run_rate, .. },
             ) => {
                 let is_arc = matches!(run.motion, Motion::Arc { .. });
-                if matches!(along, Curve::Arc(_)) != is_arc {
+                if matches!(along, Curve::Arc(_)) != is_arc || matches!(along, Curve::Parabola(_)) {
                     return Err(fault("another kind"));
                 }
                 if (rate.mm_per_min() - run_rate).abs() > 1e-4 * 25.4 {
@@ -183,6 +190,22 @@ pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Fi
                 for k in 0..=SAMPLES {
                     let t = f64::from(k) / f64::from(SAMPLES);
                     apart = apart.max(nearest(&run.point_at(t), t, 0.1, apart, |t| said.point_at(t)));
+                }
+            }
+            (
+                Step::Feed { along: Curve::Parabola(said), rate, .. },
+                Motion::Parabola { curve, rate: run_rate },
+            ) => {
+                figures.parabolas += 1;
+                if (rate.mm_per_min() - run_rate).abs() > 1e-4 * 25.4 {
+                    return Err(fault("another feed"));
+                }
+                let points = |p: &Parabola| [p.start(), p.control(), p.end()];
+                for (p, q) in points(&said).iter().zip(points(&curve)) {
+                    apart = apart.max((p - q).norm());
+                }
+                if apart > 1e-9 || (run.start - curve.start()).norm() > printed {
+                    return Err(fault("another parabola"));
                 }
             }
             _ => return Err(fault("another kind")),
@@ -203,17 +226,18 @@ pub fn with_toolpath(
     toolpath: &Toolpath,
     motions: &[Motion],
     resolution: Resolution,
+    parabolas: Parabolas,
 ) -> Result<Figures, String> {
     let is_inch = resolution.units == Units::Inch;
     let printed = if is_inch { 25.4 * 0.5e-4 } else { 0.5e-4 } * 3f64.sqrt();
     let limit = MAX_DISPLACEMENT_STEPS * resolution.step_mm() + if is_inch { 2.0 * printed } else { 0.0 };
     let runs = runs(motions);
     let mut cutting =
-        runs.iter().filter(|run| matches!(run.motion, Motion::Line { .. } | Motion::Arc { .. }));
+        runs.iter().filter(|run| !matches!(run.motion, Motion::Rapid { .. } | Motion::Dwell { .. }));
     let (mut apart, mut length, mut time) = (0f64, 0.0, 0.0);
     for step in toolpath.moves() {
         let Move::Feed { along, .. } = step else { continue };
-        let count = quantize(along, resolution).map_err(|error| error.to_string())?.len();
+        let count = quantize(along, resolution, parabolas).map_err(|error| error.to_string())?.len();
         let mine: Vec<&Run> = cutting.by_ref().take(count).collect();
         if mine.len() < count {
             return Err("the control cuts less".into());
@@ -256,7 +280,7 @@ pub fn with_toolpath(
     let rapid = FeedRate::from_mm_per_min(1e4).ok_or("no feed")?;
     let measures = measure(toolpath, rapid);
     let lengths = (length / measures.cutting_length_mm - 1.0).abs();
-    let times = (time / measures.cutting_time_s - 1.0).abs();
+    let times = (time / measures.cutting_time_s.ok_or("a move without a feed")? - 1.0).abs();
     if measures.cutting_length_mm > 1.0 && !(lengths <= AGREEMENT && times <= AGREEMENT) {
         return Err(format!("lengths differ by {lengths}, times by {times}"));
     }

@@ -4,6 +4,9 @@
 //!   last decimal of the toolpath and vice versa, in order; lengths and times agree with `measure`.
 //! * Every program of the directories given as arguments: the control's motions are those of our own reader.
 //!
+//! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control then runs
+//! for it are bounded in `toolpath/quantize/biarcs`.
+//!
 //! A dialect of another control is translated where this interpreter reads the same words in another way.
 
 mod canon;
@@ -97,7 +100,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             .and_then(|written| {
                 let motions = canon::interpret(&canon::translated(&written.text, dialect), directory, &name)?;
                 let text = compare::with_text(&written.text, dialect, &motions)?;
-                let path = compare::with_toolpath(&case.toolpath, &motions, resolution)?;
+                let path = compare::with_toolpath(&case.toolpath, &motions, resolution, dialect.parabolas)?;
                 Ok(text.and(path))
             })
             .map_err(|error| format!("{name}: {error}"))?;

@@ -1,4 +1,4 @@
-//! Random toolpaths: arcs of every size, sweep and sense in three planes, helices, lines, rapids and dwells.
+//! Random toolpaths: arcs of every size, sweep and sense in three planes, helices, parabolas, lines, rapids and dwells.
 
 use std::f64::consts::TAU;
 
@@ -78,6 +78,14 @@ fn add(path: &mut Builder, random: &mut Random) -> Result<(), toolpathd::toolpat
     match random.below(10) {
         0 => path.rapid(at + random.vector(20.0)),
         1 | 2 => path.line(at + random.vector(20.0), rate, Role::Cut),
+        4 => {
+            let size = 10f64.powf(random.within(-1.0, 2.3));
+            let (mut by, mut control) = (random.vector(size), random.vector(size));
+            if random.unit() < 0.8 {
+                (by.z, control.z) = (0.0, 0.0);
+            }
+            path.parabola(at + by, at + control, rate, Role::Cut)
+        }
         3 if random.unit() < 0.3 => path.dwell(random.within(0.0, 3.0)),
         _ => {
             let plane = Plane::ALL[random.below(3)];

@@ -106,6 +106,7 @@ impl From<WriteError> for ApiError {
             WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
             WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
             WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
+            WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
             // It may be the plunge feed, given or half of the other.
             WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),

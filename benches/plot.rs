@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use nalgebra::Point3;
 use toolpathd::geometry::curve::Direction;
 use toolpathd::geometry::plane::Plane;
-use toolpathd::plot::{Scene, svg};
+use toolpathd::plot::{Drawing, Scene, svg};
 use toolpathd::toolpath::units::FeedRate;
 use toolpathd::toolpath::{Role, Toolpath};
 
@@ -60,7 +60,7 @@ fn draw(c: &mut Criterion) {
                         title: "Part",
                         notes: &[],
                         toolpath: Some(toolpath),
-                        surface: &[],
+                        drawing: &Drawing::default(),
                     }))
                 });
             });

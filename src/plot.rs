@@ -54,8 +54,30 @@ pub struct Scene<'a> {
     /// Lines beside the drawing: part, tool, feeds, proved figures.
     pub notes: &'a [String],
     pub toolpath: Option<&'a Toolpath>,
-    /// Wires of a surface: polylines, mm.
-    pub surface: &'a [Vec<Point3<f64>>],
+    pub drawing: &'a Drawing,
+}
+
+/// What is drawn beside the toolpath: polylines and points, mm.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Drawing {
+    /// Wires of a surface.
+    pub surface: Vec<Vec<Point3<f64>>>,
+    /// Curves as they were designed.
+    pub curve: Vec<Vec<Point3<f64>>>,
+    /// The edges of what is allowed.
+    pub band: Vec<Vec<Point3<f64>>>,
+    /// Where elements meet.
+    pub joints: Vec<Point3<f64>>,
+}
+
+impl Drawing {
+    pub fn of_surface(surface: Vec<Vec<Point3<f64>>>) -> Self {
+        Self { surface, ..Self::default() }
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
+        self.surface.iter().chain(&self.curve).chain(&self.band).flatten().chain(&self.joints)
+    }
 }
 
 /// Path data beyond this is thinned: what a browser shows and a mail carries without delay.
@@ -115,12 +137,15 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    for wire in scene.surface {
-        for (view, pens) in layout.views.iter().zip(&mut pens) {
-            trace_wire(view, wire, &mut pens[Class::Wire as usize]);
-        }
-        if !is_within(&pens) {
-            return None;
+    let Drawing { surface, curve, band, joints } = scene.drawing;
+    for (class, wires) in [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve)] {
+        for wire in wires {
+            for (view, pens) in layout.views.iter().zip(&mut pens) {
+                trace_wire(view, wire, &mut pens[class as usize]);
+            }
+            if !is_within(&pens) {
+                return None;
+            }
         }
     }
     for step in scene.toolpath.iter().flat_map(|toolpath| toolpath.moves()) {
@@ -131,6 +156,14 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
         if !is_within(&pens) {
             return None;
         }
+    }
+    for joint in joints {
+        for (view, pens) in layout.views.iter().zip(&mut pens) {
+            trace_wire(view, std::slice::from_ref(joint), &mut pens[Class::Joint as usize]);
+        }
+    }
+    if !is_within(&pens) {
+        return None;
     }
     Some(pens.map(|pens| pens.map(Pen::finish)))
 }

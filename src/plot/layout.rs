@@ -60,8 +60,7 @@ impl Layout {
     pub fn of(scene: &Scene) -> Result<Self, NotDrawn> {
         let bounds = bounds(scene).ok_or(NotDrawn::Empty)?;
         let is_drawable = |p: &Point3<f64>| p.iter().all(|x| x.abs() <= LARGEST_MM);
-        let points = scene.surface.iter().flatten();
-        if !(is_drawable(&bounds.min) && is_drawable(&bounds.max) && points.into_iter().all(is_drawable)) {
+        if !(is_drawable(&bounds.min) && is_drawable(&bounds.max) && scene.drawing.points().all(is_drawable)) {
             return Err(NotDrawn::TooLarge);
         }
         let extent = bounds.max - bounds.min;
@@ -101,7 +100,7 @@ impl Layout {
 fn bounds(scene: &Scene) -> Option<Bounds> {
     // Only the box is wanted, which no feed changes.
     let path = scene.toolpath.map(|toolpath| measure(toolpath, FeedRate::DEFAULT_RAPID).bounds);
-    scene.surface.iter().flatten().fold(path, |bounds, point| {
+    scene.drawing.points().fold(path, |bounds, point| {
         let Bounds { min, max } = bounds.unwrap_or(Bounds { min: *point, max: *point });
         Some(Bounds { min: min.inf(point), max: max.sup(point) })
     })

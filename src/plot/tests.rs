@@ -18,11 +18,12 @@ fn feed() -> FeedRate {
 }
 
 fn of_path(toolpath: &Toolpath) -> String {
-    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), surface: &[] })
+    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), drawing: &Drawing::default() })
 }
 
 fn of_wires(surface: &[Vec<Point3<f64>>]) -> String {
-    svg(&Scene { title: "Part", notes: &[], toolpath: None, surface })
+    let drawing = Drawing::of_surface(surface.to_vec());
+    svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
 }
 
 /// A square of 80 mm, its corner at (80, 80) rounded with 10 mm, cut counterclockwise.
@@ -260,7 +261,7 @@ proptest! {
     fn text_stays_text(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
         let square = square();
         let draw = |title: &str, notes: &[String]| {
-            svg(&Scene { title, notes, toolpath: Some(&square), surface: &[] })
+            svg(&Scene { title, notes, toolpath: Some(&square), drawing: &Drawing::default() })
         };
         let told = draw(&title, &notes);
         let document = roxmltree::Document::parse(&told).map_err(|e| TestCaseError::fail(e.to_string()))?;

@@ -97,7 +97,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
                 }
             }
         }
-        Part { points: rows.map(|row| row[0]), len: self.len, error: self.part_error() }
+        Part { points: std::array::from_fn(|c| rows[c][0]), len: self.len, error: self.part_error() }
     }
 
     #[inline(always)]

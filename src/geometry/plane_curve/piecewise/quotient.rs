@@ -45,13 +45,13 @@ pub(super) fn enclose<const N: usize>(
     let origin = point(points, weights, middle);
     let net = about(points, weights, origin);
     let derived = net.derived(span);
-    let nets = [net, derived, derived.derived(span)];
-    let at_middle = quotients(nets.map(|net| net.at(middle)));
+    let twice_derived = derived.derived(span);
+    let at_middle = quotients(&net.at(middle), &derived.at(middle), &twice_derived.at(middle));
     let Enclosure { point, first, second } = if range[0] == range[1] {
         // The origin is what the curve tells as its point there.
         Enclosure { point: at_middle.point.map(|x| x.hull(Interval::ZERO)), ..at_middle }
     } else {
-        let over = quotients(nets.map(|net| net.part(range)));
+        let over = quotients(&net.part(range), &derived.part(range), &twice_derived.part(range));
         let half = (range[1] - middle).max(middle - range[0]) + 4.0 * UNIT;
         // Of both ends and the span's rounding.
         let half = Interval::around(0.0, half * span * (1.0 + 4.0 * UNIT));
@@ -77,12 +77,12 @@ fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f6
 }
 
 /// The quotient and its derivatives, from the same part of A and W and of their derivatives.
-fn quotients<const N: usize>([part, first, second]: [Part<N, 3>; 3]) -> Enclosure {
+fn quotients<const N: usize>(part: &Part<N, 3>, first: &Part<N, 3>, second: &Part<N, 3>) -> Enclosure {
     let [_, _, w] = part.hull();
     let by_w = Interval::point(1.0).div(w);
     let [dx, dy, dw] = first.hull();
     let [ddx, ddy, ddw] = if N > 2 { second.hull() } else { [Interval::ZERO; 3] };
-    let point = control_hull(&part);
+    let point = control_hull(part);
     let first = [(dx - point[0] * dw) * by_w, (dy - point[1] * dw) * by_w];
     let twice = dw * 2.0;
     let second = [(ddx, 0), (ddy, 1)]

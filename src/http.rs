@@ -12,6 +12,7 @@ mod envelope;
 mod error;
 mod events;
 mod extract;
+mod failure;
 mod health;
 mod intake;
 mod linger;

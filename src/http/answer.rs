@@ -12,16 +12,16 @@ use utoipa::ToSchema;
 use super::dto::answer::Answer;
 use super::dto::meta::{self, Meta};
 use super::dto::toolpath::{Measures, Warning};
-use super::error::{ApiError, Code};
+use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::events;
 use super::extract::{IntoJob, JobBody};
 use super::output::{Encoded, Representation, file_name, page};
+use super::pointer::Pointer;
 use super::timing::{SERVER_TIMING, Timing};
 use super::wanted::{Form, Wanted};
 use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
-use crate::geometry::wires::Wire;
-use crate::plot::{self, Scene};
+use crate::plot::{self, Drawing, Scene};
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
@@ -39,15 +39,16 @@ pub struct Outcome<R> {
     pub cut: Option<Cut>,
     /// The program, where the JSON answer is to hold it; else it is written when it is asked for.
     pub nc: Option<String>,
-    /// Draws curves on the surface for a picture, mm.
-    pub surface_wires: Box<dyn Fn() -> Vec<Wire> + Send>,
+    /// Draws what a picture shows beside the toolpath.
+    pub drawing: Box<dyn Fn() -> Drawing + Send>,
 }
 
 /// A toolpath with all that its program is written from.
 pub struct Cut {
     pub toolpath: Toolpath,
     pub tool: Option<Tool>,
-    pub cutting: Cutting,
+    /// Without them there are no feeds, and no program.
+    pub cutting: Option<Cutting>,
     pub program: Program,
     pub dialect: &'static Dialect,
     /// What is to be said of it beside the caller's own `meta`, for the program's header and below the picture.
@@ -125,8 +126,9 @@ fn represent<R: Serialize + ToSchema>(
 }
 
 fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
-    let Outcome { meta, mut warnings, report, cut, nc, surface_wires: _ } = outcome;
-    let cautions = cut.iter().flat_map(|cut| cut.cutting.cautions(cut.tool.as_ref()));
+    let Outcome { meta, mut warnings, report, cut, nc, drawing: _ } = outcome;
+    let cautions =
+        cut.iter().flat_map(|cut| cut.cutting.iter().flat_map(|cutting| cutting.cautions(cut.tool.as_ref())));
     warnings.extend(cautions.map(Warning::from));
     // A caller that asked for text has the toolpath already.
     let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
@@ -136,7 +138,7 @@ fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
         meta,
         warnings,
         report,
-        measures: cut.as_ref().map(|cut| Measures::of(&cut.toolpath, &cut.cutting)),
+        measures: cut.as_ref().map(|cut| Measures::of(&cut.toolpath, cut.cutting.as_ref())),
         nc,
         toolpath: cut.filter(|_| with_toolpath).map(|cut| cut.toolpath.into()),
     }
@@ -154,6 +156,11 @@ fn program<R>(
         return Err(ApiError::new(Code::InternalError, "there is no toolpath to write a program of"));
     };
     let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = &cut;
+    let Some(cutting) = cutting else {
+        let detail = "`cutting` with a feed is required for a program";
+        let at = Pointer::root().field("cutting");
+        return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
+    };
     let text = match written {
         Some(text) => text,
         None => {
@@ -172,7 +179,7 @@ fn picture<R>(outcome: &Outcome<R>) -> String {
         title: &title(outcome),
         notes: &notes,
         toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
-        surface: &(outcome.surface_wires)(),
+        drawing: &(outcome.drawing)(),
     })
 }
 
@@ -201,7 +208,8 @@ fn setup(cut: &Cut) -> Vec<String> {
             2.0 * tool.radius_mm
         )
     });
-    let spindle = cut.cutting.spindle_rpm.map(|rpm| format!("spindle: {rpm} rpm"));
+    let spindle =
+        cut.cutting.and_then(|cutting| cutting.spindle_rpm).map(|rpm| format!("spindle: {rpm} rpm"));
     tool.into_iter().chain(spindle).collect()
 }
 
@@ -239,7 +247,7 @@ mod tests {
         Cut {
             toolpath: builder.finish().expect("a toolpath"),
             tool: Some(Tool::ball(3.0)),
-            cutting: CuttingRequest::at_feed(rate).at_heights(20.0, 2.0),
+            cutting: Some(CuttingRequest::at_feed(rate).at_heights(20.0, 2.0)),
             program: Program {
                 resolution: Resolution { units: Units::Mm, decimals: 3 },
                 number: 1,
@@ -260,7 +268,9 @@ mod tests {
             report: Report { n_passes: 1 },
             cut,
             nc: nc.map(str::to_owned),
-            surface_wires: Box::new(|| vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]]),
+            drawing: Box::new(|| {
+                Drawing::of_surface(vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]])
+            }),
         }
     }
 

@@ -40,6 +40,7 @@ mod job;
 mod least;
 mod lower_bound;
 mod path;
+mod sketch;
 mod source;
 
 use nalgebra::Point2;
@@ -54,7 +55,11 @@ use crate::toolpath::{PathError, Toolpath};
 use corridor::{Corridor, Edges};
 use fit::{Fitted, Fitter};
 pub use job::{Job, Joints, Method, Side, Source, Subdivision};
+pub use sketch::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
+
+/// Bisection is much faster than finding how few elements there can be: that is told of it up to so many.
+const MOST_BOUNDED: usize = 10_000;
 
 /// One element as it is reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,8 +76,8 @@ pub struct ReportedElement {
 pub struct Report {
     pub elements: Vec<ReportedElement>,
     pub elements_per_initial: Vec<usize>,
-    /// No set of elements of the method over the whole curve is smaller.
-    pub n_elements_lower_bound: usize,
+    /// No set of elements of the method with such joints is smaller; not told of very many that were bisected.
+    pub n_elements_lower_bound: Option<usize>,
     /// Length of what is cut, mm.
     pub length_mm: f64,
     /// `None` without a feed.
@@ -150,7 +155,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         AnyCurve::Graph(graph) => path::path(graph, &divided.elements, job, budget),
         AnyCurve::Piecewise(piecewise) => path::path(piecewise, &divided.elements, job, budget),
     }?;
-    let deviation_max_mm = divided.elements.iter().map(|element| element.spread.largest_mm()).fold(0.0, f64::max);
+    let deviation_max_mm =
+        divided.elements.iter().map(|element| element.spread.largest_mm()).fold(0.0, f64::max);
     let widest = job.band.below_mm.max(job.band.above_mm);
     let mut warnings = path.warnings;
     if let Some(deviation_mm) = path.deviation_written_mm.filter(|mm| *mm > widest) {
@@ -172,7 +178,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
 struct Divided {
     elements: Vec<ReportedElement>,
     per_initial: Vec<usize>,
-    lower_bound: usize,
+    lower_bound: Option<usize>,
 }
 
 fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided, Error> {
@@ -180,8 +186,8 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     let [from, to] = curve.domain();
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
-    let mut divided = Divided { elements: Vec::new(), per_initial: Vec::new(), lower_bound: 0 };
-    let mut outer_bound = None;
+    let mut divided = Divided { elements: Vec::new(), per_initial: Vec::new(), lower_bound: None };
+    let (mut outer_bound, mut guide) = (None, None);
     for initial_element in 0..count {
         let range = [at(initial_element), at(initial_element + 1)];
         let mut fitted = Vec::new();
@@ -189,6 +195,9 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             Subdivision::Bisection => bisection::bisect(&fitter, range, &mut fitted, budget)?,
             Subdivision::Least(joints) => {
                 least::fewest(&fitter, range, &mut fitted, budget)?;
+                if count == 1 {
+                    guide = Some(fitted.clone());
+                }
                 corners::keep_corners(&fitter, &mut fitted);
                 if joints == Joints::InBand {
                     let free = in_band(&fitter, &fitted, budget)?;
@@ -212,8 +221,19 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     }
     divided.lower_bound = match outer_bound {
         // The initial elements share joints that a path without them need not have.
-        Some(bound) => bound.saturating_sub(count - 1).max(1),
-        None => lower_bound::lower_bound(&fitter, [from, to], budget)?,
+        Some(bound) => Some(bound.saturating_sub(count - 1).max(1)),
+        None if job.subdivision == Subdivision::Bisection && divided.elements.len() > MOST_BOUNDED => None,
+        None => {
+            let guide = match guide {
+                Some(guide) => guide,
+                None => {
+                    let mut guide = Vec::new();
+                    least::fewest(&fitter, [from, to], &mut guide, budget)?;
+                    guide
+                }
+            };
+            Some(lower_bound::lower_bound(&fitter, &guide, budget)?)
+        }
     };
     Ok(divided)
 }
@@ -237,7 +257,8 @@ fn in_band(fitter: &Fitter<impl PlaneCurve>, on_curve: &[Fitted], budget: &Budge
                 least_mm: start.offset_mm.min(end.offset_mm),
                 most_mm: start.offset_mm.max(end.offset_mm),
             };
-            let is_in_band = -offsets.least_mm <= fitter.band.below_mm && offsets.most_mm <= fitter.band.above_mm;
+            let is_in_band =
+                -offsets.least_mm <= fitter.band.below_mm && offsets.most_mm <= fitter.band.above_mm;
             match judge(fitter.curve, &element, [start.t, end.t], Ends::Beside, &fitter.band) {
                 Verdict::Within(spread) if is_in_band => {
                     Some(Fitted { element, range: [start.t, end.t], spread: spread.hull(&offsets) })

@@ -121,10 +121,8 @@ pub enum Error {
         "the offset surface folds near {at}, or is too near to folding to tell: the cutter does not fit the surface"
     )]
     OffsetFolds { at: Point3<f64> },
-    #[error("{field} is {value_mm} mm, below the top of the surface at {top_mm} mm")]
-    HeightBelowTop { field: &'static str, value_mm: f64, top_mm: f64 },
-    #[error("clearance_z_mm is {clearance_mm} mm, below retract_z_mm at {retract_mm} mm")]
-    ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
+    #[error(transparent)]
+    Heights(#[from] HeightError),
     #[error("a tolerance of {tolerance_mm} mm cannot be held with {decimals} decimals; {least_mm:.6} mm can")]
     ToleranceBelowResolution { tolerance_mm: f64, decimals: u8, least_mm: f64 },
     #[error("the tolerance of {tolerance_mm} mm was not reached; {deviation_mm} mm was proved near {at}")]
@@ -156,19 +154,6 @@ impl From<Irregular> for Error {
             Irregular::Stopped(stopped) => Self::Stopped(stopped),
             Irregular::Overhang { at } => Self::Overhang { at },
             Irregular::Folds { at } => Self::OffsetFolds { at },
-        }
-    }
-}
-
-impl From<HeightError> for Error {
-    fn from(error: HeightError) -> Self {
-        match error {
-            HeightError::BelowTop { field, value_mm, top_mm } => {
-                Self::HeightBelowTop { field, value_mm, top_mm }
-            }
-            HeightError::ClearanceBelowRetract { clearance_mm, retract_mm } => {
-                Self::ClearanceBelowRetract { clearance_mm, retract_mm }
-            }
         }
     }
 }

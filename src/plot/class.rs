@@ -7,62 +7,77 @@ use crate::toolpath::Role;
 /// What a stroke stands for, in the order of drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
+    Band,
     Wire,
+    Curve,
     Rapid,
     Link,
     CutLine,
     CutArc,
     CutParabola,
     Entry,
+    Joint,
 }
 
 impl Class {
-    pub const ALL: [Class; 7] = [
+    pub const ALL: [Class; 10] = [
+        Class::Band,
         Class::Wire,
+        Class::Curve,
         Class::Rapid,
         Class::Link,
         Class::CutLine,
         Class::CutArc,
         Class::CutParabola,
         Class::Entry,
+        Class::Joint,
     ];
 
     /// The class in the style sheet.
     pub fn name(self) -> &'static str {
         match self {
+            Class::Band => "band",
             Class::Wire => "wire",
+            Class::Curve => "curve",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut",
             Class::CutArc => "cut-arc",
             Class::CutParabola => "cut-parabola",
             Class::Entry => "entry",
+            Class::Joint => "joint",
         }
     }
 
     /// The words of the legend.
     pub fn label(self) -> &'static str {
         match self {
+            Class::Band => "band",
             Class::Wire => "surface",
+            Class::Curve => "curve",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut, line",
             Class::CutArc => "cut, arc",
             Class::CutParabola => "cut, parabola",
             Class::Entry => "plunge, ramp, lead",
+            Class::Joint => "joint",
         }
     }
 
     /// Colours from the palette of Okabe and Ito, which colour-blind readers tell apart. Widths in mm of paper.
     fn style(self) -> &'static str {
         match self {
+            Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
+            Class::Curve => "stroke:#000;stroke-width:.13",
             Class::Rapid => "stroke:#d55e00;stroke-width:.18;stroke-dasharray:1.8 1.2;stroke-linecap:butt",
             Class::Link => "stroke:#b0508a;stroke-width:.3;stroke-dasharray:2.4 .7 .5 .7;stroke-linecap:butt",
             Class::CutLine => "stroke:#0072b2;stroke-width:.18",
             Class::CutArc => "stroke:#00734f;stroke-width:.35",
             Class::CutParabola => "stroke:#56b4e9;stroke-width:.5",
             Class::Entry => "stroke:#e69f00;stroke-width:.6;stroke-dasharray:.01 1",
+            Class::Joint => "stroke:#000;stroke-width:.8",
         }
     }
 }

@@ -60,7 +60,8 @@ impl Layout {
     pub fn of(scene: &Scene) -> Result<Self, NotDrawn> {
         let bounds = bounds(scene).ok_or(NotDrawn::Empty)?;
         let is_drawable = |p: &Point3<f64>| p.iter().all(|x| x.abs() <= LARGEST_MM);
-        if !(is_drawable(&bounds.min) && is_drawable(&bounds.max) && scene.drawing.points().all(is_drawable)) {
+        if !(is_drawable(&bounds.min) && is_drawable(&bounds.max) && scene.drawing.points().all(is_drawable))
+        {
             return Err(NotDrawn::TooLarge);
         }
         let extent = bounds.max - bounds.min;

@@ -18,11 +18,11 @@ fn feed() -> FeedRate {
 }
 
 fn of_path(toolpath: &Toolpath) -> String {
-    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), drawing: &Drawing::default() })
+    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), drawing: &super::Drawing::default() })
 }
 
 fn of_wires(surface: &[Vec<Point3<f64>>]) -> String {
-    let drawing = Drawing::of_surface(surface.to_vec());
+    let drawing = super::Drawing::of_surface(surface.to_vec());
     svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
 }
 
@@ -107,7 +107,10 @@ fn a_parabola_is_one_quadratic_curve_in_every_view() {
         let [fx, fy] = drawing.at(view, [0.0, 0.0]);
         let [cx, cy] = drawing.at(view, [x, y]);
         let [tx, ty] = drawing.at(view, if view == "left-side" { [0.0, 0.0] } else { [80.0, 0.0] });
-        assert_eq!(drawing.data(view, "cut-parabola"), Some(format!("M{fx} {fy}Q{cx} {cy} {tx} {ty}").as_str()));
+        assert_eq!(
+            drawing.data(view, "cut-parabola"),
+            Some(format!("M{fx} {fy}Q{cx} {cy} {tx} {ty}").as_str())
+        );
     }
     assert!(drawing.texts.iter().any(|text| text == "Moves: 0 rapid, 0 line, 0 arc, 1 parabola"));
     assert!(drawing.texts.iter().any(|text| text == "cut, parabola"));
@@ -261,7 +264,7 @@ proptest! {
     fn text_stays_text(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
         let square = square();
         let draw = |title: &str, notes: &[String]| {
-            svg(&Scene { title, notes, toolpath: Some(&square), drawing: &Drawing::default() })
+            svg(&Scene { title, notes, toolpath: Some(&square), drawing: &super::Drawing::default() })
         };
         let told = draw(&title, &notes);
         let document = roxmltree::Document::parse(&told).map_err(|e| TestCaseError::fail(e.to_string()))?;

@@ -1,9 +1,9 @@
 //! Interpolated curves, judged by an evaluator that shares no code with what made them.
 
+mod bounds;
 mod evaluator;
 mod hyun_1992;
 mod least;
-mod bounds;
 mod refused;
 
 use serde_json::Value;

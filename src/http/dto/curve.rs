@@ -149,7 +149,8 @@ impl Graph {
         }
         let [from, to] = self.domain;
         if to - from < SHORTEST_DOMAIN_MM {
-            let detail = format!("from {from} to {to} mm; the domain must rise by at least {SHORTEST_DOMAIN_MM} mm");
+            let detail =
+                format!("from {from} to {to} mm; the domain must rise by at least {SHORTEST_DOMAIN_MM} mm");
             violations.add(&at, FieldCode::OutOfRange, detail);
         }
     }

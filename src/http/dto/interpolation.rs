@@ -272,8 +272,10 @@ pub struct ReportedElement {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct InterpolateReport {
     n_elements: usize,
-    /// Proved: no elements of this method, with joints as they are asked for, are fewer.
-    n_elements_lower_bound: usize,
+    /// Proved: no elements of this method, with joints as they are asked for, are fewer. Not told of more than 10,000 elements
+    /// by bisection.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_elements_lower_bound: Option<usize>,
     elements_per_initial: Vec<usize>,
     /// Of what is cut.
     length_mm: f64,

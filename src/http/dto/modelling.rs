@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::check::{Range, Violations};
 use super::meta::{self, Meta};
 use super::object;
-use super::point::Point;
+use super::point::{Coordinates, Point};
 use super::surface::Surface;
 use super::toolpath::Bounds;
 use crate::config::Limits;
@@ -185,7 +185,7 @@ pub struct GeneralPatch {
 
 impl From<&BicubicPatch> for Patch {
     fn from(patch: &BicubicPatch) -> Self {
-        Self::Bicubic(Box::new(patch.net.map(|row| row.map(Point::from))))
+        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Coordinates(p.into())))))
     }
 }
 
@@ -195,7 +195,7 @@ impl<const N: usize> From<&RationalPatch<N>> for Patch {
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
         };
-        let mut points = patch.control_points().map(Point::from);
+        let mut points = patch.control_points().map(|p| Coordinates(p.into()));
         Self::General(GeneralPatch {
             degree: [p, q],
             net: (0..=p).map(|_| points.by_ref().take(q + 1).collect()).collect(),

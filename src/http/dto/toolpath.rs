@@ -9,6 +9,7 @@ use crate::toolpath as core;
 use crate::toolpath::cutting::{Caution, Cutting};
 use crate::toolpath::measure;
 use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::units::{Acceleration, FeedRate};
 
 /// Something to know that does not stop the job.
 #[derive(Debug, Serialize, ToSchema)]
@@ -38,6 +39,10 @@ pub enum WarningCode {
     NoNormal,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart,
+    /// Rounding to the program's decimals may leave the band.
+    RoundingLeavesBand,
+    /// The cutter is too large for some of the contour.
+    ContourNotReached,
     /// The program starts no spindle.
     NoSpindleSpeed,
     /// The tool is cut with the length of another place of the table.
@@ -96,8 +101,10 @@ pub struct Bounds {
 }
 
 impl Measures {
-    /// Measures `toolpath` on the machine of `cutting`.
-    pub fn of(toolpath: &core::Toolpath, cutting: &Cutting) -> Self {
+    /// Measures `toolpath` on the machine of `cutting`, or on one of which nothing is known.
+    pub fn of(toolpath: &core::Toolpath, cutting: Option<&Cutting>) -> Self {
+        let rapid_feed = cutting.map_or(FeedRate::DEFAULT_RAPID, |cutting| cutting.rapid_feed);
+        let acceleration = cutting.map_or(Acceleration::DEFAULT, |cutting| cutting.acceleration);
         let measure::Measures {
             cutting_length_mm,
             rapid_length_mm,
@@ -107,7 +114,7 @@ impl Measures {
             total_time_s,
             counts: measure::MoveCounts { rapid, line, arc, parabola, spline },
             bounds: measure::Bounds { min, max },
-        } = measure::measure(toolpath, cutting.rapid_feed);
+        } = measure::measure(toolpath, rapid_feed);
         Self {
             cutting_length_mm,
             rapid_length_mm,
@@ -115,7 +122,7 @@ impl Measures {
             rapid_time_s,
             total_time_s,
             dwell_time_s,
-            time_with_acceleration_s: motion_time(toolpath, cutting.rapid_feed, cutting.acceleration),
+            time_with_acceleration_s: motion_time(toolpath, rapid_feed, acceleration),
             moves: MoveCounts { rapid, line, arc, parabola, spline },
             bounds: Bounds { min: min.into(), max: max.into() },
         }
@@ -167,7 +174,6 @@ mod tests {
     use super::*;
     use crate::geometry::{curve, plane};
     use crate::toolpath::cutting::CuttingRequest;
-    use crate::toolpath::units::FeedRate;
 
     #[test]
     fn times_are_left_out_where_moves_have_no_feed() {
@@ -176,7 +182,7 @@ mod tests {
         for (rate, times) in [(rate, [json!(3.0), json!(3.0)]), (None, [json!(null), json!(null)])] {
             let mut builder = core::Toolpath::builder(Point3::origin());
             builder.line(Point3::new(3.0, 0.0, 0.0), rate, core::Role::Cut).expect("a line");
-            let measures = Measures::of(&builder.finish().expect("a toolpath"), &cutting);
+            let measures = Measures::of(&builder.finish().expect("a toolpath"), Some(&cutting));
             let measures = serde_json::to_value(measures).expect("JSON");
             assert_eq!(measures["cutting_length_mm"], 3.0);
             assert_eq!(["cutting_time_s", "total_time_s"].map(|name| measures[name].clone()), times);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use axum::response::Response;
+use nalgebra::{Point2, Point3};
 
 use crate::budget::Budget;
 use crate::http::App;
@@ -16,7 +17,8 @@ use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
-use crate::operations::interpolation::{self, Plan};
+use crate::operations::interpolation::{self, Plan, Sketch};
+use crate::plot::Drawing;
 
 /// Interpolates a plane curve within a band and answers the elements, the NC program that runs them, or a picture.
 #[utoipa::path(post, path = "/v1/curves/interpolate", operation_id = "interpolateCurve", tag = "curves",
@@ -33,25 +35,38 @@ pub async fn interpolate_curve(
 fn interpolate(job: InterpolateJob, budget: &Budget) -> Result<Outcome<InterpolateReport>, ApiError> {
     let InterpolateJob { job, tool, program, dialect, meta } = job;
     let plan = interpolation::plan(&job, budget)?;
-    let drawing = interpolation::drawing(&plan, &job.band);
-    let Plan { curve: _, toolpath, report, cutting, warnings } = plan;
+    let Plan { curve, toolpath, report, cutting, warnings } = plan;
+    let (elements, height) = (report.elements.clone(), job.z_mm);
+    let band = job.band;
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments: vec![proved(&report)] }),
         report: InterpolateReport::from(report),
         nc: None,
-        drawing: Box::new(move || drawing.clone()),
+        drawing: Box::new(move || drawing(interpolation::sketch(&curve, &band, &elements), height)),
     })
+}
+
+/// The sketch at the height of the contour.
+fn drawing(sketch: Sketch, z_mm: f64) -> Drawing {
+    let lift = |points: Vec<Point2<f64>>| points.into_iter().map(|p| Point3::new(p.x, p.y, z_mm)).collect();
+    let Sketch { curve, band, joints } = sketch;
+    Drawing {
+        curve: vec![lift(curve)],
+        band: band.map(lift).into(),
+        joints: lift(joints),
+        ..Drawing::default()
+    }
 }
 
 /// The proved figures for a program's header, rounded up.
 fn proved(report: &interpolation::Report) -> String {
     let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
+    let least = report.n_elements_lower_bound.map(|least| format!(" - AT LEAST {least}")).unwrap_or_default();
     format!(
-        "{} ELEMENTS - AT LEAST {} - PROVED DEVIATION {:.4} MM",
+        "{} ELEMENTS{least} - PROVED DEVIATION {:.4} MM",
         report.elements.len(),
-        report.n_elements_lower_bound,
         up(report.deviation_max_mm)
     )
 }

@@ -14,6 +14,7 @@ use crate::http::dto::program_writing::{WriteJob, WriteReport, WriteRequest};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Programs, Wanted};
+use crate::plot::Drawing;
 use crate::post::{self, ProgramJob};
 
 /// Writes a toolpath as an NC program, with a certificate of how far rounding has moved it.
@@ -44,9 +45,9 @@ fn write(job: WriteJob, budget: &Budget) -> Result<Outcome<WriteReport>, ApiErro
         meta,
         warnings: Vec::new(),
         report,
-        cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments: Vec::new() }),
+        cut: Some(Cut { toolpath, tool, cutting: Some(cutting), program, dialect, comments: Vec::new() }),
         nc: Some(written.text),
-        surface_wires: Box::new(Vec::new),
+        drawing: Box::new(Drawing::default),
     })
 }
 

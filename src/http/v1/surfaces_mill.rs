@@ -19,6 +19,7 @@ use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
 use crate::operations::surface_milling::{self, Plan};
+use crate::plot::Drawing;
 
 /// Plans the finishing of a surface and answers the toolpath, the NC program that cuts it, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/mill", operation_id = "millSurface", tag = "surfaces",
@@ -42,13 +43,13 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
         cut: Some(Cut {
             toolpath,
             tool: Some(job.tool),
-            cutting,
+            cutting: Some(cutting),
             program,
             dialect,
             comments: vec![proved(&report)],
         }),
         nc: None,
-        surface_wires: Box::new(move || sketch(&job.surface)),
+        drawing: Box::new(move || Drawing::of_surface(sketch(&job.surface))),
     })
 }
 

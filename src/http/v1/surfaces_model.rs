@@ -17,6 +17,7 @@ use crate::http::extract::JobBody;
 use crate::http::pointer::Pointer;
 use crate::http::wanted::{Models, Wanted};
 use crate::operations::surface_model::{self, Error};
+use crate::plot::Drawing;
 
 /// Models a surface and answers what it is like, or a picture of it.
 #[utoipa::path(post, path = "/v1/surfaces/model", operation_id = "modelSurface", tag = "surfaces",
@@ -41,7 +42,7 @@ fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiErro
         report: ModelReport::new(model, with_patches)?,
         cut: None,
         nc: None,
-        surface_wires: Box::new(move || wires.clone()),
+        drawing: Box::new(move || Drawing::of_surface(wires.clone())),
     })
 }
 

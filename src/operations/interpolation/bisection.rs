@@ -4,8 +4,8 @@
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
 //! 1992, section 2, steps 1 to 4.
 
-use super::fit::{Fitted, Fitter};
 use super::Error;
+use super::fit::{Fitted, Fitter};
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 

@@ -116,7 +116,12 @@ impl Corridor {
     ///
     /// # Errors
     /// When the budget ends.
-    pub fn fewest(&self, curve: &impl PlaneCurve, edges: Edges, budget: &Budget) -> Result<Option<Vec<Joint>>, Stopped> {
+    pub fn fewest(
+        &self,
+        curve: &impl PlaneCurve,
+        edges: Edges,
+        budget: &Budget,
+    ) -> Result<Option<Vec<Joint>>, Stopped> {
         let [left, right] = self.chains(edges);
         if left.iter().chain(&right).any(|p| !(p.x.is_finite() && p.y.is_finite())) {
             return Ok(None);
@@ -202,9 +207,7 @@ fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
     let width = to - from;
     match band.measure {
         // A function whose slope varies by s, or whose second derivative is at most c.
-        Measure::Vertical => {
-            (0.25 * first[1].width() * width).min(0.125 * second[1].mag() * width * width)
-        }
+        Measure::Vertical => (0.25 * first[1].width() * width).min(0.125 * second[1].mag() * width * width),
         Measure::Normal => {
             let along = curve.derivative(0.5 * (from + to)).normalize();
             let [x, y] = first;
@@ -348,7 +351,8 @@ impl Walk<'_> {
     /// Finds the links; `false` when it is stuck.
     fn walk(&mut self, tangent: impl Fn(usize) -> Vector2<f64>, budget: &Budget) -> Result<bool, Stopped> {
         let start = (0, self.left[0]);
-        let (mut left, mut right) = (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
+        let (mut left, mut right) =
+            (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
         let mut origin = start;
         while self.links.len() <= self.left.len() {
             budget.check()?;
@@ -375,7 +379,9 @@ impl Walk<'_> {
                 }
             };
             let Some((side, blocked)) = blocked else {
-                let (Some(steepest), Some(flattest)) = (bundle.steepest, bundle.flattest) else { return Ok(false) };
+                let (Some(steepest), Some(flattest)) = (bundle.steepest, bundle.flattest) else {
+                    return Ok(false);
+                };
                 self.finish(self.left.len() - 1, steepest, flattest);
                 return Ok(true);
             };

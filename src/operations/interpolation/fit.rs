@@ -75,6 +75,28 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         strains.fold(f64::INFINITY, f64::min)
     }
 
+    /// As `strain`, for lines along a curve that bends to one side only: there the deviation is largest where the curve runs
+    /// along the line, which takes a few tangents to find.
+    pub fn strain_of_hump(&self, [from, to]: [f64; 2]) -> f64 {
+        let Some(line) = self.element(Shape::Line, [from, to]) else { return f64::INFINITY };
+        let along = line.end() - line.start();
+        let turned = |t: f64| along.perp(&self.curve.derivative(t));
+        let (at_from, at_to) = (turned(from), turned(to));
+        // The last parameter of a piece that ends in a corner has the tangent of the next.
+        if at_from == 0.0 || at_to == 0.0 || (at_from > 0.0) == (at_to > 0.0) {
+            return self.strain([from, to]);
+        }
+        let sign = at_from.signum();
+        let top = root(|t| sign * turned(t), [from, to], 1e-7);
+        self.part(self.distance(&line, top, 0.5))
+    }
+
+    /// A distance of the curve to the left of an element in parts of the side of the band it is on.
+    fn part(&self, distance: f64) -> f64 {
+        let Band { below_mm, above_mm, .. } = self.band;
+        if distance > 0.0 { distance / (below_mm + GUARD_MM) } else { -distance / (above_mm + GUARD_MM) }
+    }
+
     fn element(&self, shape: Shape, [from, to]: [f64; 2]) -> Option<Element> {
         let [start, end] = [from, to].map(|t| self.curve.point(t));
         match shape {
@@ -108,20 +130,22 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         for (k, distance) in read.iter_mut().enumerate().take(SAMPLES + 1).skip(1) {
             *distance = at(k as f64 * step);
         }
-        let limits = [self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM];
-        // In parts of the side of the band it is on.
-        let part = |distance: f64| if distance > 0.0 { distance / limits[0] } else { -distance / limits[1] };
         let (mut best, mut most) = (1, 0.0);
         for (k, distance) in read.iter().enumerate() {
-            if part(*distance) > most {
-                (best, most) = (k, part(*distance));
+            if self.part(*distance) > most {
+                (best, most) = (k, self.part(*distance));
             }
         }
         if !most.is_finite() {
             return f64::INFINITY;
         }
         // Other peaks that are nearly as high are found by the proof, if at all.
-        climb(|s| part(at(s)), best as f64 * step, step, [best - 1, best, best + 1].map(|k| part(read[k])))
+        climb(
+            |s| self.part(at(s)),
+            best as f64 * step,
+            step,
+            [best - 1, best, best + 1].map(|k| self.part(read[k])),
+        )
     }
 
     /// The arc whose deviations use both sides of the band alike; a line where it would be too flat to be run as an arc.
@@ -135,20 +159,23 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             self.curve.point(from + (to - from) * ((k + 1) as f64 / (SAMPLES + 1) as f64))
         });
         let bulges = points.map(|p| bulge_through(p, start, chord / (2.0 * half), half));
-        let [low, high] = bulges.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], b| [low.min(*b), high.max(*b)]);
+        let [low, high] = bulges
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], b| [low.min(*b), high.max(*b)]);
         if !(low.is_finite() && high.is_finite()) {
             return None;
         }
         let (below, above) = (self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM);
         // Every distance falls as the bulge grows: the root of what the sides lack.
         let lack = |bulge: f64| {
-            let arc = PlaneArc::with_bulge(start, end, bulge).map_or(Element::Line { start, end }, Element::Arc);
+            let arc =
+                PlaneArc::with_bulge(start, end, bulge).map_or(Element::Line { start, end }, Element::Arc);
             let distances = points.map(|p| arc.foot(p, 0.5).distance);
             let left = distances.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
             let right = -distances.iter().fold(f64::INFINITY, |a, b| a.min(*b));
             left * above - right * below
         };
-        let bulge = root(lack, [low, high]);
+        let bulge = root(lack, [low, high], 1e-12);
         let line = Element::Line { start, end };
         let distances = points.map(|p| line.foot(p, 0.5).distance);
         let is_straight = distances.iter().all(|distance| (-above..=below).contains(distance));
@@ -170,8 +197,9 @@ fn bulge_through(p: Point2<f64>, start: Point2<f64>, along: Vector2<f64>, half: 
     2.0 * half * y / ((from.norm() * from_end) - k)
 }
 
-/// The root of a falling function between two places, by regula falsi (the Illinois variant), to rounding.
-fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+/// The root of a falling function between two places, by regula falsi (the Illinois variant), to a part of the width.
+fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64 {
+    let width = high - low;
     let (mut at_low, mut at_high) = (f(low), f(high));
     if !(at_low > 0.0 && at_high < 0.0) {
         return if at_low.abs() <= at_high.abs() { low } else { high };
@@ -179,10 +207,11 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     let mut side = 0;
     for _ in 0..BULGE_STEPS {
         let next = (low * at_high - high * at_low) / (at_high - at_low);
-        if !(low < next && next < high) || high - low <= 1e-12 * (low.abs() + high.abs()) {
+        if !(low < next && next < high) {
             break;
         }
         let value = f(next);
+        let step = (next - low).min(high - next);
         if value > 0.0 {
             (low, at_low) = (next, value);
             if side == 1 {
@@ -196,6 +225,9 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
             }
             side = -1;
         } else {
+            return next;
+        }
+        if step <= part * width {
             return next;
         }
     }

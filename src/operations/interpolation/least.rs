@@ -9,15 +9,15 @@
 //!    reach farther. Both are tried.
 //!
 //! # Guarantees
-//! Every element is proved. Joints are as far on as they can be, to a part of 1e-9 of the element. How far the count may be
+//! Every element is proved. Joints are as far on as they can be, to a part of 2e-7 of the element. How far the count may be
 //! from the least of all is told by the lower bound.
 //!
 //! # Cost
 //! O(n) for n elements: some 10 strains and 2 proofs each.
 
+use super::Error;
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
-use super::Error;
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
@@ -27,11 +27,12 @@ const LENGTH_STEPS: usize = 60;
 /// The length is found to this part of itself.
 const LENGTH_PART: f64 = 1e-9;
 
-/// A strain this little below one is at the edge of the band.
-const STRAIN_PART: f64 = 2e-10;
+/// A strain this little below one is at the edge of the band: nearer to it proofs take longer, and elements grow by less than
+/// a part of 1e-7.
+const STRAIN_PART: f64 = 2e-7;
 
 /// Parts by which a length is shortened until its element is proved; after them it is halved.
-const SHORTER: [f64; 5] = [0.0, 2e-9, 1e-7, 1e-5, 1e-3];
+const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
 /// Where else a joint is tried, in parts of the element before it, and where a longer element, in parts of the longest.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
@@ -88,13 +89,24 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     /// When no element stays within the band however short.
     pub fn longest(&self, [from, most]: [f64; 2], guess: f64) -> Result<Fitted, Error> {
         let room = most - from;
-        let mut length = self.limit_length(from, room, guess.min(room));
-        if length < room && self.may_fit_again([from, (from + 2.0 * length).min(most)]) {
+        let guess = guess.min(room);
+        let is_bent_one_way = !self.may_fit_again([from, (from + 2.0 * guess).min(most)]);
+        let mut length = if is_bent_one_way {
+            let hump = |length: f64| self.strain_of_hump([from, from + length]);
+            limit_length(hump, from, [guess, (2.0 * guess).min(room)])
+        } else {
+            limit_length(|length| self.strain([from, from + length]), from, [guess, room])
+        };
+        if length >= 2.0 * guess && length < room {
+            return self.longest([from, most], length);
+        }
+        if length < room && !is_bent_one_way {
             // It may fit again farther on, where the curve has turned back.
             for factor in LONGER {
                 let farther = (length * factor).min(room);
                 if self.strain([from, from + farther]) <= 1.0 {
-                    length = self.limit_length(from, room, farther).max(length);
+                    let strain = |length: f64| self.strain([from, from + length]);
+                    length = limit_length(strain, from, [farther, room]).max(length);
                 }
             }
         }
@@ -105,44 +117,6 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         }
         self.longest_proved([from, most], length)
-    }
-
-    /// The length at which the strain is one, or all the room there is.
-    ///
-    /// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the root,
-    /// within what is bracketed.
-    fn limit_length(&self, from: f64, room: f64, guess: f64) -> f64 {
-        let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut length = guess;
-        let mut last: Option<(f64, f64)> = None;
-        for _ in 0..LENGTH_STEPS {
-            let strain = self.strain([from, from + length]).max(1e-12);
-            if strain <= 1.0 {
-                low = length;
-                if length >= room || strain >= 1.0 - STRAIN_PART {
-                    break;
-                }
-            } else {
-                high = length;
-            }
-            if high - low <= LENGTH_PART * low || high <= f64::EPSILON * (from.abs() + room) {
-                break;
-            }
-            let here = (length.ln(), strain.ln());
-            // Of the two shapes' powers, two for lines and three for parabolas.
-            let power = last.map(|last: (f64, f64)| (here.1 - last.1) / (here.0 - last.0)).filter(|p| (0.5..8.0).contains(p));
-            last = Some(here);
-            let next = (here.0 - (here.1 + 0.5 * STRAIN_PART) / power.unwrap_or(2.3)).exp().clamp(0.1 * length, 4.0 * length);
-            length = if low < next && next < high {
-                next
-            } else if high.is_finite() {
-                if low > 0.0 { (low * high).sqrt() } else { 0.5 * high }
-            } else {
-                2.0 * low
-            };
-            length = length.min(room);
-        }
-        if low > 0.0 { low } else { length }
     }
 
     /// As `longest`, by proofs alone: for curves whose deviation samples do not tell.
@@ -202,7 +176,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             if self.strain([at, beyond]) > 1.0 || self.strain([start, at]) > 1.0 {
                 continue;
             }
-            let (Some(earlier), Ok(longer)) = (self.fit([start, at]), self.longest([at, most], beyond - at)) else {
+            let (Some(earlier), Ok(longer)) = (self.fit([start, at]), self.longest([at, most], beyond - at))
+            else {
                 continue;
             };
             if longer.range[1] > best.map_or(reached, |[_, longer]| longer.range[1]) {
@@ -211,4 +186,46 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         best
     }
+}
+
+/// The length at which the strain is one, or all the room there is.
+///
+/// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the root,
+/// within what is bracketed.
+fn limit_length(strain: impl Fn(f64) -> f64, from: f64, [guess, room]: [f64; 2]) -> f64 {
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    let mut length = guess;
+    let mut last: Option<(f64, f64)> = None;
+    for _ in 0..LENGTH_STEPS {
+        let strain = strain(length).max(1e-12);
+        if strain <= 1.0 {
+            low = length;
+            if length >= room || strain >= 1.0 - STRAIN_PART {
+                break;
+            }
+        } else {
+            high = length;
+        }
+        if high - low <= LENGTH_PART * low || high <= f64::EPSILON * (from.abs() + room) {
+            break;
+        }
+        let here = (length.ln(), strain.ln());
+        // Of the two shapes' powers, two for lines and three for parabolas.
+        let power = last
+            .map(|last: (f64, f64)| (here.1 - last.1) / (here.0 - last.0))
+            .filter(|p| (0.5..8.0).contains(p));
+        last = Some(here);
+        let next = (here.0 - (here.1 + 0.5 * STRAIN_PART) / power.unwrap_or(2.3))
+            .exp()
+            .clamp(0.1 * length, 4.0 * length);
+        length = if low < next && next < high {
+            next
+        } else if high.is_finite() {
+            if low > 0.0 { (low * high).sqrt() } else { 0.5 * high }
+        } else {
+            2.0 * low
+        };
+        length = length.min(room);
+    }
+    if low > 0.0 { low } else { length }
 }

@@ -29,20 +29,22 @@
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
-use super::Error;
-use super::fit::Fitter;
+use super::fit::{Fitted, Fitter};
 use super::job::Method;
-use crate::budget::Budget;
+use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Ends, GUARD_MM, Measure, Verdict, judge};
 use crate::geometry::element::Element;
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
-/// The reach is looked at this part of an element farther on than the longest that was found.
-const BEYOND_PART: f64 = 1e-6;
+/// How much farther than guessed an element is looked at, in parts of its length: the first that is outside bounds the reach.
+const BEYOND_PARTS: [f64; 5] = [1e-6, 1e-4, 1e-3, 1e-2, 5e-2];
 
-/// Cells over which the curve is seen to be convex.
-const CELLS: usize = 16;
+/// How often a range is halved until the curve is seen to be convex there.
+const HALVINGS: u32 = 4;
+
+/// Elements between two looks at the budget.
+const STEPS_BETWEEN_CHECKS: usize = 16;
 
 /// Where the four points stand that rule out an arc or a parabola: those of Chebyshev, in parts of the range.
 const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
@@ -54,19 +56,27 @@ const LINE_POINTS: usize = 17;
 const GROWTH: f64 = 1.04;
 const REFINEMENTS: usize = 8;
 
-/// A bound for the number of elements over `range`.
+/// A bound for the number of elements over the range of `guide`: elements that are each as long as they can be.
 ///
 /// # Errors
-/// When the budget ends, or no element stays within the band however short.
-pub fn lower_bound(fitter: &Fitter<impl PlaneCurve>, range: [f64; 2], budget: &Budget) -> Result<usize, Error> {
-    let [from, to] = range;
-    let (mut before, mut reached, mut count) = (from, from, 0);
-    let mut guess = to - from;
+/// When the budget ends.
+pub fn lower_bound(
+    fitter: &Fitter<impl PlaneCurve>,
+    guide: &[Fitted],
+    budget: &Budget,
+) -> Result<usize, Stopped> {
+    let (Some(first), Some(last)) = (guide.first(), guide.last()) else { return Ok(0) };
+    let (from, to) = (first.range[0], last.range[1]);
+    let (mut before, mut reached, mut count, mut at) = (from, from, 0, 0);
     while reached < to {
-        if count % 16 == 0 {
+        if count % STEPS_BETWEEN_CHECKS == 0 {
             budget.check()?;
         }
-        let next = fitter.reach_at_most([before, reached, to], &mut guess)?;
+        while guide[at].range[1] <= reached {
+            at += 1;
+        }
+        let next =
+            fitter.reach_at_most([before, reached, to], guide[at].range, guide.get(at + 1).map(|g| g.range));
         (before, reached) = (reached, next);
         count += 1;
     }
@@ -74,20 +84,25 @@ pub fn lower_bound(fitter: &Fitter<impl PlaneCurve>, range: [f64; 2], budget: &B
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// A bound for where elements end that start between `before` and `start`. `guess` is the length of the last element.
-    fn reach_at_most(&self, [before, start, to]: [f64; 3], guess: &mut f64) -> Result<f64, Error> {
-        let longest = self.longest([start, to], *guess)?.range[1];
-        *guess = longest - start;
-        if longest >= to {
-            return Ok(to);
-        }
+    /// A bound for where elements end that start between `before` and `start`, which lies in `own`; `next` is the element
+    /// behind that.
+    fn reach_at_most(&self, [before, start, to]: [f64; 3], own: [f64; 2], next: Option<[f64; 2]>) -> f64 {
+        let Some(next) = next else { return to };
+        // As far into the next element as the start is into its own.
+        let part = (start - own[0]) / (own[1] - own[0]);
+        let length = next[0] + part * (next[1] - next[0]) - start;
         if self.method == Method::Linear {
-            let beyond = longest + BEYOND_PART * (longest - start);
-            if beyond < to && self.is_convex([before, beyond]) && self.is_outside([start, beyond]) {
-                return Ok(beyond);
+            for beyond in BEYOND_PARTS {
+                let end = start + length * (1.0 + beyond);
+                if end >= to || !self.is_convex([before, end]) {
+                    break;
+                }
+                if self.is_outside([start, end]) {
+                    return end;
+                }
             }
         }
-        Ok(self.free_reach([start, to], *guess))
+        self.free_reach([start, to], length)
     }
 
     /// Whether the chord over a range certainly leaves the band.
@@ -104,34 +119,44 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             return false;
         }
         let along = (self.curve.point(to) - self.curve.point(from)).normalize();
-        let (mut left, mut right) = (true, true);
-        let mut check = |a: f64, b: f64| {
-            let Enclosure { first, second, .. } = self.curve.enclose(a, b);
-            let turn = first[0] * second[1] - first[1] * second[0];
-            // A curve that is straight but for rounding is as good as convex.
-            let slack = 1e-12 * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
-            left &= turn.lo() >= -slack;
-            right &= turn.hi() <= slack;
-            let ahead = first[0] * along.x + first[1] * along.y;
-            let aside = first[1] * along.x - first[0] * along.y;
-            self.band.measure == Measure::Vertical || aside.mag() <= ahead.lo()
-        };
         let first = breaks.partition_point(|t| *t <= from);
         let last = breaks.partition_point(|t| *t < to).max(first);
-        // Where pieces join the curve has one tangent, or the directions on both sides leave the cone open.
+        let breaks = &breaks[first..last];
+        let (mut left, mut right) = (true, true);
         let mut start = from;
-        for end in breaks[first..last].iter().copied().chain([to]) {
-            let step = (end - start) / CELLS as f64;
-            for k in 0..CELLS {
-                let a = start + step * k as f64;
-                let b = if k + 1 == CELLS { end } else { a + step };
-                if !check(a, b) {
-                    return false;
+        for end in breaks.iter().copied().chain([to]) {
+            let mut open = vec![(start, end, HALVINGS)];
+            while let Some((a, b, halvings)) = open.pop() {
+                match self.turns([a, b], along) {
+                    Some(side) => (left, right) = (left && side[0], right && side[1]),
+                    None if halvings == 0 => return false,
+                    None => {
+                        let middle = 0.5 * (a + b);
+                        open.extend([(a, middle, halvings - 1), (middle, b, halvings - 1)]);
+                    }
                 }
             }
             start = end;
         }
-        (left || right) && self.turns_smoothly(&breaks[first..last])
+        (left || right) && self.turns_smoothly(breaks)
+    }
+
+    /// Whether the curve turns to the left, and to the right, over a range without breaks; a straight one does both. `None`
+    /// where it cannot be told, or by the normal measure where its tangents are not within half a right angle of `along`.
+    fn turns(&self, [from, to]: [f64; 2], along: Vector2<f64>) -> Option<[bool; 2]> {
+        let Enclosure { first, second, .. } = self.curve.enclose(from, to);
+        if self.band.measure == Measure::Normal {
+            let ahead = first[0] * along.x + first[1] * along.y;
+            let aside = first[1] * along.x - first[0] * along.y;
+            if aside.mag() > ahead.lo() {
+                return None;
+            }
+        }
+        let turn = first[0] * second[1] - first[1] * second[0];
+        // A curve that is straight but for rounding is as good as convex.
+        let slack = 1e-12 * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
+        let sides = [turn.lo() >= -slack, turn.hi() <= slack];
+        (sides[0] || sides[1]).then_some(sides)
     }
 
     /// Whether the tangent does not jump at any of `breaks`.
@@ -259,7 +284,9 @@ fn equidistant(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> Option<Point2<
     let middle = |p: Point2<f64>, q: Point2<f64>| nalgebra::center(&p, &q).coords;
     let rows = Matrix2::new(u.x, u.y, v.x, v.y);
     let right = Vector2::new(u.dot(&middle(a, b)), v.dot(&middle(c, d)));
-    rows.try_inverse().map(|inverse| Point2::from(inverse * right)).filter(|p| p.x.is_finite() && p.y.is_finite())
+    rows.try_inverse()
+        .map(|inverse| Point2::from(inverse * right))
+        .filter(|p| p.x.is_finite() && p.y.is_finite())
 }
 
 /// The width of the thinnest strip that holds four points.

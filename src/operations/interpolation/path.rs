@@ -47,7 +47,8 @@ pub fn path(
 ) -> Result<Path, Error> {
     let cutting = job.cutting.map(|cutting| cutting.above(TOP_MM.max(job.z_mm))).transpose()?;
     let stretches = runnable(curve, elements, job, budget)?;
-    let (chains, warnings) = (vec![stretches.iter().map(|stretch| stretch.element).collect::<Vec<_>>()], Vec::new());
+    let (chains, warnings) =
+        (vec![stretches.iter().map(|stretch| stretch.element).collect::<Vec<_>>()], Vec::new());
     let toolpath = toolpath(&chains, job, cutting.as_ref())?;
     let mut length_mm = 0.0;
     let mut seconds = Some(0.0);
@@ -96,7 +97,9 @@ fn runnable(
             Err(error) => return Err(error),
         }
         stretches.extend(
-            fitted.iter().map(|fitted| Stretch { element: fitted.element, deviation_mm: fitted.spread.largest_mm() }),
+            fitted
+                .iter()
+                .map(|fitted| Stretch { element: fitted.element, deviation_mm: fitted.spread.largest_mm() }),
         );
     }
     Ok(stretches)

@@ -18,7 +18,10 @@ const LARGEST_MM: f64 = 1e6;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// y(x) over a domain, mm.
-    Graph { expression: String, domain: [f64; 2] },
+    Graph {
+        expression: String,
+        domain: [f64; 2],
+    },
     /// The C2 cubic through points.
     Points(Vec<Point2<f64>>),
     Nurbs(Nurbs),

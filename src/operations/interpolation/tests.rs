@@ -1,80 +1,125 @@
+//! What the service's answers do not show: errors, limits, and joints.
+
 use super::*;
-use super::bisection::bisect; use super::least::fewest;
-use crate::budget::Budget;
-use crate::geometry::deviation::{Band, Measure};
-use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
-use crate::geometry::interval::Interval;
-use nalgebra::Vector2;
+use crate::geometry::deviation::{Band, GUARD_MM};
+use crate::toolpath::program::{Resolution, Units};
+use crate::toolpath::quantize::Parabolas;
 
-struct Wave { domain: [f64; 2] }
-impl PlaneCurve for Wave {
-    fn domain(&self) -> [f64; 2] { self.domain }
-    fn breaks(&self) -> &[f64] { &[] }
-    fn is_graph(&self) -> bool { true }
-    fn point(&self, t: f64) -> Point2<f64> { Point2::new(t, t.sin()) }
-    fn derivative(&self, t: f64) -> Vector2<f64> { Vector2::new(1.0, t.cos()) }
-    fn enclose(&self, from: f64, to: f64) -> Enclosure {
-        let (mid, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let slack = |x: f64| Interval::around(x, half * 1.000_001 + 1e-15);
-        Enclosure { point: [Interval::between(from, to), slack(mid.sin())], first: [Interval::point(1.0), slack(mid.cos())], second: [Interval::ZERO, slack(-mid.sin())] }
+fn job(curve: Source, method: Method, subdivision: Subdivision, mm: f64) -> Job {
+    Job {
+        curve,
+        method,
+        subdivision,
+        initial_elements: 1,
+        band: Band { below_mm: mm, above_mm: mm, measure: Measure::Normal },
+        compensation: None,
+        z_mm: 0.0,
+        cutting: None,
+        resolution: Resolution { units: Units::Mm, decimals: 3 },
+        element_limit: 10_000,
+        parabolas: Parabolas::InXy,
+    }
+}
+
+fn graph(expression: &str, domain: [f64; 2]) -> Source {
+    Source::Graph { expression: expression.into(), domain }
+}
+
+fn planned(job: &Job) -> Plan {
+    plan(job, &Budget::unlimited()).unwrap()
+}
+
+#[test]
+fn a_circle_is_few_arcs_and_many_lines() {
+    // A full circle about the origin, by rational quadratics.
+    let half = 0.5f64.sqrt();
+    let points = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]];
+    let circle = Source::Nurbs(crate::geometry::plane_curve::nurbs::Nurbs {
+        degree: 2,
+        knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
+        control_points: points.map(|[x, y]| Point2::new(10.0 * f64::from(x), 10.0 * f64::from(y))).into(),
+        weights: Some(vec![1.0, half, 1.0, half, 1.0, half, 1.0, half, 1.0]),
+    });
+    let least = Subdivision::Least(Joints::OnCurve);
+    let arcs = planned(&job(circle.clone(), Method::Arc, least, 1e-4)).report;
+    assert!(arcs.elements.len() <= 2 && arcs.deviation_max_mm < 1e-6, "{arcs:?}");
+    assert!((arcs.length_mm - 20.0 * std::f64::consts::PI).abs() < 1e-9);
+    // Chords of sagitta e turn by 2 acos(1 - e / r): no count of them is smaller.
+    for mm in [1e-1, 1e-2, 1e-3] {
+        let lines = planned(&job(circle.clone(), Method::Linear, least, mm)).report;
+        let exact = std::f64::consts::PI / (1.0 - (mm + GUARD_MM) / 10.0).acos();
+        assert_eq!(lines.elements.len(), exact.ceil() as usize, "{mm}");
+        let bound = lines.n_elements_lower_bound.unwrap();
+        assert!(bound <= lines.elements.len() && bound + 1 >= lines.elements.len(), "{mm} {bound}");
     }
 }
 
 #[test]
-fn counts() {
-    let wave = Wave { domain: [0.0, 6.5] };
-    for measure in [Measure::Vertical, Measure::Normal] {
-        for method in [Method::Linear, Method::Parabolic, Method::Arc, Method::Mixed] {
-            for mm in [0.1, 0.01, 0.001, 1e-4] {
-                let band = Band { below_mm: mm, above_mm: mm, measure };
-                let fitter = Fitter { curve: &wave, method, band, element_limit: 100_000 };
-                let mut bisected = Vec::new();
-                bisect(&fitter, [0.0, 6.5], &mut bisected, &Budget::unlimited()).unwrap();
-                let mut least = Vec::new();
-                let now = std::time::Instant::now();
-                let result = fewest(&fitter, [0.0, 6.5], &mut least, &Budget::unlimited());
-                println!("{measure:?} {method:?} {mm}: bisection {} least {} {result:?} {:?}", bisected.len(), least.len(), now.elapsed() / least.len() as u32);
-                let now = std::time::Instant::now(); let lb = super::lower_bound::lower_bound(&fitter, [0.0, 6.5], &Budget::unlimited()); println!("   lower {lb:?} {:?}", now.elapsed()); let f = least[least.len()-1].range; let g = least[least.len()-2].range; println!("   last {}", (f[1]-f[0])/(g[1]-g[0]));
-            }
-        }
+fn corners_are_kept_where_that_costs_nothing() {
+    let text = "l(0,0) l(30,0) l(30,20) l(0,20) l(0,0)";
+    let square = planned(&job(
+        Source::SectionCurve(text.into()),
+        Method::Linear,
+        Subdivision::Least(Joints::OnCurve),
+        0.05,
+    ));
+    let ends: Vec<_> = square.report.elements.iter().map(|element| element.element.end()).collect();
+    assert_eq!(ends, [[30.0, 0.0], [30.0, 20.0], [0.0, 20.0], [0.0, 0.0]].map(Point2::from));
+    assert!(square.report.deviation_max_mm < 1e-9);
+}
+
+#[test]
+fn a_straight_line_is_one_element_even_without_a_band_on_one_side() {
+    for method in [Method::Linear, Method::Parabolic, Method::Mixed, Method::Arc] {
+        let mut job = job(graph("3 - x/7", [0.0, 50.0]), method, Subdivision::Bisection, 0.01);
+        job.band.above_mm = 0.0;
+        let report = planned(&job).report;
+        assert_eq!((report.elements.len(), report.n_elements_lower_bound), (1, Some(1)), "{method:?}");
     }
-    // Tables
-    for method in [Method::Linear, Method::Parabolic, Method::Mixed] {
-        for n in 1..=8 {
-            let band = Band { below_mm: 0.1, above_mm: 0.1, measure: Measure::Normal };
-            let fitter = Fitter { curve: &wave, method, band, element_limit: 100_000 };
-            let mut per = vec![];
-            for k in 0..n {
-                let mut out = vec![];
-                bisect(&fitter, [6.5 * k as f64 / n as f64, 6.5 * (k + 1) as f64 / n as f64], &mut out, &Budget::unlimited()).unwrap();
-                per.push((out.len(), out.iter().map(|f| match f.element { crate::geometry::element::Element::Line{..} => 1, _ => 2}).collect::<Vec<_>>()));
+}
+
+#[test]
+fn a_kink_and_an_upright_end_are_interpolated() {
+    for (expression, domain) in
+        [("abs(x-1)", [0.0, 3.0]), ("sqrt(x)", [0.0, 4.0]), ("sqrt(1-x^2)", [-1.0, 1.0])]
+    {
+        for method in [Method::Linear, Method::Parabolic, Method::Arc] {
+            for subdivision in [Subdivision::Bisection, Subdivision::Least(Joints::OnCurve)] {
+                let report = planned(&job(graph(expression, domain), method, subdivision, 0.01)).report;
+                assert!(report.elements.len() < 60, "{expression} {method:?} {}", report.elements.len());
+                assert!(report.deviation_max_mm <= 0.01 + GUARD_MM);
             }
-            println!("{method:?} {n}: {per:?}");
         }
     }
 }
 
 #[test]
-fn in_band() {
-    use super::corridor::*;
-    let wave = Wave { domain: [0.0, 6.5] };
-    for measure in [Measure::Vertical, Measure::Normal] {
-        for mm in [0.1, 0.01, 0.001, 1e-4] {
-            let band = Band { below_mm: mm, above_mm: mm, measure };
-            let fitter = Fitter { curve: &wave, method: Method::Linear, band, element_limit: 100_000 };
-            let mut least = Vec::new();
-            fewest(&fitter, [0.0, 6.5], &mut least, &Budget::unlimited()).unwrap();
-            let now = std::time::Instant::now();
-            let corridor = Corridor::new(&wave, least.iter().map(|f| f.range), band, &Budget::unlimited()).unwrap();
-            let inside = corridor.fewest(&wave, Edges::Inside, &Budget::unlimited()).unwrap();
-            let outside = corridor.fewest(&wave, Edges::Outside, &Budget::unlimited()).unwrap();
-            println!("{measure:?} {mm}: on curve {} in band {:?} lower {:?} {:?}", least.len(), inside.as_ref().map(|j| j.len() - 1), outside.map(|j| j.len() - 1), now.elapsed());
-            let joints = inside.unwrap();
-            for pair in joints.windows(2) {
-                let line = crate::geometry::element::Element::Line { start: pair[0].at, end: pair[1].at };
-                let v = crate::geometry::deviation::judge(&wave, &line, [pair[0].t, pair[1].t], crate::geometry::deviation::Ends::Beside, &band);
-                if !matches!(v, crate::geometry::deviation::Verdict::Within(_)) || pair[0].offset_mm.abs() > mm { println!("   {v:?} {pair:?}"); }
-            }
-        }
+fn a_control_without_parabolas_gets_arcs_within_the_same_band() {
+    let mut job = job(graph("sin(x)", [0.0, 6.5]), Method::Parabolic, Subdivision::Bisection, 0.01);
+    job.parabolas = Parabolas::AsLines;
+    let plan = planned(&job);
+    assert!(plan.report.elements.iter().all(|element| matches!(element.element, Element::Parabola { .. })));
+    let counts =
+        crate::toolpath::measure::measure(&plan.toolpath, crate::toolpath::units::FeedRate::DEFAULT_RAPID)
+            .counts;
+    assert_eq!(counts.parabola, 0);
+    assert!(counts.arc >= 6 && counts.arc + counts.line <= 20, "{counts:?}");
+}
+
+#[test]
+fn limits_and_budgets_end_it() {
+    let mut small = job(graph("sin(x)", [0.0, 6.5]), Method::Linear, Subdivision::Bisection, 1e-4);
+    small.element_limit = 100;
+    assert_eq!(plan(&small, &Budget::unlimited()).unwrap_err(), Error::TooManyElements { limit: 100 });
+    let budget = Budget::unlimited();
+    budget.cancel();
+    for subdivision in [Subdivision::Bisection, Subdivision::Least(Joints::InBand)] {
+        let job = job(
+            Source::Points(vec![Point2::new(0.0, 0.0), Point2::new(1.0, 2.0), Point2::new(3.0, 0.0)]),
+            Method::Linear,
+            subdivision,
+            0.01,
+        );
+        assert_eq!(plan(&job, &budget).unwrap_err(), Error::Stopped(Stopped::Cancelled));
     }
 }

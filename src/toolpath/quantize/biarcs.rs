@@ -51,12 +51,7 @@ pub enum NotRun {
 
 /// An upper bound for the distance between the parabola from the origin through the control point `control` to `end`,
 /// mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
-pub fn distance(
-    control: &Vector2<f64>,
-    end: &Vector2<f64>,
-    reach: f64,
-    unit_mm: f64,
-) -> Result<f64, NotRun> {
+pub fn distance(control: &Vector2<f64>, end: &Vector2<f64>, reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
     let parabola = Quadratic { b: *control, a: end - control * 2.0 };
     let mut farthest: f64 = 0.0;
     for k in 0..PARTS {
@@ -122,9 +117,7 @@ impl Quadratic {
         let (a, b, c) = (self.a.dot(along), self.b.dot(along), -meet.dot(along));
         // a u^2 + 2 b u + c rises over the part, from below zero to above it.
         let root = (b * b - a * c).max(0.0).sqrt();
-        [-c / (b + root), -c / (b - root)]
-            .into_iter()
-            .find(|u| (from..=to).contains(u) && b + a * u > 0.0)
+        [-c / (b + root), -c / (b - root)].into_iter().find(|u| (from..=to).contains(u) && b + a * u > 0.0)
     }
 
     /// The largest distance of a part from the arc between two points that starts along `tangent`.

@@ -70,7 +70,8 @@ impl Curve<'_> {
         for _ in 0..14 {
             const PARTS: usize = 16;
             let at = |k: usize| low + (high - low) * k as f64 / PARTS as f64;
-            let nearest = (0..=PARTS).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
+            let nearest =
+                (0..=PARTS).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
             best = best.min(distance(at(nearest)));
             (low, high) = (at(nearest.saturating_sub(1)), at((nearest + 1).min(PARTS)));
         }

@@ -103,7 +103,10 @@ async fn elements_of_the_tables_stay_within_the_band() {
             for (path, element) in moves(&answer).iter().zip(elements) {
                 let found = curve.deviation(path, domain(element));
                 let stated = element["deviation_mm"].as_f64().expect("a deviation");
-                assert!(found <= 0.1 + 1e-9 && found <= stated && stated <= 2.0 * found + 1e-6, "{found} {stated}");
+                assert!(
+                    found <= 0.1 + 1e-9 && found <= stated && stated <= 2.0 * found + 1e-6,
+                    "{found} {stated}"
+                );
             }
         }
     }
@@ -112,7 +115,9 @@ async fn elements_of_the_tables_stay_within_the_band() {
 /// By the vertical measure two cells miss: the middle element of n = 3 is 0.1156 from the curve, not 0.0898.
 #[tokio::test]
 async fn a_vertical_band_misses_two_cells() {
-    for (method, per_initial, shapes) in [("linear", &[3, 2, 3][..], &[1; 8][..]), ("mixed", &[1, 1, 1], &[2, 2, 2])] {
+    for (method, per_initial, shapes) in
+        [("linear", &[3, 2, 3][..], &[1; 8][..]), ("mixed", &[1, 1, 1], &[2, 2, 2])]
+    {
         let answer = answer(&json!({
             "curve": { "kind": "graph", "expression": "sin(x)", "domain": [0, 6.5] },
             "method": method, "initial_elements": 3,

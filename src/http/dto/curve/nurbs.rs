@@ -7,10 +7,10 @@ use utoipa::openapi::schema::{ArrayBuilder, Schema, SchemaType, Type};
 use super::check_points;
 use crate::config::Limits;
 use crate::geometry::plane_curve::nurbs as core;
+use crate::http::dto::check::Range;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::{PlanePoint, row_schema_of};
 use crate::http::dto::surface::nurbs::{WEIGHTS, check_knots, number};
-use crate::http::dto::check::Range;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 

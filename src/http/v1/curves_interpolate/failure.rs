@@ -28,7 +28,9 @@ impl From<Error> for ApiError {
             }
             Error::BandInfeasible { at } => {
                 let band = root.field("band");
-                Self::new(Code::BandInfeasible, detail).blaming(&band, FieldCode::OutOfRange).at([at.x, at.y, 0.0])
+                Self::new(Code::BandInfeasible, detail)
+                    .blaming(&band, FieldCode::OutOfRange)
+                    .at([at.x, at.y, 0.0])
             }
             Error::Heights(heights) => heights.into(),
             Error::Quantize(quantize) => quantize.into(),
@@ -49,7 +51,9 @@ impl From<SourceError> for ApiError {
             }
             SourceError::Undefined(undefined) => match undefined {
                 Undefined::Stopped(stopped) => stopped.into(),
-                Undefined::NoDomain => one(FieldError::new(&curve.field("domain"), FieldCode::OutOfRange, detail)),
+                Undefined::NoDomain => {
+                    one(FieldError::new(&curve.field("domain"), FieldCode::OutOfRange, detail))
+                }
                 Undefined::At { at, .. } | Undefined::Near { at, .. } | Undefined::NotRuledOut { at, .. } => {
                     one(FieldError::in_text(&expression, at, FieldCode::Undefined, detail))
                 }
@@ -61,7 +65,9 @@ impl From<SourceError> for ApiError {
                     InterpolantError::TooFewPoints { .. } => (points, FieldCode::TooFewPoints),
                     InterpolantError::Point { index } => (points.index(index), FieldCode::TooLarge),
                     InterpolantError::Coincident { index } => (points.index(index), FieldCode::Coincident),
-                    InterpolantError::Piece(_) | InterpolantError::Chain(_) => (points, FieldCode::OutOfRange),
+                    InterpolantError::Piece(_) | InterpolantError::Chain(_) => {
+                        (points, FieldCode::OutOfRange)
+                    }
                 };
                 one(FieldError::new(&at, code, detail))
             }
@@ -69,7 +75,9 @@ impl From<SourceError> for ApiError {
             SourceError::SectionCurve(fault) => {
                 one(FieldError::in_text(&curve.field("text"), fault.at, FieldCode::Syntax, detail))
             }
-            SourceError::InSpace => one(FieldError::new(&curve.field("text"), FieldCode::Unsupported, detail)),
+            SourceError::InSpace => {
+                one(FieldError::new(&curve.field("text"), FieldCode::Unsupported, detail))
+            }
         }
     }
 }
@@ -85,7 +93,7 @@ fn nurbs(fault: NurbsError, curve: &Pointer, detail: String) -> ApiError {
             (curve.field("weights").index(index), FieldCode::OutOfRange)
         }
         NurbsError::Gap { .. } => (curve.field("knots"), FieldCode::OutOfRange),
-        NurbsError::Chain(_) => (curve.clone(), FieldCode::OutOfRange),
+        NurbsError::Chain(_) | NurbsError::Piece(_) => (curve.clone(), FieldCode::OutOfRange),
     };
     ApiError::invalid(vec![FieldError::new(&at, code, detail)])
 }

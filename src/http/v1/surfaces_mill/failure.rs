@@ -1,41 +1,13 @@
 //! The failures of milling as the caller sees them.
 
-use crate::budget::Stopped;
-use crate::http::compute::Failure;
-use crate::http::error::{ApiError, Code, FieldCode, FieldError};
+use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling::Error;
-use crate::post::WriteError;
-use crate::toolpath::quantize::QuantizeError;
-
-impl From<Failure> for ApiError {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Overloaded => {
-                Self::new(Code::Overloaded, "every worker is busy and the queue is full; try again later")
-            }
-            Failure::DeadlinePassed => Stopped::DeadlinePassed.into(),
-            Failure::Panicked => Self::new(Code::InternalError, "the computation met a fault of the server"),
-        }
-    }
-}
-
-impl From<Stopped> for ApiError {
-    fn from(stopped: Stopped) -> Self {
-        match stopped {
-            // Nobody is left to read the answer to a cancelled request.
-            Stopped::Cancelled | Stopped::DeadlinePassed => {
-                Self::new(Code::DeadlinePassed, "the computation was not finished within the deadline")
-            }
-        }
-    }
-}
 
 impl From<Error> for ApiError {
     fn from(error: Error) -> Self {
         let detail = error.to_string();
         let root = Pointer::root();
-        let cutting = root.field("cutting");
         let strategy = root.field("strategy");
         match error {
             Error::Stopped(stopped) => stopped.into(),
@@ -47,14 +19,7 @@ impl From<Error> for ApiError {
             }
             Error::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
             Error::OffsetFolds { at } => Self::new(Code::OffsetFolds, detail).at(at.into()),
-            Error::HeightBelowTop { field, value_mm: _, top_mm: _ } => {
-                Self::new(Code::HeightBelowTop, detail)
-                    .blaming(&cutting.field(field), FieldCode::HeightBelowTop)
-            }
-            Error::ClearanceBelowRetract { clearance_mm: _, retract_mm: _ } => {
-                let at = cutting.field("clearance_z_mm");
-                Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
-            }
+            Error::Heights(heights) => heights.into(),
             Error::ToleranceBelowResolution { tolerance_mm: _, decimals: _, least_mm: _ } => {
                 Self::new(Code::ToleranceBelowDecimals, detail)
                     .blaming(&root.field("tolerance_mm"), FieldCode::ToleranceBelowDecimals)
@@ -74,59 +39,17 @@ impl From<Error> for ApiError {
     }
 }
 
-impl From<QuantizeError> for ApiError {
-    fn from(error: QuantizeError) -> Self {
-        let decimals = Pointer::root().field("program").field("decimals");
-        let detail = error.to_string();
-        match error {
-            QuantizeError::OutOfRange { value_mm: _ } => {
-                Self::invalid(vec![FieldError::new(&decimals, FieldCode::OutOfRange, detail)])
-            }
-            QuantizeError::TooManyPieces { limit: _ } => {
-                Self::new(Code::LimitExceeded, detail).blaming(&decimals, FieldCode::LimitExceeded)
-            }
-        }
-    }
-}
-
-impl From<WriteError> for ApiError {
-    fn from(error: WriteError) -> Self {
-        let program = Pointer::root().field("program");
-        let cutting = Pointer::root().field("cutting");
-        let detail = error.to_string();
-        let out_of_range = |at: Pointer, detail: String| {
-            Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
-        };
-        match error {
-            WriteError::Stopped(stopped) => stopped.into(),
-            WriteError::Quantize(quantize) => quantize.into(),
-            WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
-            WriteError::ProgramNumber { number: _, max: _ } => out_of_range(program.field("number"), detail),
-            // Fewer decimals leave more digits before the point.
-            WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
-            WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
-            WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
-            WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
-            // It may be the plunge feed, given or half of the other.
-            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
-            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
-            // What is left cannot come of a legal request.
-            WriteError::Dwell { seconds: _ }
-            | WriteError::LineTooLong { limit: _ }
-            | WriteError::Unreadable(_)
-            | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Point3;
 
     use super::*;
+    use crate::budget::Stopped;
     use crate::geometry::surface::joints::NotSmooth;
     use crate::geometry::surface::nurbs::NurbsError;
     use crate::geometry::surface::point_grid::GridError;
+    use crate::toolpath::cutting::HeightError;
+    use crate::toolpath::quantize::QuantizeError;
 
     /// What the caller is told: the code and the places to blame.
     fn told(error: Error) -> (Code, Vec<String>) {
@@ -142,12 +65,12 @@ mod tests {
             (Error::Overhang { at }, Code::Overhang, &[]),
             (Error::OffsetFolds { at }, Code::OffsetFolds, &[]),
             (
-                Error::HeightBelowTop { field: "retract_z_mm", value_mm: 1.0, top_mm: 2.0 },
+                Error::Heights(HeightError::BelowTop { field: "retract_z_mm", value_mm: 1.0, top_mm: 2.0 }),
                 Code::HeightBelowTop,
                 &["#/cutting/retract_z_mm"],
             ),
             (
-                Error::ClearanceBelowRetract { clearance_mm: 1.0, retract_mm: 2.0 },
+                Error::Heights(HeightError::ClearanceBelowRetract { clearance_mm: 1.0, retract_mm: 2.0 }),
                 Code::InvalidRequest,
                 &["#/cutting/clearance_z_mm"],
             ),

@@ -1,0 +1,94 @@
+//! The failures that all computing endpoints share, as the caller sees them.
+
+use super::compute::Failure;
+use super::error::{ApiError, Code, FieldCode, FieldError};
+use super::pointer::Pointer;
+use crate::budget::Stopped;
+use crate::post::WriteError;
+use crate::toolpath::cutting::HeightError;
+use crate::toolpath::quantize::QuantizeError;
+
+impl From<Failure> for ApiError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Overloaded => {
+                Self::new(Code::Overloaded, "every worker is busy and the queue is full; try again later")
+            }
+            Failure::DeadlinePassed => Stopped::DeadlinePassed.into(),
+            Failure::Panicked => Self::new(Code::InternalError, "the computation met a fault of the server"),
+        }
+    }
+}
+
+impl From<Stopped> for ApiError {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            // Nobody is left to read the answer to a cancelled request.
+            Stopped::Cancelled | Stopped::DeadlinePassed => {
+                Self::new(Code::DeadlinePassed, "the computation was not finished within the deadline")
+            }
+        }
+    }
+}
+
+impl From<QuantizeError> for ApiError {
+    fn from(error: QuantizeError) -> Self {
+        let decimals = Pointer::root().field("program").field("decimals");
+        let detail = error.to_string();
+        match error {
+            QuantizeError::OutOfRange { value_mm: _ } => {
+                Self::invalid(vec![FieldError::new(&decimals, FieldCode::OutOfRange, detail)])
+            }
+            QuantizeError::TooManyPieces { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&decimals, FieldCode::LimitExceeded)
+            }
+        }
+    }
+}
+
+impl From<WriteError> for ApiError {
+    fn from(error: WriteError) -> Self {
+        let program = Pointer::root().field("program");
+        let cutting = Pointer::root().field("cutting");
+        let detail = error.to_string();
+        let out_of_range = |at: Pointer, detail: String| {
+            Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
+        };
+        match error {
+            WriteError::Stopped(stopped) => stopped.into(),
+            WriteError::Quantize(quantize) => quantize.into(),
+            WriteError::Decimals { decimals: _, max: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::ProgramNumber { number: _, max: _ } => out_of_range(program.field("number"), detail),
+            // Fewer decimals leave more digits before the point.
+            WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
+            WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
+            WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
+            // It may be the plunge feed, given or half of the other.
+            WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
+            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
+            // What is left cannot come of a legal request.
+            WriteError::Dwell { seconds: _ }
+            | WriteError::LineTooLong { limit: _ }
+            | WriteError::Unreadable(_)
+            | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<HeightError> for ApiError {
+    fn from(error: HeightError) -> Self {
+        let detail = error.to_string();
+        let cutting = Pointer::root().field("cutting");
+        match error {
+            HeightError::BelowTop { field, value_mm: _, top_mm: _ } => {
+                Self::new(Code::HeightBelowTop, detail)
+                    .blaming(&cutting.field(field), FieldCode::HeightBelowTop)
+            }
+            HeightError::ClearanceBelowRetract { clearance_mm: _, retract_mm: _ } => {
+                let at = cutting.field("clearance_z_mm");
+                Self::invalid(vec![FieldError::new(&at, FieldCode::OutOfRange, detail)])
+            }
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! The curve, its band and the joints of its elements as points: what a picture shows beside the toolpath.
+
+use nalgebra::{Point2, Vector2};
+
+use super::ReportedElement;
+use crate::geometry::deviation::{Band, Measure};
+use crate::geometry::plane_curve::PlaneCurve;
+
+/// Points of the curve, more or less, and those for each element at least and at most.
+const POINTS: usize = 20_000;
+const POINTS_AN_ELEMENT: (usize, usize) = (2, 64);
+
+/// Polylines and points in the plane, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sketch {
+    pub curve: Vec<Point2<f64>>,
+    /// Below and above.
+    pub band: [Vec<Point2<f64>>; 2],
+    pub joints: Vec<Point2<f64>>,
+}
+
+/// Samples the curve along its elements.
+pub fn sketch(curve: &impl PlaneCurve, band: &Band, elements: &[ReportedElement]) -> Sketch {
+    let (least, most) = POINTS_AN_ELEMENT;
+    let each = (POINTS / elements.len().max(1)).clamp(least, most);
+    let mut sketch = Sketch { curve: Vec::new(), band: [Vec::new(), Vec::new()], joints: Vec::new() };
+    let mut take = |t: f64| {
+        let point = curve.point(t);
+        let across = match band.measure {
+            Measure::Vertical => Vector2::y(),
+            Measure::Normal => {
+                let along = curve.derivative(t);
+                Vector2::new(-along.y, along.x).try_normalize(0.0).unwrap_or_default()
+            }
+        };
+        sketch.curve.push(point);
+        for (edge, offset) in sketch.band.iter_mut().zip([-band.below_mm, band.above_mm]) {
+            edge.push(point + across * offset);
+        }
+    };
+    for element in elements {
+        let [from, to] = element.domain;
+        (0..each).for_each(|k| take(from + (to - from) * (k as f64 / each as f64)));
+    }
+    if let Some(last) = elements.last() {
+        take(last.domain[1]);
+        sketch.joints = elements.iter().map(|element| element.element.start()).collect();
+        sketch.joints.push(last.element.end());
+    }
+    sketch
+}

@@ -12,7 +12,7 @@
 //! # Guarantees
 //! * [`Verdict::Within`] is a proof: every point of the curve over the range lies within the band about the element, its
 //!   foot runs from one end of the element to the other, and so every point of the element is as near to the curve. All
-//!   is rounded outward; a band is kept to [`GUARD_MM`], for a curve that is a line has a deviation of rounding.
+//!   is rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
 //! * The spread is never below what readings show, and at most 5/4 of it and a quarter of a micrometre's thousandth.
 //! * [`Verdict::Outside`] is certain: a point is named at which the band is left.
 //!
@@ -29,8 +29,10 @@ use super::interval::Interval;
 use super::plane_curve::PlaneCurve;
 use gauge::{Gauge, Normal, Reading, Vertical};
 
-/// Bands are kept up to this, mm: a thousandth of the finest word of a program.
-pub const GUARD_MM: f64 = 1e-9;
+/// Bands are kept up to rounding: this, mm, and a part of the largest coordinate. A straight line must pass a band that has no
+/// room on one side.
+pub const GUARD_MM: f64 = 1e-12;
+pub const GUARD_PART: f64 = 256.0 * f64::EPSILON;
 
 /// A bound may exceed what was read by a part of it, and by this, mm.
 const LOOSE_PART: f64 = 0.25;
@@ -110,9 +112,10 @@ pub fn judge(
     ends: Ends,
     band: &Band,
 ) -> Verdict {
+    let limits = Limits::of(band, element);
     match band.measure {
-        Measure::Normal => search(&Normal { curve, element, from, to, ends }, curve, [from, to], band),
-        Measure::Vertical => search(&Vertical { curve, element }, curve, [from, to], band),
+        Measure::Normal => search(&Normal { curve, element, from, to, ends }, curve, [from, to], limits),
+        Measure::Vertical => search(&Vertical { curve, element }, curve, [from, to], limits),
     }
 }
 
@@ -125,8 +128,9 @@ struct Limits {
 
 impl Limits {
     /// The curve is to the right of an element that is to its left.
-    fn of(band: &Band) -> Self {
-        Self { least: -(band.above_mm + GUARD_MM), most: band.below_mm + GUARD_MM }
+    fn of(band: &Band, element: &Element) -> Self {
+        let guard = GUARD_MM + GUARD_PART * element.magnitude();
+        Self { least: -(band.above_mm + guard), most: band.below_mm + guard }
     }
 
     fn hold(&self, distance: Interval) -> bool {
@@ -139,8 +143,7 @@ impl Limits {
     }
 }
 
-fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> Verdict {
-    let limits = Limits::of(band);
+fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], limits: Limits) -> Verdict {
     let breaks = curve.breaks();
     let first = breaks.partition_point(|t| *t <= from);
     let last = breaks.partition_point(|t| *t < to).max(first);

@@ -109,7 +109,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         Some(bend - curvature.div(room) * speed.sqr())
     }
 
-    /// The distance changes no faster than the point moves; near an end the foot may run out of the element by as much.
+    /// The distance changes no faster than the point moves; near an end the foot may run out of the element by as much, and
+    /// on a bent element it may jump: what lies between the feet counts from one of them.
     fn reach(&self, a: &Reading, b: &Reading) -> Interval {
         let Enclosure { point: [x, y], .. } = self.curve.enclose(a.t, b.t);
         if !x.is_bounded() || !y.is_bounded() {
@@ -118,12 +119,16 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let way = x.width().hypot(y.width());
         let distance = a.distance + Interval::around(0.0, way);
         let speed = self.element.speed();
+        let jump = match self.element {
+            Element::Line { .. } => 0.0,
+            Element::Arc(_) | Element::Parabola { .. } => (b.u - a.u).abs() * speed.hi(),
+        };
         let is_inside = |u: f64| u.min(1.0 - u) * speed.lo() > way;
-        if self.ends == Ends::Beside || is_inside(a.u) {
+        if jump == 0.0 && (self.ends == Ends::Beside || is_inside(a.u)) {
             return distance;
         }
         let out = beyond(a.u) * speed.hi() + way;
-        let most = distance.mag().hypot(out);
+        let most = distance.mag().hypot(out).max(distance.mag() + jump);
         distance.hull(Interval::between(-most, most))
     }
 }

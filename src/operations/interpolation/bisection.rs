@@ -38,7 +38,7 @@ pub fn bisect(
             continue;
         }
         let middle = 0.5 * (from + to);
-        if fitter.is_least([from, to]) {
+        if fitter.is_least([from, to]) || fitter.is_hopeless([from, to]) {
             return Err(Error::BandInfeasible { at: fitter.curve.point(middle) });
         }
         open.push([middle, to]);

@@ -12,6 +12,11 @@ use crate::geometry::plane_curve::PlaneCurve;
 const SAMPLES: usize = 9;
 const PEAK_STEPS: usize = 4;
 
+/// A side of the band that is narrower than this part of the other has no room for an element that bends to it; one that is
+/// this much shorter than the other side would take is there by rounding.
+const NO_ROOM_PART: f64 = 1e-7;
+const HOPELESS_FACTOR: f64 = 1024.0;
+
 /// Steps in the search for the best bulge; it takes five to ten.
 const BULGE_STEPS: usize = 40;
 
@@ -95,6 +100,20 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     fn part(&self, distance: f64) -> f64 {
         let Band { below_mm, above_mm, .. } = self.band;
         if distance > 0.0 { distance / (below_mm + GUARD_MM) } else { -distance / (above_mm + GUARD_MM) }
+    }
+
+    /// Whether an element over `range` is so much shorter than one that both sides of the band would take if they were as wide
+    /// as the wider that it is the narrow side that has no room for any.
+    pub fn is_hopeless(&self, [from, to]: [f64; 2]) -> bool {
+        let Band { below_mm, above_mm, .. } = self.band;
+        if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) {
+            return false;
+        }
+        let wide = below_mm.max(above_mm);
+        let relaxed = Self { band: Band { below_mm: wide, above_mm: wide, ..self.band }, ..*self };
+        let [first, last] = self.curve.domain();
+        let length = HOPELESS_FACTOR * (to - from);
+        length < last - first && relaxed.fit(if from + length <= last { [from, from + length] } else { [to - length, to] }).is_some()
     }
 
     fn element(&self, shape: Shape, [from, to]: [f64; 2]) -> Option<Element> {

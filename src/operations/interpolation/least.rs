@@ -75,6 +75,9 @@ pub fn fewest(
             *elements.last_mut().unwrap_or(&mut next.clone()) = earlier;
             next = longer;
         }
+        if fitter.is_hopeless(next.range) && next.range[1] < to {
+            return Err(Error::BandInfeasible { at: fitter.curve.point(at) });
+        }
         length = next.range[1] - next.range[0];
         at = next.range[1];
         elements.push(next);

@@ -87,7 +87,7 @@ fn a_kink_and_an_upright_end_are_interpolated() {
             for subdivision in [Subdivision::Bisection, Subdivision::Least(Joints::OnCurve)] {
                 let report = planned(&job(graph(expression, domain), method, subdivision, 0.01)).report;
                 assert!(report.elements.len() < 60, "{expression} {method:?} {}", report.elements.len());
-                assert!(report.deviation_max_mm <= 0.01 + GUARD_MM);
+                assert!(report.deviation_max_mm <= 0.01 + 1e-9);
             }
         }
     }

@@ -23,7 +23,7 @@ fn verified(answer: &Value, mm: f64, measure: &str) -> usize {
     let mut end = [0.0, 0.0];
     let mut at = 0.0;
     for (path, element) in paths.iter().zip(elements) {
-        assert_eq!(path[0], end);
+        assert!((path[0][0] - end[0]).abs() + (path[0][1] - end[1]).abs() < 1e-12);
         end = path[path.len() - 1];
         let range = domain(element);
         assert_eq!(range[0], at);
@@ -46,18 +46,20 @@ async fn lines_with_joints_on_the_curve() {
     for (mm, most) in [(0.1, 5), (0.01, 17), (0.001, 54)] {
         let answer = sine("linear", mm, "on_curve", "vertical").await;
         assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
-        // Each ends as far on as it can: a millionth farther is outside. The last ends with the curve.
+        // Each ends as far on as it can: a millionth farther is outside. Only about inflections a joint may lie earlier, so that
+        // the next reaches farther. The last ends with the curve.
         let elements = answer["report"]["elements"].as_array().expect("elements");
-        for element in &elements[..elements.len() - 1] {
+        let is_longest = |element: &&Value| {
             let [a, b] = domain(element);
             let b = b + 1e-6;
             let chord = |x: f64| a.sin() + (b.sin() - a.sin()) * (x - a) / (b - a);
-            let largest = (0..=20_000)
+            let within = (0..=20_000)
                 .map(|k| a + (b - a) * f64::from(k) / 20_000.0)
-                .map(|x| (x.sin() - chord(x)).abs())
-                .fold(0.0, f64::max);
-            assert!(largest > mm - 1e-11, "{a} {b} {largest}");
-        }
+                .all(|x| (x.sin() - chord(x)).abs() <= mm);
+            !within
+        };
+        let longest = elements[..elements.len() - 1].iter().filter(is_longest).count();
+        assert!(longest + 1 + 2 >= elements.len(), "{mm}: {longest} of {}", elements.len());
     }
 }
 

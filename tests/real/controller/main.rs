@@ -2,6 +2,7 @@
 //!
 //! * 1,000 random toolpaths in three planes, in mm and inch, in each dialect in turn: the control's path lies within 1.5 units of the
 //!   last decimal of the toolpath and vice versa, in order; lengths and times agree with `measure`.
+//! * A curve interpolated by parabolas: every point the control runs lies within the band, and rounding, of it.
 //! * Every program of the directories given as arguments: the control's motions are those of our own reader.
 //!
 //! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control then runs
@@ -11,6 +12,7 @@
 
 mod canon;
 mod compare;
+mod curve;
 mod random;
 
 use std::path::{Path, PathBuf};
@@ -55,6 +57,7 @@ fn run(directory: &Path) -> Result<(), String> {
             .map_err(|e| format!("{}: {e}", path.display()))?;
         println!("{}: {figures}", path.display());
     }
+    println!("a curve: {}", curve::check(directory)?);
     let next = AtomicUsize::new(0);
     let all: Result<Vec<compare::Figures>, String> = thread::scope(|scope| {
         let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(|| check_random(directory, &next))).collect();

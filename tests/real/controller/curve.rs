@@ -1,0 +1,87 @@
+//! A curve interpolated by parabolas: the points the control runs lie on it.
+
+use std::path::Path;
+
+use nalgebra::{Point2, Point3};
+use toolpathd::budget::Budget;
+use toolpathd::geometry::deviation::{Band, Measure};
+use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
+use toolpathd::post::{self, ProgramJob, dialect};
+use toolpathd::toolpath::cutting::CuttingRequest;
+use toolpathd::toolpath::program::{Program, Resolution, Units};
+use toolpathd::toolpath::units::FeedRate;
+
+use crate::canon::{self, Motion};
+
+/// Half the width of the band, mm.
+const BAND_MM: f64 = 0.01;
+
+/// Points that are looked at of each motion.
+const POINTS: usize = 200;
+
+/// What rounding to three decimals may add, mm.
+const ROUNDING_MM: f64 = 0.0015;
+
+/// y = 20 sin(x / 20).
+fn height(x: f64) -> f64 {
+    20.0 * (x / 20.0).sin()
+}
+
+/// The distance of a point from the curve, by halving around the nearest of many places.
+fn distance(p: Point2<f64>) -> f64 {
+    let to = |x: f64| (p - Point2::new(x, height(x))).norm();
+    let (mut low, mut high) = (p.x - 1.0, p.x + 1.0);
+    while high - low > 1e-12 {
+        let third = (high - low) / 3.0;
+        if to(low + third) < to(high - third) { high -= third } else { low += third }
+    }
+    to(low)
+}
+
+/// Interprets the program of a curve and answers how many parabolas it has and how far its points lie from the curve.
+pub fn check(directory: &Path) -> Result<String, String> {
+    let linuxcnc = dialect("linuxcnc").ok_or("no dialect")?;
+    let feed = FeedRate::from_mm_per_min(600.0).ok_or("no feed")?;
+    let resolution = Resolution { units: Units::Mm, decimals: 3 };
+    let job = Job {
+        curve: Source::Graph { expression: "20*sin(x/20)".into(), domain: [0.0, 130.0] },
+        method: Method::Parabolic,
+        subdivision: Subdivision::Least(Joints::OnCurve),
+        initial_elements: 1,
+        band: Band { below_mm: BAND_MM, above_mm: BAND_MM, measure: Measure::Normal },
+        compensation: None,
+        z_mm: 0.0,
+        cutting: Some(CuttingRequest::at_feed(feed)),
+        resolution,
+        element_limit: 1_000,
+        parabolas: linuxcnc.parabolas,
+    };
+    let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;
+    let program = Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None };
+    let cutting = plan.cutting.ok_or("no conditions")?;
+    let written = post::write(
+        &plan.toolpath,
+        &ProgramJob { program: &program, tool: None, cutting: &cutting, dialect: linuxcnc, comments: &[] },
+        &Budget::unlimited(),
+    )
+    .map_err(|error| error.to_string())?;
+    let motions = canon::interpret(&written.text, directory, "curve")?;
+    let (mut parabolas, mut farthest) = (0, 0.0f64);
+    let mut end = Point3::origin();
+    for motion in &motions {
+        if let Motion::Parabola { curve, .. } = motion {
+            parabolas += 1;
+            for k in 0..=POINTS {
+                farthest = farthest.max(distance(curve.at(k as f64 / POINTS as f64).xy()));
+            }
+            end = curve.end();
+        }
+    }
+    if parabolas != plan.report.elements.len() || (end.xy() - Point2::new(130.0, height(130.0))).norm() > ROUNDING_MM {
+        return Err(format!("{parabolas} parabolas end at {end}"));
+    }
+    if farthest > BAND_MM + ROUNDING_MM {
+        return Err(format!("a point lies {farthest} mm from the curve"));
+    }
+    Ok(format!("{parabolas} parabolas, farthest point {farthest:.5} mm from the curve"))
+}

@@ -106,7 +106,10 @@ fn a_parabola_is_one_quadratic_curve_in_every_view() {
         let [fx, fy] = drawing.at(view, [0.0, 0.0]);
         let [cx, cy] = drawing.at(view, [x, y]);
         let [tx, ty] = drawing.at(view, if view == "left-side" { [0.0, 0.0] } else { [80.0, 0.0] });
-        assert_eq!(drawing.data(view, "cut-parabola"), Some(format!("M{fx} {fy}Q{cx} {cy} {tx} {ty}").as_str()));
+        assert_eq!(
+            drawing.data(view, "cut-parabola"),
+            Some(format!("M{fx} {fy}Q{cx} {cy} {tx} {ty}").as_str())
+        );
     }
     assert!(drawing.texts.iter().any(|text| text == "Moves: 0 rapid, 0 line, 0 arc, 1 parabola"));
     assert!(drawing.texts.iter().any(|text| text == "cut, parabola"));

@@ -79,9 +79,8 @@ impl View {
             Curve::Line(line) => pen.line(self.project(&line.start), self.project(&line.end)),
             Curve::Arc(arc) => self.trace_arc(arc, pen),
             // A parallel projection of a Bezier curve is that of its control points.
-            Curve::Parabola(parabola) => pen.quadratic(
-                [parabola.start(), parabola.control(), parabola.end()].map(|p| self.project(&p)),
-            ),
+            Curve::Parabola(parabola) => pen
+                .quadratic([parabola.start(), parabola.control(), parabola.end()].map(|p| self.project(&p))),
         }
     }
 

@@ -60,8 +60,7 @@ pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<L
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
     let parabolas = job.dialect.parabolas;
-    let mut lowering =
-        Lowering { resolution, grid, parabolas, at, blocks: Vec::new(), displacement_mm: 0.0 };
+    let mut lowering = Lowering { resolution, grid, parabolas, at, blocks: Vec::new(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {

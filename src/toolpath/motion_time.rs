@@ -213,7 +213,8 @@ mod tests {
     #[test]
     fn a_parabola_is_slow_near_its_vertex_alone() {
         for height in [0.0, 1e-6, 0.01, 1.0, 30.0] {
-            let (start, control, end) = (Point3::origin(), [80.0, height, 0.0].into(), [0.0, height, 0.0].into());
+            let (start, control, end) =
+                (Point3::origin(), [80.0, height, 0.0].into(), [0.0, height, 0.0].into());
             let parabola = Parabola::new(start, control, end).unwrap();
             let mut path = Toolpath::builder(start);
             path.parabola(end, control, feed(20.0), Role::Cut).unwrap();

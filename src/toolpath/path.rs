@@ -20,10 +20,18 @@ pub enum Role {
 /// One move, with the geometry from where the last one ended. Positions are those of the tool tip, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Move {
-    Rapid { line: Line },
+    Rapid {
+        line: Line,
+    },
     /// Without a rate where nobody has said how fast: it has a length, but no time and no place in a program.
-    Feed { along: Curve, rate: Option<FeedRate>, role: Role },
-    Dwell { seconds: f64 },
+    Feed {
+        along: Curve,
+        rate: Option<FeedRate>,
+        role: Role,
+    },
+    Dwell {
+        seconds: f64,
+    },
 }
 
 /// A connected run of moves, optionally on a level.

@@ -146,7 +146,8 @@ impl Parabola {
     pub fn part(&self, from: f64, to: f64) -> Parabola {
         let at = |t: f64| self.start + (self.control - self.start) * t;
         let on = |t: f64| self.control + (self.end - self.control) * t;
-        let control = if (from, to) == (0.0, 1.0) { self.control } else { at(from) + (on(from) - at(from)) * to };
+        let control =
+            if (from, to) == (0.0, 1.0) { self.control } else { at(from) + (on(from) - at(from)) * to };
         Parabola { start: self.at(from), control, end: self.at(to) }
     }
 
@@ -242,7 +243,11 @@ fn root([mut low, mut high]: [f64; 2], at: impl Fn(f64) -> (f64, f64)) -> f64 {
         if value == 0.0 {
             return t;
         }
-        if value.signum() == first.signum() { low = t } else { high = t }
+        if value.signum() == first.signum() {
+            low = t
+        } else {
+            high = t
+        }
         let next = t - value / slope;
         let next = if next > low && next < high { next } else { (low + high) / 2.0 };
         if (next - t).abs() <= f64::EPSILON * (low + high) / 4.0 {

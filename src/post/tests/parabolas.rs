@@ -8,7 +8,8 @@ fn wave() -> Toolpath {
     let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 45.0));
     path.rapid(Point3::new(0.0, 0.0, 1.0)).unwrap();
     let about = (Plane::Zx, Direction::Ccw);
-    path.arc(Point3::new(2.0, 0.0, 1.0), Point3::new(1.0, 0.0, 1.0), about, feed(200.0), Role::LeadIn).unwrap();
+    path.arc(Point3::new(2.0, 0.0, 1.0), Point3::new(1.0, 0.0, 1.0), about, feed(200.0), Role::LeadIn)
+        .unwrap();
     let mut cut = |to: [f64; 2], control: [f64; 2], rate| {
         let [to, control] = [to, control].map(|[x, y]| Point3::new(x, y, 1.0));
         path.parabola(to, control, feed(rate), Role::Cut).unwrap();

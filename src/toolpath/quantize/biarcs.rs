@@ -51,12 +51,7 @@ pub enum NotRun {
 
 /// An upper bound for the distance between the parabola from the origin through the control point `control` to `end`,
 /// mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
-pub fn distance(
-    control: &Vector2<f64>,
-    end: &Vector2<f64>,
-    reach: f64,
-    unit_mm: f64,
-) -> Result<f64, NotRun> {
+pub fn distance(control: &Vector2<f64>, end: &Vector2<f64>, reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
     let parabola = Quadratic { b: *control, a: end - control * 2.0 };
     let mut farthest: f64 = 0.0;
     for k in 0..PARTS {
@@ -96,8 +91,8 @@ impl Quadratic {
         let wrong = ROUNDING * reach / (DIFFERENCE * slowest);
         let [t0, t1] = velocities.map(|velocity| velocity / velocity.norm());
         let turn = t0.perp(&t1).atan2(t0.dot(&t1)).abs();
-        // So written that what is no number is refused.
-        if !(turn >= LEAST_TURN.max(8.0 * wrong)) {
+        // Where a velocity vanishes there is no direction, and no turn.
+        if turn.is_nan() || turn < LEAST_TURN.max(8.0 * wrong) {
             return Err(NotRun::TooStraight);
         }
         if turn > LARGEST_TURN {
@@ -122,9 +117,7 @@ impl Quadratic {
         let (a, b, c) = (self.a.dot(along), self.b.dot(along), -meet.dot(along));
         // a u^2 + 2 b u + c rises over the part, from below zero to above it.
         let root = (b * b - a * c).max(0.0).sqrt();
-        [-c / (b + root), -c / (b - root)]
-            .into_iter()
-            .find(|u| (from..=to).contains(u) && b + a * u > 0.0)
+        [-c / (b + root), -c / (b - root)].into_iter().find(|u| (from..=to).contains(u) && b + a * u > 0.0)
     }
 
     /// The largest distance of a part from the arc between two points that starts along `tangent`.

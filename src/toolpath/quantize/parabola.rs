@@ -8,7 +8,8 @@
 use nalgebra::Vector2;
 
 use super::{
-    ACCEPTED_STEPS, Form, Grid, MAX_PIECES, MIN_SAGITTA_STEPS, Output, Parabolas, QuantizeError, Written, biarcs,
+    ACCEPTED_STEPS, Form, Grid, MAX_PIECES, MIN_SAGITTA_STEPS, Output, Parabolas, QuantizeError, Written,
+    biarcs,
 };
 use crate::geometry::curve::{Curve, Parabola};
 

@@ -248,7 +248,10 @@ fn what_cannot_be_written_is_an_error() {
     assert_eq!(quantize(&far, MM, Parabolas::AsLines), Err(QuantizeError::OutOfRange { value_mm: 1e13 }));
     let fine = Resolution { units: Units::Mm, decimals: 6 };
     let circle = arc(Plane::Xy, true, 1e6, [0.0, TAU], [0.0; 3], 0.0).unwrap();
-    assert_eq!(quantize(&Curve::Arc(circle), fine, Parabolas::AsLines), Err(QuantizeError::TooManyPieces { limit: MAX_PIECES }));
+    assert_eq!(
+        quantize(&Curve::Arc(circle), fine, Parabolas::AsLines),
+        Err(QuantizeError::TooManyPieces { limit: MAX_PIECES })
+    );
     let written = quantize(&Curve::Arc(circle), MM, Parabolas::AsLines).unwrap();
     assert!(written.len() < 100_000 && written.iter().all(|block| block.displacement_mm <= 0.0015));
 }

@@ -35,6 +35,7 @@ impl Motion {
             Curve::Arc(arc) => {
                 Self::turn(arc.plane(), arc.direction(), [arc.start(), arc.end()], arc.center())
             }
+            Curve::Parabola(_) => panic!("milling makes no parabolas"),
         }
     }
 
@@ -187,6 +188,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let turn = (arc.plane(), arc.direction());
                 Some((Kind::Cut, Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap())))
             }
+            Step::Feed { along: Curve::Parabola(_), .. } => panic!("milling makes no parabolas"),
             Step::Dwell { .. } => panic!("a dwell"),
         })
         .collect()

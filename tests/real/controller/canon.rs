@@ -17,12 +17,28 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// One canonical motion, in mm, mm/min and s. Coordinates are rounded to the four decimals that are printed.
 #[derive(Debug, Clone, Copy)]
 pub enum Motion {
-    Rapid { to: Point3<f64> },
-    Line { to: Point3<f64>, rate: f64 },
-    Arc { plane: Plane, direction: Direction, to: Point3<f64>, center: Point3<f64>, rate: f64 },
+    Rapid {
+        to: Point3<f64>,
+    },
+    Line {
+        to: Point3<f64>,
+        rate: f64,
+    },
+    Arc {
+        plane: Plane,
+        direction: Direction,
+        to: Point3<f64>,
+        center: Point3<f64>,
+        rate: f64,
+    },
     /// To the last digit.
-    Parabola { curve: Parabola, rate: f64 },
-    Dwell { seconds: f64 },
+    Parabola {
+        curve: Parabola,
+        rate: f64,
+    },
+    Dwell {
+        seconds: f64,
+    },
 }
 
 /// Tools 1 to 99, without length: every program may use them.

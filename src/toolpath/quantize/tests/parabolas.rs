@@ -93,7 +93,9 @@ fn a_parabola_of_common_size_is_one_block_and_its_rounding_is_exact() {
 
 #[test]
 fn what_is_straight_is_lines_and_what_vanishes_is_nothing() {
-    for (control, count) in [([3.0, 0.0, 0.0], 1), ([0.0; 3], 1), ([9.0, 0.0009, 0.0], 1), ([4.0, 0.0, 2e-4], 1)] {
+    for (control, count) in
+        [([3.0, 0.0, 0.0], 1), ([0.0; 3], 1), ([9.0, 0.0009, 0.0], 1), ([4.0, 0.0, 2e-4], 1)]
+    {
         for parabolas in [Parabolas::InXy, Parabolas::AsLines] {
             let written = check(&parabola([0.0; 3], control, [9.0, 0.0, 0.0]), MM, parabolas);
             assert_eq!((written.len(), written[0].form), (count, Form::Line), "{control:?}");

@@ -185,11 +185,11 @@ impl Writer<'_> {
                 // It is no mode, and what was one before it must be said again.
                 self.word("G5.1");
                 self.motion = None;
-                for axis in 0..2 {
-                    self.axis(axis, to[axis]);
+                for (axis, to) in to.into_iter().enumerate() {
+                    self.axis(axis, to);
                 }
-                for axis in 0..2 {
-                    self.coordinate(OFFSETS[axis], control[axis]);
+                for (letter, offset) in OFFSETS.into_iter().zip(control) {
+                    self.coordinate(letter, offset);
                 }
                 self.feed(feed);
             }

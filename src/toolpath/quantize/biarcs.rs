@@ -30,7 +30,7 @@ const PARTS: u32 = 12;
 const DIFFERENCE: f64 = 1e-5;
 
 /// The control runs an arc as a line where twice its chord times the sine of its angle at the start is below this, in
-/// units of the program: the arc is then flatter than a quarter of it.
+/// units of the program. That is eight times the height of the arc.
 const STRAIGHT_UNITS: f64 = 1e-6;
 
 /// A part turns by at least this, radians: ten thousand roundings fit in its square.
@@ -91,8 +91,8 @@ impl Quadratic {
         let wrong = ROUNDING * reach / (DIFFERENCE * slowest);
         let [t0, t1] = velocities.map(|velocity| velocity / velocity.norm());
         let turn = t0.perp(&t1).atan2(t0.dot(&t1)).abs();
-        // So written that what is no number is refused.
-        if !(turn >= LEAST_TURN.max(8.0 * wrong)) {
+        // Where a velocity vanishes there is no direction, and no turn.
+        if turn.is_nan() || turn < LEAST_TURN.max(8.0 * wrong) {
             return Err(NotRun::TooStraight);
         }
         if turn > LARGEST_TURN {
@@ -132,10 +132,10 @@ impl Quadratic {
         let leaning = 2.0 * tangent.perp(&chord);
         let [x0, x1, x2] = self.seen_from(start, part);
         if leaning.abs() <= 2.0 * STRAIGHT_UNITS * unit_mm {
-            // It may be run as a line; as an arc it is as near to it as that is flat.
+            // Near the limit it may be run as either, and the arc is no higher than a quarter of the limit.
             let across = chord.normalize();
             let farthest = [x0, x1, x2].iter().map(|x| across.perp(x).abs()).fold(0.0, f64::max);
-            return farthest + STRAIGHT_UNITS * unit_mm;
+            return farthest + STRAIGHT_UNITS * unit_mm / 4.0;
         }
         // From the start to the centre, along the normal.
         let radius = chord.norm_squared() / leaning;

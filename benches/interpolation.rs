@@ -61,7 +61,11 @@ fn run(c: &mut Criterion, group: &str, jobs: impl Iterator<Item = (String, Job)>
 /// Lines by bisection: the last has 10,000 control points and more than 100,000 elements.
 fn bisection(c: &mut Criterion) {
     let sizes = [100, 1_000, 10_000].into_iter();
-    run(c, "bisection", sizes.map(|n| (format!("{n} points"), job(nurbs(n), Method::Linear, Subdivision::Bisection, 1.5e-3))));
+    run(
+        c,
+        "bisection",
+        sizes.map(|n| (format!("{n} points"), job(nurbs(n), Method::Linear, Subdivision::Bisection, 1.5e-3))),
+    );
 }
 
 fn least(c: &mut Criterion) {
@@ -73,7 +77,9 @@ fn least(c: &mut Criterion) {
 fn methods(c: &mut Criterion) {
     let methods = [Method::Linear, Method::Parabolic, Method::Mixed, Method::Arc].into_iter();
     let jobs = methods.flat_map(|method| {
-        [Subdivision::Bisection, LEAST].map(|subdivision| (format!("{method:?} {subdivision:?}"), job(graph(), method, subdivision, 1e-3)))
+        [Subdivision::Bisection, LEAST].map(|subdivision| {
+            (format!("{method:?} {subdivision:?}"), job(graph(), method, subdivision, 1e-3))
+        })
     });
     let in_band = job(graph(), Method::Linear, Subdivision::Least(Joints::InBand), 1e-3);
     run(c, "methods", jobs.chain([("Linear in band".into(), in_band)]));

@@ -49,6 +49,8 @@ pub struct Foot {
     pub distance: f64,
     /// The unit tangent there.
     pub tangent: Vector2<f64>,
+    /// How far the point lies ahead of the foot, where the search for it was not over, mm.
+    pub slip: f64,
 }
 
 impl PlaneArc {
@@ -78,6 +80,7 @@ impl PlaneArc {
             u: 0.5 + angle / self.turn,
             distance: sense * (self.radius - length),
             tangent: Vector2::new(-out.y, out.x) * sense,
+            slip: 0.0,
         }
     }
 }
@@ -112,7 +115,7 @@ impl Element {
                 let tangent = if length > 0.0 { along / length } else { Vector2::x() };
                 let from = p - start;
                 let u = if length > 0.0 { from.dot(&tangent) / length } else { 0.0 };
-                Foot { u, distance: tangent.perp(&from), tangent }
+                Foot { u, distance: tangent.perp(&from), tangent, slip: 0.0 }
             }
             Self::Arc(arc) => arc.foot(p),
             Self::Parabola { start, control, end } => parabola_foot([*start, *control, *end], p, near),
@@ -221,7 +224,7 @@ impl Element {
     }
 }
 
-/// The foot on a parabola by Newton's method on the squared distance, which halves the step where it does not fall.
+/// The foot on a parabola by Newton's method on the squared distance.
 fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: f64) -> Foot {
     let (first, second) = (2.0 * (control - start), (start - control) + (end - control));
     let at = |u: f64| start + first * u + second * (u * u);
@@ -245,7 +248,7 @@ fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: 
     let length = along.norm();
     let tangent = if length > 0.0 { along / length } else { Vector2::x() };
     let away = p - at(u);
-    Foot { u, distance: away.norm().copysign(tangent.perp(&away)), tangent }
+    Foot { u, distance: tangent.perp(&away), tangent, slip: away.dot(&tangent).abs() }
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ use crate::geometry::plane_curve::PlaneCurve;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};
-use corridor::{Corridor, Edges};
+use corridor::Corridor;
 use fit::{Fitted, Fitter};
 pub use job::{Job, Joints, Method, Side, Source, Subdivision};
 pub use sketch::{Sketch, sketch};
@@ -187,7 +187,8 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
     let mut divided = Divided { elements: Vec::new(), per_initial: Vec::new(), lower_bound: None };
-    let (mut outer_bound, mut guide) = (None, None);
+    // With joints on the curve, each as far on as it can be.
+    let mut longest = Vec::new();
     for initial_element in 0..count {
         let range = [at(initial_element), at(initial_element + 1)];
         let mut fitted = Vec::new();
@@ -195,16 +196,12 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             Subdivision::Bisection => bisection::bisect(&fitter, range, &mut fitted, budget)?,
             Subdivision::Least(joints) => {
                 least::fewest(&fitter, range, &mut fitted, budget)?;
-                if count == 1 {
-                    guide = Some(fitted.clone());
-                }
-                corners::keep_corners(&fitter, &mut fitted);
-                if joints == Joints::InBand {
-                    let free = in_band(&fitter, &fitted, budget)?;
-                    outer_bound = Some(outer_bound.unwrap_or(0) + free.lower_bound);
-                    if let Some(free) = free.fitted.filter(|free| free.len() < fitted.len()) {
-                        fitted = free;
-                    }
+                longest.extend_from_slice(&fitted);
+                corners::keep_corners(&fitter, &mut fitted, budget)?;
+                if joints == Joints::InBand
+                    && let Some(free) = in_band(&fitter, &fitted, budget)?
+                {
+                    fitted = free;
                 }
             }
         }
@@ -219,56 +216,73 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             spread: fitted.spread,
         }));
     }
-    divided.lower_bound = match outer_bound {
-        // The initial elements share joints that a path without them need not have.
-        Some(bound) => Some(bound.saturating_sub(count - 1).max(1)),
-        None if job.subdivision == Subdivision::Bisection && divided.elements.len() > MOST_BOUNDED => None,
-        None => {
-            let guide = match guide {
-                Some(guide) => guide,
-                None => {
-                    let mut guide = Vec::new();
-                    least::fewest(&fitter, [from, to], &mut guide, budget)?;
-                    guide
-                }
-            };
-            Some(lower_bound::lower_bound(&fitter, &guide, budget)?)
+    divided.lower_bound = match job.subdivision {
+        Subdivision::Least(Joints::InBand) => {
+            let corridor = Corridor::new(curve, &ranges(&longest), job.band, budget)?;
+            corridor.map(|corridor| corridor.fewest(curve, budget)).transpose()?
+        }
+        Subdivision::Least(Joints::OnCurve) if count == 1 => {
+            Some(lower_bound::lower_bound(&fitter, &longest, budget)?)
+        }
+        Subdivision::Bisection if divided.elements.len() > MOST_BOUNDED => None,
+        Subdivision::Bisection | Subdivision::Least(Joints::OnCurve) => {
+            on_its_own(&fitter, [from, to], budget)?
         }
     };
     Ok(divided)
 }
 
-/// Lines with joints in the band, and how few there can be.
-struct Free {
-    fitted: Option<Vec<Fitted>>,
-    lower_bound: usize,
+/// The lower bound where the elements do not help to find it; `None` where there are too many to tell.
+fn on_its_own(
+    fitter: &Fitter<impl PlaneCurve>,
+    range: [f64; 2],
+    budget: &Budget,
+) -> Result<Option<usize>, Error> {
+    let mut guide = Vec::new();
+    match least::fewest(fitter, range, &mut guide, budget) {
+        Ok(()) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
+        Err(Error::Stopped(stopped)) => Err(stopped.into()),
+        Err(_) => Ok(None),
+    }
 }
 
-fn in_band(fitter: &Fitter<impl PlaneCurve>, on_curve: &[Fitted], budget: &Budget) -> Result<Free, Error> {
-    let ranges = on_curve.iter().map(|fitted| fitted.range);
-    let corridor = Corridor::new(fitter.curve, ranges, fitter.band, budget)?;
-    let links = corridor.fewest(fitter.curve, Edges::Outside, budget)?.map(|joints| joints.len() - 1);
-    let joints = corridor.fewest(fitter.curve, Edges::Inside, budget)?;
-    let fitted = joints.and_then(|joints| {
-        let lines = joints.windows(2).map(|pair| {
-            let [start, end] = [pair[0], pair[1]];
-            let element = Element::Line { start: start.at, end: end.at };
-            let offsets = Spread {
-                least_mm: start.offset_mm.min(end.offset_mm),
-                most_mm: start.offset_mm.max(end.offset_mm),
-            };
-            let is_in_band =
-                -offsets.least_mm <= fitter.band.below_mm && offsets.most_mm <= fitter.band.above_mm;
-            match judge(fitter.curve, &element, [start.t, end.t], Ends::Beside, &fitter.band) {
-                Verdict::Within(spread) if is_in_band => {
-                    Some(Fitted { element, range: [start.t, end.t], spread: spread.hull(&offsets) })
-                }
-                _ => None,
+fn ranges(elements: &[Fitted]) -> Vec<[f64; 2]> {
+    elements.iter().map(|fitted| fitted.range).collect()
+}
+
+/// Lines with joints in the band, where they are fewer than those on the curve.
+fn in_band(
+    fitter: &Fitter<impl PlaneCurve>,
+    on_curve: &[Fitted],
+    budget: &Budget,
+) -> Result<Option<Vec<Fitted>>, Error> {
+    let corridor = Corridor::new(fitter.curve, &ranges(on_curve), fitter.band, budget)?;
+    let Some(joints) = corridor.map(|corridor| corridor.path(fitter.curve, budget)).transpose()?.flatten()
+    else {
+        return Ok(None);
+    };
+    if joints.len() > on_curve.len() {
+        return Ok(None);
+    }
+    let mut lines = Vec::with_capacity(joints.len());
+    for pair in joints.windows(2) {
+        budget.check()?;
+        let [start, end] = [pair[0], pair[1]];
+        let element = Element::Line { start: start.at, end: end.at };
+        let offsets = Spread {
+            least_mm: start.offset_mm.min(end.offset_mm),
+            most_mm: start.offset_mm.max(end.offset_mm),
+        };
+        let is_in_band = -offsets.least_mm <= fitter.band.below_mm && offsets.most_mm <= fitter.band.above_mm;
+        match judge(fitter.curve, &element, [start.t, end.t], Ends::Beside, &fitter.band) {
+            Verdict::Within(spread) if is_in_band => {
+                let spread = spread.hull(&offsets);
+                lines.push(Fitted { element, range: [start.t, end.t], spread });
             }
-        });
-        lines.collect()
-    });
-    Ok(Free { fitted, lower_bound: links.unwrap_or(1) })
+            _ => return Ok(None),
+        }
+    }
+    Ok(Some(lines))
 }
 
 #[cfg(test)]

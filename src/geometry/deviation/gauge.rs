@@ -23,6 +23,8 @@ pub struct Reading {
     pub away: f64,
     /// Where the foot is.
     pub u: f64,
+    /// Whether it is a foot, to rounding.
+    is_foot: bool,
     /// The element's tangent there.
     tangent: Vector2<f64>,
 }
@@ -61,7 +63,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let [x, y] = self.curve.enclose(t, t).point;
         let p = Point2::new(x.mid(), y.mid());
         let foot = self.element.foot(p, u);
-        let slack = x.width() + y.width() + ROUNDING * (self.element.magnitude() + p.x.abs() + p.y.abs());
+        let rounding = ROUNDING * (self.element.magnitude() + p.x.abs() + p.y.abs());
+        let slack = x.width() + y.width() + rounding + foot.slip;
         let distance = Interval::around(foot.distance, slack);
         let out = match (self.ends, self.element) {
             (Ends::OnCurve, Element::Line { .. }) => {
@@ -70,7 +73,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
             _ => 0.0,
         };
         let away = if out > 0.0 { (distance.mig().hypot(out) - slack).max(0.0) } else { distance.mig() };
-        Reading { t, distance, away, u: foot.u, tangent: foot.tangent }
+        let is_foot = foot.slip <= rounding;
+        Reading { t, distance, away, u: foot.u, is_foot, tangent: foot.tangent }
     }
 
     /// With the unit normal N and tangent T at the foot, and the signed curvature k of the element there, the distance d
@@ -78,6 +82,9 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
     /// k d < 1; then it stays between those of the two readings, and N, T and k are enclosed by what they are there.
     fn bend(&self, a: &Reading, b: &Reading) -> Option<Interval> {
         if self.ends == Ends::OnCurve && beyond(a.u).max(beyond(b.u)) > END_ROUNDING {
+            return None;
+        }
+        if !(a.is_foot && b.is_foot) {
             return None;
         }
         let Enclosure { first, second, .. } = self.curve.enclose(a.t, b.t);
@@ -127,9 +134,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         if jump == 0.0 && (self.ends == Ends::Beside || is_inside(a.u)) {
             return distance;
         }
-        let out = beyond(a.u) * speed.hi() + way;
-        let most = distance.mag().hypot(out).max(distance.mag() + jump);
-        distance.hull(Interval::between(-most, most))
+        let out = if self.ends == Ends::Beside { 0.0 } else { beyond(a.u) * speed.hi() + way };
+        distance + Interval::around(0.0, jump.max(out))
     }
 }
 
@@ -152,7 +158,7 @@ impl<C: PlaneCurve> Gauge for Vertical<'_, C> {
             // Nothing is near an element that is not there.
             None => Interval::point(f64::INFINITY),
         };
-        Reading { t, distance, away: distance.mig(), u, tangent: Vector2::x() }
+        Reading { t, distance, away: distance.mig(), u, is_foot: true, tangent: Vector2::x() }
     }
 
     fn bend(&self, a: &Reading, b: &Reading) -> Option<Interval> {

@@ -1,24 +1,45 @@
 //! Joints at the corners of a curve, where that takes no more elements.
 
 use super::fit::{Fitted, Fitter};
+use crate::budget::{Budget, Stopped};
 use crate::geometry::plane_curve::PlaneCurve;
 
 /// A tangent that jumps by more than this makes a corner, as a sine.
 const CORNER_SINE: f64 = 1e-3;
 
+/// Corners beyond so many are left to the elements: a polyline of that many points is no contour with corners.
+const MOST_CORNERS: usize = 10_000;
+
 /// Moves a joint to each corner that an element cuts off, where both elements at the joint then stay within the band.
-pub fn keep_corners(fitter: &Fitter<impl PlaneCurve>, elements: &mut [Fitted]) {
-    for corner in fitter.curve.breaks().iter().copied() {
-        if !fitter.has_corner(corner) {
-            continue;
-        }
+///
+/// # Errors
+/// When the budget ends.
+pub fn keep_corners(
+    fitter: &Fitter<impl PlaneCurve>,
+    elements: &mut [Fitted],
+    budget: &Budget,
+) -> Result<(), Stopped> {
+    let corners: Vec<f64> = fitter.curve.breaks().iter().copied().filter(|t| fitter.has_corner(*t)).collect();
+    if corners.len() > MOST_CORNERS {
+        return Ok(());
+    }
+    for corner in corners.iter().copied() {
+        budget.check()?;
         let k = elements.partition_point(|element| element.range[1] < corner);
         let Some([from, to]) = elements.get(k).map(|element| element.range) else { continue };
         if from == corner || to == corner {
             continue;
         }
-        let before = k.checked_sub(1).map(|j| (j, [elements[j].range[0], corner], [corner, to]));
-        let after = elements.get(k + 1).map(|next| (k, [from, corner], [corner, next.range[1]]));
+        // A joint that is on a corner stays there.
+        let is_free = |t: f64| corners.binary_search_by(|c| c.total_cmp(&t)).is_err();
+        let before = k
+            .checked_sub(1)
+            .filter(|_| is_free(from))
+            .map(|j| (j, [elements[j].range[0], corner], [corner, to]));
+        let after = elements
+            .get(k + 1)
+            .filter(|_| is_free(to))
+            .map(|next| (k, [from, corner], [corner, next.range[1]]));
         for (j, first, second) in before.into_iter().chain(after) {
             if let (Some(first), Some(second)) = (fitter.fit(first), fitter.fit(second)) {
                 (elements[j], elements[j + 1]) = (first, second);
@@ -26,6 +47,7 @@ pub fn keep_corners(fitter: &Fitter<impl PlaneCurve>, elements: &mut [Fitted]) {
             }
         }
     }
+    Ok(())
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {

@@ -24,41 +24,32 @@
 //! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J. O'Rourke, *An
 //! on-line algorithm for fitting straight lines between data ranges*, CACM 24, 1981.
 
+mod gates;
+
 use nalgebra::{Point2, Vector2};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::deviation::{Band, Measure};
-use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+use crate::geometry::deviation::{Band, GUARD_MM, GUARD_PART, Measure};
+use crate::geometry::plane_curve::PlaneCurve;
+use gates::Gate;
 
-/// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord between gates.
-const GATES_AN_ELEMENT: usize = 64;
+/// Points of a chain between two looks at the budget.
+const GATES_BETWEEN_CHECKS: usize = 1024;
 
 /// A point this little beside a line, in parts of its place along it, is on it: the last gate is a point of both chains.
 const ROUNDING: f64 = 1e-13;
-
-/// Gates between two looks at the budget.
-const GATES_BETWEEN_CHECKS: usize = 1024;
-
-/// A place of the band.
-#[derive(Debug, Clone, Copy)]
-struct Gate {
-    t: f64,
-    point: Point2<f64>,
-    /// The unit vector to the left along which the band is measured.
-    across: Vector2<f64>,
-    /// How far the edges of the band may lie from the chords to the next gate, mm.
-    bulge_mm: f64,
-}
 
 /// A band as gates.
 pub struct Corridor {
     gates: Vec<Gate>,
     band: Band,
+    /// Whether the tangent jumps somewhere: there the band is not what its gates span.
+    has_corner: bool,
 }
 
 /// On which side of the corridor's edge a path is to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Edges {
+enum Edges {
     Inside,
     Outside,
 }
@@ -74,41 +65,15 @@ pub struct Joint {
 }
 
 impl Corridor {
-    /// The corridor along the ranges of elements that follow each other.
+    /// How few lines there are in a path within the band at least.
     ///
     /// # Errors
     /// When the budget ends.
-    pub fn new(
-        curve: &impl PlaneCurve,
-        ranges: impl Iterator<Item = [f64; 2]>,
-        band: Band,
-        budget: &Budget,
-    ) -> Result<Self, Stopped> {
-        let mut parameters = Vec::new();
-        for [from, to] in ranges {
-            let step = (to - from) / GATES_AN_ELEMENT as f64;
-            parameters.extend((0..GATES_AN_ELEMENT).map(|k| from + step * k as f64));
-            parameters.push(to);
+    pub fn fewest(&self, curve: &impl PlaneCurve, budget: &Budget) -> Result<usize, Stopped> {
+        if self.has_corner && self.band.measure == Measure::Normal {
+            return Ok(1);
         }
-        parameters.extend(curve.breaks());
-        parameters.sort_by(f64::total_cmp);
-        parameters.dedup();
-        let mut gates = Vec::with_capacity(parameters.len());
-        for (k, t) in parameters.iter().copied().enumerate() {
-            if k % GATES_BETWEEN_CHECKS == 0 {
-                budget.check()?;
-            }
-            let across = match band.measure {
-                Measure::Vertical => Vector2::y(),
-                Measure::Normal => {
-                    let along = curve.derivative(t);
-                    Vector2::new(-along.y, along.x) / along.norm()
-                }
-            };
-            let bulge_mm = parameters.get(k + 1).map_or(0.0, |next| bulge(curve, [t, *next], &band));
-            gates.push(Gate { t, point: curve.point(t), across, bulge_mm });
-        }
-        Ok(Self { gates, band })
+        Ok(self.links(curve, Edges::Outside, budget)?.map_or(1, |links| links.len()))
     }
 
     /// The joints of a path of the fewest lines from the first gate to the last, the ends included; `None` where none is
@@ -116,21 +81,23 @@ impl Corridor {
     ///
     /// # Errors
     /// When the budget ends.
-    pub fn fewest(
+    pub fn path(&self, curve: &impl PlaneCurve, budget: &Budget) -> Result<Option<Vec<Joint>>, Stopped> {
+        Ok(self.links(curve, Edges::Inside, budget)?.and_then(|links| self.joints(&links, curve)))
+    }
+
+    fn links(
         &self,
         curve: &impl PlaneCurve,
         edges: Edges,
         budget: &Budget,
-    ) -> Result<Option<Vec<Joint>>, Stopped> {
+    ) -> Result<Option<Vec<Link>>, Stopped> {
         let [left, right] = self.chains(edges);
         if left.iter().chain(&right).any(|p| !(p.x.is_finite() && p.y.is_finite())) {
             return Ok(None);
         }
         let mut walk = Walk { left: &left, right: &right, links: Vec::new() };
-        if !walk.walk(|gate| curve.derivative(self.gates[gate].t), budget)? {
-            return Ok(None);
-        }
-        Ok(self.joints(&walk.links, curve))
+        let is_through = walk.walk(|gate| curve.derivative(self.gates[gate].t), budget)?;
+        Ok(is_through.then_some(walk.links))
     }
 
     /// The left and the right chain. The first and the last gate are points of the curve.
@@ -140,7 +107,8 @@ impl Corridor {
             let bulge = self.gates[k].bulge_mm.max(if k > 0 { self.gates[k - 1].bulge_mm } else { 0.0 });
             match edges {
                 Edges::Inside => -bulge,
-                Edges::Outside => bulge,
+                // What is judged may be outside by rounding.
+                Edges::Outside => bulge + 2.0 * (GUARD_MM + GUARD_PART * self.gates[k].point.coords.amax()),
             }
         };
         let chain = |side: f64, width: f64| {
@@ -195,34 +163,9 @@ impl Corridor {
             }
             if ahead(middle) > 0.0 { low = middle } else { high = middle }
         }
-        let along = curve.derivative(low);
-        let offset_mm = along.perp(&(at - curve.point(low))) / along.norm();
+        let from = at - curve.point(low);
+        let offset_mm = from.norm().copysign(curve.derivative(low).perp(&from));
         Some(Joint { at, t: low, offset_mm })
-    }
-}
-
-/// How far the edges of the band may lie from their chords over a range, mm.
-fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
-    let Enclosure { first, second, .. } = curve.enclose(from, to);
-    let width = to - from;
-    match band.measure {
-        // A function whose slope varies by s, or whose second derivative is at most c.
-        Measure::Vertical => (0.25 * first[1].width() * width).min(0.125 * second[1].mag() * width * width),
-        Measure::Normal => {
-            let along = curve.derivative(0.5 * (from + to)).normalize();
-            let [x, y] = first;
-            let (ahead, aside) = (x * along.x + y * along.y, y * along.x - x * along.y);
-            if ahead.lo() <= 0.0 {
-                return f64::INFINITY;
-            }
-            // The tangent leaves the middle one by this sine at most; normals turn as much, which moves the edge along
-            // itself by the sine times the offset and across itself by its square.
-            let sine = aside.mag() / ahead.lo();
-            let speed = ahead.hi().hypot(aside.mag());
-            let chord = (0.5 * speed * sine * width)
-                .min(0.125 * second[0].mag().hypot(second[1].mag()) * width * width);
-            chord + 3.0 * sine * sine * band.below_mm.max(band.above_mm)
-        }
     }
 }
 
@@ -354,6 +297,7 @@ impl Walk<'_> {
         let (mut left, mut right) =
             (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
         let mut origin = start;
+        let mut taken = 0;
         while self.links.len() <= self.left.len() {
             budget.check()?;
             let along = tangent(origin.0).normalize();
@@ -370,6 +314,10 @@ impl Walk<'_> {
                     (Some(l), None) => (Side::Left, l),
                     (None, None) => break None,
                 };
+                taken += 1;
+                if taken % GATES_BETWEEN_CHECKS == 0 {
+                    budget.check()?;
+                }
                 if !bundle.take(side, next) {
                     break Some((side, next));
                 }

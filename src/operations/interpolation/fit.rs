@@ -113,7 +113,10 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         let relaxed = Self { band: Band { below_mm: wide, above_mm: wide, ..self.band }, ..*self };
         let [first, last] = self.curve.domain();
         let length = HOPELESS_FACTOR * (to - from);
-        length < last - first && relaxed.fit(if from + length <= last { [from, from + length] } else { [to - length, to] }).is_some()
+        length < last - first
+            && relaxed
+                .fit(if from + length <= last { [from, from + length] } else { [to - length, to] })
+                .is_some()
     }
 
     fn element(&self, shape: Shape, [from, to]: [f64; 2]) -> Option<Element> {

@@ -41,8 +41,8 @@ const LONGER: [f64; 6] = [1.1, 1.25, 1.4, 1.6, 1.8, 2.0];
 /// Tangents by which a curve is seen to be convex.
 const TANGENTS: usize = 9;
 
-/// Elements between two looks at the budget.
-const ELEMENTS_BETWEEN_CHECKS: usize = 16;
+/// Elements between two reports of progress.
+const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 
 /// Adds the fewest elements over `range` that stay within the band, as far as is known.
 ///
@@ -59,8 +59,8 @@ pub fn fewest(
     let mut at = from;
     let mut length = to - from;
     while at < to {
-        if elements.len() % ELEMENTS_BETWEEN_CHECKS == 0 {
-            budget.check()?;
+        budget.check()?;
+        if elements.len() % ELEMENTS_BETWEEN_REPORTS == 0 {
             budget.progress("interpolating", elements.len(), elements.len());
         }
         if elements.len() >= fitter.element_limit {
@@ -72,7 +72,8 @@ pub fn fewest(
             && fitter.may_fit_again([last.range[0], next.range[1]])
             && let Some([earlier, longer]) = fitter.around(&last, &next, to)
         {
-            *elements.last_mut().unwrap_or(&mut next.clone()) = earlier;
+            elements.pop();
+            elements.push(earlier);
             next = longer;
         }
         if fitter.is_hopeless(next.range) && next.range[1] < to {

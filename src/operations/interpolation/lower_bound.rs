@@ -5,7 +5,7 @@
 //! starts at r or before it. That is bounded in two ways.
 //!
 //! 1. **Convex.** Lines: let the curve be convex, and its tangents differ by less than a right angle, where an element from
-//!    before r could run. Then the height of a part of the curve over its own chord is at most that of the whole over its
+//!    before r could run at all. Then the height of a part of the curve over its own chord is at most that of the whole over its
 //!    chord: the part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph; the
 //!    point of the part farthest from its chord has a tangent along it, so it lies on the side of the apex where the strip's
 //!    height counts in full, and its distance is at most that height times the cosine between the chords. (By the vertical
@@ -39,6 +39,9 @@ use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
 /// How much farther than guessed an element is looked at, in parts of its length: the first that is outside bounds the reach.
 const BEYOND_PARTS: [f64; 5] = [1e-6, 1e-4, 1e-3, 1e-2, 5e-2];
+
+/// How much farther than that no element at all reaches, where it is convex; tried in turn.
+const FAR_FACTORS: [f64; 3] = [1.5, 2.0, 3.0];
 
 /// How often a range is halved until the curve is seen to be convex there.
 const HALVINGS: u32 = 4;
@@ -92,12 +95,13 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         let part = (start - own[0]) / (own[1] - own[0]);
         let length = next[0] + part * (next[1] - next[0]) - start;
         if self.method == Method::Linear {
-            for beyond in BEYOND_PARTS {
-                let end = start + length * (1.0 + beyond);
-                if end >= to || !self.is_convex([before, end]) {
-                    break;
-                }
-                if self.is_outside([start, end]) {
+            // Elements end here at the latest, so that far the curve must be convex.
+            let farthest = FAR_FACTORS.iter().map(|factor| start + factor * length);
+            let farthest = farthest.take_while(|end| *end < to).find(|end| self.rules_out([start, *end]));
+            if let Some(farthest) = farthest.filter(|farthest| self.is_convex([before, *farthest])) {
+                let ends = BEYOND_PARTS.iter().map(|beyond| start + length * (1.0 + beyond));
+                let mut ends = ends.take_while(|end| *end < farthest);
+                if let Some(end) = ends.find(|end| self.is_outside([start, *end])) {
                     return end;
                 }
             }
@@ -114,10 +118,6 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     /// Whether the curve turns to one side only over a range, and by the normal measure by less than a right angle.
     fn is_convex(&self, [from, to]: [f64; 2]) -> bool {
         let breaks = self.curve.breaks();
-        let has_break = breaks.partition_point(|t| *t <= from) < breaks.partition_point(|t| *t < to);
-        if has_break && self.band.measure == Measure::Vertical {
-            return false;
-        }
         let along = (self.curve.point(to) - self.curve.point(from)).normalize();
         let first = breaks.partition_point(|t| *t <= from);
         let last = breaks.partition_point(|t| *t < to).max(first);
@@ -204,7 +204,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                 // By the vertical measure a curve is no farther away than that.
                 ring(FOUR.map(|part| self.curve.point(at(part)))) > width * (1.0 + 1e-9)
             }
-            Method::Parabolic | Method::Mixed => self.no_parabola(FOUR.map(at), [from, to]),
+            Method::Parabolic | Method::Mixed => self.no_parabola(FOUR.map(at)),
         }
     }
 
@@ -221,7 +221,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     ///
     /// An element that lies within w of the curve lies above or below it by at most w sqrt(1 + m^2), with m the largest
     /// slope of the curve within w of there.
-    fn no_parabola(&self, x: [f64; 4], [from, to]: [f64; 2]) -> bool {
+    fn no_parabola(&self, x: [f64; 4]) -> bool {
+        let [first, last] = self.curve.domain();
         let (below, above) = (self.band.below_mm + 2.0 * GUARD_MM, self.band.above_mm + 2.0 * GUARD_MM);
         // The sum of (y + e) / w'(x) is zero for a quadratic through the points y moved by e.
         let (mut sum, mut least, mut most) = (0.0, 0.0, 0.0);
@@ -231,7 +232,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                 Measure::Vertical => 1.0,
                 Measure::Normal => {
                     let reach = below.max(above);
-                    let slope = self.curve.enclose((xk - reach).max(from), (xk + reach).min(to)).first[1];
+                    let slope = self.curve.enclose((xk - reach).max(first), (xk + reach).min(last)).first[1];
                     (Interval::point(1.0) + slope.sqr()).sqrt().hi()
                 }
             };
@@ -265,7 +266,8 @@ fn ring(p: [Point2<f64>; 4]) -> f64 {
             let [least, most] = distances
                 .iter()
                 .fold([f64::INFINITY, 0.0], |[least, most], d: &f64| [d.min(least), d.max(most)]);
-            thinnest = thinnest.min(most - least);
+            // Distances to a centre far away are rounded.
+            thinnest = thinnest.min(most - least - 16.0 * f64::EPSILON * most);
         }
     };
     for [a, b, c, d] in [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2]] {

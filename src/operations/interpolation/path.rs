@@ -6,6 +6,7 @@ use super::fit::{Fitted, Fitter};
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
 use crate::geometry::curve::Direction;
+use crate::geometry::deviation::Measure;
 use crate::geometry::element::Element;
 use crate::geometry::plane::Plane;
 use crate::geometry::plane_curve::PlaneCurve;
@@ -66,7 +67,9 @@ pub fn path(
             written = written.max(deviations.next().unwrap_or(0.0) + rounded.displacement_mm);
         }
     }
-    let deviation_written_mm = job.compensation.is_none().then_some(written);
+    // A displacement has no bound along y on an upright curve.
+    let is_told = job.compensation.is_none() && job.band.measure == Measure::Normal;
+    let deviation_written_mm = is_told.then_some(written);
     Ok(Path { toolpath, length_mm, cutting_time_s: seconds, deviation_written_mm, cutting, warnings })
 }
 

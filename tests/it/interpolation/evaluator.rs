@@ -9,7 +9,7 @@ pub struct Curve<'a> {
 }
 
 /// Points on each element.
-const SAMPLES: usize = 600;
+const SAMPLES: usize = 160;
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
@@ -59,7 +59,7 @@ fn along(step: &Value, from: [f64; 2], to: [f64; 2], s: f64) -> [f64; 2] {
 }
 
 impl Curve<'_> {
-    /// The distance from `p` to the curve between two parameters, by sections of a grid and of what is left of it.
+    /// The distance from `p` to the curve between two parameters, by a fine grid and then grids of what is left.
     pub fn distance(&self, p: [f64; 2], [from, to]: [f64; 2]) -> f64 {
         let distance = |t: f64| {
             let [x, y] = (self.point)(t);
@@ -67,13 +67,11 @@ impl Curve<'_> {
         };
         let (mut low, mut high) = (from.max(self.domain[0]), to.min(self.domain[1]));
         let mut best = f64::INFINITY;
-        for _ in 0..14 {
-            const PARTS: usize = 16;
-            let at = |k: usize| low + (high - low) * k as f64 / PARTS as f64;
-            let nearest =
-                (0..=PARTS).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
+        for parts in [240usize, 16, 16, 16, 16, 16, 16, 16, 16, 16] {
+            let at = |k: usize| low + (high - low) * k as f64 / parts as f64;
+            let nearest = (0..=parts).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
             best = best.min(distance(at(nearest)));
-            (low, high) = (at(nearest.saturating_sub(1)), at((nearest + 1).min(PARTS)));
+            (low, high) = (at(nearest.saturating_sub(1)), at((nearest + 1).min(parts)));
         }
         best
     }

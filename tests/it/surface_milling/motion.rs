@@ -189,7 +189,6 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let turn = (arc.plane(), arc.direction());
                 Some((Kind::Cut, Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap())))
             }
-            Step::Feed { along: Curve::Parabola(_), .. } => panic!("milling makes no parabolas"),
             Step::Dwell { .. } => panic!("a dwell"),
         })
         .collect()

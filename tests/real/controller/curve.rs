@@ -77,7 +77,9 @@ pub fn check(directory: &Path) -> Result<String, String> {
             end = curve.end();
         }
     }
-    if parabolas != plan.report.elements.len() || (end.xy() - Point2::new(130.0, height(130.0))).norm() > ROUNDING_MM {
+    if parabolas != plan.report.elements.len()
+        || (end.xy() - Point2::new(130.0, height(130.0))).norm() > ROUNDING_MM
+    {
         return Err(format!("{parabolas} parabolas end at {end}"));
     }
     if farthest > BAND_MM + ROUNDING_MM {

@@ -8,7 +8,7 @@
 //! 3. Whether an element stays within the band is proved over the whole of it ([`deviation`](crate::geometry::deviation)).
 //! 4. `lower_bound`: how few elements there can be at least.
 //! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band stand for
-//!    them; beside the contour the path is offset by the cutter's radius.
+//!    them; beside the contour `compensation` moves them by the cutter's radius.
 //!
 //! # Guarantees
 //! * Every element stays within the band, by the measure that is asked for: a proof, not a sample. `deviation_max_mm` bounds
@@ -33,6 +33,7 @@
 //! Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
 
 mod bisection;
+mod compensation;
 mod corners;
 mod corridor;
 mod fit;
@@ -52,6 +53,7 @@ use crate::geometry::plane_curve::PlaneCurve;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};
+pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
 pub use job::{Job, Joints, Method, Side, Source, Subdivision};
@@ -123,6 +125,8 @@ pub enum Error {
     TooManyElements { limit: usize },
     #[error("no element stays within the band near {at}, however short")]
     BandInfeasible { at: Point2<f64> },
+    #[error(transparent)]
+    Compensation(#[from] CompensationError),
     #[error(transparent)]
     Heights(#[from] HeightError),
     #[error(transparent)]

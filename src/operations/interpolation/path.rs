@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Point3};
 
+use super::compensation::compensate;
 use super::fit::{Fitted, Fitter};
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
@@ -20,6 +21,9 @@ const TOP_MM: f64 = 0.0;
 
 /// How far the tool is lifted between chains of which nobody said how to cut them, mm.
 const LIFT_MM: f64 = 2.0;
+
+/// What the cutter leaves is worth a word from here on, mm: less is lost in the program's decimals.
+const UNCUT_MM: f64 = 1e-3;
 
 /// Moves between two looks at the budget.
 const MOVES_BETWEEN_CHECKS: usize = 1024;
@@ -48,8 +52,17 @@ pub fn path(
 ) -> Result<Path, Error> {
     let cutting = job.cutting.map(|cutting| cutting.above(TOP_MM.max(job.z_mm))).transpose()?;
     let stretches = runnable(curve, elements, job, budget)?;
-    let (chains, warnings) =
-        (vec![stretches.iter().map(|stretch| stretch.element).collect::<Vec<_>>()], Vec::new());
+    let contour: Vec<Element> = stretches.iter().map(|stretch| stretch.element).collect();
+    let mut warnings = Vec::new();
+    let chains = match job.compensation {
+        None => vec![contour],
+        Some((side, radius_mm)) => {
+            let compensated = compensate(&contour, side, radius_mm, budget)?;
+            let uncut_mm = compensated.uncut_mm;
+            warnings.extend((uncut_mm > UNCUT_MM).then_some(Warning::ContourNotReached { uncut_mm }));
+            compensated.chains
+        }
+    };
     let toolpath = toolpath(&chains, job, cutting.as_ref())?;
     let mut length_mm = 0.0;
     let mut seconds = Some(0.0);

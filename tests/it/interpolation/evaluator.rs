@@ -69,7 +69,8 @@ impl Curve<'_> {
         let mut best = f64::INFINITY;
         for parts in [240usize, 16, 16, 16, 16, 16, 16, 16, 16, 16] {
             let at = |k: usize| low + (high - low) * k as f64 / parts as f64;
-            let nearest = (0..=parts).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
+            let nearest =
+                (0..=parts).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
             best = best.min(distance(at(nearest)));
             (low, high) = (at(nearest.saturating_sub(1)), at((nearest + 1).min(parts)));
         }

@@ -5,7 +5,7 @@ use crate::geometry::plane_curve::nurbs::NurbsError;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use crate::language::expression::Undefined;
-use crate::operations::interpolation::{Error, SourceError};
+use crate::operations::interpolation::{CompensationError, Error, SourceError};
 
 impl From<Error> for ApiError {
     fn from(error: Error) -> Self {
@@ -32,9 +32,30 @@ impl From<Error> for ApiError {
                     .blaming(&band, FieldCode::OutOfRange)
                     .at([at.x, at.y, 0.0])
             }
+            Error::Compensation(compensation) => compensation.into(),
             Error::Heights(heights) => heights.into(),
             Error::Quantize(quantize) => quantize.into(),
             Error::Path(_) => Self::new(Code::InternalError, detail),
+        }
+    }
+}
+
+impl From<CompensationError> for ApiError {
+    fn from(error: CompensationError) -> Self {
+        let detail = error.to_string();
+        let root = Pointer::root();
+        match error {
+            CompensationError::Stopped(stopped) => stopped.into(),
+            CompensationError::NothingLeft => {
+                let diameter = root.field("tool").field("diameter_mm");
+                Self::new(Code::NothingToCut, detail).blaming(&diameter, FieldCode::OutOfRange)
+            }
+            CompensationError::Gouges { at } => {
+                Self::new(Code::ToleranceNotReached, detail).at([at.x, at.y, 0.0])
+            }
+            CompensationError::TooMany { limit: _ } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&root.field("band"), FieldCode::LimitExceeded)
+            }
         }
     }
 }

@@ -1,0 +1,141 @@
+//! The parts of a piece where the cutter does not gouge.
+//!
+//! # Method
+//! Along a piece the distance to an element of the contour passes through the radius only where the piece crosses a line,
+//! or circle, beside the element, or a circle about one of its ends. Between two such places one look decides. What any
+//! element forbids is taken away.
+//!
+//! # Guarantees
+//! What is left gouges by no more than about the rounding that is allowed.
+//!
+//! # Degenerate input
+//! Where a piece touches such a circle, the two crossings are ill-conditioned; what lies between them is as deep as the
+//! rounding and stays.
+//!
+//! # Cost
+//! A piece meets the elements that are nearer to its middle than the radius and half of its own length.
+
+use nalgebra::{Point2, Vector2};
+
+use super::distance::{self, circle_meets, circles_meet, left};
+use super::pieces::{self, Piece, SHORTEST_MM};
+use super::tree::Tree;
+use crate::geometry::element::{Element, PlaneArc};
+
+/// Cuts pieces one after the other, with room that is used again.
+pub(super) struct Clip<'a> {
+    pub contour: &'a Tree,
+    pub radius: f64,
+    /// What is less deep is left alone, mm.
+    pub rounding: f64,
+    /// The element that forbade all of a piece last: it is likely to do so again.
+    blocker: usize,
+    blocked: Vec<[f64; 2]>,
+    crossings: Vec<f64>,
+}
+
+impl<'a> Clip<'a> {
+    pub(super) fn new(contour: &'a Tree, radius: f64, rounding: f64) -> Self {
+        Self { contour, radius, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
+    }
+
+    /// Appends the ranges of the piece that are left, in their order.
+    pub(super) fn open(&mut self, piece: &Piece, open: &mut Vec<[f64; 2]>) {
+        let (middle, reach) = pieces::disc(&piece.element);
+        let blocking = self.radius - reach - self.rounding;
+        if distance::to_point(&self.contour.elements()[self.blocker], middle) < blocking {
+            return;
+        }
+        self.blocked.clear();
+        let mut is_blocked = false;
+        self.contour.near(middle, self.radius + reach, |k, apart| {
+            if apart < blocking {
+                (is_blocked, self.blocker) = (true, k);
+            } else if piece.beside != Some(k) {
+                let element = &self.contour.elements()[k];
+                self.crossings.clear();
+                self.crossings.extend([0.0, 1.0]);
+                cross(&piece.element, element, self.radius, &mut self.crossings);
+                self.crossings.sort_unstable_by(f64::total_cmp);
+                for pair in self.crossings.windows(2) {
+                    let place = pieces::at(&piece.element, 0.5 * (pair[0] + pair[1]));
+                    if pair[0] < pair[1] && distance::to_point(element, place) < self.radius - self.rounding {
+                        self.blocked.push([pair[0], pair[1]]);
+                    }
+                }
+            }
+            !is_blocked
+        });
+        if is_blocked {
+            return;
+        }
+        self.blocked.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        let shortest = SHORTEST_MM / pieces::length(&piece.element);
+        let mut from = 0.0;
+        for [start, end] in self.blocked.iter().copied().chain([[1.0, 1.0]]) {
+            if start - from >= shortest {
+                open.push([from, start]);
+            }
+            from = end.max(from);
+        }
+    }
+}
+
+/// Appends where the piece may come nearer to the element than the radius, or leave its neighbourhood.
+fn cross(piece: &Element, element: &Element, radius: f64, found: &mut Vec<f64>) {
+    match element {
+        Element::Arc(arc) => {
+            cross_circle(piece, arc.center, arc.radius + radius, found);
+            if arc.radius > radius {
+                cross_circle(piece, arc.center, arc.radius - radius, found);
+            }
+        }
+        line => {
+            if let Some(along) = (line.end() - line.start()).try_normalize(0.0) {
+                let aside = left(along) * radius;
+                cross_line(piece, line.start() + aside, along, found);
+                cross_line(piece, line.start() - aside, along, found);
+            }
+        }
+    }
+    cross_circle(piece, element.start(), radius, found);
+    cross_circle(piece, element.end(), radius, found);
+}
+
+fn cross_line(piece: &Element, from: Point2<f64>, along: Vector2<f64>, found: &mut Vec<f64>) {
+    match piece {
+        Element::Arc(arc) => {
+            let spokes = circle_meets(arc.radius, from - arc.center, along);
+            found.extend(spokes.into_iter().flatten().filter_map(|spoke| place_on(arc, spoke)));
+        }
+        line => {
+            let t = (from - line.start()).perp(&along) / (line.end() - line.start()).perp(&along);
+            found.extend(Some(t).filter(|t| (0.0..1.0).contains(t)));
+        }
+    }
+}
+
+fn cross_circle(piece: &Element, center: Point2<f64>, radius: f64, found: &mut Vec<f64>) {
+    match piece {
+        Element::Arc(arc) => {
+            let spokes = circles_meet(arc.radius, center - arc.center, radius);
+            found.extend(spokes.into_iter().flatten().filter_map(|spoke| place_on(arc, spoke)));
+        }
+        line => {
+            let chord = line.end() - line.start();
+            let length = chord.norm();
+            let along = chord / length;
+            let places = circle_meets(radius, line.start() - center, along).into_iter().flatten();
+            let places = places.map(|spoke| (center + spoke - line.start()).dot(&along) / length);
+            found.extend(places.filter(|t| (0.0..1.0).contains(t)));
+        }
+    }
+}
+
+/// Where on the arc's way a spoke of its circle is, if it is on the arc.
+fn place_on(arc: &PlaneArc, spoke: Vector2<f64>) -> Option<f64> {
+    let start = arc.start - arc.center;
+    let angle = arc.turn.signum() * start.perp(&spoke).atan2(start.dot(&spoke));
+    let t = angle.rem_euclid(std::f64::consts::TAU) / arc.turn.abs();
+    (t < 1.0).then_some(t)
+}

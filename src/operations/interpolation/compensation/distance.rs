@@ -1,0 +1,158 @@
+//! Distances of lines and arcs, in closed form.
+//!
+//! # Method
+//! The place of the least distance between two elements is an end of one of them, a place where they cross, or lies on the
+//! normal that both have in common: every such place on either element is measured from the other. Each figure is the
+//! distance of some point, so that a place too many does no harm.
+//!
+//! # Guarantees
+//! Right to rounding, some 1e-15 of the largest coordinate or radius.
+//!
+//! # Degenerate input
+//! Elements without length are points. Concentric arcs have normals in common wherever they face each other; the least
+//! distance is then found from their ends.
+//!
+//! # Cost
+//! O(1), without trigonometric functions.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::geometry::element::{Element, PlaneArc};
+
+/// Turned to the left by a quarter.
+pub(super) fn left(v: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-v.y, v.x)
+}
+
+/// Whether the ray from the centre along `spoke` meets the arc.
+pub(super) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
+    let sense = arc.turn.signum();
+    let is_after_start = sense * (arc.start - arc.center).perp(&spoke) >= 0.0;
+    let is_before_end = sense * spoke.perp(&(arc.end - arc.center)) >= 0.0;
+    if arc.turn.abs() > std::f64::consts::PI {
+        is_after_start || is_before_end
+    } else {
+        is_after_start && is_before_end
+    }
+}
+
+/// From a point to a line or an arc, mm.
+pub(super) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
+    match element {
+        Element::Arc(arc) => {
+            let spoke = p - arc.center;
+            if covers(arc, spoke) {
+                (spoke.norm() - arc.radius).abs()
+            } else {
+                (p - arc.start).norm_squared().min((p - arc.end).norm_squared()).sqrt()
+            }
+        }
+        Element::Line { start, end } | Element::Parabola { start, end, .. } => {
+            let (along, from) = (end - start, p - start);
+            let square = along.norm_squared();
+            let u = if square > 0.0 { (from.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+            (from - along * u).norm()
+        }
+    }
+}
+
+/// The least distance between two elements with the place on the first of them, mm.
+pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
+    let mut least = (f64::INFINITY, first.start());
+    let mut see = |distance: f64, at: Point2<f64>| {
+        if distance < least.0 {
+            least = (distance, at);
+        }
+    };
+    for p in [second.start(), second.end()] {
+        see(to_point(first, p), p);
+    }
+    for p in [first.start(), first.end()] {
+        see(to_point(second, p), p);
+    }
+    // Places on the carrier of the first element that are not on the element itself do not count.
+    let mut see_on_carrier = |p: Point2<f64>| {
+        let is_on = match first {
+            Element::Arc(arc) => covers(arc, p - arc.center),
+            Element::Line { start, end } | Element::Parabola { start, end, .. } => {
+                let along = end - start;
+                (0.0..=along.norm_squared()).contains(&(p - start).dot(&along))
+            }
+        };
+        if is_on {
+            see(to_point(second, p), p);
+        }
+    };
+    match (first, second) {
+        (Element::Arc(a), Element::Arc(b)) => {
+            let apart = b.center - a.center;
+            let distance = apart.norm();
+            if distance > 0.0 {
+                let toward = apart / distance;
+                see_on_carrier(a.center + toward * a.radius);
+                see_on_carrier(a.center - toward * a.radius);
+                for spoke in circles_meet(a.radius, apart, b.radius).into_iter().flatten() {
+                    see_on_carrier(a.center + spoke);
+                }
+            }
+        }
+        (Element::Arc(arc), line) => {
+            let along = line.end() - line.start();
+            let length = along.norm();
+            if length > 0.0 {
+                let along = along / length;
+                // Of the feet on the arc the one that faces the line is the nearer; the other does no harm.
+                see_on_carrier(arc.center + left(along) * arc.radius);
+                see_on_carrier(arc.center - left(along) * arc.radius);
+                for spoke in circle_meets(arc.radius, line.start() - arc.center, along).into_iter().flatten()
+                {
+                    see_on_carrier(arc.center + spoke);
+                }
+            }
+        }
+        (line, Element::Arc(arc)) => {
+            let along = line.end() - line.start();
+            let length = along.norm();
+            if length > 0.0 {
+                let along = along / length;
+                see_on_carrier(line.start() + along * (arc.center - line.start()).dot(&along));
+                for spoke in circle_meets(arc.radius, line.start() - arc.center, along).into_iter().flatten()
+                {
+                    see_on_carrier(arc.center + spoke);
+                }
+            }
+        }
+        (one, other) => {
+            let (along, across) = (one.end() - one.start(), other.end() - other.start());
+            let u = (other.start() - one.start()).perp(&across) / along.perp(&across);
+            if u.is_finite() {
+                see_on_carrier(one.start() + along * u);
+            }
+        }
+    }
+    least
+}
+
+/// Where a circle about the origin meets the line through `from` along a unit vector.
+pub(super) fn circle_meets(
+    radius: f64,
+    from: Vector2<f64>,
+    along: Vector2<f64>,
+) -> Option<[Vector2<f64>; 2]> {
+    let foot = left(along) * along.perp(&from);
+    let beside = foot.norm();
+    let square = (radius - beside) * (radius + beside);
+    (square >= 0.0).then(|| [foot - along * square.sqrt(), foot + along * square.sqrt()])
+}
+
+/// Where a circle about the origin meets another that is `apart` from it.
+pub(super) fn circles_meet(radius: f64, apart: Vector2<f64>, other: f64) -> Option<[Vector2<f64>; 2]> {
+    let distance = apart.norm();
+    let toward = apart / distance;
+    let along = 0.5 * (distance + (radius - other) * (radius + other) / distance);
+    let square = (radius - along) * (radius + along);
+    // Not a number where the circles are concentric.
+    (square >= 0.0).then(|| {
+        [toward * along - left(toward) * square.sqrt(), toward * along + left(toward) * square.sqrt()]
+    })
+}

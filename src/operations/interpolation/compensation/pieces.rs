@@ -1,0 +1,144 @@
+//! The pieces that the path can be made of: the elements of the contour moved aside, and arcs about its convex corners.
+//!
+//! # Method
+//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the path that is
+//! nearest to a corner lies on the circle about it, between the normals of the two elements.
+//!
+//! # Guarantees
+//! Every point beside the contour at exactly the radius from it, seen from its nearest point on the side, lies on a piece.
+//!
+//! # Degenerate input
+//! A contour that turns back on itself is rounded on both sides.
+
+use nalgebra::{Point2, Rotation2, Vector2};
+
+use super::distance::left;
+use crate::geometry::element::{Element, PlaneArc};
+
+/// Shorter pieces are left out, mm.
+pub(super) const SHORTEST_MM: f64 = 1e-9;
+
+/// A turn so near to a half turn may be one to either side, radians.
+const TURNED_BACK: f64 = 1e-9;
+
+/// A piece of the path before anything is cut away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece {
+    pub element: Element,
+    /// The element of the contour that it runs beside; `None` about a corner.
+    pub beside: Option<usize>,
+}
+
+/// The pieces in the contour's order, `radius` to its left, or to its right if negative.
+pub(super) fn pieces(contour: &[Element], is_closed: bool, radius: f64) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(2 * contour.len());
+    for (k, element) in contour.iter().enumerate() {
+        if let Some(element) = beside(element, radius).filter(|piece| length(piece) >= SHORTEST_MM) {
+            pieces.push(Piece { element, beside: Some(k) });
+        }
+        let next = match contour.get(k + 1) {
+            Some(next) => next,
+            None if is_closed => &contour[0],
+            None => continue,
+        };
+        let tangents = [tangent(element, true), tangent(next, false)];
+        if let Some(element) =
+            about(element.end(), tangents, radius).filter(|piece| length(piece) >= SHORTEST_MM)
+        {
+            pieces.push(Piece { element, beside: None });
+        }
+    }
+    pieces
+}
+
+fn beside(element: &Element, radius: f64) -> Option<Element> {
+    match element {
+        Element::Arc(arc) => {
+            let moved = arc.radius - arc.turn.signum() * radius;
+            let at = |p: Point2<f64>| arc.center + (p - arc.center) * (moved / arc.radius);
+            (moved > 0.0).then(|| {
+                Element::Arc(PlaneArc { start: at(arc.start), end: at(arc.end), radius: moved, ..*arc })
+            })
+        }
+        line => {
+            let aside = left(tangent(line, false)) * radius;
+            Some(Element::Line { start: line.start() + aside, end: line.end() + aside })
+        }
+    }
+}
+
+/// The arc about a corner, if it is convex.
+fn about(corner: Point2<f64>, tangents: [Vector2<f64>; 2], radius: f64) -> Option<Element> {
+    let [before, after] = tangents;
+    let mut turn = before.perp(&after).atan2(before.dot(&after));
+    if turn.abs() > std::f64::consts::PI - TURNED_BACK {
+        turn = -turn.abs() * radius.signum();
+    }
+    let [start, end] = tangents.map(|tangent| corner + left(tangent) * radius);
+    (turn * radius < 0.0)
+        .then(|| Element::Arc(PlaneArc { start, end, center: corner, radius: radius.abs(), turn }))
+}
+
+/// The unit tangent at the start or the end.
+fn tangent(element: &Element, is_at_end: bool) -> Vector2<f64> {
+    let along = match element {
+        Element::Arc(arc) => {
+            let p = if is_at_end { arc.end } else { arc.start };
+            left(p - arc.center) * arc.turn.signum()
+        }
+        line => line.end() - line.start(),
+    };
+    along.try_normalize(0.0).unwrap_or_else(Vector2::x)
+}
+
+/// Length of a line or an arc, mm.
+pub(super) fn length(element: &Element) -> f64 {
+    match element {
+        Element::Arc(arc) => arc.radius * arc.turn.abs(),
+        line => (line.end() - line.start()).norm(),
+    }
+}
+
+/// The place at `t`, from 0 at the start to 1 at the end.
+pub(super) fn at(element: &Element, t: f64) -> Point2<f64> {
+    match element {
+        _ if t <= 0.0 => element.start(),
+        _ if t >= 1.0 => element.end(),
+        Element::Arc(arc) => arc.center + Rotation2::new(arc.turn * t) * (arc.start - arc.center),
+        line => line.start() + (line.end() - line.start()) * t,
+    }
+}
+
+/// The middle of an element, and the radius of the disc about it that holds the element, mm.
+pub(super) fn disc(element: &Element) -> (Point2<f64>, f64) {
+    let middle = at(element, 0.5);
+    (middle, (middle - element.start()).norm().max((middle - element.end()).norm()))
+}
+
+/// How far a place is from the line or circle that the element is a part of, mm.
+pub(super) fn from_carrier(element: &Element, p: Point2<f64>) -> f64 {
+    match element {
+        Element::Arc(arc) => ((p - arc.center).norm() - arc.radius).abs(),
+        line => tangent(line, false).perp(&(p - line.start())).abs(),
+    }
+}
+
+/// The angle turned, radians, from one place beside the element to another, near `from` and `to` of its way; `None` where
+/// that is too short or turns back.
+pub(super) fn turn_between(
+    element: &Element,
+    [from, to]: [f64; 2],
+    [start, end]: [Point2<f64>; 2],
+) -> Option<f64> {
+    match element {
+        Element::Arc(arc) => {
+            let angle = |t: f64, p: Point2<f64>| {
+                let (spoke, moved) = (at(element, t) - arc.center, p - arc.center);
+                arc.turn * t + spoke.perp(&moved).atan2(spoke.dot(&moved))
+            };
+            let turn = angle(to, end) - angle(from, start);
+            (turn * arc.turn.signum() * arc.radius >= SHORTEST_MM).then_some(turn)
+        }
+        line => ((end - start).dot(&tangent(line, false)) >= SHORTEST_MM).then_some(0.0),
+    }
+}

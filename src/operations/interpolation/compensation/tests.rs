@@ -1,0 +1,356 @@
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI, TAU};
+
+use nalgebra::{Isometry2, Vector2};
+use proptest::prelude::*;
+
+use super::*;
+
+const R: f64 = 2.0;
+
+/// A polygonal chain whose parts bulge: positive to the right of the chord, so that they turn to the left.
+fn contour(points: &[(f64, f64)], bulges: &[f64]) -> Vec<Element> {
+    let at = |k: usize| Point2::new(points[k].0, points[k].1);
+    let element = |k: usize| {
+        let (start, end) = (at(k), at(k + 1));
+        let bulge = bulges.get(k).copied().unwrap_or(0.0);
+        PlaneArc::with_bulge(start, end, -bulge).map_or(Element::Line { start, end }, Element::Arc)
+    };
+    (0..points.len() - 1).map(element).collect()
+}
+
+fn lines(points: &[(f64, f64)]) -> Vec<Element> {
+    contour(points, &[])
+}
+
+/// A circle of two halves, to the left.
+fn circle(radius: f64) -> Vec<Element> {
+    contour(&[(radius, 0.0), (-radius, 0.0), (radius, 0.0)], &[1.0, 1.0])
+}
+
+fn mapped(element: &Element, point: impl Fn(Point2<f64>) -> Point2<f64>, sense: f64) -> Element {
+    match element {
+        Element::Arc(arc) => Element::Arc(PlaneArc {
+            start: point(arc.start),
+            end: point(arc.end),
+            center: point(arc.center),
+            turn: sense * arc.turn,
+            ..*arc
+        }),
+        line => Element::Line { start: point(line.start()), end: point(line.end()) },
+    }
+}
+
+fn reversed(chain: &[Element]) -> Vec<Element> {
+    let back = |element: &Element| match element {
+        Element::Arc(arc) => {
+            Element::Arc(PlaneArc { start: arc.end, end: arc.start, turn: -arc.turn, ..*arc })
+        }
+        line => Element::Line { start: line.end(), end: line.start() },
+    };
+    chain.iter().rev().map(back).collect()
+}
+
+fn mirrored(chain: &[Element]) -> Vec<Element> {
+    chain.iter().map(|element| mapped(element, |p| Point2::new(p.x, -p.y), -1.0)).collect()
+}
+
+fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
+    let motion = Isometry2::new(Vector2::new(71.0, -113.0), degrees.to_radians());
+    chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
+}
+
+fn other(side: Side) -> Side {
+    if side == Side::Left { Side::Right } else { Side::Left }
+}
+
+fn to_chain(elements: &[Element], p: Point2<f64>) -> f64 {
+    elements.iter().map(|element| distance::to_point(element, p)).fold(f64::INFINITY, f64::min)
+}
+
+fn length(chain: &[Element]) -> f64 {
+    chain.iter().map(pieces::length).sum()
+}
+
+/// The path, after it has been sampled: it is connected, does not gouge, and has every point beside the contour that it
+/// may have.
+fn run(contour: &[Element], side: Side, radius: f64) -> Compensated {
+    let found = compensate(contour, side, radius, &Budget::unlimited()).unwrap();
+    let path: Vec<Element> = found.chains.iter().flatten().copied().collect();
+    for chain in &found.chains {
+        for pair in chain.windows(2) {
+            assert_eq!(pair[0].end(), pair[1].start());
+        }
+    }
+    for element in &path {
+        for k in 0..=20 {
+            let p = pieces::at(element, f64::from(k) / 20.0);
+            let apart = to_chain(contour, p);
+            assert!((apart - radius).abs() < 1.1e-6, "{p} is {apart} from the contour");
+        }
+        if let Element::Arc(arc) = element {
+            assert!(((arc.end - arc.center).norm() - arc.radius).abs() < 1e-9);
+            assert!(((arc.start - arc.center).norm() - arc.radius).abs() < 1e-9);
+            let end = pieces::at(&Element::Arc(PlaneArc { turn: 2.0 * arc.turn, ..*arc }), 0.5);
+            assert!((end - arc.end).norm() < 1e-9, "the turn of {arc:?} does not lead to its end");
+        }
+    }
+    let is_closed = (contour[0].start() - contour[contour.len() - 1].end()).norm() < 1e-9;
+    let left = if side == Side::Left { radius } else { -radius };
+    for piece in pieces::pieces(contour, is_closed, left) {
+        for k in 1..6 {
+            let p = pieces::at(&piece.element, f64::from(k) / 6.0);
+            if to_chain(contour, p) > radius - 1e-12 && pieces::length(&piece.element) > 1e-3 {
+                assert!(to_chain(&path, p) < 1e-6, "the path misses {p}: {:?}", found.chains);
+            }
+        }
+    }
+    found
+}
+
+/// As `run`, and the same again for the contour moved, mirrored and run backwards.
+fn run_all_ways(contour: &[Element], side: Side, radius: f64) -> Compensated {
+    let found = run(contour, side, radius);
+    let total = |found: &Compensated| found.chains.iter().map(|chain| length(chain)).sum::<f64>();
+    let same = |again: &Compensated, way: &str| {
+        assert_eq!(again.chains.len(), found.chains.len(), "{way}");
+        assert!((total(again) - total(&found)).abs() < 1e-5, "{way}: {} {}", total(again), total(&found));
+        assert!(
+            (again.uncut_mm - found.uncut_mm).abs() < 1e-5,
+            "{way}: {} {}",
+            again.uncut_mm,
+            found.uncut_mm
+        );
+    };
+    same(&run(&reversed(contour), other(side), radius), "reversed");
+    same(&run(&mirrored(contour), other(side), radius), "mirrored");
+    same(&run(&turned(contour, 90.0), side, radius), "turned by a quarter");
+    same(&run(&turned(contour, 77.7), side, radius), "turned");
+    same(&run(&turned(&mirrored(&reversed(contour)), 15.0), side, radius), "all of it");
+    found
+}
+
+fn one(found: &Compensated) -> &[Element] {
+    assert_eq!(found.chains.len(), 1);
+    &found.chains[0]
+}
+
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
+}
+
+fn assert_at(p: Point2<f64>, x: f64, y: f64) {
+    assert!((p - Point2::new(x, y)).norm() < 1e-9, "{p} instead of {x}, {y}");
+}
+
+#[test]
+fn a_convex_corner_is_rounded() {
+    let corner = lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 7.0)]);
+    let found = run_all_ways(&corner, Side::Right, R);
+    let path = one(&found);
+    assert_eq!(path.len(), 3);
+    assert_at(path[0].start(), 0.0, -R);
+    assert_at(path[2].end(), 10.0 + R, 7.0);
+    assert_near(length(path), 17.0 + R * FRAC_PI_2);
+    let Element::Arc(arc) = path[1] else { panic!("{path:?}") };
+    assert_at(arc.center, 10.0, 0.0);
+    assert_near(arc.turn, FRAC_PI_2);
+    assert!(found.uncut_mm < 1e-12);
+}
+
+#[test]
+fn a_concave_corner_is_cut() {
+    let found = run_all_ways(&lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 7.0)]), Side::Left, R);
+    let path = one(&found);
+    assert_eq!(path.len(), 2);
+    assert_at(path[0].start(), 0.0, R);
+    assert_at(path[0].end(), 10.0 - R, R);
+    assert_at(path[1].end(), 10.0 - R, 7.0);
+    assert_near(found.uncut_mm, R * (2f64.sqrt() - 1.0));
+}
+
+#[test]
+fn a_circle_from_outside_and_from_inside() {
+    let found = run_all_ways(&circle(5.0), Side::Right, R);
+    assert_near(length(one(&found)), TAU * (5.0 + R));
+    assert_at(found.chains[0][0].start(), 5.0 + R, 0.0);
+    let found = run_all_ways(&circle(5.0), Side::Left, R);
+    assert_near(length(one(&found)), TAU * (5.0 - R));
+    assert_eq!(one(&found)[0].start(), one(&found)[1].end());
+    // The cutter may be far larger outside, and fits nowhere inside.
+    let found = run_all_ways(&circle(5.0), Side::Right, 50.0);
+    assert_near(length(one(&found)), TAU * 55.0);
+    for radius in [5.0, 6.0, 50.0] {
+        let none = compensate(&circle(5.0), Side::Left, radius, &Budget::unlimited());
+        assert_eq!(none, Err(CompensationError::NothingLeft));
+    }
+}
+
+#[test]
+fn a_closed_square() {
+    let square = lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)]);
+    let inside = run_all_ways(&square, Side::Left, R);
+    assert_near(length(one(&inside)), 4.0 * (10.0 - 2.0 * R));
+    assert_eq!(one(&inside)[0].start(), one(&inside)[3].end());
+    let outside = run_all_ways(&square, Side::Right, R);
+    assert_near(length(one(&outside)), 40.0 + TAU * R);
+    assert_eq!(one(&outside)[0].start(), one(&outside)[7].end());
+    let none = compensate(&square, Side::Left, 5.1, &Budget::unlimited());
+    assert_eq!(none, Err(CompensationError::NothingLeft));
+}
+
+#[test]
+fn an_s_of_arcs() {
+    // Two half circles of radius 5: tangents are continuous, so that the lengths are those of half circles.
+    let s = contour(&[(0.0, 0.0), (10.0, 0.0), (20.0, 0.0)], &[1.0, -1.0]);
+    let found = run_all_ways(&s, Side::Left, R);
+    assert_eq!(one(&found).len(), 2);
+    assert_near(length(one(&found)), PI * (5.0 - R + 5.0 + R));
+    // Too large a cutter leaves the first half circle out, and what it would gouge of it beside the second.
+    let found = run_all_ways(&s, Side::Left, 6.0);
+    let path = one(&found);
+    assert_eq!(path.len(), 1);
+    assert_at(path[0].end(), 26.0, 0.0);
+    assert!(found.uncut_mm > 1.0);
+}
+
+#[test]
+fn a_v_narrower_than_the_cutter() {
+    let v = |leg: f64| {
+        lines(&[
+            (-leg * FRAC_PI_3.cos(), leg * FRAC_PI_3.sin()),
+            (0.0, 0.0),
+            (leg * 0.5, leg * 0.75f64.sqrt()),
+        ])
+    };
+    // The cutter rests on both legs, at twice its radius from the tip.
+    let found = run_all_ways(&v(10.0), Side::Left, R);
+    let path = one(&found);
+    assert_at(path[0].end(), 0.0, 2.0 * R);
+    assert_near(length(path), 2.0 * (10.0 - R * 3f64.sqrt()));
+    assert_near(found.uncut_mm, R);
+    // Legs so short that it never enters: nothing but their ends would be touched.
+    let none = compensate(&v(3.0), Side::Left, R, &Budget::unlimited());
+    assert_eq!(none, Err(CompensationError::NothingLeft));
+}
+
+#[test]
+fn a_hairpin_with_a_bulb() {
+    let neck = |y: f64| {
+        let points = [
+            (0.0, 0.0),
+            (10.0, 0.0),
+            (10.0, -5.0),
+            (22.0, -5.0),
+            (22.0, y + 5.0),
+            (10.0, y + 5.0),
+            (10.0, y),
+            (0.0, y),
+        ];
+        lines(&points)
+    };
+    // Wide enough, all of it is one path.
+    assert_eq!(run_all_ways(&neck(4.5), Side::Left, R).chains.len(), 1);
+    // Too narrow, the bulb has a closed path of its own, that touches the two corners of the neck.
+    let found = run_all_ways(&neck(3.0), Side::Left, R);
+    let bulb = one(&found);
+    assert_eq!(bulb[0].start(), bulb[bulb.len() - 1].end());
+    let sides = 2.0 * (12.0 - 2.0 * R) + (13.0 - 2.0 * R);
+    // The opening of 3 is seen from the path as its walls of 5, and the arcs about its corners up to the middle.
+    let walls = 10.0 - 2.0 * R;
+    assert_near(length(bulb), sides + walls + 2.0 * R * (1.5f64 / R).asin());
+    // Around the outside nothing is in the way.
+    assert_eq!(run_all_ways(&neck(3.0), Side::Right, 1.0).chains.len(), 1);
+}
+
+#[test]
+fn a_loop_of_the_contour_is_cut_off() {
+    let crossing = lines(&[(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (10.0, 10.0), (10.0, -10.0)]);
+    let found = run_all_ways(&crossing, Side::Left, R);
+    // Before the crossing, in the loop, and after the crossing.
+    let [before, within, after] = &found.chains[..] else { panic!("{:?}", found.chains) };
+    assert_eq!([before.len(), within.len(), after.len()], [1, 4, 1]);
+    assert_at(before[0].end(), 8.0, 2.0);
+    assert_near(length(within), 24.0);
+    assert_at(after[0].start(), 12.0, -2.0);
+}
+
+fn sine(count: usize, until: f64) -> Vec<Element> {
+    let at = |k: usize| {
+        let x = until * (k as f64 / count as f64);
+        (x, x.sin())
+    };
+    lines(&(0..=count).map(at).collect::<Vec<_>>())
+}
+
+#[test]
+fn cusps_of_a_sine_are_removed() {
+    let wave = sine(500, 10.0);
+    for radius in [0.5, 1.5, 5.0] {
+        for side in [Side::Left, Side::Right] {
+            assert_eq!(run_all_ways(&wave, side, radius).chains.len(), 1, "{radius} {side:?}");
+        }
+    }
+    // In the trough at 3 pi / 2 the cutter rests on two points at equal heights.
+    let found = run(&wave, Side::Left, 1.5);
+    assert!(found.uncut_mm > 0.05 && found.uncut_mm < 0.2, "{}", found.uncut_mm);
+}
+
+#[test]
+fn tiny_elements_and_doubled_points() {
+    let step = 1e-10;
+    let rough = [(0.0, 0.0), (5.0, 0.0), (5.0, step), (5.0, 0.0), (5.0 + step, 0.0), (9.0, 1e-7), (9.0, 4.0)];
+    let smooth = lines(&[(0.0, 0.0), (9.0, 0.0), (9.0, 4.0)]);
+    for side in [Side::Left, Side::Right] {
+        let [rough, smooth] = [lines(&rough), smooth.clone()]
+            .map(|contour| compensate(&contour, side, R, &Budget::unlimited()).unwrap());
+        assert!((length(one(&rough)) - length(one(&smooth))).abs() < 1e-6, "{rough:?}");
+    }
+}
+
+#[test]
+fn a_cancelled_budget_stops() {
+    let budget = Budget::unlimited();
+    budget.cancel();
+    let stopped = compensate(&circle(5.0), Side::Left, R, &budget);
+    assert_eq!(stopped, Err(CompensationError::Stopped(Stopped::Cancelled)));
+}
+
+#[test]
+fn a_path_that_gouges_is_refused() {
+    let line = Tree::new(lines(&[(0.0, 0.0), (10.0, 0.0)]));
+    let beside = |y: f64| vec![lines(&[(0.0, y), (10.0, y)])];
+    assert_eq!(prove(&line, &beside(R - 5e-7), R, &Budget::unlimited()), Ok(()));
+    let refused = prove(&line, &beside(R - 2e-6), R, &Budget::unlimited());
+    assert!(matches!(refused, Err(CompensationError::Gouges { .. })), "{refused:?}");
+    // An arc that dips below its ends.
+    let dip = vec![contour(&[(4.0, 2.5), (6.0, 2.5)], &[1.0])];
+    let refused = prove(&line, &dip, R, &Budget::unlimited());
+    let Err(CompensationError::Gouges { at }) = refused else { panic!("{refused:?}") };
+    assert_at(at, 5.0, 1.5);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_contours(
+        steps in prop::collection::vec((0.05..3.0f64, -1.2..1.2f64, -0.7..0.7f64, any::<bool>()), 2..40),
+        radius in 0.1..3.0f64,
+    ) {
+        let (mut at, mut heading) = ((0.0, 0.0), 0.0f64);
+        let (mut points, mut bulges) = (vec![at], Vec::new());
+        for (length, turn, bulge, is_line) in steps {
+            heading += turn;
+            at = (at.0 + length * heading.cos(), at.1 + length * heading.sin());
+            points.push(at);
+            bulges.push(if is_line { 0.0 } else { bulge });
+        }
+        let contour = contour(&points, &bulges);
+        for side in [Side::Left, Side::Right] {
+            match compensate(&contour, side, radius, &Budget::unlimited()) {
+                Err(CompensationError::NothingLeft) => {}
+                _ => { run(&contour, side, radius); }
+            }
+        }
+    }
+}

@@ -20,7 +20,7 @@
 //!
 //! # Cost
 //! O(n (log n + k)) for n elements, of which k are as near to a piece as its own contour, with half of its length to
-//! spare. Some 10 ms for 2,000 elements.
+//! spare: the more the larger the radius. 10 to 40 ms for 2,000 elements, 100 ms with a cutter ten times their size.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in Industry 58, 2007:

@@ -2,8 +2,9 @@
 //!
 //! # Method
 //! Along a piece the distance to an element of the contour passes through the radius only where the piece crosses a line,
-//! or circle, beside the element, or a circle about one of its ends. Between two such places one look decides. What any
-//! element forbids is taken away.
+//! or circle, beside the element, or a circle about one of its ends. These places and those where it is nearest to one of
+//! them, or farthest, divide it. In between one look decides: the distance is nowhere equal to the radius. What any element
+//! forbids is taken away.
 //!
 //! # Guarantees
 //! What is left gouges by no more than about the rounding that is allowed.
@@ -105,8 +106,10 @@ fn cross(piece: &Element, element: &Element, radius: f64, found: &mut Vec<f64>) 
 fn cross_line(piece: &Element, from: Point2<f64>, along: Vector2<f64>, found: &mut Vec<f64>) {
     match piece {
         Element::Arc(arc) => {
-            let spokes = circle_meets(arc.radius, from - arc.center, along);
-            found.extend(spokes.into_iter().flatten().filter_map(|spoke| place_on(arc, spoke)));
+            let crossings = circle_meets(arc.radius, from - arc.center, along);
+            let extremes = [left(along), -left(along)];
+            let spokes = crossings.into_iter().flatten().chain(extremes);
+            found.extend(spokes.filter_map(|spoke| place_on(arc, spoke)));
         }
         line => {
             let t = (from - line.start()).perp(&along) / (line.end() - line.start()).perp(&along);
@@ -118,16 +121,19 @@ fn cross_line(piece: &Element, from: Point2<f64>, along: Vector2<f64>, found: &m
 fn cross_circle(piece: &Element, center: Point2<f64>, radius: f64, found: &mut Vec<f64>) {
     match piece {
         Element::Arc(arc) => {
-            let spokes = circles_meet(arc.radius, center - arc.center, radius);
-            found.extend(spokes.into_iter().flatten().filter_map(|spoke| place_on(arc, spoke)));
+            let apart = center - arc.center;
+            let crossings = circles_meet(arc.radius, apart, radius);
+            let spokes = crossings.into_iter().flatten().chain([apart, -apart]);
+            found.extend(spokes.filter_map(|spoke| place_on(arc, spoke)));
         }
         line => {
             let chord = line.end() - line.start();
             let length = chord.norm();
             let along = chord / length;
-            let places = circle_meets(radius, line.start() - center, along).into_iter().flatten();
-            let places = places.map(|spoke| (center + spoke - line.start()).dot(&along) / length);
-            found.extend(places.filter(|t| (0.0..1.0).contains(t)));
+            let foot = (center - line.start()).dot(&along) / length;
+            let crossings = circle_meets(radius, line.start() - center, along).into_iter().flatten();
+            let crossings = crossings.map(|spoke| foot + spoke.dot(&along) / length);
+            found.extend(crossings.chain([foot]).filter(|t| (0.0..1.0).contains(t)));
         }
     }
 }

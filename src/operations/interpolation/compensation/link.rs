@@ -26,7 +26,8 @@ const BESIDE_MM: f64 = 1e-7;
 /// Pairs of which the distances differ by less are equally near, mm.
 const EQUALLY_NEAR_MM: f64 = 1e-9;
 
-/// Of shorter arcs rounding decides whether they are short or nearly full turns, mm; they become lines.
+/// Of arcs with ends nearer to each other rounding decides whether they are short or nearly full turns, mm; they become
+/// lines.
 const SHORTEST_ARC_MM: f64 = 2e-6;
 
 /// So that no arc nearly closes, those that turn more are divided, radians.
@@ -161,8 +162,8 @@ impl Way {
     fn append_to(&self, chain: &mut Vec<Element>) {
         let Self { start, end, turn } = *self;
         let bulge = -(turn / 4.0).tan();
-        let arc =
-            PlaneArc::with_bulge(start, end, bulge).filter(|arc| arc.radius * turn.abs() >= SHORTEST_ARC_MM);
+        let is_arc = (end - start).norm() >= SHORTEST_ARC_MM;
+        let arc = PlaneArc::with_bulge(start, end, bulge).filter(|_| is_arc);
         match arc {
             None => chain.push(Element::Line { start, end }),
             Some(arc) if turn.abs() > LARGEST_TURN => {

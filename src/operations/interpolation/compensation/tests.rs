@@ -274,6 +274,17 @@ fn a_loop_of_the_contour_is_cut_off() {
     assert_at(after[0].start(), 12.0, -2.0);
 }
 
+#[test]
+fn pieces_that_touch_what_they_pass() {
+    // The last line crosses the half circle, and its neighbourhood ends where the path beside the circle touches it: half
+    // way between the places where the path crosses the near edge of that neighbourhood.
+    let crossing = [(0.0, 0.0), (-3.0, 0.0), (-3.0, 3.0), (-3.0, 4.0), (0.0, 0.0)];
+    let crossing = contour(&crossing, &[0.0, 1.0, -1.0]);
+    for side in [Side::Left, Side::Right] {
+        run(&crossing, side, 0.25);
+    }
+}
+
 fn sine(count: usize, until: f64) -> Vec<Element> {
     let at = |k: usize| {
         let x = until * (k as f64 / count as f64);

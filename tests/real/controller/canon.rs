@@ -31,7 +31,7 @@ pub enum Motion {
         center: Point3<f64>,
         rate: f64,
     },
-    /// To the last digit.
+    /// Its start and control point are exact.
     Parabola {
         curve: Parabola,
         rate: f64,
@@ -120,11 +120,12 @@ fn splines(home: &Path) -> Result<Vec<Parabola>, String> {
     String::from_utf8_lossy(&output.stdout).lines().map(spline).collect()
 }
 
-/// The parabola through points at equal steps of its parameter, the last at its end.
+/// The parabola through points at equal steps of its parameter, the last at its end; at height zero, for the preview
+/// loses its height in arcs of other planes, and the control's own call has none.
 fn spline(line: &str) -> Result<Parabola, String> {
     let numbers: Result<Vec<f64>, _> = line.split(' ').map(str::parse).collect();
     let numbers = numbers.map_err(|error| format!("the preview: {error}"))?;
-    let points: Vec<Point3<f64>> = numbers.chunks_exact(3).map(Point3::from_slice).collect();
+    let points: Vec<_> = numbers.chunks_exact(3).map(|p| Point3::new(p[0], p[1], 0.0)).collect();
     let n = points.len();
     if n < 3 || !n.is_multiple_of(3) {
         return Err(format!("a spline of {n} points"));
@@ -145,7 +146,7 @@ fn spline(line: &str) -> Result<Parabola, String> {
 
 fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
     let mut splines = splines.into_iter();
-    let (mut unit, mut rate, mut plane) = (1.0, 0.0, Plane::Xy);
+    let (mut unit, mut rate, mut plane, mut height) = (1.0, 0.0, Plane::Xy, 0.0);
     let mut motions = Vec::new();
     for line in text.lines() {
         let Some((head, rest)) = line.split_once('(') else { continue };
@@ -168,6 +169,7 @@ fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
             "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => {
                 let n = numbers()?;
                 let to = Point3::new(n[0], n[1], n[2]) * unit;
+                height = to.z;
                 motions.push(if name == "STRAIGHT_FEED" {
                     Motion::Line { to, rate }
                 } else {
@@ -183,11 +185,16 @@ fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
                 };
                 let [to, center] = [[n[0], n[1], n[5]], [n[2], n[3], n[5]]]
                     .map(|local| plane.to_workpiece(&(Vector3::from(local) * unit)));
+                height = to.z;
                 motions.push(Motion::Arc { plane, direction, to, center, rate });
             }
             "DWELL" => motions.push(Motion::Dwell { seconds: numbers()?[0] }),
             "NURBS_FEED" => {
                 let curve = splines.next().ok_or("a spline without its points")?;
+                // The end as it would be printed: the next motion starts there, and a full circle ends there too.
+                let end = curve.end().map(|x| (x / unit * 1e4).round() / 1e4 * unit);
+                let curve = Parabola::new(curve.start(), curve.control(), end).map_err(|e| e.to_string())?;
+                let curve = curve.translated(&Vector3::new(0.0, 0.0, height));
                 motions.push(Motion::Parabola { curve, rate });
             }
             "STRAIGHT_PROBE" | "RIGID_TAP" => return Err(format!("unexpected: {line}")),

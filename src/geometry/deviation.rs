@@ -17,7 +17,7 @@
 //! * [`Verdict::Outside`] is certain: a point is named at which the band is left.
 //!
 //! # Degenerate input
-//! What cannot be decided within [`MOST_CELLS`] is [`Verdict::Unproved`].
+//! What cannot be decided within some thousands of cells is [`Verdict::Unproved`].
 //!
 //! # Cost
 //! O(1) for a smooth piece that the element fits; O(log(1 / g)) where the deviation is within the part g of the band.

@@ -6,7 +6,7 @@
 //!
 //! # Guarantees
 //! The result holds every value that the function has on members of its operand, and lies in the function's range,
-//! as far as the functions of the standard library are accurate to [`ULPS`].
+//! as far as the functions of the standard library are accurate to `ULPS`.
 //!
 //! # Degenerate input
 //! A member outside of the domain is taken for the nearest one inside; where there is no nearest one, as with the
@@ -199,7 +199,7 @@ impl Interval {
     }
 }
 
-/// Ends [`ULPS`] outward; the whole line when one is no number.
+/// Ends `ULPS` outward; the whole line when one is no number.
 fn widened(lo: f64, hi: f64) -> Interval {
     if lo <= hi { Interval { lo: moved(lo, -ULPS), hi: moved(hi, ULPS) } } else { Interval::ENTIRE }
 }

@@ -23,9 +23,9 @@ pub fn bisect(
     budget: &Budget,
 ) -> Result<(), Error> {
     let mut open = vec![range];
-    let mut looked = 0;
+    let mut looked = 0usize;
     while let Some([from, to]) = open.pop() {
-        if looked % ELEMENTS_BETWEEN_CHECKS == 0 {
+        if looked.is_multiple_of(ELEMENTS_BETWEEN_CHECKS) {
             budget.check()?;
             budget.progress("interpolating", elements.len(), elements.len() + open.len() + 1);
         }

@@ -297,7 +297,7 @@ impl Walk<'_> {
         let (mut left, mut right) =
             (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
         let mut origin = start;
-        let mut taken = 0;
+        let mut taken = 0usize;
         while self.links.len() <= self.left.len() {
             budget.check()?;
             let along = tangent(origin.0).normalize();
@@ -315,7 +315,7 @@ impl Walk<'_> {
                     (None, None) => break None,
                 };
                 taken += 1;
-                if taken % GATES_BETWEEN_CHECKS == 0 {
+                if taken.is_multiple_of(GATES_BETWEEN_CHECKS) {
                     budget.check()?;
                 }
                 if !bundle.take(side, next) {

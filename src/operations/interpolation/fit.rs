@@ -268,7 +268,7 @@ fn climb(f: impl Fn(f64) -> f64, middle: f64, step: f64, values: [f64; 3]) -> f6
             break;
         }
         let value = f(at);
-        if !(value > y[1]) {
+        if value.is_nan() || value <= y[1] {
             break;
         }
         if at < x[1] {

@@ -60,7 +60,7 @@ pub fn fewest(
     let mut length = to - from;
     while at < to {
         budget.check()?;
-        if elements.len() % ELEMENTS_BETWEEN_REPORTS == 0 {
+        if elements.len().is_multiple_of(ELEMENTS_BETWEEN_REPORTS) {
             budget.progress("interpolating", elements.len(), elements.len());
         }
         if elements.len() >= fitter.element_limit {

@@ -70,9 +70,9 @@ pub fn lower_bound(
 ) -> Result<usize, Stopped> {
     let (Some(first), Some(last)) = (guide.first(), guide.last()) else { return Ok(0) };
     let (from, to) = (first.range[0], last.range[1]);
-    let (mut before, mut reached, mut count, mut at) = (from, from, 0, 0);
+    let (mut before, mut reached, mut count, mut at) = (from, from, 0usize, 0);
     while reached < to {
-        if count % STEPS_BETWEEN_CHECKS == 0 {
+        if count.is_multiple_of(STEPS_BETWEEN_CHECKS) {
             budget.check()?;
         }
         while guide[at].range[1] <= reached {

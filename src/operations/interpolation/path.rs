@@ -69,7 +69,7 @@ pub fn path(
     let mut written: f64 = 0.0;
     let mut deviations = stretches.iter().map(|stretch| stretch.deviation_mm);
     for (k, step) in toolpath.moves().enumerate() {
-        if k % MOVES_BETWEEN_CHECKS == 0 {
+        if k.is_multiple_of(MOVES_BETWEEN_CHECKS) {
             budget.check()?;
         }
         if let Move::Feed { along, rate, role: Role::Cut } = step {

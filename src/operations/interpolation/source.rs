@@ -36,7 +36,7 @@ pub enum SourceError {
     Expression(#[from] ExpressionError),
     #[error(transparent)]
     Undefined(#[from] Undefined),
-    #[error("y goes from {least_mm} to {most_mm} mm; {LARGEST_MM} mm is the most")]
+    #[error("y goes from {least_mm:e} to {most_mm:e} mm; {LARGEST_MM} mm is the most")]
     TooLarge { least_mm: f64, most_mm: f64 },
     #[error(transparent)]
     Interpolant(#[from] InterpolantError),

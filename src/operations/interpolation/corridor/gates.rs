@@ -55,7 +55,7 @@ impl Corridor {
         parameters.dedup();
         let mut gates = Vec::with_capacity(parameters.len());
         for (k, t) in parameters.iter().copied().enumerate() {
-            if k % GATES_BETWEEN_CHECKS == 0 {
+            if k.is_multiple_of(GATES_BETWEEN_CHECKS) {
                 budget.check()?;
             }
             let across = match band.measure {

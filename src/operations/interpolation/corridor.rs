@@ -96,7 +96,12 @@ impl Corridor {
             return Ok(None);
         }
         let mut walk = Walk { left: &left, right: &right, links: Vec::new() };
-        let is_through = walk.walk(|gate| curve.derivative(self.gates[gate].t), budget)?;
+        // The direction in which a link is seen: nothing that it can pass lies behind it.
+        let ahead = |gate: usize| match self.band.measure {
+            Measure::Vertical => Vector2::x(),
+            Measure::Normal => curve.derivative(self.gates[gate].t),
+        };
+        let is_through = walk.walk(ahead, budget)?;
         Ok(is_through.then_some(walk.links))
     }
 
@@ -292,7 +297,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// Finds the links; `false` when it is stuck.
-    fn walk(&mut self, tangent: impl Fn(usize) -> Vector2<f64>, budget: &Budget) -> Result<bool, Stopped> {
+    fn walk(&mut self, ahead: impl Fn(usize) -> Vector2<f64>, budget: &Budget) -> Result<bool, Stopped> {
         let start = (0, self.left[0]);
         let (mut left, mut right) =
             (Rest::new(vec![start], self.left, 1), Rest::new(vec![start], self.right, 1));
@@ -300,7 +305,7 @@ impl Walk<'_> {
         let mut taken = 0usize;
         while self.links.len() <= self.left.len() {
             budget.check()?;
-            let along = tangent(origin.0).normalize();
+            let along = ahead(origin.0).normalize();
             let vertex = |(gate, at): (usize, Point2<f64>)| {
                 let from = at - origin.1;
                 Vertex { gate, at, x: along.dot(&from), y: along.perp(&from) }
@@ -353,7 +358,7 @@ impl Walk<'_> {
                 exit,
                 gates: [touch.gate, blocked.gate],
             });
-            origin = (touch.gate, touch.at);
+            origin = (blocked.gate, touch.at);
             let touched: Vec<_> = other[line.index..].iter().map(|v| (v.gate, v.at)).collect();
             let exit = vec![(before.gate, exit)];
             (left, right) = match side {

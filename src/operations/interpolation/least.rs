@@ -19,6 +19,7 @@ use super::Error;
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
 use crate::budget::Budget;
+use crate::geometry::deviation::Band;
 use crate::geometry::plane_curve::PlaneCurve;
 
 /// Steps of the search for a length.
@@ -34,9 +35,13 @@ const STRAIN_PART: f64 = 2e-7;
 /// Parts by which a length is shortened until its element is proved; after them it is halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
-/// Where else a joint is tried, in parts of the element before it, and where a longer element, in parts of the longest.
+/// Where else a joint is tried, in parts of the element before it, and by which factor longer
+/// elements grow.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
-const LONGER: [f64; 6] = [1.1, 1.25, 1.4, 1.6, 1.8, 2.0];
+const LONGER: f64 = 1.1;
+
+/// No longer element is tried than this many times the longest.
+const LONGEST_FACTOR: f64 = 40.0;
 
 /// Tangents by which a curve is seen to be convex.
 const TANGENTS: usize = 9;
@@ -104,14 +109,18 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         if length >= 2.0 * guess && length < room {
             return self.longest([from, most], length);
         }
-        if length < room && !is_bent_one_way {
+        let reach = self.longest_factor();
+        if length < room && self.may_fit_again([from, (from + reach * length).min(most)]) {
             // It may fit again farther on, where the curve has turned back.
-            for factor in LONGER {
-                let farther = (length * factor).min(room);
-                if self.strain([from, from + farther]) <= 1.0 {
+            let shortest = length;
+            let mut factor = LONGER;
+            while factor <= reach && shortest * factor < room {
+                let farther = shortest * factor;
+                if farther > length && self.strain([from, from + farther]) <= 1.0 {
                     let strain = |length: f64| self.strain([from, from + length]);
                     length = limit_length(strain, from, [farther, room]).max(length);
                 }
+                factor *= LONGER;
             }
         }
         let end = |length: f64| if length >= room { most } else { from + length };
@@ -150,6 +159,14 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     pub fn is_least(&self, [from, to]: [f64; 2]) -> bool {
         let [first, last] = self.curve.domain();
         to - from <= 1e-13 * (last - first).max(first.abs()).max(last.abs())
+    }
+
+    /// How much longer an element may be that fits again: what bends to a narrow side of the band is short beside what bends
+    /// to a wide one.
+    fn longest_factor(&self) -> f64 {
+        let Band { below_mm, above_mm, .. } = self.band;
+        let ratio = below_mm.max(above_mm) / below_mm.min(above_mm);
+        (2.0 * ratio.sqrt()).min(LONGEST_FACTOR)
     }
 
     /// Whether a longer element might stay within the band where a shorter does not: not where lines meet a convex curve.

@@ -3,7 +3,8 @@
 //! # Method
 //! 1. The curve is made of its data (`source`) and divided into equal initial elements.
 //! 2. `bisection`: Hyun's methods. An element that leaves the band is halved; the mixed method tries a line first, then a
-//!    parabola, then halves. `least`: each element ends as far on as it can. `corridor`: lines whose joints may lie
+//!    parabola, then halves. `least`: each element ends as far on as it can; `layers`:
+//!    where that may not be best, several places are kept that as many elements reach. `corridor`: lines whose joints may lie
 //!    anywhere in the band. `corners`: joints lie on real corners where that costs nothing.
 //! 3. Whether an element stays within the band is proved over the whole of it ([`deviation`](crate::geometry::deviation)).
 //! 4. `lower_bound`: how few elements there can be at least.
@@ -38,6 +39,7 @@ mod corners;
 mod corridor;
 mod fit;
 mod job;
+mod layers;
 mod least;
 mod lower_bound;
 mod path;
@@ -201,6 +203,9 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             Subdivision::Least(joints) => {
                 least::fewest(&fitter, range, &mut fitted, budget)?;
                 longest.extend_from_slice(&fitted);
+                if let Some(fewer) = layers::fewer(&fitter, &fitted, budget)? {
+                    fitted = fewer;
+                }
                 corners::keep_corners(&fitter, &mut fitted, budget)?;
                 if joints == Joints::InBand
                     && let Some(free) = in_band(&fitter, &fitted, budget)?

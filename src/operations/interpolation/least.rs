@@ -38,7 +38,7 @@ const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 /// Where else a joint is tried, in parts of the element before it, and by which factor longer
 /// elements grow.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
-const LONGER: f64 = 1.1;
+const LONGER: f64 = 1.03;
 
 /// No longer element is tried than this many times the longest.
 const LONGEST_FACTOR: f64 = 40.0;

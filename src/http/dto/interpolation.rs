@@ -23,6 +23,9 @@ use crate::toolpath::{program, tool};
 /// Sides of a band, mm: as tolerances, but one of them may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
 
+/// Heights of a contour, mm: what is lifted above it is a coordinate too.
+const HEIGHTS: Range = Range { min: -100_000.0, max: 100_000.0 };
+
 /// The least width of a band, mm.
 const LEAST_WIDTH_MM: f64 = 1e-6;
 
@@ -57,7 +60,7 @@ pub struct InterpolateRequest {
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
     /// Height of the contour. Default: 0.
-    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
+    #[schema(minimum = -100_000, maximum = 100_000)]
     z_mm: Option<f64>,
     /// Without it the toolpath has no feeds and no times, and no program can be written. The top of the part is taken to be
     /// at 0, or at the contour if that is higher.
@@ -201,7 +204,7 @@ impl IntoJob for InterpolateRequest {
             let detail = "`tool` is required where its radius is compensated";
             violations.add(&root.field("tool"), FieldCode::MissingField, detail);
         }
-        violations.optional(&root.field("z_mm"), z_mm, Range::COORDINATE, "mm");
+        violations.optional(&root.field("z_mm"), z_mm, HEIGHTS, "mm");
         let cutting = cutting.and_then(|cutting| cutting.convert(&root.field("cutting"), &mut violations));
         program.check(&root.field("program"), &mut violations);
         if let Some(meta) = &meta {

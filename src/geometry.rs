@@ -10,6 +10,7 @@ pub mod interval;
 pub mod plane;
 pub mod plane_curve;
 pub mod section;
+pub mod solve;
 pub mod spline;
 pub mod surface;
 pub mod wires;

@@ -1,13 +1,12 @@
 //! The passes: sections of the offset as chains of arcs and lines with a proved deviation.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
-use crate::geometry::arc_fit::{self, Shape, Shapes};
-use crate::geometry::curve::{Arc, Curve, Direction, Line};
-use crate::geometry::plane::Plane;
+use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
+use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::toolpath::PathError;
 use crate::toolpath::quantize::{Grid, Parabolas, round};
@@ -132,7 +131,7 @@ fn cut_plane(
         chains.retain(|chain| chain.length() > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
-            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam)).collect();
+            chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam, budget)).collect();
         let passes = passes?;
         worst = (0.0, Point3::origin());
         for pass in &passes {
@@ -166,47 +165,45 @@ fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
 
 /// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves how far these leave
 /// the section, which may bend and jump at seams.
-fn fit(job: &Job, chain: &Chain, at: f64, fit_tolerance: f64, seam: Seam) -> Result<CutPass, Error> {
-    let plane = job.plane.arc_plane();
+fn fit(
+    job: &Job,
+    chain: &Chain,
+    at: f64,
+    fit_tolerance: f64,
+    seam: Seam,
+    budget: &Budget,
+) -> Result<CutPass, Error> {
     let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);
     let tips: Vec<Point3<f64>> = chain.points.iter().map(|center| center + down).collect();
-    let flat: Vec<Vector2<f64>> = tips.iter().map(|tip| plane.to_local(tip).xy()).collect();
     let shapes = match job.interpolation {
         Interpolation::Arcs => Shapes::ArcsAndLines,
         Interpolation::Lines => Shapes::LinesOnly,
     };
-    let elements = arc_fit::greedy(&flat, fit_tolerance, shapes);
+    let plane = job.plane.arc_plane();
+    let on_plane = |tip: &Point3<f64>| {
+        let mut on = *tip;
+        on[plane.axes()[2]] = at;
+        on
+    };
+    let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
+    // The points are exact: elements meet on them.
+    let request = Fit { shapes, joints: Joints::OnPoints, ..Fit::within(fit_tolerance) };
+    let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
+        Ok(pieces) => pieces,
+        Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
+        Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
+        Err(FitError::OnePlace) => return Err(Error::NothingToCut),
+    };
     let mut pass =
-        CutPass { curves: Vec::with_capacity(elements.len()), n_points: tips.len(), deviation_mm: 0.0 };
+        CutPass { curves: Vec::with_capacity(pieces.len()), n_points: tips.len(), deviation_mm: 0.0 };
     let mut start = 0;
-    for element in elements {
-        let on_plane = |p: Vector2<f64>| plane.to_workpiece(&Vector3::new(p.x, p.y, at));
-        let (from, to) = (flat[start], flat[element.end]);
-        let curve = curve(plane, [from, to].map(on_plane), element.shape, |b| {
-            on_plane(arc_fit::center(from, to, b))
-        })?;
-        let deviation = deviation(job, &curve, &tips[start..=element.end], chain.chord_height_mm, seam)?;
+    for piece in pieces {
+        let deviation = deviation(job, &piece.curve, &tips[start..=piece.end], chain.chord_height_mm, seam)?;
         pass.deviation_mm = pass.deviation_mm.max(deviation);
-        pass.curves.push(curve);
-        start = element.end;
+        pass.curves.push(piece.curve);
+        start = piece.end;
     }
     Ok(pass)
-}
-
-fn curve(
-    plane: Plane,
-    [start, end]: [Point3<f64>; 2],
-    shape: Shape,
-    center: impl Fn(f64) -> Point3<f64>,
-) -> Result<Curve, Error> {
-    match shape {
-        Shape::Line => Ok(Curve::Line(Line { start, end })),
-        Shape::Arc { bulge } => {
-            let direction = if bulge > 0.0 { Direction::Cw } else { Direction::Ccw };
-            let arc = Arc::new(plane, direction, start, end, center(bulge)).map_err(PathError::from)?;
-            Ok(Curve::Arc(arc))
-        }
-    }
 }
 
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as

@@ -1,0 +1,87 @@
+//! Biarcs through every point: two arcs a span that meet with a common tangent.
+//!
+//! The tangent at a point is that of the circle through it and its neighbours (at an end, through the three points there).
+//! Between two points with their tangents the joint is the one with equal tangent lengths. The arcs follow the tangents and
+//! know no tolerance; they are what Ju compares with.
+//!
+//! # Reference
+//! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.
+
+use nalgebra::Vector2;
+
+use super::{Element, Shape};
+
+/// A sine below which directions count as the same.
+const STRAIGHT: f64 = 1e-9;
+
+pub fn elements(points: &[Vector2<f64>], is_closed: bool) -> Vec<Element> {
+    let tangents: Vec<_> = (0..points.len()).map(|k| tangent(points, k, is_closed)).collect();
+    let mut elements = Vec::with_capacity(2 * points.len());
+    for (k, pair) in points.windows(2).enumerate() {
+        let [from, to] = [pair[0], pair[1]];
+        let [start, end] = [tangents[k], tangents[k + 1]];
+        match joint([from, to], [start, end]) {
+            Some(joint) => {
+                elements.push(Element { end: k, to: joint, shape: shape(bulge_along([from, joint], start)) });
+                // The second arc seen from its end runs along the end's tangent backwards.
+                elements.push(Element { end: k + 1, to, shape: shape(-bulge_along([to, joint], -end)) });
+            }
+            None => elements.push(Element { end: k + 1, to, shape: Shape::Line }),
+        }
+    }
+    elements
+}
+
+/// The unit tangent at a point.
+fn tangent(points: &[Vector2<f64>], k: usize, is_closed: bool) -> Vector2<f64> {
+    let last = points.len() - 1;
+    if last == 1 {
+        return (points[1] - points[0]).normalize();
+    }
+    let at_ends = k == 0 || k == last;
+    let [a, b, c] = match k {
+        _ if at_ends && is_closed => [last - 1, 0, 1],
+        0 => [0, 1, 2],
+        k if k == last => [last - 2, last - 1, last],
+        k => [k - 1, k, k + 1],
+    }
+    .map(|k| points[k]);
+    let ([u, v], [lu, lv]) = ([b - a, c - b], [(b - a).norm(), (c - b).norm()]);
+    let [u, v] = [u / lu, v / lv];
+    // The chords' directions differ from the tangent in the middle by parts of the turn between them.
+    let middle = (u * lv + v * lu).try_normalize(0.0).unwrap_or(u);
+    if !at_ends || is_closed {
+        return middle;
+    }
+    // At an end of a chord the tangent is the other end's, mirrored in the chord.
+    let chord = if k == 0 { u } else { v };
+    chord * (2.0 * chord.dot(&middle)) - middle
+}
+
+/// Where the two arcs meet.
+fn joint([from, to]: [Vector2<f64>; 2], [start, end]: [Vector2<f64>; 2]) -> Option<Vector2<f64>> {
+    let chord = to - from;
+    let sum = start + end;
+    let (a, b) = (2.0 * (1.0 - start.dot(&end)), chord.dot(&sum));
+    let length = if a < STRAIGHT {
+        chord.norm_squared() / (2.0 * b)
+    } else {
+        let root = (b * b + a * chord.norm_squared()).sqrt();
+        (root - b) / a
+    };
+    let is_straight = start.perp(&chord).abs().max(end.perp(&chord).abs()) <= STRAIGHT * chord.norm();
+    let joint = (from + to + (start - end) * length) * 0.5;
+    let is_inside = joint != from && joint != to;
+    (!is_straight && length.is_finite() && length > 0.0 && is_inside).then_some(joint)
+}
+
+/// The bulge of the arc between two points that begins along `start`.
+fn bulge_along([from, to]: [Vector2<f64>; 2], start: Vector2<f64>) -> f64 {
+    let chord = to - from;
+    // The start turns from the chord by half the sweep; to the left of it is a positive bulge.
+    (0.5 * chord.perp(&start).atan2(chord.dot(&start))).tan()
+}
+
+fn shape(bulge: f64) -> Shape {
+    if bulge.abs() < STRAIGHT { Shape::Line } else { Shape::Arc { bulge } }
+}

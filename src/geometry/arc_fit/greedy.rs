@@ -1,0 +1,73 @@
+//! Elements that each grow as far as they can: Ju's method.
+//!
+//! An element takes in one point after another until the first that it cannot; from [`LONG`] points on, growth is tried at
+//! doubling lengths, then by halving, which may end later than the first failure, never earlier.
+
+use nalgebra::Vector2;
+
+use super::span::{Points, Rule, Span, Witnesses};
+use crate::budget::{Budget, Stopped};
+
+const LONG: usize = 512;
+
+/// The points at which elements meet, from the first to the last; the first element starts at `from`.
+pub fn joints(
+    points: Points,
+    from: Vector2<f64>,
+    rule: &Rule,
+    budget: &Budget,
+) -> Result<Vec<usize>, Stopped> {
+    let last = points.flat.len() - 1;
+    let mut joints = vec![0];
+    let mut start = 0;
+    while start < last {
+        budget.check()?;
+        let from = if start == 0 { from } else { points.flat[start] };
+        start = longest(points, start, from, rule, budget)?;
+        joints.push(start);
+    }
+    Ok(joints)
+}
+
+/// The end of the longest element from `from`, for the point `start`.
+fn longest(
+    points: Points,
+    start: usize,
+    from: Vector2<f64>,
+    rule: &Rule,
+    budget: &Budget,
+) -> Result<usize, Stopped> {
+    let last = points.flat.len() - 1;
+    let mut witnesses = Witnesses::default();
+    let mut fits =
+        |end: usize| Span { from, ..Span::of(points, start, end) }.find(rule, &mut witnesses).is_some();
+    let mut good = start + 1;
+    while good < last && good - start < LONG {
+        if !fits(good + 1) {
+            return Ok(good);
+        }
+        good += 1;
+    }
+    let mut stride = good - start;
+    let mut bad = loop {
+        budget.check()?;
+        if good == last {
+            return Ok(last);
+        }
+        let trial = (good + stride).min(last);
+        if !fits(trial) {
+            break trial;
+        }
+        good = trial;
+        stride *= 2;
+    };
+    while bad - good > 1 {
+        let trial = good + (bad - good) / 2;
+        if fits(trial) {
+            good = trial;
+        } else {
+            bad = trial;
+        }
+    }
+    Ok(good)
+}

@@ -1,0 +1,68 @@
+//! Places beside the points where elements may meet too.
+//!
+//! On data with noise, or rounded, an element whose ends are pinned to two points has to follow their errors. Here nodes lie
+//! across the way of the points as well, at several distances within the tolerance, at some points of each element.
+
+use nalgebra::Vector2;
+
+use super::Fit;
+use super::optimal::Node;
+
+/// Points of each element with nodes beside them.
+const POINTS_AN_ELEMENT: usize = 24;
+
+/// Nodes on each side of a point; the farthest is nearly a tolerance away.
+const SIDE: i32 = 6;
+const FARTHEST: f64 = 0.97;
+
+/// The way of the points is seen over so many tolerances, or so many points.
+const SIGHT_TOLERANCES: f64 = 30.0;
+const SIGHT_POINTS: usize = 64;
+
+/// Nodes at some of the points and beside them, for elements of which there are `count`. Where the start is `pinned`, it is the
+/// only one of the first point; a closed way ends at its start.
+pub fn nodes(
+    points: &[Vector2<f64>],
+    pinned: Option<Vector2<f64>>,
+    request: &Fit,
+    count: usize,
+) -> Vec<Node> {
+    let (n, tolerance) = (points.len(), request.tolerance_mm);
+    let stride = (n / (POINTS_AN_ELEMENT * count)).max(1);
+    let mut nodes = Vec::new();
+    for index in 0..n {
+        let is_end = index == n - 1;
+        if !is_end && !index.is_multiple_of(stride) {
+            continue;
+        }
+        if let Some(at) = pinned.filter(|_| index == 0) {
+            nodes.push(Node { index, at });
+            continue;
+        }
+        nodes.push(Node { index, at: points[index] });
+        if is_end && request.is_closed {
+            continue;
+        }
+        let Some(across) = across(points, index, tolerance) else { continue };
+        let beside = (-SIDE..=SIDE).filter(|k| *k != 0).map(|k| {
+            let offset = FARTHEST * tolerance * f64::from(k) / f64::from(SIDE);
+            Node { index, at: points[index] + across * offset }
+        });
+        nodes.extend(beside);
+    }
+    nodes
+}
+
+/// The unit vector to the left of the way at a point.
+fn across(points: &[Vector2<f64>], index: usize, tolerance: f64) -> Option<Vector2<f64>> {
+    let (mut before, mut after) = (index, index);
+    for _ in 0..SIGHT_POINTS {
+        before = before.saturating_sub(1);
+        after = (after + 1).min(points.len() - 1);
+        if (points[after] - points[before]).norm() >= SIGHT_TOLERANCES * tolerance {
+            break;
+        }
+    }
+    let along = (points[after] - points[before]).try_normalize(0.0)?;
+    Some(Vector2::new(-along.y, along.x))
+}

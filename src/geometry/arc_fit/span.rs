@@ -1,0 +1,399 @@
+//! One element over a part of the points: whether there is one, and the best.
+//!
+//! # Method
+//! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are passed in their
+//! order, that the lines between them stay near (where these are the shape), and that heights follow, is then checked of
+//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back.
+
+use nalgebra::Vector2;
+
+use super::chord::{Bulges, Chord, LARGEST_BULGE};
+use super::{FLATTEST_MM, Measure, Shapes};
+use crate::geometry::solve;
+
+/// Of an arc with so small a radius, in tolerances, nothing is said about the lines between its points.
+const LEAST_RADIUS_TOLERANCES: f64 = 2.0;
+
+/// Rounding of deviations, where order is judged by them.
+const ORDER_SLACK: f64 = 1e-6;
+
+/// Halvings in the search for the distance within which points are in order.
+const ORDER_STEPS: usize = 40;
+
+/// What is asked of an element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rule {
+    pub tolerance_mm: f64,
+    pub shapes: Shapes,
+    pub measure: Measure,
+}
+
+/// Points in a plane with their heights over it.
+#[derive(Debug, Clone, Copy)]
+pub struct Points<'a> {
+    pub flat: &'a [Vector2<f64>],
+    /// Empty where all are equal.
+    pub heights: &'a [f64],
+}
+
+/// An element from `from`, which stands for the point `first`, to `to`, which stands for the point `last`.
+#[derive(Debug, Clone, Copy)]
+pub struct Span<'a> {
+    pub points: Points<'a>,
+    pub first: usize,
+    pub last: usize,
+    pub from: Vector2<f64>,
+    pub to: Vector2<f64>,
+}
+
+/// The points that left no bulge the last time: likely to do so again.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Witnesses {
+    low: usize,
+    high: usize,
+}
+
+impl Witnesses {
+    pub fn points(self) -> impl Iterator<Item = usize> {
+        [self.low, self.high].into_iter()
+    }
+}
+
+impl<'a> Span<'a> {
+    pub fn of(points: Points<'a>, first: usize, last: usize) -> Self {
+        Self { points, first, last, from: points.flat[first], to: points.flat[last] }
+    }
+
+    fn inner(&self) -> &'a [Vector2<f64>] {
+        &self.points.flat[self.first + 1..self.last]
+    }
+
+    /// The bulges of arcs, up to `largest`, that pass within `tolerance` mm of every inner point; `None` where there are
+    /// none.
+    pub fn near(&self, tolerance: f64, largest: f64, witnesses: &mut Witnesses) -> Option<Bulges> {
+        let chord = Chord::new(self.from, self.to)?;
+        let mut bulges = Bulges::up_to(largest);
+        for k in [witnesses.low, witnesses.high] {
+            if (self.first + 1..self.last).contains(&k) {
+                chord.keep_near(self.points.flat[k], tolerance, &mut bulges);
+            }
+        }
+        if bulges.is_empty() {
+            return None;
+        }
+        // From afar first: where there is none, a few points show it.
+        let inner = self.inner();
+        let stride = (inner.len() / 32).max(1);
+        let strides: &[usize] = if stride > 1 { &[stride, 1] } else { &[1] };
+        for &stride in strides {
+            for k in (0..inner.len()).step_by(stride) {
+                let before = bulges;
+                chord.keep_near(inner[k], tolerance, &mut bulges);
+                if bulges.least > before.least {
+                    witnesses.low = self.first + 1 + k;
+                }
+                if bulges.most < before.most {
+                    witnesses.high = self.first + 1 + k;
+                }
+                if bulges.least > bulges.most {
+                    return None;
+                }
+            }
+        }
+        (!bulges.is_empty()).then_some(bulges)
+    }
+
+    /// As [`Self::near`], with the lines between the points where they are the shape.
+    fn bulges(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<Bulges> {
+        let largest = match rule.shapes {
+            Shapes::LinesOnly => 0.0,
+            Shapes::ArcsAndLines => LARGEST_BULGE,
+        };
+        let mut bulges = self.near(rule.tolerance_mm, largest, witnesses)?;
+        if rule.measure == Measure::Polyline && rule.shapes == Shapes::ArcsAndLines {
+            let chord = Chord::new(self.from, self.to)?;
+            for [a, b] in self.lines() {
+                if let Some(highest) = chord.highest_over(a, b, rule.tolerance_mm) {
+                    bulges.most = bulges.most.min(highest);
+                }
+                if let Some(lowest) = chord.lowest_under(a, b, rule.tolerance_mm) {
+                    bulges.least = bulges.least.max(lowest);
+                }
+            }
+        }
+        (!bulges.is_empty()).then_some(bulges)
+    }
+
+    /// The lines between neighbouring points, from the start of the element to its end.
+    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + '_ {
+        let flat = self.points.flat;
+        (self.first..self.last).map(move |k| {
+            let a = if k == self.first { self.from } else { flat[k] };
+            let b = if k + 1 == self.last { self.to } else { flat[k + 1] };
+            [a, b]
+        })
+    }
+
+    /// Some bulge that keeps the rule, 0 for a line; `None` where none was found.
+    pub fn find(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<f64> {
+        if self.last == self.first + 1 {
+            return Some(0.0);
+        }
+        let bulges = self.bulges(rule, witnesses)?;
+        let chord = Chord::new(self.from, self.to)?;
+        self.candidates(&bulges, &chord).find(|bulge| self.keeps(*bulge, rule, &chord))
+    }
+
+    /// A line, and arcs from all over the set.
+    fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
+        const PLACES: [f64; 5] = [0.5, 0.25, 0.75, 0.02, 0.98];
+        let flattest = chord.flattest();
+        let line = bulges.contains(0.0).then_some(0.0);
+        let curved = bulges.parts().flat_map(move |[low, high]| {
+            [[low, high.min(-flattest)], [low.max(flattest), high]]
+                .into_iter()
+                .filter(|part| part[0] <= part[1])
+        });
+        let arcs = curved.flat_map(|[low, high]| PLACES.map(|place| low + (high - low) * place));
+        line.into_iter().chain(arcs)
+    }
+
+    /// Whether the points advance from one end to the other by the measure that all arcs over a chord share: the
+    /// circles with a constant ratio of the distances to the ends cross all of them at right angles.
+    fn advances(&self) -> bool {
+        let mut before = (0.0, 1.0);
+        for p in self.inner() {
+            let ratio = ((p - self.from).norm_squared(), (p - self.to).norm_squared());
+            if ratio.0 * before.1 < before.0 * ratio.1 {
+                return false;
+            }
+            before = ratio;
+        }
+        true
+    }
+
+    fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord) -> bool {
+        if rule.measure == Measure::Points && self.points.heights.is_empty() && self.advances() {
+            return true;
+        }
+        let track = self.track(chord, bulge);
+        let is_known = rule.measure == Measure::Points
+            || bulge == 0.0
+            || track.radius >= LEAST_RADIUS_TOLERANCES * rule.tolerance_mm;
+        is_known
+            && self.deviation(&track, rule.measure, chord) <= rule.tolerance_mm
+            && self.is_in_order(&track, rule.tolerance_mm, chord)
+    }
+
+    fn track(&self, chord: &Chord, bulge: f64) -> Track {
+        let heights = self.points.heights;
+        let [low, high] =
+            if heights.is_empty() { [0.0; 2] } else { [heights[self.first], heights[self.last]] };
+        Track::new(chord.half, bulge, high - low)
+    }
+
+    /// The inner points in the frame of the chord, with their heights over its middle.
+    fn seen<'b>(&'b self, chord: &'b Chord) -> impl Iterator<Item = (Vector2<f64>, f64)> + 'b {
+        let heights = self.points.heights;
+        let middle = if heights.is_empty() { 0.0 } else { 0.5 * (heights[self.first] + heights[self.last]) };
+        (self.first + 1..)
+            .zip(self.inner())
+            .map(move |(k, p)| (chord.local(*p), heights.get(k).map_or(0.0, |height| height - middle)))
+    }
+
+    /// The largest distance of an inner point, and by the measure of the polyline of its lines too, from the element, mm.
+    fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
+        let points = self.seen(chord).map(|(p, height)| track.foot(p, height).distance).fold(0.0, f64::max);
+        if measure == Measure::Points || track.bulge == 0.0 {
+            return points;
+        }
+        let dips = self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b)));
+        dips.fold(points, f64::max)
+    }
+
+    /// Whether there are places on the element, each within `tolerance` mm of its point, that never go back.
+    fn is_in_order(&self, track: &Track, tolerance: f64, chord: &Chord) -> bool {
+        let mut reached = 0.0f64;
+        self.seen(chord).all(|(p, height)| match track.first_place(p, height, tolerance, reached) {
+            Some(place) => {
+                reached = place;
+                true
+            }
+            None => false,
+        })
+    }
+
+    /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter than
+    /// [`FLATTEST_MM`] becomes a line where a line will do.
+    pub fn best(&self, rule: &Rule) -> Option<f64> {
+        let found = self.find(rule, &mut Witnesses::default())?;
+        if self.last == self.first + 1 || rule.shapes == Shapes::LinesOnly {
+            return Some(found);
+        }
+        let chord = Chord::new(self.from, self.to)?;
+        let bulges = self.bulges(rule, &mut Witnesses::default())?;
+        let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
+        let (flattest, best) = (chord.flattest(), self.balanced(&chord, part));
+        let is_flat = best.abs() < flattest || best.abs() * chord.half < FLATTEST_MM;
+        if is_flat && found == 0.0 {
+            return Some(0.0);
+        }
+        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord);
+        Some(if is_kept { best } else { found })
+    }
+
+    /// The bulge in `part` that leaves the farthest points to its left and right equally far: every signed distance falls
+    /// as the bulge grows.
+    fn balanced(&self, chord: &Chord, part: [f64; 2]) -> f64 {
+        let l = chord.half;
+        let unbalance = |b: f64| {
+            let (mut least, mut largest) = (0.0f64, 0.0f64);
+            for p in self.inner() {
+                let [x, y] = chord.local(*p).into();
+                // |X - C| - r, with both times 2 |b|, so that it holds for a flat arc.
+                let power = 2.0 * b * (x * x + y * y - l * l) + 2.0 * y * l * (1.0 - b * b);
+                let distances = l * (1.0 + b * b) + (2.0 * b * x).hypot(2.0 * b * y + l * (1.0 - b * b));
+                least = least.min(power / distances);
+                largest = largest.max(power / distances);
+            }
+            least + largest
+        };
+        solve::falling_root(part, unbalance)
+    }
+}
+
+/// The place of an element that is nearest to a point.
+struct Foot {
+    /// The fraction of the element's length, also of its continuation.
+    along: f64,
+    /// From the element, mm.
+    distance: f64,
+}
+
+/// An element in the frame of its chord.
+struct Track {
+    /// Half the chord, with its rise for a line.
+    half: f64,
+    bulge: f64,
+    /// The centre is on the second axis.
+    center: f64,
+    radius: f64,
+    sweep: f64,
+    /// How much higher the end is than the start, mm.
+    rise: f64,
+    /// The direction of a line, along the chord and up.
+    slope: Vector2<f64>,
+}
+
+impl Track {
+    fn new(half: f64, bulge: f64, rise: f64) -> Self {
+        if bulge == 0.0 {
+            let slope = Vector2::new(half, 0.5 * rise);
+            let half = slope.norm();
+            return Self { half, bulge, center: 0.0, radius: 0.0, sweep: 0.0, rise, slope: slope / half };
+        }
+        let (center, radius) = (0.5 * half * (bulge - 1.0 / bulge), 0.5 * half * (bulge + 1.0 / bulge).abs());
+        Self { half, bulge, center, radius, sweep: 4.0 * bulge.abs().atan(), rise, slope: Vector2::x() }
+    }
+
+    /// A point as it lies to the element in a plane: for a line, that of the line and the point.
+    fn flattened(&self, p: Vector2<f64>, height: f64) -> Vector2<f64> {
+        if self.bulge != 0.0 || height == 0.0 && self.rise == 0.0 {
+            return p;
+        }
+        let over = Vector2::new(p.x, height);
+        Vector2::new(self.slope.dot(&over), p.y.hypot(self.slope.perp(&over)))
+    }
+
+    fn foot(&self, p: Vector2<f64>, height: f64) -> Foot {
+        let flat = self.flattened(p, height);
+        let (along, beside) = if self.bulge == 0.0 {
+            (0.5 + 0.5 * flat.x / self.half, flat.y.abs())
+        } else {
+            let d = Vector2::new(flat.x, flat.y - self.center);
+            // From the middle of the arc, positive towards its end.
+            let angle = d.x.atan2(self.bulge.signum() * d.y);
+            (0.5 + angle / self.sweep, (d.norm() - self.radius).abs())
+        };
+        let is_beside = (0.0..=1.0).contains(&along);
+        let distance =
+            if is_beside { beside } else { self.to_ends(flat).into_iter().fold(f64::INFINITY, f64::min) };
+        // The height of an arc there is that of the point's own angle.
+        let above = if self.bulge == 0.0 { 0.0 } else { height - self.rise * (along.clamp(0.0, 1.0) - 0.5) };
+        Foot { along, distance: distance.hypot(above) }
+    }
+
+    fn to_ends(&self, p: Vector2<f64>) -> [f64; 2] {
+        [Vector2::new(p.x + self.half, p.y).norm(), Vector2::new(p.x - self.half, p.y).norm()]
+    }
+
+    /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the length.
+    fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
+        let foot = self.foot(p, height);
+        let p = self.flattened(p, height);
+        let half_width = self.half_width(p, tolerance);
+        let mut ranges = [[foot.along - half_width, foot.along + half_width], [1.0, 0.0]];
+        let [is_at_start, is_at_end] = self.to_ends(p).map(|distance| distance <= tolerance);
+        // The continuation of an arc that nearly closes is seen from its other end.
+        if is_at_start && ranges[0][0] > 0.0 {
+            ranges[1] = [0.0, ranges[0][1] - self.turn()];
+        } else if is_at_end && ranges[0][1] < 1.0 {
+            ranges[1] = [ranges[0][0] + self.turn(), 1.0];
+        }
+        if is_at_start && is_at_end && self.bulge == 0.0 {
+            ranges[0] = [0.0, 1.0];
+        }
+        let ranges = ranges.map(|[low, high]| [low.max(0.0), high.min(1.0)]);
+        let reachable = ranges.iter().filter(|range| range[0] <= range[1] && reached <= range[1]);
+        reachable.map(|range| range[0].max(reached)).min_by(f64::total_cmp)
+    }
+
+    /// A full turn in fractions of the length.
+    fn turn(&self) -> f64 {
+        std::f64::consts::TAU / self.sweep
+    }
+
+    /// Half of the part of the element, or its continuation, that is within `tolerance` mm of a point.
+    fn half_width(&self, p: Vector2<f64>, tolerance: f64) -> f64 {
+        if self.bulge == 0.0 {
+            return 0.5 * (tolerance * tolerance - p.y * p.y).max(0.0).sqrt() / self.half;
+        }
+        let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
+        let cosine = (r * r + distance * distance - tolerance * tolerance) / (2.0 * r * distance);
+        if cosine.is_nan() { 0.0 } else { cosine.clamp(-1.0, 1.0).acos() / self.sweep }
+    }
+
+    /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.
+    fn dip(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+        let along = b - a;
+        let to_center = Vector2::new(0.0, self.center) - a;
+        let foot = (to_center.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (self.radius - (to_center - along * foot).norm()).max(0.0)
+    }
+}
+
+/// The least distance, mm, within which the element with this bulge, between two points near the first and the last, passes
+/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it.
+pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, measure: Measure) -> f64 {
+    let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
+    let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
+    let track = span.track(&chord, bulge);
+    let mut within = span.deviation(&track, measure, &chord);
+    // A point that decides the deviation has one place only, which rounding may move.
+    let in_order =
+        |within: f64| span.is_in_order(&track, within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE, &chord);
+    if !in_order(within) {
+        let (mut low, mut high) = (within, 2.0 * (within + chord.half));
+        if !in_order(high) {
+            return f64::INFINITY;
+        }
+        for _ in 0..ORDER_STEPS {
+            let middle = 0.5 * (low + high);
+            (low, high) = if in_order(middle) { (low, middle) } else { (middle, high) };
+        }
+        within = high;
+    }
+    let is_known =
+        measure == Measure::Points || bulge == 0.0 || track.radius >= LEAST_RADIUS_TOLERANCES * within;
+    if is_known { within } else { f64::INFINITY }
+}

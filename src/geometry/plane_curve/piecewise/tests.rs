@@ -272,6 +272,19 @@ fn every_parameter_finds_its_piece() {
     }
 }
 
+/// A reversal has no sine, and is a corner all the same.
+#[test]
+fn corners_are_where_the_tangent_jumps() {
+    let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.001], [3.0, 0.002], [1.0, 0.0]];
+    let pieces = points.windows(2).enumerate().map(|(k, p)| (line(p[0], p[1]), (k + 1) as f64));
+    let chain = Piecewise::new(0.0, pieces).unwrap();
+    let corners = |sine: f64| -> Vec<f64> {
+        chain.breaks().iter().copied().filter(|t| chain.has_corner(*t, sine)).collect()
+    };
+    assert_eq!(corners(1e-2), [3.0]);
+    assert_eq!(corners(1e-4), [1.0, 3.0]);
+}
+
 #[test]
 fn broken_chains_are_named() {
     let unit = line([0.0, 0.0], [1.0, 0.0]);

@@ -68,12 +68,7 @@ impl Corridor {
             let bulge_mm = parameters.get(k + 1).map_or(0.0, |next| bulge(curve, [t, *next], &band));
             gates.push(Gate { t, point: curve.point(t), across, bulge_mm });
         }
-        let jumps = |t: &f64| {
-            let (before, after) = (curve.derivative(t.next_down()), curve.derivative(*t));
-            before.dot(&after) <= 0.0
-                || before.perp(&after).abs() > CORNER_SINE * before.norm() * after.norm()
-        };
-        let has_corner = breaks.iter().any(jumps);
+        let has_corner = breaks.iter().any(|t| curve.has_corner(*t, CORNER_SINE));
         Ok(Some(Self { gates, band, has_corner }))
     }
 }

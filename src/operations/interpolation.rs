@@ -197,11 +197,10 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     let mut longest = Vec::new();
     for initial_element in 0..count {
         let range = [at(initial_element), at(initial_element + 1)];
-        let mut fitted = Vec::new();
-        match job.subdivision {
-            Subdivision::Bisection => bisection::bisect(&fitter, range, &mut fitted, budget)?,
+        let fitted = match job.subdivision {
+            Subdivision::Bisection => bisection::bisect(&fitter, range, budget)?,
             Subdivision::Least(joints) => {
-                least::fewest(&fitter, range, &mut fitted, budget)?;
+                let mut fitted = least::fewest(&fitter, range, budget)?;
                 longest.extend_from_slice(&fitted);
                 if let Some(fewer) = layers::fewer(&fitter, &fitted, budget)? {
                     fitted = fewer;
@@ -212,8 +211,9 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
                 {
                     fitted = free;
                 }
+                fitted
             }
-        }
+        };
         if divided.elements.len() + fitted.len() > job.element_limit {
             return Err(Error::TooManyElements { limit: job.element_limit });
         }
@@ -247,9 +247,8 @@ fn on_its_own(
     range: [f64; 2],
     budget: &Budget,
 ) -> Result<Option<usize>, Error> {
-    let mut guide = Vec::new();
-    match least::fewest(fitter, range, &mut guide, budget) {
-        Ok(()) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
+    match least::fewest(fitter, range, budget) {
+        Ok(guide) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
         Err(Error::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
     }

@@ -49,18 +49,17 @@ const TANGENTS: usize = 9;
 /// Elements between two reports of progress.
 const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 
-/// Adds the fewest elements over `range` that stay within the band, as far as is known.
+/// The fewest elements over `range` that stay within the band, as far as is known.
 ///
 /// # Errors
 /// When the budget ends, there are too many elements, or no element stays within the band however short.
 pub fn fewest(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
-    elements: &mut Vec<Fitted>,
     budget: &Budget,
-) -> Result<(), Error> {
+) -> Result<Vec<Fitted>, Error> {
     let [from, to] = range;
-    let first = elements.len();
+    let mut elements: Vec<Fitted> = Vec::new();
     let mut at = from;
     let mut length = to - from;
     while at < to {
@@ -72,7 +71,7 @@ pub fn fewest(
             return Err(Error::TooManyElements { limit: fitter.element_limit });
         }
         let mut next = fitter.longest([at, to], length)?;
-        if let Some(last) = elements[first..].last().copied()
+        if let Some(last) = elements.last().copied()
             && next.range[1] < to
             && fitter.may_fit_again([last.range[0], next.range[1]])
             && let Some([earlier, longer]) = fitter.around(&last, &next, to)
@@ -88,7 +87,7 @@ pub fn fewest(
         at = next.range[1];
         elements.push(next);
     }
-    Ok(())
+    Ok(elements)
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {

@@ -58,7 +58,7 @@ use crate::toolpath::{PathError, Toolpath};
 pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
-pub use job::{Job, Joints, Method, Side, Source, Subdivision};
+pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Side, Source, Subdivision};
 pub use sketch::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 

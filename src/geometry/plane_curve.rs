@@ -3,6 +3,7 @@
 pub mod interpolant;
 pub mod nurbs;
 pub mod piecewise;
+pub mod weights;
 
 use nalgebra::{Point2, Vector2};
 

@@ -3,6 +3,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::plane_curve::weights::WeightError;
 use exact::Exact;
 
 /// Numbers of twice the digits, by which the bounds of rounding are tried.
@@ -302,8 +303,9 @@ fn broken_chains_are_named() {
     assert_eq!(Bezier::polynomial(&[far, far]), Err(BezierError::Point { index: 0 }));
     assert_eq!(Bezier::polynomial(&[far]), Err(BezierError::Degree { points: 1 }));
     let p = [Point2::origin(); 2];
-    assert_eq!(Bezier::rational(&p, &[1.0]), Err(BezierError::WeightCount { found: 1, expected: 2 }));
-    assert_eq!(Bezier::rational(&p, &[1.0, -1.0]), Err(BezierError::Weight { index: 1, weight: -1.0 }));
-    let ratio = BezierError::WeightRatio { index: 0, weight: 1e-7, largest: 1.0 };
-    assert_eq!(Bezier::rational(&p, &[1e-7, 1.0]), Err(ratio));
+    let fault = |weights: &[f64]| Bezier::rational(&p, weights).unwrap_err();
+    assert_eq!(fault(&[1.0]), BezierError::Weights(WeightError::Count { found: 1, expected: 2 }));
+    assert_eq!(fault(&[1.0, -1.0]), BezierError::Weights(WeightError::Range { index: 1, weight: -1.0 }));
+    let ratio = WeightError::Ratio { index: 0, weight: 1e-7, largest: 1.0 };
+    assert_eq!(fault(&[1e-7, 1.0]), BezierError::Weights(ratio));
 }

@@ -22,8 +22,8 @@
 //! the place.
 //!
 //! # Cost
-//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. A bound for n and for the time of each
-//! is in `benches/interpolation.rs`.
+//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and paths beside the
+//! contour cost more, as `corridor` and `compensation` say. `benches/interpolation.rs` measures times over growing sizes.
 //!
 //! # Differences from the paper
 //! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered. Its machining

@@ -13,7 +13,7 @@
 //! from the least of all is told by the lower bound.
 //!
 //! # Cost
-//! O(n) for n elements: some 10 strains and 2 proofs each.
+//! O(n) for n elements.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
@@ -35,9 +35,10 @@ const STRAIN_PART: f64 = 2e-7;
 /// Parts by which a length is shortened until its element is proved; after them it is halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
-/// Where else a joint is tried, in parts of the element before it, and by which factor longer
-/// elements grow.
+/// Where else a joint is tried, in parts of the element before it.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
+
+/// The factor by which elements grow that are looked at for one that fits again.
 const LONGER: f64 = 1.03;
 
 /// No longer element is tried than this many times the longest.

@@ -10,7 +10,7 @@ use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 /// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord between gates.
 const GATES_AN_ELEMENT: usize = 64;
 
-/// More gates are not made: with what comes of them they take some 300 MB.
+/// More gates are not made: all of them are held at once.
 const MOST_GATES: usize = 2_000_000;
 
 /// A tangent that jumps by more than this, as a sine, makes a corner.

@@ -10,8 +10,6 @@ use toolpathd::budget::Budget;
 use toolpathd::geometry::deviation::{Band, Measure};
 use toolpathd::geometry::plane_curve::nurbs::Nurbs;
 use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::Parabolas;
 
 /// A cubic of `n` control points in waves.
 fn nurbs(n: usize) -> Source {
@@ -28,19 +26,7 @@ fn graph() -> Source {
 }
 
 fn job(curve: Source, method: Method, subdivision: Subdivision, mm: f64) -> Job {
-    Job {
-        curve,
-        method,
-        subdivision,
-        initial_elements: 1,
-        band: Band { below_mm: mm, above_mm: mm, measure: Measure::Normal },
-        compensation: None,
-        z_mm: 0.0,
-        cutting: None,
-        resolution: Resolution { units: Units::Mm, decimals: 4 },
-        element_limit: 1_000_000,
-        parabolas: Parabolas::InXy,
-    }
+    Job::new(curve, method, subdivision, Band { below_mm: mm, above_mm: mm, measure: Measure::Normal })
 }
 
 const LEAST: Subdivision = Subdivision::Least(Joints::OnCurve);

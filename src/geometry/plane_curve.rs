@@ -3,6 +3,7 @@
 pub mod interpolant;
 pub mod nurbs;
 pub mod piecewise;
+pub mod weights;
 
 use nalgebra::{Point2, Vector2};
 
@@ -40,4 +41,11 @@ pub trait PlaneCurve: Sync {
     /// Encloses the curve over `[from, to]`, which lies in the domain and has no break inside. The ends may be equal;
     /// then the point is enclosed to a few units of rounding.
     fn enclose(&self, from: f64, to: f64) -> Enclosure;
+
+    /// Whether the tangent jumps at the break `t` by more than an angle of this sine: a right angle and more are such, as is
+    /// a derivative of zero.
+    fn has_corner(&self, t: f64, sine: f64) -> bool {
+        let (before, after) = (self.derivative(t.next_down()), self.derivative(t));
+        before.dot(&after) <= 0.0 || before.perp(&after).abs() > sine * before.norm() * after.norm()
+    }
 }

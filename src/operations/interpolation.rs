@@ -22,8 +22,8 @@
 //! the place.
 //!
 //! # Cost
-//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. A bound for n and for the time of each
-//! is in `benches/interpolation.rs`.
+//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and paths beside the
+//! contour cost more, as `corridor` and `compensation` say. `benches/interpolation.rs` measures times over growing sizes.
 //!
 //! # Differences from the paper
 //! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered. Its machining
@@ -58,7 +58,7 @@ use crate::toolpath::{PathError, Toolpath};
 pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
-pub use job::{Job, Joints, Method, Side, Source, Subdivision};
+pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Side, Source, Subdivision};
 pub use sketch::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 
@@ -197,11 +197,10 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     let mut longest = Vec::new();
     for initial_element in 0..count {
         let range = [at(initial_element), at(initial_element + 1)];
-        let mut fitted = Vec::new();
-        match job.subdivision {
-            Subdivision::Bisection => bisection::bisect(&fitter, range, &mut fitted, budget)?,
+        let fitted = match job.subdivision {
+            Subdivision::Bisection => bisection::bisect(&fitter, range, budget)?,
             Subdivision::Least(joints) => {
-                least::fewest(&fitter, range, &mut fitted, budget)?;
+                let mut fitted = least::fewest(&fitter, range, budget)?;
                 longest.extend_from_slice(&fitted);
                 if let Some(fewer) = layers::fewer(&fitter, &fitted, budget)? {
                     fitted = fewer;
@@ -212,8 +211,9 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
                 {
                     fitted = free;
                 }
+                fitted
             }
-        }
+        };
         if divided.elements.len() + fitted.len() > job.element_limit {
             return Err(Error::TooManyElements { limit: job.element_limit });
         }
@@ -247,9 +247,8 @@ fn on_its_own(
     range: [f64; 2],
     budget: &Budget,
 ) -> Result<Option<usize>, Error> {
-    let mut guide = Vec::new();
-    match least::fewest(fitter, range, &mut guide, budget) {
-        Ok(()) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
+    match least::fewest(fitter, range, budget) {
+        Ok(guide) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
         Err(Error::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
     }

@@ -18,9 +18,8 @@
 use nalgebra::{Point2, Vector3};
 
 use super::piecewise::{Bezier, BezierError, LARGEST, Piecewise, PiecewiseError};
-use crate::geometry::bspline::{
-    KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, spans,
-};
+use super::weights::{WeightError, check_weights};
+use crate::geometry::bspline::{KnotError, KnotRules, MAX_DEGREE, Span, check_knots, spans};
 
 /// The shortest knot span, in parts of the domain; shorter ones are two knots that were to be one. Curves of a million
 /// points have spans of a millionth.
@@ -47,12 +46,8 @@ pub enum NurbsError {
     Point { index: usize },
     #[error(transparent)]
     Knots(KnotError),
-    #[error("{found} weights for {expected} control points")]
-    WeightCount { found: usize, expected: usize },
-    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
-    Weight { index: usize, weight: f64 },
-    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
-    WeightRatio { index: usize, weight: f64, largest: f64 },
+    #[error(transparent)]
+    Weights(WeightError),
     #[error("the curve is torn by {gap_mm} mm at the parameter {parameter}")]
     Gap { parameter: f64, gap_mm: f64 },
     /// What the rules above leave: parameters beyond all measure, or pieces beyond all number.
@@ -82,7 +77,9 @@ impl Nurbs {
         }
         let rules = KnotRules { multiplicity: degree + 1, shortest_span: SHORTEST_SPAN };
         check_knots(&self.knots, degree, points, rules).map_err(NurbsError::Knots)?;
-        self.check_weights()?;
+        if let Some(weights) = &self.weights {
+            check_weights(weights, points).map_err(NurbsError::Weights)?;
+        }
         let is_rational = !self.has_equal_weights();
         let mut starts = Vec::new();
         let mut pieces = Vec::new();
@@ -131,24 +128,6 @@ impl Nurbs {
         let mut weights = self.weights.iter().flatten();
         let first = weights.next();
         weights.all(|weight| Some(weight) == first)
-    }
-
-    fn check_weights(&self) -> Result<(), NurbsError> {
-        let Some(weights) = &self.weights else { return Ok(()) };
-        let expected = self.control_points.len();
-        if weights.len() != expected {
-            return Err(NurbsError::WeightCount { found: weights.len(), expected });
-        }
-        let largest = weights.iter().copied().fold(0.0, f64::max);
-        for (index, &weight) in weights.iter().enumerate() {
-            if !(1.0 / LARGEST..=LARGEST).contains(&weight) {
-                return Err(NurbsError::Weight { index, weight });
-            }
-            if weight * MAX_WEIGHT_RATIO < largest {
-                return Err(NurbsError::WeightRatio { index, weight, largest });
-            }
-        }
-        Ok(())
     }
 }
 

@@ -12,16 +12,16 @@ use crate::geometry::plane_curve::PlaneCurve;
 /// Elements between two looks at the budget.
 const ELEMENTS_BETWEEN_CHECKS: usize = 64;
 
-/// Bisects `range` until every element stays within the band, and adds the elements in order.
+/// Bisects `range` until every element stays within the band, and returns the elements in order.
 ///
 /// # Errors
 /// When the budget ends, there are too many elements, or no element stays within the band however short.
 pub fn bisect(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
-    elements: &mut Vec<Fitted>,
     budget: &Budget,
-) -> Result<(), Error> {
+) -> Result<Vec<Fitted>, Error> {
+    let mut elements = Vec::new();
     let mut open = vec![range];
     let mut looked = 0usize;
     while let Some([from, to]) = open.pop() {
@@ -44,5 +44,5 @@ pub fn bisect(
         open.push([middle, to]);
         open.push([from, middle]);
     }
-    Ok(())
+    Ok(elements)
 }

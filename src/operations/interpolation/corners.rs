@@ -19,7 +19,8 @@ pub fn keep_corners(
     elements: &mut [Fitted],
     budget: &Budget,
 ) -> Result<(), Stopped> {
-    let corners: Vec<f64> = fitter.curve.breaks().iter().copied().filter(|t| fitter.has_corner(*t)).collect();
+    let is_corner = |t: &f64| fitter.curve.has_corner(*t, CORNER_SINE);
+    let corners: Vec<f64> = fitter.curve.breaks().iter().copied().filter(is_corner).collect();
     if corners.len() > MOST_CORNERS {
         return Ok(());
     }
@@ -48,11 +49,4 @@ pub fn keep_corners(
         }
     }
     Ok(())
-}
-
-impl<C: PlaneCurve> Fitter<'_, C> {
-    fn has_corner(&self, at: f64) -> bool {
-        let (before, after) = (self.curve.derivative(at.next_down()), self.curve.derivative(at));
-        before.dot(&after) <= 0.0 || before.perp(&after).abs() > CORNER_SINE * before.norm() * after.norm()
-    }
 }

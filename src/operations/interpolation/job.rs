@@ -2,10 +2,13 @@
 
 use crate::geometry::deviation::Band;
 use crate::toolpath::cutting::CuttingRequest;
-use crate::toolpath::program::Resolution;
+use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::Parabolas;
 
 pub use super::source::Source;
+
+/// Elements of one job where the caller sets no limit.
+pub const DEFAULT_ELEMENT_LIMIT: usize = 250_000;
 
 /// What elements a curve is interpolated by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,4 +65,24 @@ pub struct Job {
     pub element_limit: usize,
     /// Whether the control runs parabolas; where it does not, arcs and lines stand for them.
     pub parabolas: Parabolas,
+}
+
+impl Job {
+    /// The job with the default of everything that has one: the contour itself at a height of zero without feeds, written in
+    /// mm with three decimals for a control that runs parabolas.
+    pub fn new(curve: Source, method: Method, subdivision: Subdivision, band: Band) -> Self {
+        Self {
+            curve,
+            method,
+            subdivision,
+            initial_elements: 1,
+            band,
+            compensation: None,
+            z_mm: 0.0,
+            cutting: None,
+            resolution: Resolution { units: Units::Mm, decimals: 3 },
+            element_limit: DEFAULT_ELEMENT_LIMIT,
+            parabolas: Parabolas::InXy,
+        }
+    }
 }

@@ -13,7 +13,7 @@
 //! from the least of all is told by the lower bound.
 //!
 //! # Cost
-//! O(n) for n elements: some 10 strains and 2 proofs each.
+//! O(n) for n elements.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
@@ -35,9 +35,10 @@ const STRAIN_PART: f64 = 2e-7;
 /// Parts by which a length is shortened until its element is proved; after them it is halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
-/// Where else a joint is tried, in parts of the element before it, and by which factor longer
-/// elements grow.
+/// Where else a joint is tried, in parts of the element before it.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
+
+/// The factor by which elements grow that are looked at for one that fits again.
 const LONGER: f64 = 1.03;
 
 /// No longer element is tried than this many times the longest.
@@ -49,18 +50,17 @@ const TANGENTS: usize = 9;
 /// Elements between two reports of progress.
 const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 
-/// Adds the fewest elements over `range` that stay within the band, as far as is known.
+/// The fewest elements over `range` that stay within the band, as far as is known.
 ///
 /// # Errors
 /// When the budget ends, there are too many elements, or no element stays within the band however short.
 pub fn fewest(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
-    elements: &mut Vec<Fitted>,
     budget: &Budget,
-) -> Result<(), Error> {
+) -> Result<Vec<Fitted>, Error> {
     let [from, to] = range;
-    let first = elements.len();
+    let mut elements: Vec<Fitted> = Vec::new();
     let mut at = from;
     let mut length = to - from;
     while at < to {
@@ -72,7 +72,7 @@ pub fn fewest(
             return Err(Error::TooManyElements { limit: fitter.element_limit });
         }
         let mut next = fitter.longest([at, to], length)?;
-        if let Some(last) = elements[first..].last().copied()
+        if let Some(last) = elements.last().copied()
             && next.range[1] < to
             && fitter.may_fit_again([last.range[0], next.range[1]])
             && let Some([earlier, longer]) = fitter.around(&last, &next, to)
@@ -88,7 +88,7 @@ pub fn fewest(
         at = next.range[1];
         elements.push(next);
     }
-    Ok(())
+    Ok(elements)
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3};
 
 use super::compensation::compensate;
-use super::fit::{Fitted, Fitter};
+use super::fit::Fitter;
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
 use crate::geometry::curve::Direction;
@@ -102,16 +102,13 @@ fn runnable(
             stretches.push(Stretch { element: element.element, deviation_mm: element.spread.largest_mm() });
             continue;
         }
-        let mut fitted: Vec<Fitted> = Vec::new();
-        match least::fewest(&fitter(Method::Arc), element.domain, &mut fitted, budget) {
-            Ok(()) => {}
+        let fitted = match least::fewest(&fitter(Method::Arc), element.domain, budget) {
             // Upright arcs are no graphs.
             Err(Error::BandInfeasible { .. }) => {
-                fitted.clear();
-                bisection::bisect(&fitter(Method::Linear), element.domain, &mut fitted, budget)?;
+                bisection::bisect(&fitter(Method::Linear), element.domain, budget)?
             }
-            Err(error) => return Err(error),
-        }
+            fitted => fitted?,
+        };
         stretches.extend(
             fitted
                 .iter()

@@ -2,23 +2,10 @@
 
 use super::*;
 use crate::geometry::deviation::{Band, GUARD_MM};
-use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::Parabolas;
 
 fn job(curve: Source, method: Method, subdivision: Subdivision, mm: f64) -> Job {
-    Job {
-        curve,
-        method,
-        subdivision,
-        initial_elements: 1,
-        band: Band { below_mm: mm, above_mm: mm, measure: Measure::Normal },
-        compensation: None,
-        z_mm: 0.0,
-        cutting: None,
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-        element_limit: 10_000,
-        parabolas: Parabolas::InXy,
-    }
+    Job::new(curve, method, subdivision, Band { below_mm: mm, above_mm: mm, measure: Measure::Normal })
 }
 
 fn graph(expression: &str, domain: [f64; 2]) -> Source {

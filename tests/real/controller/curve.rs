@@ -43,18 +43,13 @@ pub fn check(directory: &Path) -> Result<String, String> {
     let linuxcnc = dialect("linuxcnc").ok_or("no dialect")?;
     let feed = FeedRate::from_mm_per_min(600.0).ok_or("no feed")?;
     let resolution = Resolution { units: Units::Mm, decimals: 3 };
+    let curve = Source::Graph { expression: "20*sin(x/20)".into(), domain: [0.0, 130.0] };
+    let band = Band { below_mm: BAND_MM, above_mm: BAND_MM, measure: Measure::Normal };
     let job = Job {
-        curve: Source::Graph { expression: "20*sin(x/20)".into(), domain: [0.0, 130.0] },
-        method: Method::Parabolic,
-        subdivision: Subdivision::Least(Joints::OnCurve),
-        initial_elements: 1,
-        band: Band { below_mm: BAND_MM, above_mm: BAND_MM, measure: Measure::Normal },
-        compensation: None,
-        z_mm: 0.0,
         cutting: Some(CuttingRequest::at_feed(feed)),
         resolution,
-        element_limit: 1_000,
         parabolas: linuxcnc.parabolas,
+        ..Job::new(curve, Method::Parabolic, Subdivision::Least(Joints::OnCurve), band)
     };
     let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;
     let program = Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None };

@@ -152,10 +152,12 @@ fn broken_data_are_named() {
     let short = KnotError::SpanTooShort { index: 4, shortest: SHORTEST_SPAN };
     assert_eq!(fault(&|n| n.knots[4] = 1.0 + 1e-12), NurbsError::Knots(short));
     let weights = |change: &dyn Fn(&mut Vec<f64>)| fault(&|n| change(n.weights.as_mut().unwrap()));
-    assert_eq!(weights(&|w| w.truncate(3)), NurbsError::WeightCount { found: 3, expected: 9 });
-    assert_eq!(weights(&|w| w[2] = 0.0), NurbsError::Weight { index: 2, weight: 0.0 });
-    let ratio = NurbsError::WeightRatio { index: 2, weight: 1e-7, largest: 1.0 };
-    assert_eq!(weights(&|w| w[2] = 1e-7), ratio);
+    let count = WeightError::Count { found: 3, expected: 9 };
+    assert_eq!(weights(&|w| w.truncate(3)), NurbsError::Weights(count));
+    let range = WeightError::Range { index: 2, weight: 0.0 };
+    assert_eq!(weights(&|w| w[2] = 0.0), NurbsError::Weights(range));
+    let ratio = WeightError::Ratio { index: 2, weight: 1e-7, largest: 1.0 };
+    assert_eq!(weights(&|w| w[2] = 1e-7), NurbsError::Weights(ratio));
     let far = fault(&|n| n.knots.iter_mut().for_each(|t| *t *= 1e70));
     assert_eq!(far, NurbsError::Chain(PiecewiseError::Parameter { index: 1 }));
 }

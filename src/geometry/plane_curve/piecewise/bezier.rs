@@ -3,7 +3,8 @@
 use nalgebra::Point2;
 
 use super::LARGEST;
-use crate::geometry::bspline::{MAX_DEGREE, MAX_WEIGHT_RATIO};
+use crate::geometry::bspline::MAX_DEGREE;
+use crate::geometry::plane_curve::weights::{WeightError, check_weights};
 
 const SIZE: usize = MAX_DEGREE + 1;
 
@@ -14,12 +15,8 @@ pub enum BezierError {
     Degree { points: usize },
     #[error("the control point {index} is not finite, or beyond {LARGEST:e}")]
     Point { index: usize },
-    #[error("{found} weights for {expected} control points")]
-    WeightCount { found: usize, expected: usize },
-    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
-    Weight { index: usize, weight: f64 },
-    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
-    WeightRatio { index: usize, weight: f64, largest: f64 },
+    #[error(transparent)]
+    Weights(WeightError),
 }
 
 /// A polynomial or rational Bezier curve of degree 1 to 7; mm.
@@ -53,19 +50,8 @@ impl Bezier {
     /// Those of [`Bezier::polynomial`]; when the weights are not as many, not above zero, or far apart.
     pub fn rational(points: &[Point2<f64>], weights: &[f64]) -> Result<Self, BezierError> {
         let polynomial = Self::polynomial(points)?;
-        if weights.len() != points.len() {
-            return Err(BezierError::WeightCount { found: weights.len(), expected: points.len() });
-        }
-        let largest = weights.iter().copied().fold(0.0, f64::max);
-        for (index, &weight) in weights.iter().enumerate() {
-            if !(1.0 / LARGEST..=LARGEST).contains(&weight) {
-                return Err(BezierError::Weight { index, weight });
-            }
-            if weight * MAX_WEIGHT_RATIO < largest {
-                return Err(BezierError::WeightRatio { index, weight, largest });
-            }
-        }
-        if weights.iter().all(|weight| *weight == largest) {
+        check_weights(weights, points.len()).map_err(BezierError::Weights)?;
+        if weights.iter().all(|weight| *weight == weights[0]) {
             return Ok(polynomial);
         }
         let mut room = [0.0; SIZE];

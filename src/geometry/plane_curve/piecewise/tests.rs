@@ -3,6 +3,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::plane_curve::weights::WeightError;
 use exact::Exact;
 
 /// Numbers of twice the digits, by which the bounds of rounding are tried.
@@ -272,6 +273,19 @@ fn every_parameter_finds_its_piece() {
     }
 }
 
+/// A reversal has no sine, and is a corner all the same.
+#[test]
+fn corners_are_where_the_tangent_jumps() {
+    let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.001], [3.0, 0.002], [1.0, 0.0]];
+    let pieces = points.windows(2).enumerate().map(|(k, p)| (line(p[0], p[1]), (k + 1) as f64));
+    let chain = Piecewise::new(0.0, pieces).unwrap();
+    let corners = |sine: f64| -> Vec<f64> {
+        chain.breaks().iter().copied().filter(|t| chain.has_corner(*t, sine)).collect()
+    };
+    assert_eq!(corners(1e-2), [3.0]);
+    assert_eq!(corners(1e-4), [1.0, 3.0]);
+}
+
 #[test]
 fn broken_chains_are_named() {
     let unit = line([0.0, 0.0], [1.0, 0.0]);
@@ -289,8 +303,9 @@ fn broken_chains_are_named() {
     assert_eq!(Bezier::polynomial(&[far, far]), Err(BezierError::Point { index: 0 }));
     assert_eq!(Bezier::polynomial(&[far]), Err(BezierError::Degree { points: 1 }));
     let p = [Point2::origin(); 2];
-    assert_eq!(Bezier::rational(&p, &[1.0]), Err(BezierError::WeightCount { found: 1, expected: 2 }));
-    assert_eq!(Bezier::rational(&p, &[1.0, -1.0]), Err(BezierError::Weight { index: 1, weight: -1.0 }));
-    let ratio = BezierError::WeightRatio { index: 0, weight: 1e-7, largest: 1.0 };
-    assert_eq!(Bezier::rational(&p, &[1e-7, 1.0]), Err(ratio));
+    let fault = |weights: &[f64]| Bezier::rational(&p, weights).unwrap_err();
+    assert_eq!(fault(&[1.0]), BezierError::Weights(WeightError::Count { found: 1, expected: 2 }));
+    assert_eq!(fault(&[1.0, -1.0]), BezierError::Weights(WeightError::Range { index: 1, weight: -1.0 }));
+    let ratio = WeightError::Ratio { index: 0, weight: 1e-7, largest: 1.0 };
+    assert_eq!(fault(&[1e-7, 1.0]), BezierError::Weights(ratio));
 }

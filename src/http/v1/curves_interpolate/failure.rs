@@ -2,6 +2,7 @@
 
 use crate::geometry::plane_curve::interpolant::InterpolantError;
 use crate::geometry::plane_curve::nurbs::NurbsError;
+use crate::geometry::plane_curve::weights::WeightError;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use crate::language::expression::Undefined;
@@ -109,8 +110,8 @@ fn nurbs(fault: NurbsError, curve: &Pointer, detail: String) -> ApiError {
         NurbsError::TooFewPoints { .. } => (curve.field("control_points"), FieldCode::TooFewPoints),
         NurbsError::Point { index } => (curve.field("control_points").index(index), FieldCode::TooLarge),
         NurbsError::Knots(_) => (curve.field("knots"), FieldCode::OutOfRange),
-        NurbsError::WeightCount { .. } => (curve.field("weights"), FieldCode::WrongLength),
-        NurbsError::Weight { index, .. } | NurbsError::WeightRatio { index, .. } => {
+        NurbsError::Weights(WeightError::Count { .. }) => (curve.field("weights"), FieldCode::WrongLength),
+        NurbsError::Weights(WeightError::Range { index, .. } | WeightError::Ratio { index, .. }) => {
             (curve.field("weights").index(index), FieldCode::OutOfRange)
         }
         NurbsError::Gap { .. } => (curve.field("knots"), FieldCode::OutOfRange),

@@ -10,7 +10,7 @@ use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 /// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord between gates.
 const GATES_AN_ELEMENT: usize = 64;
 
-/// More gates are not made: with what comes of them they take some 300 MB.
+/// More gates are not made: all of them are held at once.
 const MOST_GATES: usize = 2_000_000;
 
 /// A tangent that jumps by more than this, as a sine, makes a corner.
@@ -68,12 +68,7 @@ impl Corridor {
             let bulge_mm = parameters.get(k + 1).map_or(0.0, |next| bulge(curve, [t, *next], &band));
             gates.push(Gate { t, point: curve.point(t), across, bulge_mm });
         }
-        let jumps = |t: &f64| {
-            let (before, after) = (curve.derivative(t.next_down()), curve.derivative(*t));
-            before.dot(&after) <= 0.0
-                || before.perp(&after).abs() > CORNER_SINE * before.norm() * after.norm()
-        };
-        let has_corner = breaks.iter().any(jumps);
+        let has_corner = breaks.iter().any(|t| curve.has_corner(*t, CORNER_SINE));
         Ok(Some(Self { gates, band, has_corner }))
     }
 }

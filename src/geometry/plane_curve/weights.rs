@@ -1,0 +1,35 @@
+//! The rules for the weights of a rational curve.
+
+use super::piecewise::LARGEST;
+use crate::geometry::bspline::MAX_WEIGHT_RATIO;
+
+/// Why numbers are no weights.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum WeightError {
+    #[error("{found} weights for {expected} control points")]
+    Count { found: usize, expected: usize },
+    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
+    Range { index: usize, weight: f64 },
+    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    Ratio { index: usize, weight: f64, largest: f64 },
+}
+
+/// Checks the weights of so many control points.
+///
+/// # Errors
+/// The first rule that is broken.
+pub fn check_weights(weights: &[f64], control_points: usize) -> Result<(), WeightError> {
+    if weights.len() != control_points {
+        return Err(WeightError::Count { found: weights.len(), expected: control_points });
+    }
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    for (index, &weight) in weights.iter().enumerate() {
+        if !(1.0 / LARGEST..=LARGEST).contains(&weight) {
+            return Err(WeightError::Range { index, weight });
+        }
+        if weight * MAX_WEIGHT_RATIO < largest {
+            return Err(WeightError::Ratio { index, weight, largest });
+        }
+    }
+    Ok(())
+}

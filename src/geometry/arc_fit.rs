@@ -38,6 +38,7 @@
 mod biarc;
 mod bounds;
 mod chord;
+mod corners;
 mod fan;
 mod greedy;
 mod joints;

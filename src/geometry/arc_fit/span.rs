@@ -104,7 +104,7 @@ impl<'a> Span<'a> {
     }
 
     /// As [`Self::near`], with the lines between the points where they are the shape.
-    fn bulges(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<Bulges> {
+    pub fn bulges(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<Bulges> {
         let largest = match rule.shapes {
             Shapes::LinesOnly => 0.0,
             Shapes::ArcsAndLines => LARGEST_BULGE,
@@ -172,7 +172,7 @@ impl<'a> Span<'a> {
         true
     }
 
-    fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord) -> bool {
+    pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord) -> bool {
         if rule.measure == Measure::Points && self.points.heights.is_empty() && self.advances() {
             return true;
         }

@@ -1,8 +1,250 @@
-//! stub
+//! A chain in which each element begins in the direction in which the one before ended.
+//!
+//! # Method
+//! Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b and ends in psi - 2 atan b: one
+//! direction is the other mirrored in the chord. The bulges within the tolerance are an interval, hence so are the directions
+//! in which an element may start. So the directions in which a chain can arrive at a node are intervals too: those of the node
+//! before, cut by the element's interval, and mirrored. They are carried forward over nodes, element by element, from all
+//! nodes that the farthest chains reach; where the last node is reached, one direction there is followed back to the start.
+//! At a real corner ([`corners`]) any direction may follow.
+//!
+//! # Guarantees
+//! Directions agree to rounding but at corners. If no such chain is found, elements meet at an angle.
+//!
+//! # Cost
+//! O(c k^2 m) for c elements of m points with k nodes each, k being constant.
+
+use std::f64::consts::{PI, TAU};
+
+use super::bounds::Bounds;
+use super::chord::Chord;
+use super::corners::corners;
 use super::optimal::Node;
-use super::{Fit, Fitted, Points, shaped};
+use super::span::{Points, Rule, Span, Witnesses};
+use super::{Element, Fit, Fitted, Shape, joints, shaped};
 use crate::budget::{Budget, Stopped};
 
-pub fn chain(points: Points, nodes: &[Node], request: &Fit, _budget: &Budget) -> Result<Fitted, Stopped> {
-    Ok(shaped(points, nodes, &request.rule()))
+/// Nodes on points for each element of the chain that need not be smooth.
+const NODES_AN_ELEMENT: usize = 40;
+
+/// Nodes that are gone on from, the farthest first.
+const WIDEST: usize = 64;
+
+/// Intervals of directions kept at a node.
+const INTERVALS: usize = 3;
+
+/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most.
+const LARGEST_BETWEEN_NEIGHBOURS: f64 = 0.414;
+
+/// A flatter arc is a line; what they differ in direction is lost in rounding. mm
+const LARGEST_RADIUS_MM: f64 = 1e6;
+
+/// The directions between `low` and `high` can be had at a node.
+#[derive(Debug, Clone, Copy)]
+struct Arrival {
+    node: usize,
+    low: f64,
+    high: f64,
+    /// Where the chain comes from, among the arrivals of one element less.
+    before: usize,
+}
+
+/// Fits a smooth chain, guided by the nodes of one that need not be smooth.
+pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
+    let rule = request.rule();
+    let corners = corners(points.flat, rule.tolerance_mm);
+    let is_beside = guide.iter().any(|node| node.at != points.flat[node.index]);
+    let nodes = if is_beside {
+        let pinned = request.is_closed.then_some(points.flat[0]);
+        joints::nodes(points.flat, pinned, request, guide.len() - 1)
+    } else {
+        on_points(points, guide, &corners)
+    };
+    let search = Search { points, nodes, corners, rule };
+    let found = search.run(budget)?;
+    Ok(found.unwrap_or_else(|| shaped(points, guide, &rule)))
+}
+
+/// Nodes on some points of each element of the guide, its joints and the corners.
+fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
+    let mut indices: Vec<usize> = corners.to_vec();
+    for pair in guide.windows(2) {
+        let stride = ((pair[1].index - pair[0].index) / NODES_AN_ELEMENT).max(1);
+        indices.extend((pair[0].index..=pair[1].index).step_by(stride));
+        indices.push(pair[1].index);
+    }
+    indices.sort_unstable();
+    indices.dedup();
+    indices.into_iter().map(|index| Node { index, at: points.flat[index] }).collect()
+}
+
+struct Search<'a> {
+    points: Points<'a>,
+    nodes: Vec<Node>,
+    corners: Vec<usize>,
+    rule: Rule,
+}
+
+impl Search<'_> {
+    fn run(&self, budget: &Budget) -> Result<Option<Fitted>, Stopped> {
+        let last = self.points.flat.len() - 1;
+        let bounds = Bounds::on_points(self.points, &self.rule, budget)?;
+        let starts = (0..self.nodes.len()).take_while(|&k| self.nodes[k].index == 0);
+        let anywhere = |node: usize| Arrival { node, low: f64::NEG_INFINITY, high: f64::INFINITY, before: 0 };
+        let mut layers: Vec<Vec<Arrival>> = vec![starts.map(anywhere).collect()];
+        while layers.len() <= last {
+            let next = self.next(&layers[layers.len() - 1], &bounds, budget)?;
+            if next.is_empty() {
+                return Ok(None);
+            }
+            let finished = next.iter().filter(|arrival| self.nodes[arrival.node].index == last);
+            let widest = finished.max_by(|a, b| (a.high - a.low).total_cmp(&(b.high - b.low))).copied();
+            if let Some(end) = widest {
+                return Ok(self.traced(&layers, end));
+            }
+            layers.push(next);
+        }
+        Ok(None)
+    }
+
+    /// What one more element reaches, as far on as it is worth going on from.
+    fn next(&self, layer: &[Arrival], bounds: &Bounds, budget: &Budget) -> Result<Vec<Arrival>, Stopped> {
+        let mut next: Vec<Arrival> = Vec::new();
+        for from in 0..layer.len() {
+            // The arrivals at one node stand together; each element is looked at once for all of them.
+            if from > 0 && layer[from - 1].node == layer[from].node {
+                continue;
+            }
+            budget.check()?;
+            let node = layer[from].node;
+            let here: Vec<usize> = (from..layer.len()).take_while(|&k| layer[k].node == node).collect();
+            let index = self.nodes[node].index;
+            let first = self.nodes.partition_point(|other| other.index <= index);
+            for to in first..self.nodes.len() {
+                if self.nodes[to].index >= bounds.beyond[index] {
+                    break;
+                }
+                self.extend(layer, &here, to, &mut next);
+            }
+        }
+        Ok(self.farthest(next))
+    }
+
+    /// The arrivals at the node `to` from those at one node.
+    fn extend(&self, layer: &[Arrival], here: &[usize], to: usize, next: &mut Vec<Arrival>) {
+        let span = self.span(layer[here[0]].node, to);
+        let Some((chord, parts)) = self.bulges(&span) else { return };
+        let direction = chord.direction();
+        for [least, most] in parts {
+            let [low, high] = [least, most].map(|bulge| direction + 2.0 * bulge.atan());
+            for &before in here {
+                // The same direction may be written with whole turns more or less.
+                let whole = ((layer[before].low + layer[before].high - low - high) / (2.0 * TAU)).round();
+                let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
+                let start = [low.max(layer[before].low - turns), high.min(layer[before].high - turns)];
+                if start[0] <= start[1] {
+                    let [high, low] = start.map(|start| 2.0 * direction - start);
+                    next.push(self.departing(Arrival { node: to, low, high, before }));
+                }
+            }
+        }
+    }
+
+    /// At a corner, any direction may follow.
+    fn departing(&self, arrival: Arrival) -> Arrival {
+        let index = self.nodes[arrival.node].index;
+        if self.corners.binary_search(&index).is_ok() {
+            return Arrival { low: f64::NEG_INFINITY, high: f64::INFINITY, ..arrival };
+        }
+        arrival
+    }
+
+    fn span(&self, from: usize, to: usize) -> Span<'_> {
+        let [from, to] = [self.nodes[from], self.nodes[to]];
+        Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at }
+    }
+
+    /// The bulges that an element may have.
+    fn bulges(&self, span: &Span) -> Option<(Chord, Vec<[f64; 2]>)> {
+        let chord = Chord::new(span.from, span.to)?;
+        if span.last == span.first + 1 {
+            let largest = LARGEST_BETWEEN_NEIGHBOURS;
+            return Some((chord, vec![[-largest, largest]]));
+        }
+        let bulges = span.bulges(&self.rule, &mut Witnesses::default())?;
+        let parts = bulges.parts().filter(|part| span.keeps(0.5 * (part[0] + part[1]), &self.rule, &chord));
+        Some((chord, parts.collect()))
+    }
+
+    /// The widest arrivals at each of the farthest nodes, in the order of the nodes.
+    fn farthest(&self, mut arrivals: Vec<Arrival>) -> Vec<Arrival> {
+        let width = |arrival: &Arrival| arrival.high - arrival.low;
+        arrivals.sort_by(|a, b| b.node.cmp(&a.node).then(width(b).total_cmp(&width(a))));
+        let (mut kept, mut nodes): (Vec<Arrival>, usize) = (Vec::new(), 0);
+        for arrival in arrivals {
+            let same = kept.iter().rev().take_while(|other| other.node == arrival.node).count();
+            nodes += usize::from(same == 0);
+            if nodes > WIDEST {
+                break;
+            }
+            if same < INTERVALS {
+                kept.push(arrival);
+            }
+        }
+        kept
+    }
+
+    /// The chain that arrives at the end in the middle of its directions; `None` if an element of it breaks the rule after all.
+    fn traced(&self, layers: &[Vec<Arrival>], end: Arrival) -> Option<Fitted> {
+        let mut elements = Vec::with_capacity(layers.len());
+        let mut arrival = end;
+        let mut direction = None;
+        for layer in layers.iter().rev() {
+            let before = layer[arrival.before];
+            let span = self.span(before.node, arrival.node);
+            let chord = Chord::new(span.from, span.to)?;
+            let bulge = match direction {
+                Some(direction) => Some(ending(&chord, direction)),
+                // Any end will do: the middle of what the start allows.
+                None => self.middle(&span, &chord, before),
+            }?;
+            if !self.is_kept(&span, &chord, bulge) {
+                return None;
+            }
+            let is_line = bulge.abs() * 2.0 * LARGEST_RADIUS_MM < chord.half;
+            let shape = if is_line { Shape::Line } else { Shape::Arc { bulge } };
+            elements.push(Element { end: span.last, to: span.to, shape });
+            let is_corner = self.corners.binary_search(&span.first).is_ok();
+            direction = (!is_corner).then(|| chord.direction() + 2.0 * bulge.atan());
+            arrival = before;
+        }
+        elements.reverse();
+        Some(Fitted { start: self.nodes[arrival.node].at, elements })
+    }
+
+    fn is_kept(&self, span: &Span, chord: &Chord, bulge: f64) -> bool {
+        span.last == span.first + 1 || span.keeps(bulge, &self.rule, chord)
+    }
+
+    /// The bulge in the middle of those that go on from an arrival.
+    fn middle(&self, span: &Span, chord: &Chord, before: Arrival) -> Option<f64> {
+        let (_, parts) = self.bulges(span)?;
+        let direction = chord.direction();
+        let ranges = parts.into_iter().filter_map(|part| {
+            let [low, high] = part.map(|bulge| direction + 2.0 * bulge.atan());
+            let whole = ((before.low + before.high - low - high) / (2.0 * TAU)).round();
+            let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
+            let start = [low.max(before.low - turns), high.min(before.high - turns)];
+            (start[0] <= start[1]).then_some(start)
+        });
+        let widest = ranges.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+        Some((0.5 * (0.5 * (widest[0] + widest[1]) - direction)).tan())
+    }
+}
+
+/// The bulge of the arc over a chord that ends in a direction.
+fn ending(chord: &Chord, direction: f64) -> f64 {
+    let turn = chord.direction() - direction;
+    let turn = turn - TAU * (turn / TAU).round();
+    (0.5 * turn.clamp(-PI, PI)).tan()
 }

@@ -8,6 +8,7 @@
 //!   is written of it.
 //! * Nothing is modal and nothing is text; modal words belong to `post` alone.
 
+pub mod contour;
 pub mod cutting;
 pub mod flatten;
 pub mod measure;

@@ -8,7 +8,7 @@ pub use arc::{Arc, ArcError, Direction};
 pub use line::Line;
 pub use parabola::{Parabola, ParabolaError};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// One motion as geometry, with both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +44,15 @@ impl Curve {
         }
     }
 
+    /// Vectors along the curve at its start and its end; zero where it goes nowhere.
+    pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        match self {
+            Curve::Line(line) => line.tangents(),
+            Curve::Arc(arc) => arc.tangents(),
+            Curve::Parabola(parabola) => parabola.tangents(),
+        }
+    }
+
     /// The point at the fraction `t` in 0..=1 of the length.
     pub fn point_at(&self, t: f64) -> Point3<f64> {
         match self {
@@ -63,7 +72,7 @@ impl Curve {
     }
 
     /// The largest value over the curve of the coordinate along `direction` (a vector of any length), mm.
-    pub fn support(&self, direction: &nalgebra::Vector3<f64>) -> f64 {
+    pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         match self {
             Curve::Line(line) => line.support(direction),
             Curve::Arc(arc) => arc.support(direction),

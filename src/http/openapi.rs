@@ -28,7 +28,8 @@ use super::{App, health, metrics, v1};
         (name = "service", description = "What this server accepts and speaks"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
-    components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint))
+    components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
+        super::dto::point::Position))
 )]
 struct Document;
 
@@ -45,7 +46,12 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 17] = [
+const EXAMPLES: [(&str, &str, &str); 22] = [
+    example!("/v1/arcs/fit", "arcs-fit", "contour"),
+    example!("/v1/arcs/fit", "arcs-fit", "helix"),
+    example!("/v1/arcs/fit", "arcs-fit", "probed-circle"),
+    example!("/v1/arcs/fit", "arcs-fit", "section"),
+    example!("/v1/arcs/fit", "arcs-fit", "sine"),
     example!("/v1/curves/interpolate", "curves-interpolate", "in-band"),
     example!("/v1/curves/interpolate", "curves-interpolate", "nurbs"),
     example!("/v1/curves/interpolate", "curves-interpolate", "parabolas"),
@@ -85,6 +91,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
 /// Every route with its documentation.
 pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
+        .routes(routes!(v1::arcs_fit::fit_arcs))
         .routes(routes!(v1::curves_interpolate::interpolate_curve))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))

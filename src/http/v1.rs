@@ -1,5 +1,6 @@
 //! The endpoints of version 1, a file each.
 
+pub mod arcs_fit;
 pub mod curves_interpolate;
 pub mod dialects;
 pub mod limits;

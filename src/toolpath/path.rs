@@ -82,6 +82,8 @@ impl Toolpath {
 pub enum PathError {
     #[error("a coordinate is not finite")]
     NotFinite,
+    #[error("a curve does not start where the one before ends")]
+    Apart,
     #[error("a dwell of {seconds} s is not a time")]
     BadDwell { seconds: f64 },
     #[error(transparent)]
@@ -159,6 +161,23 @@ impl Builder {
     ) -> Result<(), PathError> {
         let along = Curve::Parabola(Parabola::new(self.at, control, to)?);
         self.push(Move::Feed { along, rate: rate.into(), role }, to);
+        Ok(())
+    }
+
+    /// A curve that starts where the tool is.
+    ///
+    /// # Errors
+    /// When it starts elsewhere.
+    pub fn follow(
+        &mut self,
+        along: Curve,
+        rate: impl Into<Option<FeedRate>>,
+        role: Role,
+    ) -> Result<(), PathError> {
+        if along.start() != self.at {
+            return Err(PathError::Apart);
+        }
+        self.push(Move::Feed { along, rate: rate.into(), role }, along.end());
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::{Fit, Fitted, Joints, Measure, Points, Shape, center, fit, span};
+use super::{Fit, Fitted, Joints, Measure, Points, Shape, center, fit, span, turn};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
@@ -147,17 +147,19 @@ pub fn polyline_deviation(curve: &Curve, points: &[Point3<f64>]) -> f64 {
 /// The largest distance of the points, and by the measure of the polyline of their lines, from a line or an arc that stands for
 /// them, mm; infinite where it passes them out of order.
 pub fn deviation(curve: &Curve, points: &[Point3<f64>], measure: Measure) -> f64 {
-    let (plane, bulge) = match curve {
+    let arc = match curve {
         Curve::Line(line) => return along_line(line, points),
-        Curve::Arc(arc) if arc.start() == arc.end() => return f64::INFINITY,
-        Curve::Arc(arc) => (arc.plane(), bulge(arc)),
+        Curve::Arc(arc) => arc,
         Curve::Parabola(_) => return f64::INFINITY,
     };
-    let local: Vec<Vector3<f64>> = points.iter().map(|p| plane.to_local(p)).collect();
-    let flat: Vec<Vector2<f64>> = local.iter().map(Vector3::xy).collect();
-    let heights: Vec<f64> = local.iter().map(|p| p.z).collect();
-    let [from, to] = [curve.start(), curve.end()].map(|p| plane.to_local(&p).xy());
-    span::deviation(Points { flat: &flat, heights: &heights }, [from, to], bulge, measure)
+    let local = |p: &Point3<f64>| arc.plane().to_local(p);
+    let flat: Vec<Vector2<f64>> = points.iter().map(|p| local(p).xy()).collect();
+    if arc.start() == arc.end() {
+        return turn::deviation(&flat, local(&arc.center()).xy(), arc.radius(), measure);
+    }
+    let heights: Vec<f64> = points.iter().map(|p| local(p).z).collect();
+    let ends = [arc.start(), arc.end()].map(|p| local(&p).xy());
+    span::deviation(Points { flat: &flat, heights: &heights }, ends, bulge(arc), measure)
 }
 
 /// As [`deviation`], in the plane of the line and each point.

@@ -124,14 +124,9 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// The lines between neighbouring points, from the start of the element to its end.
+    /// The lines between neighbouring points.
     fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + '_ {
-        let flat = self.points.flat;
-        (self.first..self.last).map(move |k| {
-            let a = if k == self.first { self.from } else { flat[k] };
-            let b = if k + 1 == self.last { self.to } else { flat[k + 1] };
-            [a, b]
-        })
+        self.points.flat[self.first..=self.last].windows(2).map(|pair| [pair[0], pair[1]])
     }
 
     /// Some bulge that keeps the rule, 0 for a line; `None` where none was found.
@@ -189,7 +184,7 @@ impl<'a> Span<'a> {
         let heights = self.points.heights;
         let [low, high] =
             if heights.is_empty() { [0.0; 2] } else { [heights[self.first], heights[self.last]] };
-        Track::new(chord.half, bulge, high - low)
+        Track::new(chord, bulge, high - low)
     }
 
     /// The inner points in the frame of the chord, with their heights over its middle.
@@ -286,14 +281,21 @@ struct Track {
 }
 
 impl Track {
-    fn new(half: f64, bulge: f64, rise: f64) -> Self {
+    fn new(chord: &Chord, bulge: f64, rise: f64) -> Self {
         if bulge == 0.0 {
-            let slope = Vector2::new(half, 0.5 * rise);
+            let slope = Vector2::new(chord.half, 0.5 * rise);
             let half = slope.norm();
             return Self { half, bulge, center: 0.0, radius: 0.0, sweep: 0.0, rise, slope: slope / half };
         }
-        let (center, radius) = (0.5 * half * (bulge - 1.0 / bulge), 0.5 * half * (bulge + 1.0 / bulge).abs());
-        Self { half, bulge, center, radius, sweep: 4.0 * bulge.abs().atan(), rise, slope: Vector2::x() }
+        Self {
+            half: chord.half,
+            bulge,
+            center: chord.center(bulge),
+            radius: chord.radius(bulge),
+            sweep: 4.0 * bulge.abs().atan(),
+            rise,
+            slope: Vector2::x(),
+        }
     }
 
     /// A point as it lies to the element in a plane: for a line, that of the line and the point.
@@ -378,7 +380,8 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
     let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
     let track = span.track(&chord, bulge);
-    let mut within = span.deviation(&track, measure, &chord);
+    let beside = [(from - points.flat[0]).norm(), (to - points.flat[span.last]).norm()];
+    let mut within = beside.into_iter().fold(span.deviation(&track, measure, &chord), f64::max);
     // A point that decides the deviation has one place only, which rounding may move.
     let in_order =
         |within: f64| span.is_in_order(&track, within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE, &chord);

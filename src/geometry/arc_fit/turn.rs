@@ -28,16 +28,11 @@ pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<Turn> {
     let mut weights = vec![1.0; points.len()];
     for _ in 0..ROUNDS {
         let (center, radius) = circle(points, &weights)?;
-        let off = |p: &Vector2<f64>| ((p - center).norm() - radius).abs();
-        let mut worst = points.iter().map(off).fold(0.0, f64::max);
-        if rule.measure == Measure::Polyline {
-            let dip = |pair: &[Vector2<f64>]| radius - nearest(center, pair[0], pair[1]);
-            worst = points.windows(2).map(dip).fold(worst, f64::max);
-        }
-        if worst <= tolerance {
+        if deviation(points, center, radius, rule.measure) <= tolerance {
             return sense(points, center, radius, tolerance).map(|is_ccw| Turn { center, radius, is_ccw });
         }
-        let mut sum = 0.0;
+        let off = |p: &Vector2<f64>| ((p - center).norm() - radius).abs();
+        let (worst, mut sum) = (points.iter().map(off).fold(0.0, f64::max), 0.0);
         for (weight, p) in weights.iter_mut().zip(points) {
             *weight *= off(p) / worst;
             sum += *weight;
@@ -46,6 +41,15 @@ pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<Turn> {
         weights.iter_mut().for_each(|weight| *weight /= mean);
     }
     None
+}
+
+/// The largest distance of a point, and by the measure of the polyline of its lines too, from a circle, mm.
+pub fn deviation(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, measure: Measure) -> f64 {
+    let worst = points.iter().map(|p| ((p - center).norm() - radius).abs()).fold(0.0, f64::max);
+    if measure == Measure::Points {
+        return worst;
+    }
+    points.windows(2).map(|pair| radius - nearest(center, pair[0], pair[1])).fold(worst, f64::max)
 }
 
 /// The distance of `p` from the line between two points.

@@ -181,6 +181,17 @@ impl Arc {
         (self.radius * self.sweep).hypot(self.rise())
     }
 
+    /// Vectors along the arc at its start and its end.
+    pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        let sense = if self.direction == Direction::Ccw { 1.0 } else { -1.0 };
+        let center = self.plane.to_local(&self.center);
+        [self.start, self.end].map(|p| {
+            let spoke = self.plane.to_local(&p) - center;
+            let local = Vector3::new(-spoke.y * sense, spoke.x * sense, self.rise() / self.sweep);
+            self.plane.to_workpiece(&local).coords
+        })
+    }
+
     /// The point at the fraction `t` of the length. The ends are returned exactly.
     pub fn point_at(&self, t: f64) -> Point3<f64> {
         if t <= 0.0 {

@@ -15,6 +15,11 @@ impl Line {
         (self.end - self.start).norm()
     }
 
+    /// The vector from the start to the end, at both.
+    pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        [self.end - self.start; 2]
+    }
+
     /// The point at the fraction `t` of the length.
     pub fn point_at(&self, t: f64) -> Point3<f64> {
         self.start + (self.end - self.start) * t

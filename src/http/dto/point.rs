@@ -99,15 +99,18 @@ fn form(dimension: usize) -> &'static str {
     if dimension == 2 { "[x, y]" } else { "[x, y, z]" }
 }
 
+fn coordinate() -> ObjectBuilder {
+    ObjectBuilder::new()
+        .schema_type(Type::Number)
+        .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
+        .minimum(Some(-MAX_MAGNITUDE_MM))
+        .maximum(Some(MAX_MAGNITUDE_MM))
+}
+
 impl<const N: usize> PartialSchema for Coordinates<N> {
     fn schema() -> RefOr<Schema> {
-        let coordinate = ObjectBuilder::new()
-            .schema_type(Type::Number)
-            .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
-            .minimum(Some(-MAX_MAGNITUDE_MM))
-            .maximum(Some(MAX_MAGNITUDE_MM));
         ArrayBuilder::new()
-            .items(coordinate)
+            .items(coordinate())
             .min_items(Some(N))
             .max_items(Some(N))
             .description(Some(format!("A point `{}` in mm, or a vector.", form(N))))
@@ -118,6 +121,81 @@ impl<const N: usize> PartialSchema for Coordinates<N> {
 impl<const N: usize> ToSchema for Coordinates<N> {
     fn name() -> std::borrow::Cow<'static, str> {
         if N == 2 { "PlanePoint".into() } else { "Point".into() }
+    }
+}
+
+/// A point in mm, in the plane at z = 0 or in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Position {
+    Flat(PlanePoint),
+    InSpace(Point),
+}
+
+impl Position {
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Self::Flat(_))
+    }
+
+    /// Looks at every coordinate of element `k` of the array at `at`.
+    pub fn check_in(&self, at: &Pointer, k: usize, violations: &mut Violations) {
+        match self {
+            Self::Flat(point) => point.check_in(at, k, violations),
+            Self::InSpace(point) => point.check_in(at, k, violations),
+        }
+    }
+}
+
+impl From<Position> for Point3<f64> {
+    fn from(position: Position) -> Self {
+        match position {
+            Position::Flat(Coordinates([x, y])) => Self::new(x, y, 0.0),
+            Position::InSpace(point) => point.into(),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(TwoOrThree)
+    }
+}
+
+struct TwoOrThree;
+
+impl<'de> Visitor<'de> for TwoOrThree {
+    type Value = Position;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a point [x, y] or [x, y, z]")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Position, A::Error> {
+        let mut next = |k: usize| seq.next_element::<f64>().map(|value| (k, value));
+        let needed =
+            |(k, value): (usize, Option<f64>)| value.ok_or_else(|| A::Error::invalid_length(k, &self));
+        let (x, y) = (needed(next(0)?)?, needed(next(1)?)?);
+        let Some(z) = next(2)?.1 else { return Ok(Position::Flat(Coordinates([x, y]))) };
+        match seq.next_element::<IgnoredAny>()? {
+            None => Ok(Position::InSpace(Coordinates([x, y, z]))),
+            Some(_) => Err(A::Error::invalid_length(4, &self)),
+        }
+    }
+}
+
+impl PartialSchema for Position {
+    fn schema() -> RefOr<Schema> {
+        ArrayBuilder::new()
+            .items(coordinate())
+            .min_items(Some(2))
+            .max_items(Some(3))
+            .description(Some("A point `[x, y]`, at z = 0, or `[x, y, z]`, in mm."))
+            .into()
+    }
+}
+
+impl ToSchema for Position {
+    fn name() -> std::borrow::Cow<'static, str> {
+        "Position".into()
     }
 }
 

@@ -41,6 +41,12 @@ pub enum WarningCode {
     PassesApart,
     /// Rounding to the program's decimals may leave the band.
     RoundingLeavesBand,
+    /// Rounding to the program's decimals may exceed the tolerance.
+    RoundingExceedsTolerance,
+    /// The elements are near the points, but not near the lines between them.
+    CoarseSamples,
+    /// The method that was asked for knows no tolerance.
+    ToleranceExceeded,
     /// The cutter is too large for some of the contour.
     ContourNotReached,
     /// The program starts no spindle.

@@ -6,21 +6,15 @@ use super::compensation::compensate;
 use super::fit::Fitter;
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
-use crate::geometry::curve::Direction;
+use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
 use crate::geometry::deviation::Measure;
 use crate::geometry::element::Element;
 use crate::geometry::plane::Plane;
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::{self, Parabolas};
-use crate::toolpath::units::FeedRate;
-use crate::toolpath::{Builder, Move, Role, Toolpath};
-
-/// The top of the part where nothing else is known of it: zero, or the contour if that is higher, mm.
-const TOP_MM: f64 = 0.0;
-
-/// How far the tool is lifted between chains of which nobody said how to cut them, mm.
-const LIFT_MM: f64 = 2.0;
+use crate::toolpath::{Move, PathError, Role, Toolpath};
 
 /// What the cutter leaves is worth a word from here on, mm: less is lost in the program's decimals.
 const UNCUT_MM: f64 = 1e-3;
@@ -52,18 +46,20 @@ pub fn path(
 ) -> Result<Path, Error> {
     let cutting = job.cutting.map(|cutting| cutting.above(TOP_MM.max(job.z_mm))).transpose()?;
     let stretches = runnable(curve, elements, job, budget)?;
-    let contour: Vec<Element> = stretches.iter().map(|stretch| stretch.element).collect();
+    let uncompensated: Vec<Element> = stretches.iter().map(|stretch| stretch.element).collect();
     let mut warnings = Vec::new();
     let chains = match job.compensation {
-        None => vec![contour],
+        None => vec![uncompensated],
         Some((side, radius_mm)) => {
-            let compensated = compensate(&contour, side, radius_mm, budget)?;
+            let compensated = compensate(&uncompensated, side, radius_mm, budget)?;
             let uncut_mm = compensated.uncut_mm;
             warnings.extend((uncut_mm > UNCUT_MM).then_some(Warning::ContourNotReached { uncut_mm }));
             compensated.chains
         }
     };
-    let toolpath = toolpath(&chains, job, cutting.as_ref())?;
+    let lifted = |chain: &Vec<Element>| chain.iter().map(|element| lifted(element, job.z_mm)).collect();
+    let chains: Vec<Vec<Curve>> = chains.iter().map(lifted).collect::<Result<_, Error>>()?;
+    let toolpath = contour(&chains, TOP_MM.max(job.z_mm), cutting.as_ref())?;
     let mut length_mm = 0.0;
     let mut seconds = Some(0.0);
     let mut written: f64 = 0.0;
@@ -118,44 +114,18 @@ fn runnable(
     Ok(stretches)
 }
 
-/// Down at the start of each chain, along it, and up at its end; without cutting conditions a single chain lies in its
-/// plane alone.
-fn toolpath(chains: &[Vec<Element>], job: &Job, cutting: Option<&Cutting>) -> Result<Toolpath, Error> {
-    let at = |p: Point2<f64>| Point3::new(p.x, p.y, job.z_mm);
-    let is_lifted = cutting.is_some() || chains.len() > 1;
-    let lifted_mm = cutting.map_or(TOP_MM.max(job.z_mm) + LIFT_MM, |cutting| cutting.retract_z_mm);
-    let above = |p: Point2<f64>| Point3::new(p.x, p.y, lifted_mm);
-    let feed = |role: Role| cutting.map(|cutting| cutting.feed_of(role));
-    let start = chains.iter().flatten().next().map_or(Point2::origin(), Element::start);
-    let mut builder = Toolpath::builder(if is_lifted { above(start) } else { at(start) });
-    for chain in chains {
-        let (Some(first), Some(last)) = (chain.first(), chain.last()) else { continue };
-        builder.begin_pass(None);
-        if is_lifted {
-            if builder.at() != above(first.start()) {
-                builder.rapid(above(first.start()))?;
-            }
-            builder.line(at(first.start()), feed(Role::Plunge), Role::Plunge)?;
-        }
-        for element in chain {
-            cut(&mut builder, element, job.z_mm, feed(Role::Cut))?;
-        }
-        if is_lifted {
-            builder.rapid(above(last.end()))?;
-        }
-    }
-    Ok(builder.finish()?)
-}
-
-fn cut(builder: &mut Builder, element: &Element, z_mm: f64, rate: Option<FeedRate>) -> Result<(), Error> {
+/// The element at a height.
+fn lifted(element: &Element, z_mm: f64) -> Result<Curve, Error> {
     let at = |p: &Point2<f64>| Point3::new(p.x, p.y, z_mm);
-    match element {
-        Element::Line { end, .. } => builder.line(at(end), rate, Role::Cut)?,
+    Ok(match element {
+        Element::Line { start, end } => Curve::Line(Line { start: at(start), end: at(end) }),
         Element::Arc(arc) => {
             let direction = if arc.turn > 0.0 { Direction::Ccw } else { Direction::Cw };
-            builder.arc(at(&arc.end), at(&arc.center), (Plane::Xy, direction), rate, Role::Cut)?;
+            let arc = Arc::new(Plane::Xy, direction, at(&arc.start), at(&arc.end), at(&arc.center));
+            Curve::Arc(arc.map_err(PathError::from)?)
         }
-        Element::Parabola { control, end, .. } => builder.parabola(at(end), at(control), rate, Role::Cut)?,
-    }
-    Ok(())
+        Element::Parabola { start, control, end } => {
+            Curve::Parabola(Parabola::new(at(start), at(control), at(end)).map_err(PathError::from)?)
+        }
+    })
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::JUNCTION_DEVIATION_MM;
-use crate::geometry::curve::{Arc, Curve, Direction, Parabola};
+use crate::geometry::curve::{Arc, Curve, Parabola};
 use crate::toolpath::units::FeedRate;
 
 /// A move, or a part of one, with one largest speed.
@@ -26,8 +26,8 @@ pub fn push(stretches: &mut Vec<Stretch>, curve: &Curve, rate: FeedRate, acceler
         }
     };
     match curve {
-        Curve::Line(line) => add(line.length(), [line.end - line.start; 2], 0.0),
-        Curve::Arc(arc) => add(arc.length(), tangents(arc), curvature(arc)),
+        Curve::Line(line) => add(line.length(), line.tangents(), 0.0),
+        Curve::Arc(arc) => add(arc.length(), arc.tangents(), curvature(arc)),
         Curve::Parabola(parabola) => {
             for part in parts(parabola) {
                 match part {
@@ -78,18 +78,6 @@ fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<Part>) {
         ends.push(end);
     }
     parts.extend(ends.windows(2).rev().map(|pair| Part::Even(between(pair[1], pair[0]))));
-}
-
-/// Vectors along the arc at its start and its end.
-fn tangents(arc: &Arc) -> [Vector3<f64>; 2] {
-    let plane = arc.plane();
-    let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
-    let center = plane.to_local(&arc.center());
-    [arc.start(), arc.end()].map(|p| {
-        let spoke = plane.to_local(&p) - center;
-        let local = Vector3::new(-spoke.y * sense, spoke.x * sense, arc.rise() / arc.sweep());
-        plane.to_workpiece(&local).coords
-    })
 }
 
 /// Curvature, 1/mm; that of the helix where there is one.

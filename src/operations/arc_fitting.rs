@@ -1,0 +1,231 @@
+//! Fitting arcs and lines to a polyline.
+//!
+//! # Method
+//! 1. The points are fitted in the plane they lie in, or that is given ([`arc_fit`](crate::geometry::arc_fit)).
+//! 2. What is left between points and curves is measured again on the curves as they are answered, and bounded for the
+//!    program at its decimals.
+//! 3. The curves become a toolpath.
+//!
+//! # Guarantees
+//! * `deviation_max_mm` is the distance within which the curves pass the points in order; by the measure of the polyline that
+//!   of the lines between them too, both ways. It is at most the tolerance, but for biarcs, which know none, and but for
+//!   rounding.
+//! * `deviation_written_max_mm` bounds the same of the program, whatever of what it allows the control does.
+//!
+//! # Degenerate input
+//! Coincident neighbours count once. Points that are all the same are refused.
+//!
+//! # Cost
+//! That of the fit.
+//!
+//! # Reference
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::arc_fit::{
+    Fit, FitError, Measure, Method, Piece, deviation, fit_in_space, polyline_deviation,
+};
+use crate::geometry::curve::{ArcError, Curve, Line};
+use crate::geometry::plane::Plane;
+use crate::toolpath::contour::{TOP_MM, contour};
+use crate::toolpath::cutting::{Cutting, CuttingRequest, HeightError};
+use crate::toolpath::program::{Resolution, Units};
+use crate::toolpath::quantize::{Parabolas, QuantizeError, round};
+use crate::toolpath::{PathError, Toolpath};
+
+/// Curves between two looks at the budget.
+const CURVES_BETWEEN_CHECKS: usize = 1024;
+
+/// Samples are coarse where the lines between them are this many tolerances away.
+const COARSE_TOLERANCES: f64 = 2.0;
+
+/// Directions that differ by less, degrees, differ by rounding.
+const KINK_DEG: f64 = 0.01;
+
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// At least two, mm. Of a closed way the first need not be repeated.
+    pub points: Vec<Point3<f64>>,
+    /// Where arcs lie, if not in the plane of the points.
+    pub plane: Option<Plane>,
+    pub fit: Fit,
+    /// Without them the toolpath has no feeds.
+    pub cutting: Option<CuttingRequest>,
+    pub resolution: Resolution,
+}
+
+impl Job {
+    /// The job with the default of everything that has one, written in mm with three decimals.
+    pub fn new(points: Vec<Point3<f64>>, tolerance_mm: f64) -> Self {
+        let resolution = Resolution { units: Units::Mm, decimals: 3 };
+        Self { points, plane: None, fit: Fit::within(tolerance_mm), cutting: None, resolution }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    pub n_points: usize,
+    pub n_arcs: usize,
+    pub n_lines: usize,
+    /// By the measure of the job, mm.
+    pub deviation_max_mm: f64,
+    /// Proved, of the program at its decimals, mm.
+    pub deviation_written_max_mm: f64,
+    /// The largest angle between neighbouring curves, degrees.
+    pub kink_max_deg: f64,
+    /// Joints at which curves meet at an angle.
+    pub n_kinks: usize,
+    pub length_mm: f64,
+    /// `None` without a feed.
+    pub cutting_time_s: Option<f64>,
+}
+
+/// Something the caller should know that does not stop the job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// Rounding to the program's decimals may exceed the tolerance.
+    RoundingExceedsTolerance { deviation_mm: f64 },
+    /// The curves are near the points, but not near the lines between them.
+    CoarseSamples { deviation_mm: f64 },
+    /// The curves pass the points of themselves, whatever the tolerance.
+    ToleranceExceeded { deviation_mm: f64 },
+}
+
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub toolpath: Toolpath,
+    /// Where curves meet, and the ends.
+    pub joints: Vec<Point3<f64>>,
+    pub report: Report,
+    /// The conditions with every default filled in.
+    pub cutting: Option<Cutting>,
+    pub warnings: Vec<Warning>,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("all points are the same")]
+    OnePlace,
+    #[error(transparent)]
+    Arc(#[from] ArcError),
+    #[error(transparent)]
+    Heights(#[from] HeightError),
+    #[error(transparent)]
+    Quantize(#[from] QuantizeError),
+    #[error(transparent)]
+    Path(#[from] PathError),
+}
+
+impl From<FitError> for Error {
+    fn from(error: FitError) -> Self {
+        match error {
+            FitError::Stopped(stopped) => stopped.into(),
+            FitError::OnePlace => Self::OnePlace,
+            FitError::Arc(error) => error.into(),
+        }
+    }
+}
+
+/// Fits arcs and lines to a polyline.
+///
+/// # Errors
+/// One of [`Error`]; no toolpath is returned with one.
+pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let mut points = job.points.clone();
+    if job.fit.is_closed && points.first() != points.last() {
+        points.extend(job.points.first());
+    }
+    let top_mm = points.iter().map(|p| p.z).fold(TOP_MM, f64::max);
+    let cutting = job.cutting.map(|cutting| cutting.above(top_mm)).transpose()?;
+    budget.progress("fit", 0, 1);
+    let pieces = fit_in_space(&points, job.plane, &job.fit, budget)?;
+    budget.progress("measure", 0, 1);
+    let figures = measured(&pieces, &points, job, budget)?;
+    let curves: Vec<Curve> = pieces.iter().map(|piece| piece.curve).collect();
+    let kinks = kinks(&curves);
+    let length_mm = curves.iter().map(Curve::length).sum();
+    let report = Report {
+        n_points: job.points.len(),
+        n_arcs: curves.iter().filter(|curve| matches!(curve, Curve::Arc(_))).count(),
+        n_lines: curves.iter().filter(|curve| matches!(curve, Curve::Line(_))).count(),
+        deviation_max_mm: figures.deviation_mm,
+        deviation_written_max_mm: figures.written_mm,
+        kink_max_deg: kinks.iter().copied().fold(0.0, f64::max),
+        n_kinks: kinks.iter().filter(|kink| **kink > KINK_DEG).count(),
+        length_mm,
+        cutting_time_s: cutting.map(|cutting| length_mm / cutting.feed.mm_per_s()),
+    };
+    let joints = curves.iter().map(Curve::start).chain(curves.last().map(Curve::end)).collect();
+    let toolpath = contour(&[curves], top_mm, cutting.as_ref())?;
+    Ok(Plan { toolpath, joints, warnings: warnings(job, &figures), report, cutting })
+}
+
+/// Deviations of curves and points, mm.
+struct Figures {
+    deviation_mm: f64,
+    written_mm: f64,
+    /// Both ways from the lines between the points.
+    from_lines_mm: f64,
+}
+
+fn measured(pieces: &[Piece], points: &[Point3<f64>], job: &Job, budget: &Budget) -> Result<Figures, Error> {
+    let mut figures = Figures { deviation_mm: 0.0, written_mm: 0.0, from_lines_mm: 0.0 };
+    let mut start = 0;
+    for (k, piece) in pieces.iter().enumerate() {
+        if k.is_multiple_of(CURVES_BETWEEN_CHECKS) {
+            budget.check()?;
+        }
+        let passed = &points[start..=piece.end];
+        let (from_points_mm, from_lines_mm) = match job.fit.method {
+            Method::Biarc => (0.0, beside(&piece.curve, &points[start..(piece.end + 1).max(start + 2)])),
+            Method::Greedy | Method::Optimal => {
+                (deviation(&piece.curve, passed, Measure::Points), polyline_deviation(&piece.curve, passed))
+            }
+        };
+        let deviation_mm = match job.fit.measure {
+            Measure::Polyline => from_lines_mm,
+            Measure::Points => from_points_mm,
+        };
+        let rounded = round(&piece.curve, job.resolution, Parabolas::AsLines)?;
+        figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);
+        figures.deviation_mm = figures.deviation_mm.max(deviation_mm);
+        figures.written_mm = figures.written_mm.max(deviation_mm + rounded.displacement_mm);
+        start = piece.end;
+    }
+    Ok(figures)
+}
+
+/// Bound of the distance of half a biarc from the line between the two points that it joins, mm: it is no farther from its
+/// chord than it is high.
+fn beside(half: &Curve, points: &[Point3<f64>]) -> f64 {
+    let line = Line { start: points[0], end: points[points.len() - 1] };
+    let height = match half {
+        Curve::Arc(arc) => arc.radius() * (1.0 - (arc.sweep() / 2.0).cos()),
+        Curve::Line(_) | Curve::Parabola(_) => 0.0,
+    };
+    height + line.distance_to(&half.start()).max(line.distance_to(&half.end()))
+}
+
+fn warnings(job: &Job, figures: &Figures) -> Vec<Warning> {
+    let tolerance = job.fit.tolerance_mm;
+    // Rounding of what was computed at the edge of the tolerance.
+    let over = |mm: f64, times: f64| (mm > times * tolerance * (1.0 + 1e-6)).then_some(mm);
+    let exceeded = over(figures.deviation_mm, 1.0);
+    let rounding = over(figures.written_mm, 1.0).filter(|_| exceeded.is_none());
+    let coarse =
+        over(figures.from_lines_mm, COARSE_TOLERANCES).filter(|_| job.fit.measure == Measure::Points);
+    let exceeded = exceeded.map(|deviation_mm| Warning::ToleranceExceeded { deviation_mm });
+    let rounding = rounding.map(|deviation_mm| Warning::RoundingExceedsTolerance { deviation_mm });
+    let coarse = coarse.map(|deviation_mm| Warning::CoarseSamples { deviation_mm });
+    exceeded.into_iter().chain(rounding).chain(coarse).collect()
+}
+
+/// The angles between neighbouring curves, degrees.
+fn kinks(curves: &[Curve]) -> Vec<f64> {
+    let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(&b).norm().atan2(a.dot(&b)).to_degrees();
+    curves.windows(2).map(|pair| angle(pair[0].tangents()[1], pair[1].tangents()[0])).collect()
+}

@@ -1,0 +1,44 @@
+//! The toolpath along chains of curves that are cut once: down at the start of each, along it, and up at its end.
+
+use nalgebra::Point3;
+
+use super::cutting::Cutting;
+use super::{PathError, Role, Toolpath};
+use crate::geometry::curve::Curve;
+
+/// The top of the part where nothing else is known of it: zero, or what is cut if that is higher, mm.
+pub const TOP_MM: f64 = 0.0;
+
+/// How far the tool is lifted between chains of which nobody said how to cut them, mm.
+const LIFT_MM: f64 = 2.0;
+
+/// Goes along each chain. Without cutting conditions nothing has a feed, and a single chain is all there is; several are joined
+/// by way of `top_mm` and a little more.
+///
+/// # Errors
+/// When the curves of a chain do not follow each other.
+pub fn contour(chains: &[Vec<Curve>], top_mm: f64, cutting: Option<&Cutting>) -> Result<Toolpath, PathError> {
+    let is_lifted = cutting.is_some() || chains.len() > 1;
+    let lifted_mm = cutting.map_or(top_mm + LIFT_MM, |cutting| cutting.retract_z_mm);
+    let above = |p: Point3<f64>| Point3::new(p.x, p.y, lifted_mm);
+    let feed = |role: Role| cutting.map(|cutting| cutting.feed_of(role));
+    let start = chains.iter().flatten().next().map_or(Point3::origin(), Curve::start);
+    let mut builder = Toolpath::builder(if is_lifted { above(start) } else { start });
+    for chain in chains {
+        let (Some(first), Some(last)) = (chain.first(), chain.last()) else { continue };
+        builder.begin_pass(None);
+        if is_lifted {
+            if builder.at() != above(first.start()) {
+                builder.rapid(above(first.start()))?;
+            }
+            builder.line(first.start(), feed(Role::Plunge), Role::Plunge)?;
+        }
+        for curve in chain {
+            builder.follow(*curve, feed(Role::Cut), Role::Cut)?;
+        }
+        if is_lifted {
+            builder.rapid(above(last.end()))?;
+        }
+    }
+    builder.finish()
+}

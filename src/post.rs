@@ -25,6 +25,7 @@
 pub mod dialect;
 pub mod dialects;
 pub mod read;
+pub mod rewrite;
 
 mod check;
 mod header;

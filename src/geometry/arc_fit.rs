@@ -32,6 +32,12 @@
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 4, eq. 4.
 
+mod space;
+
+pub use space::{
+    Continuity, Fit, FitError, Joints, Measure, Method, Piece, fit_in_space, polyline_deviation,
+};
+
 use nalgebra::Vector2;
 
 /// Controls have run whole circles where an arc's height was lost in rounding.

@@ -12,18 +12,18 @@
 //!    G1 in the line where it moves as the mode says, else by a block of its own.
 //!
 //! # Guarantees
-//! * Every byte that is no part of a run stays where it is, but for such a G1.
+//! * Every byte that is no part of a run stays where it is; what is put between is such a G1 or such a block, and no motion.
 //! * A run's output lies within the tolerance of the run's lines and vice versa, whatever radius between those at its two ends
 //!   a control takes for an arc; joints are points of the program, exactly, so nothing accumulates.
 //! * The output does not depend on how the input was cut.
-//! * An arc is never written for what has a turn of its own: there are no full circles.
+//! * No full circle is written, which controls read in several ways.
 //! * A stream's optimum is exact within windows of [`WINDOW`] blocks. Tangent continuity, where it is asked for, ends at
 //!   windows, at pieces that were fitted again because rounding had moved them too far, and where blocks stay as they were.
 //!
 //! # What is left alone
-//! * What a program says before it says more is taken to be mm, absolute, XY, feeds by the minute. Behind macros, calls, jumps and
-//!   program names, units, compensations and the way feeds and centres are counted are taken to be as before; everything
-//!   else is unknown until it is said again.
+//! * A program that does not say otherwise is taken to begin in mm, absolute, in XY, with feeds by the minute. Behind macros,
+//!   calls, jumps, program names and ends, units, compensations and the way feeds and centres are counted are taken to be
+//!   as before; everything else is unknown until it is said again. An assignment leaves only feed and position unknown.
 //! * Nothing is fitted under cutter compensation, rotation, scaling, mirroring, polar or cylindrical coordinates, diameters,
 //!   tool centre point control, exact stop, modal macros, feeds by the turn.
 //! * An axis is known when a block has said where it is, and not any more behind whatever shifts it. A block that moves
@@ -57,7 +57,7 @@ use self::line::Line;
 use self::modes::{Distance, Modes, Motion, Needs};
 use self::pieces::Fitting;
 use self::run::{Run, Style};
-use self::text::{Counts, Output, Writer, line_end, push_with_g1};
+use self::text::{Output, Tally, Writer, line_end, push_with_g1};
 use super::dialect::Dialect;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::arc_fit::{Fit, Joints, Measure};
@@ -287,31 +287,33 @@ impl Rewriter {
             Some(style) => self.rewritten(style, reach, budget)?,
             None => (reach, None),
         };
-        let counts = match written {
-            Some(counts) => {
+        let tally = match written {
+            Some(tally) => {
                 out.extend_from_slice(&self.written);
-                counts
+                tally
             }
             None => self.output.keep(&self.run, 0, end, out),
         };
         if is_long || self.run.is_continued {
-            self.figures.n_runs += u64::from(!self.run.is_continued);
-            self.figures.n_points += end as u64;
-            self.figures.n_arcs += counts.arcs;
-            self.figures.n_lines += counts.lines;
+            let figures = &mut self.figures;
+            figures.n_runs += u64::from(!self.run.is_continued);
+            figures.n_points += end as u64;
+            figures.n_arcs += tally.arcs;
+            figures.n_lines += tally.lines;
+            figures.deviation_max_mm = figures.deviation_max_mm.max(tally.deviation_mm);
         }
         self.run.drain(end);
         Ok(())
     }
 
     /// Puts what may be written for the blocks up to `reach`, or fewer, into `written`. Returns for how many blocks it
-    /// stands, and how many it has; none where it is no shorter than they are, or longer than the dialect reads.
+    /// stands, and what it is; none where it is no shorter than they are.
     fn rewritten(
         &mut self,
         style: Style,
         reach: usize,
         budget: &Budget,
-    ) -> Result<(usize, Option<Counts>), Stopped> {
+    ) -> Result<(usize, Option<Tally>), Stopped> {
         let run = &self.run;
         let is_writable = match self.modes.distance {
             Some(Distance::Absolute) => run.is_known,
@@ -328,7 +330,7 @@ impl Rewriter {
             output: self.output,
             text: &mut self.written,
             line: &mut self.block,
-            counts: Counts::default(),
+            tally: Tally::default(),
             is_refused: false,
         };
         let mut end = 0;
@@ -336,14 +338,14 @@ impl Rewriter {
             writer.stretch(end, stretch);
             end = stretch.end;
         }
-        let is_shorter = !writer.is_refused && writer.text.len() < run.blocks[end - 1].text.end;
-        if !is_shorter {
-            return Ok((end, None));
+        let (output, tally) = (writer.output, writer.tally);
+        // The plane may have to come back in a block of its own.
+        let blocks = tally.arcs + tally.lines + u64::from(output.plane.is_some());
+        let is_shorter = blocks < end as u64 && self.written.len() < run.blocks[end - 1].text.end;
+        if is_shorter {
+            self.output = output;
         }
-        self.output = writer.output;
-        let deviations = stretches.iter().map(|stretch| stretch.deviation_mm);
-        self.figures.deviation_max_mm = deviations.fold(self.figures.deviation_max_mm, f64::max);
-        Ok((end, Some(writer.counts)))
+        Ok((end, is_shorter.then_some(tally)))
     }
 }
 

@@ -164,8 +164,9 @@ fn arc_deviation(arc: &Arc, points: &[Point3<f64>]) -> f64 {
         let radial = (p.xy().norm() - arc.radius()).abs();
         worst = worst.max(radial.hypot(p.z - arc.rise() * t));
         if let Some(q) = k.checked_sub(1).map(|k| local[k]) {
-            let (along, n) = ((p - q).xy(), (p - q).xy().norm());
-            let chord = if n > 0.0 { (q.xy().perp(&along) / n).abs() } else { arc.radius() };
+            let along = (p - q).xy();
+            let foot = (-q.xy().dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            let chord = if foot.is_nan() { arc.radius() } else { (q.xy() + along * foot).norm() };
             // The height along a chord runs ahead of that along the arc by the tangent's third order.
             let ahead = arc.rise().abs() / arc.sweep() * turned.powi(3) / 12.0;
             worst = worst.max((arc.radius() - chord).abs().hypot(ahead) + (p.z - arc.rise() * t).abs());

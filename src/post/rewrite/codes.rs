@@ -29,6 +29,8 @@ pub enum Place {
     Kept,
     /// The position is lost, then the axis words say where to go.
     Shifted,
+    /// The axis words say where to go, but not in the program's coordinates: the position is lost.
+    Elsewhere,
     /// The axis words say something else, and the position is lost.
     Taken,
     /// The axis words say something else, and nothing moves.
@@ -47,11 +49,12 @@ pub fn effect(tenths: i32) -> Effect {
         70 => Begins(Bar::Diameter, self::Place::Shifted),
         80 => Ends(Bar::Diameter, self::Place::Shifted),
         71 | 1070 => Begins(Bar::Cylinder, self::Place::Taken),
-        100 | 280 | 281 | 300 | 301 | 520 | 530 | 531 | 920..=923 => Place(self::Place::Taken),
+        100 | 280 | 281 | 300 | 301 | 520 | 920..=923 => Place(self::Place::Taken),
+        530 | 531 => Place(self::Place::Elsewhere),
         121 | 1120 => Begins(Bar::Polar, self::Place::Taken),
         131 | 1130 => Ends(Bar::Polar, self::Place::Taken),
         150 => Ends(Bar::Polar, self::Place::Shifted),
-        160 => Begins(Bar::Polar, self::Place::Taken),
+        160 => Begins(Bar::Polar, self::Place::Elsewhere),
         170 => Plane(crate::geometry::plane::Plane::Xy),
         180 => Plane(crate::geometry::plane::Plane::Zx),
         190 => Plane(crate::geometry::plane::Plane::Yz),

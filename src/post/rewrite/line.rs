@@ -30,6 +30,8 @@ pub struct Line {
     pub is_named: bool,
     /// Something in it is not understood: an expression, a variable, an unknown word, two of one kind.
     pub is_unclear: bool,
+    /// It is not understood, but gives a variable a value and says nothing that could change a mode.
+    pub is_assignment: bool,
     /// It says where to go on in words.
     pub jumps: bool,
     /// Where the first word behind the N word begins, and whether a blank stands between words.
@@ -77,6 +79,7 @@ impl Line {
         line.is_spaced = line.is_numbered && line.first > at;
         if line.words(text).is_none() {
             line.is_unclear = true;
+            line.is_assignment = is_assignment(&text[line.first..]);
             line.jumps = text.windows(4).any(|word| word.eq_ignore_ascii_case(b"GOTO"));
         }
         line
@@ -132,6 +135,13 @@ impl Line {
     }
 }
 
+/// Whether `code` begins with a variable and has no letter of a word that changes a mode.
+fn is_assignment(code: &[u8]) -> bool {
+    let end = code.iter().position(|c| matches!(c, b'(' | b';')).unwrap_or(code.len());
+    let code = &code[..end];
+    code.first() == Some(&b'#') && code.contains(&b'=') && !code.iter().any(|c| b"GMOgmo".contains(c))
+}
+
 fn bit(letter: u8) -> u32 {
     1 << (letter - b'A')
 }
@@ -158,6 +168,8 @@ mod tests {
             assert!(Line::read(text.as_bytes()).is_unclear, "{text}");
         }
         assert!(Line::read(b"if [1] goto 5").jumps && !Line::read(b"#1=5").jumps);
+        assert!(Line::read(b"N5 #1=[#2*SIN[3]] (GO)").is_assignment);
+        assert!(!Line::read(b"#1=5 G91").is_assignment && !Line::read(b"X#1").is_assignment);
         let optional = Line::read(b"/2 N10 X1");
         assert!(optional.is_optional && optional.is_numbered && !optional.is_unclear);
         assert!(Line::read(b"O0501").is_named && Line::read(b"%").is_mark);

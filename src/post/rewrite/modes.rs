@@ -129,6 +129,9 @@ impl Modes {
 
     /// What holds behind `line`, and what the line needs of what holds before it.
     pub fn read(&self, line: &Line, dialect: &Dialect) -> (Self, Needs) {
+        if line.is_assignment {
+            return (Self { feed: None, at: [None; 3], ..*self }, Needs::ALL);
+        }
         if line.is_unclear {
             return (self.forgotten(), Needs::ALL);
         }
@@ -227,6 +230,7 @@ impl Reading {
                 self.modes.plane = Some(plane);
                 self.needs.says_plane = true;
             }
+            Effect::Units(units) if self.modes.units == Some(units) => {}
             Effect::Units(units) => {
                 self.modes.units = Some(units);
                 self.modes.at = [None; 3];
@@ -234,6 +238,7 @@ impl Reading {
             }
             Effect::Distance(distance) => self.modes.distance = Some(distance),
             Effect::Centers(distance) => self.modes.centers = Some(distance),
+            Effect::FeedMode(mode) if self.modes.feed_mode == Some(mode) => {}
             Effect::FeedMode(mode) => {
                 self.modes.feed_mode = Some(mode);
                 self.modes.feed = None;
@@ -275,13 +280,13 @@ impl Reading {
     }
 
     fn place(&mut self, place: Place) {
-        if matches!(place, Place::Shifted | Place::Taken) {
+        if place == Place::Shifted {
             self.modes.at = [None; 3];
         }
         if matches!(place, Place::Taken | Place::Idle) {
             self.axes = Axes::SayElse;
         }
-        self.loses_place |= place == Place::Taken;
+        self.loses_place |= matches!(place, Place::Taken | Place::Elsewhere);
     }
 
     /// Goes where the axis words say.

@@ -79,6 +79,7 @@ impl Fitting<'_> {
             match self.rounded(&one, points) {
                 Ok(stretch) => stretches.push(stretch),
                 Err(missing_mm) => {
+                    // Where it is not known how much is missing, half of the tolerance.
                     let tolerance_mm = one.tolerance_mm - missing_mm.min(one.tolerance_mm / 2.0);
                     let is_open = one.tries < MAX_TRIES
                         && self.open(points, one.from..one.end, tolerance_mm, one.tries + 1, &mut open)?;
@@ -109,8 +110,8 @@ impl Fitting<'_> {
         };
         let ends = pieces.iter().map(|piece| range.start + piece.end);
         let froms = std::iter::once(range.start).chain(ends.clone());
-        let is_whole =
-            ends.clone().last() == Some(range.end) && froms.clone().zip(ends.clone()).all(|(a, b)| a < b);
+        let is_whole = ends.clone().next_back() == Some(range.end)
+            && froms.clone().zip(ends.clone()).all(|(a, b)| a < b);
         if is_whole {
             let parts = froms.zip(ends).zip(&pieces);
             let parts =
@@ -125,7 +126,8 @@ impl Fitting<'_> {
     /// What is written for a curve, or by how much it is too far away, mm.
     fn rounded(&self, one: &Open, points: &[Point3<f64>]) -> Result<Stretch, f64> {
         let (blocks, points) = (one.end - one.from, &points[one.from..=one.end]);
-        if blocks == 1 || !self.can_write(&one.curve) {
+        let joins = one.curve.start() == points[0] && one.curve.end() == points[blocks];
+        if blocks == 1 || !joins || !self.can_write(&one.curve) {
             return Ok(Stretch::kept(one.end));
         }
         let rounded =
@@ -140,10 +142,8 @@ impl Fitting<'_> {
         };
         if deviation_mm <= self.fit.tolerance_mm {
             Ok(Stretch { end: one.end, curves, deviation_mm })
-        } else if deviation_mm.is_finite() {
-            Err(deviation_mm - self.fit.tolerance_mm)
         } else {
-            Err(f64::INFINITY)
+            Err(deviation_mm - self.fit.tolerance_mm)
         }
     }
 

@@ -115,67 +115,16 @@ fn modes_come_back_where_they_are_relied_on() {
     assert_eq!(&behind("M30\n")[1..], ["G17", "M30"]);
     assert_eq!(&behind("M99\n")[1..], ["G17 G1", "M99"]);
     assert_eq!(&behind("G41 D1 X5\n")[1..], ["G17", "G1 G41 D1 X5"]);
+    assert_eq!(&behind("G53 Z0\n")[1..], ["G1 G53 Z0"]);
+    assert_eq!(&behind("G28 Z0\nG0 Z5\n")[1..], ["G28 Z0", "G0 Z5"]);
     assert_eq!(&behind("M8\nG4 P1\nA90\n")[1..], ["M8", "G4 P1", "G1 A90"]);
 }
 
 #[test]
 fn nothing_is_fitted_where_it_must_not_be() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    let bars = [
-        "G41 D1",
-        "G42",
-        "G68 X0 Y0 R30",
-        "G51 X0 Y0 P2",
-        "G16",
-        "G7",
-        "G43.4 H1",
-        "G95",
-        "G61",
-        "G81 X0 Y0 Z-1 R1",
-        "G66 P100",
-        "G91 G28 Z0",
-        "M98 P100",
-        "O100 call",
-        "G38.2 X5",
-        "G112",
-        "M6 T1",
-        "G54",
-        "G92 X0",
-        "G43 H1",
-        "G52 X1",
-        "G2",
-        "G0",
-        "G90.1\nG53 Z0",
-        "WHILE[1]DO1",
-        "G10 L2 P1 X0",
-        "G20",
-        "G5.1 Q1",
-    ];
-    let first = arc.lines().next().unwrap();
-    for bar in bars {
-        let uncertain = first.split(' ').next().unwrap();
-        // The first block does not say where Y is, so that what is lost stays lost.
-        let rest =
-            arc.lines().map(|line| format!("{}\n", line.split(' ').nth(1).unwrap())).collect::<String>();
-        let program = format!("G17 G21 G90\nG0 X20 Y0 Z0\nG1 F100\n{bar}\n{uncertain}\n");
-        let still = if bar.starts_with("G41") { arc.clone() } else { String::new() };
-        let program = format!("{program}{still}");
-        assert_eq!(rewritten(&program), program);
-        drop(rest);
-    }
-    for bar in [
-        "G41 D1",
-        "G42",
-        "G68 X0 Y0 R30",
-        "G51 P2",
-        "G16",
-        "G7",
-        "G43.4 H1",
-        "G95",
-        "G61",
-        "G66 P100",
-        "G112",
-    ] {
+    let bars = "G41 D1|G42|G68 X0 Y0 R30|G51 P2|G51.1 X0|G16|G7|G43.4 H1|G95|G61|G66 P100|G112";
+    for bar in bars.split('|') {
         let program = format!("G17 G21 G90\nG0 X20 Y0 Z0\nG1 F100\n{bar}\nX20 Y0 Z0\n{arc}M30\n");
         assert_eq!(rewritten(&program), program, "{bar}");
     }
@@ -186,6 +135,28 @@ fn nothing_is_fitted_where_it_must_not_be() {
     });
     let program = format!("G0 X20 Y0 Z0\nG1 F100\n{}", interrupted.collect::<String>());
     assert_eq!(rewritten(&program), program);
+}
+
+#[test]
+fn a_block_that_comes_from_an_unknown_place_stays() {
+    let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
+    let first = arc.lines().next().unwrap();
+    let stays = |line: &str| {
+        let before = format!("G17 G21 G90\nG0 X20 Y0 Z0\nG1 F100\n{line}\nG90 G17 G21 G1\n");
+        let output = rewritten(&format!("{before}{arc}G0 Z5\n"));
+        assert!(output.starts_with(&before) && output.lines().count() < 10, "{output}");
+        output.lines().any(|line| line == first)
+    };
+    let losing = "G81 X0 Y0 Z-1 R1|G28 Z0|M98 P100|O100 call|G38.2 X5|T1|M6|G54|G92 X0|G43 H1|G49|G52 X1|G53 Z0|#1=5|X#1|O7|\
+        WHILE[1]DO1|G10 L2 P1 X0|G20|G5.1 Q1|A5|G69|/X5 Y5|M123|\u{fc}|G1 X1.0000001 Y2.0000001|G1 X1 Y1 R2";
+    for line in losing.split('|') {
+        assert!(stays(line), "{line}");
+    }
+    for line in
+        "M8|(G28)|;G28|G4 X1.5|S500|G64 P0.1|G0 X20 Y0|G2 X20 Y0 I1|/M8|F5|N5|G91|G40|G61.1|".split('|')
+    {
+        assert!(!stays(line), "{line}");
+    }
 }
 
 #[test]
@@ -314,10 +285,16 @@ fn long_runs_are_fitted_in_bounded_memory() {
 }
 
 #[test]
+fn windows_join_without_a_gap() {
+    let output = check("G0 X20 Y0 Z0\nG1 F100\n", &arc(['X', 'Y', 'Z'], 5000, 5.0, 4.0), "M30\n");
+    assert!(output.lines().count() < 200, "{output}");
+}
+
+#[test]
 fn lines_have_a_limit_and_so_has_the_budget() {
     let mut rewriter = Rewriter::new(job(&LINUXCNC));
     let (budget, mut out) = (Budget::unlimited(), Vec::new());
-    rewriter.push(&vec![b'\n'; 3], &mut out, &budget).unwrap();
+    rewriter.push(&[b'\n'; 3], &mut out, &budget).unwrap();
     rewriter.push(&vec![b'('; MAX_LINE_LENGTH], &mut out, &budget).unwrap();
     let limit = MAX_LINE_LENGTH;
     assert_eq!(rewriter.push(b"x", &mut out, &budget), Err(RewriteError::LineTooLong { line: 4, limit }));

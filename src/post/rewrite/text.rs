@@ -59,7 +59,7 @@ impl Output {
 
     /// Appends the blocks of `run` from `from` to before `end` as they are: the first says G1 where it has to, and the
     /// others rely on it.
-    pub fn keep(&mut self, run: &Run, from: usize, end: usize, out: &mut Vec<u8>) -> Counts {
+    pub fn keep(&mut self, run: &Run, from: usize, end: usize, out: &mut Vec<u8>) -> Tally {
         let (first, last) = (&run.blocks[from], &run.blocks[end - 1]);
         let text = &run.text[first.text.start..last.text.end];
         if self.is_arc && !first.has_g1 {
@@ -69,15 +69,17 @@ impl Output {
         }
         self.is_arc = false;
         self.rate = last.rate;
-        Counts { arcs: 0, lines: (end - from) as u64 }
+        Tally { lines: (end - from) as u64, ..Tally::default() }
     }
 }
 
-/// Blocks of each kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+/// What has been written for blocks of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tally {
     pub arcs: u64,
     pub lines: u64,
+    /// Upper bound for its distance from the lines it stands for, mm.
+    pub deviation_mm: f64,
 }
 
 /// Appends `line` with a G1 before its first word.
@@ -107,23 +109,35 @@ pub struct Writer<'a> {
     pub text: &'a mut Vec<u8>,
     /// The block that is being written.
     pub line: &'a mut String,
-    pub counts: Counts,
-    /// Something is longer than the dialect reads.
+    pub tally: Tally,
+    /// Something of the stretch is longer than the dialect reads.
     pub is_refused: bool,
 }
 
 impl Writer<'_> {
-    /// Writes the blocks from `from` to the end of `stretch`.
+    /// Writes what stands for the blocks from `from` to the end of `stretch`: its curves, or the blocks themselves where
+    /// these are no longer, or the curves are longer than the dialect reads.
     pub fn stretch(&mut self, from: usize, stretch: &Stretch) {
-        if stretch.curves.is_empty() {
-            self.counts.lines += self.output.keep(self.run, from, stretch.end, self.text).lines;
-            return;
+        let blocks = &self.run.blocks[from..stretch.end];
+        let bytes = blocks[blocks.len() - 1].text.end - blocks[0].text.start;
+        let (start, output, tally) = (self.text.len(), self.output, self.tally);
+        if !stretch.curves.is_empty() {
+            self.is_refused = false;
+            self.curves(from, stretch, blocks);
+            if !self.is_refused && self.text.len() - start < bytes {
+                self.tally.deviation_mm = tally.deviation_mm.max(stretch.deviation_mm);
+                return;
+            }
         }
-        let run = self.run;
-        let blocks = &run.blocks[from..stretch.end];
+        self.text.truncate(start);
+        (self.output, self.tally) = (output, tally);
+        self.tally.lines += self.output.keep(self.run, from, stretch.end, self.text).lines;
+    }
+
+    fn curves(&mut self, from: usize, stretch: &Stretch, blocks: &[Placed]) {
         let length: f64 = stretch.curves.iter().map(|written| written.curve.length()).sum();
         let minutes: f64 = blocks.iter().map(|block| 1.0 / block.rate).sum();
-        let mut start = run.units[from].map(|at| at / step(self.style.resolution.decimals));
+        let mut start = self.run.units[from].map(|at| at / step(self.style.resolution.decimals));
         let last = stretch.curves.len() - 1;
         for (k, written) in stretch.curves.iter().enumerate() {
             self.curve(start, written, &blocks[k]);
@@ -159,7 +173,7 @@ impl Writer<'_> {
                     self.number(OFFSETS[axis], if is_absolute { start[axis] + offset } else { offset });
                 }
                 self.output.is_arc = true;
-                self.counts.arcs += 1;
+                self.tally.arcs += 1;
             }
             _ => {
                 if self.output.is_arc || block.has_g1 {
@@ -167,7 +181,7 @@ impl Writer<'_> {
                 }
                 self.ends(start, end, |_| false);
                 self.output.is_arc = false;
-                self.counts.lines += 1;
+                self.tally.lines += 1;
             }
         }
     }

@@ -244,10 +244,13 @@ impl Rewriter {
         if !is_line || may_arrive || !self.modes.allow_runs() {
             return Ok(false);
         }
-        let Some(step) = self.run.step(block, &self.modes, self.job.dialect) else { return Ok(false) };
-        if !self.run.is_empty() && !self.run.continues(&step, &self.modes) {
+        let step = self.run.step(block, &self.modes, self.job.dialect);
+        if step.is_some_and(|step| !self.run.is_empty() && !self.run.continues(&step, &self.modes)) {
             self.end_run(out, budget)?;
+            // Now it starts where the next run does.
+            return self.join(line, block, out, budget);
         }
+        let Some(step) = step else { return Ok(false) };
         self.run.push(line, block, &step, &mut self.modes);
         if self.run.blocks.len() == WINDOW {
             self.write_run(WINDOW / 4 * 3, out, budget)?;

@@ -123,8 +123,7 @@ impl Modes {
     /// What is left when another part of the program, or another program, has run: units, the way centres are counted and
     /// feeds are, and compensations are taken to be as they were.
     pub fn forgotten(&self) -> Self {
-        let kept = *self;
-        Self { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..kept }
+        Self { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*self }
     }
 
     /// What holds behind `line`, and what the line needs of what holds before it.

@@ -171,11 +171,8 @@ fn an_axis_that_is_not_known_is_in_no_run() {
     let shifted = rewritten(&format!("G0 X20 Y0 Z0\nG55\nG1 F100\n{arc}"));
     assert_eq!(shifted.lines().count(), 5, "{shifted}");
     // In G91 nothing has to be known.
-    let steps = "G91 G1 X0.5 Y0.001\nX0.5 Y-0.001\nX0.5\nX0.5\n";
-    assert_eq!(
-        rewritten(steps),
-        "G91 G1 X0.5 Y0.001\nX0.5 Y-0.001\nX0.5\nX0.5\n".replace(steps, "G91 G1 X0.5 Y0.001\nX1.5 Y-0.001\n")
-    );
+    let steps = "G91\nG1 X0.5 Y0.001 F1\nX0.5 Y-0.001\nX0.5\nX0.5 F2\nX0.5\nX1.5\nX1\n";
+    assert_eq!(rewritten(steps), "G91\nG1 X1.5 F1\nX3.5 F2\n");
 }
 
 #[test]

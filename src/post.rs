@@ -9,6 +9,8 @@
 //!    where they would repeat what holds.
 //! 4. `check`: the text is read back by a reader of its own and compared with the blocks.
 //!
+//! Programs of others' making are shortened by [`rewrite`], which shares the dialects and the numbers.
+//!
 //! # Guarantees
 //! * What is returned has been read back: kinds, ends, senses, feeds, centres and control points are those of the blocks, and
 //!   no two radii of an arc differ by more than 1.5 units of the last decimal.
@@ -25,6 +27,7 @@
 pub mod dialect;
 pub mod dialects;
 pub mod read;
+pub mod rewrite;
 
 mod check;
 mod header;

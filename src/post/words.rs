@@ -1,5 +1,7 @@
 //! Numbers and comments as text.
 
+use std::fmt::Write;
+
 use super::WriteError;
 use super::dialect::Numbers;
 use crate::toolpath::program::Units;
@@ -54,16 +56,15 @@ pub fn spindle(rpm: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
 /// Appends `digits` times ten to the power of minus `decimals`, always with that many decimals, never in an
 /// exponent and never as minus zero.
 pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
-    if digits < 0 {
-        text.push('-');
-    }
-    let all = format!("{:0width$}", digits.unsigned_abs(), width = usize::from(decimals) + 1);
-    let (whole, fraction) = all.split_at(all.len() - usize::from(decimals));
-    text.push_str(whole);
-    if decimals > 0 {
-        text.push('.');
-        text.push_str(fraction);
-    }
+    let sign = if digits < 0 { "-" } else { "" };
+    let scale = 10u64.pow(u32::from(decimals));
+    let (whole, fraction) = (digits.unsigned_abs() / scale, digits.unsigned_abs() % scale);
+    // Writing into a string does not fail.
+    let _ = if decimals > 0 {
+        write!(text, "{sign}{whole}.{fraction:0width$}", width = usize::from(decimals))
+    } else {
+        write!(text, "{sign}{whole}")
+    };
 }
 
 /// User text as it may stand in a comment: capitals, digits, space, point, underscore and minus, no longer

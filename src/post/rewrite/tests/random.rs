@@ -1,0 +1,246 @@
+//! Random programs: what is no run stays, and the path of the rest.
+
+use proptest::prelude::*;
+
+use super::evaluator::{SAGITTA_MM, Stop, distance, stops};
+use super::*;
+
+/// Lines that end runs. Each has a comment with a place for a number, so that both programs can be compared there.
+const BARRIERS: &[&str] = &[
+    "(@)",
+    "G0 X# Y# (@)",
+    "G1 X# Y# (@)",
+    "X# Y# (@)",
+    "Y# M8 (@)",
+    "G17 (@)",
+    "G18 (@)",
+    "G19 (@)",
+    "G90 (@)",
+    "G91 (@)",
+    "G41 D1 (@)",
+    "G40 (@)",
+    "G68 X0 Y0 R0 (@)",
+    "G69 (@)",
+    "M5 (@)",
+    "F250 (@)",
+    "#1=5 (@)",
+    "G1 (@)",
+    "G90.1 (@)",
+    "G91.1 (@)",
+    "/M8 (@)",
+    "\u{e9} (@)",
+    "% (@)",
+    "G4 P1 (@)",
+    "G20 (@)",
+    "G21 (@)",
+    "N5 Z# (@)",
+    "G61 (@)",
+    "G64 (@)",
+    "A5 (@)",
+    "G0 X0 Y0 Z0 (@)",
+    "G90 G0 X0 Y0 Z0 (@)",
+    "G17 G21 G90 G40 G69 G64 G91.1 (@)\nG0 X# Y# Z# (@)\nG1 F90 (@)",
+];
+
+#[derive(Debug, Clone)]
+enum Part {
+    Barrier(usize, [i64; 3]),
+    /// Steps of a turning, rising path, in thousandths.
+    Run {
+        plane: usize,
+        n: usize,
+        radius: f64,
+        start: f64,
+        step: f64,
+        rise: f64,
+        jitter: u8,
+    },
+    Blank,
+}
+
+fn part() -> impl Strategy<Value = Part> {
+    let coordinate = -50_000i64..50_000;
+    let run =
+        (0usize..3, 1usize..60, 1.0..100.0, 0.0..6.3, -0.2..0.2, prop_oneof![Just(0.0), -0.1..0.1], 0u8..4);
+    prop_oneof![
+        4 => (0..BARRIERS.len(), [coordinate.clone(), coordinate.clone(), coordinate])
+            .prop_map(|(kind, numbers)| Part::Barrier(kind, numbers)),
+        2 => Just(Part::Barrier(BARRIERS.len() - 1, [1000, 2000, 3000])),
+        6 => run.prop_map(|(plane, n, radius, start, step, rise, jitter)| {
+            Part::Run { plane, n, radius, start, step, rise, jitter }
+        }),
+        1 => Just(Part::Blank),
+    ]
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Looks {
+    is_spaced: bool,
+    has_crlf: bool,
+    is_numbered: bool,
+    says_g1: bool,
+    is_padded: bool,
+}
+
+/// The text of the parts; it follows the position as the evaluator does, so that runs are what they say.
+fn program(parts: &[Part], looks: Looks) -> String {
+    let end = if looks.has_crlf { "\r\n" } else { "\n" };
+    let mut text =
+        String::from("G17 G21 G90 G94 (start)\nG0 X0 Y0 Z0 (start)\nG1 F100 (start)\n").replace('\n', end);
+    for (k, part) in parts.iter().enumerate() {
+        match part {
+            Part::Blank => text.push_str(end),
+            Part::Barrier(kind, numbers) => {
+                let mut line = BARRIERS[*kind].replace('@', &k.to_string()).replace('\n', end);
+                for number in numbers.iter().cycle() {
+                    if !line.contains(['#']) || line.starts_with('#') {
+                        break;
+                    }
+                    line = line.replacen('#', &format!("{}", *number as f64 / 1000.0), 1);
+                }
+                text.push_str(&line);
+                text.push_str(end);
+            }
+            Part::Run { plane, n, radius, start, step, rise, jitter } => {
+                let state = stops(&text, 1.0).pop().unwrap().state;
+                let at: [i64; 3] =
+                    std::array::from_fn(|axis| (state.at[axis] / state.unit * 1000.0).round() as i64);
+                let mut before = at;
+                for i in 1..=*n {
+                    let to = turned(at, *plane, [*radius, *start, *step, *rise], i, *jitter);
+                    block(&mut text, [before, to], i, state.is_absolute, looks);
+                    if *jitter == 3 && i % 11 == 5 {
+                        let _ = write!(text, "F{}", i / 22 + 3);
+                    }
+                    text.push_str(end);
+                    before = to;
+                }
+            }
+        }
+    }
+    text
+}
+
+fn turned(
+    from: [i64; 3],
+    plane: usize,
+    [radius, start, step, rise]: [f64; 4],
+    i: usize,
+    jitter: u8,
+) -> [i64; 3] {
+    let axes = [[0, 1, 2], [2, 0, 1], [1, 2, 0]][plane];
+    let angle = start + step * i as f64;
+    let noise = |k: usize| if jitter == 0 { 0.0 } else { ((i * 7 + k * 3) % 5) as f64 * f64::from(jitter) };
+    let moved = [
+        1000.0 * radius * (angle.cos() - start.cos()) + noise(0),
+        1000.0 * radius * (angle.sin() - start.sin()) + noise(1),
+        1000.0 * rise * i as f64,
+    ];
+    let mut to = from;
+    for (axis, moved) in axes.into_iter().zip(moved) {
+        to[axis] += moved.round() as i64;
+    }
+    to
+}
+
+fn block(text: &mut String, [from, to]: [[i64; 3]; 2], i: usize, is_absolute: bool, looks: Looks) {
+    let gap = if looks.is_spaced { " " } else { "" };
+    let mut words = Vec::new();
+    if looks.is_numbered {
+        words.push(format!("N{}", i * 10));
+    }
+    if looks.says_g1 || i == 1 {
+        words.push("G1".to_owned());
+    }
+    for axis in 0..3 {
+        if from[axis] != to[axis] || axis == 0 {
+            let units = if is_absolute { to[axis] } else { to[axis] - from[axis] };
+            let value = units as f64 / 1000.0;
+            let letter = ['X', 'Y', 'Z'][axis];
+            words.push(if looks.is_padded {
+                format!("{letter}{value:.3}")
+            } else {
+                format!("{letter}{value}")
+            });
+        }
+    }
+    text.push_str(&words.join(gap));
+}
+
+/// The line without a G1 that was put in, and without blanks.
+fn without_g1(line: &str) -> String {
+    line.replace([' ', '\r'], "")
+        .replace("G1X", "X")
+        .replace("G1Y", "Y")
+        .replace("G1Z", "Z")
+        .replace("G1A", "A")
+}
+
+fn compare(one: &Stop, other: &Stop) -> Result<(), TestCaseError> {
+    prop_assert_eq!(without_g1(&one.line), without_g1(&other.line));
+    let apart = distance(&one.path, &other.path);
+    prop_assert!(apart <= TOLERANCE_MM + SAGITTA_MM, "{} mm before {}", apart, one.line);
+    let (a, b) = (one.state, other.state);
+    prop_assert!((a.at - b.at).norm() < 1e-9, "{:?} {:?} at {}", a, b, one.line);
+    prop_assert_eq!((a.unit, a.is_absolute, a.feed), (b.unit, b.is_absolute, b.feed));
+    prop_assert_eq!(a.has_absolute_centers, b.has_absolute_centers);
+    let depends = one.line.starts_with(['#', '%', '/', '\u{e9}']);
+    if one.moves || depends {
+        prop_assert_eq!(a.motion, b.motion, "at {}", one.line);
+    }
+    if depends {
+        prop_assert_eq!(a.plane, b.plane, "at {}", one.line);
+    }
+    Ok(())
+}
+
+fn looks() -> impl Strategy<Value = Looks> {
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    flags.prop_map(|(is_spaced, has_crlf, is_numbered, says_g1, is_padded)| Looks {
+        is_spaced,
+        has_crlf,
+        is_numbered,
+        says_g1,
+        is_padded,
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn the_path_and_all_else_stay(parts in prop::collection::vec(part(), 1..14), looks in looks()) {
+        let input = program(&parts, looks);
+        let (output, figures) = rewritten_as(&LINUXCNC, input.as_bytes(), usize::MAX);
+        let output = String::from_utf8(output).unwrap();
+        let (one, other) = (stops(&input, 1.0), stops(&output, 1.0));
+        prop_assert_eq!(one.len(), other.len());
+        for (one, other) in one.iter().zip(&other) {
+            compare(one, other).map_err(|e| TestCaseError::fail(format!("{e}\n{input}\n=>\n{output}")))?;
+        }
+        prop_assert!(figures.deviation_max_mm <= TOLERANCE_MM);
+        prop_assert!(figures.n_arcs + figures.n_lines <= figures.n_points);
+    }
+
+    #[test]
+    fn the_output_does_not_depend_on_the_cuts(parts in prop::collection::vec(part(), 1..6), looks in looks(), cut in 1usize..60) {
+        let input = program(&parts, looks);
+        let (whole, _) = rewritten_as(&LINUXCNC, input.as_bytes(), usize::MAX);
+        for cut in [1, cut] {
+            let (cut, _) = rewritten_as(&LINUXCNC, input.as_bytes(), cut);
+            prop_assert_eq!(&cut, &whole);
+        }
+    }
+
+    #[test]
+    fn any_bytes_pass(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        let (output, _) = rewritten_as(&LINUXCNC, &bytes, 7);
+        prop_assert_eq!(output, bytes);
+    }
+
+    #[test]
+    fn any_words_are_taken(text in "([GXYZFNIJ] ?-?[0-9]{0,3}\\.?[0-9]{0,4} ?|\n|\r\n|/|%|;|\\(|G1X|G91){0,120}") {
+        let (output, figures) = rewritten_as(&LINUXCNC, text.as_bytes(), 11);
+        prop_assert!(figures.n_runs > 0 || output.len() >= text.len());
+    }
+}

@@ -87,6 +87,18 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_MOVES", default_value_t = Limits::DEFAULT.moves, global = true)]
     pub max_moves: usize,
 
+    /// Programs that may be rewritten as streams at a time; one more is refused with 503
+    #[arg(long, env = "TOOLPATHD_STREAMS", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
+    pub streams: u16,
+
+    /// Most bytes of a program that is rewritten as a stream
+    #[arg(long, env = "TOOLPATHD_STREAM_BYTES", default_value_t = 16 * 1024 * 1024 * 1024, global = true)]
+    pub stream_bytes: u64,
+
+    /// Seconds a stream may last
+    #[arg(long, env = "TOOLPATHD_STREAM_DEADLINE_S", default_value = "3600", value_parser = seconds, global = true)]
+    pub stream_deadline_s: Duration,
+
     /// Seconds within which a request's headers must be complete
     #[arg(long, env = "TOOLPATHD_HEADER_TIMEOUT_S", default_value = "10", value_parser = seconds, global = true)]
     pub header_timeout_s: Duration,

@@ -21,6 +21,7 @@ mod observe;
 mod openapi;
 mod output;
 mod pointer;
+mod program_stream;
 mod refusal;
 mod request_id;
 pub mod serve;
@@ -46,6 +47,7 @@ use compute::Compute;
 use intake::Intake;
 use metrics::Metrics;
 pub use openapi::contract;
+use program_stream::Streams;
 use serve::Connections;
 
 /// The version of the engine: the same request gives the same bytes as long as it stands.
@@ -59,6 +61,7 @@ pub struct App {
     metrics: Metrics,
     intake: Arc<Intake>,
     connections: Connections,
+    streams: Streams,
     cors_origins: Vec<HeaderValue>,
     limits: Limits,
     queue: usize,
@@ -79,6 +82,7 @@ impl App {
             metrics: Metrics::default(),
             intake: Intake::new(settings.body_memory),
             connections: Connections::new(settings),
+            streams: Streams::new(settings),
             cors_origins: settings.cors_origin.clone(),
             limits: settings.limits(),
             queue,

@@ -48,12 +48,6 @@ mod span;
 mod tangent;
 mod turn;
 
-mod space;
-
-pub use space::{
-    Continuity, Fit, FitError, Joints, Measure, Method, Piece, fit_in_space, polyline_deviation,
-};
-
 use nalgebra::Vector2;
 
 use crate::budget::{Budget, Stopped};

@@ -26,7 +26,7 @@ pub enum Failure {
 }
 
 /// The right to wait for a place; given back when it is dropped.
-pub struct Ticket(OwnedSemaphorePermit);
+pub struct Ticket(#[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit);
 
 pub struct Compute {
     pool: rayon::ThreadPool,
@@ -97,21 +97,22 @@ impl Compute {
         self.run_admitted(self.admit()?, None, job).await
     }
 
-    /// As [`Self::run`], for a job that has its ticket already, and tells its progress to `listener`.
+    /// As [`Self::run`], for a job that has been let in already, by what it holds until it ends: a ticket, or a share of
+    /// something else. It tells its progress to `listener`.
     ///
     /// # Errors
     /// When the deadline passes before the job ends, or the job panics.
-    pub async fn run_admitted<T, F>(
+    pub async fn run_admitted<H, T, F>(
         &self,
-        ticket: Ticket,
+        held: H,
         listener: Option<Arc<dyn ProgressSink>>,
         job: F,
     ) -> Result<T, Failure>
     where
+        H: Send + 'static,
         T: Send + 'static,
         F: FnOnce(&Budget) -> T + Send + 'static,
     {
-        let Ticket(ticket) = ticket;
         let deadline = Instant::now() + self.deadline;
         let place = timeout_at(deadline.into(), Arc::clone(&self.places).acquire_owned())
             .await
@@ -124,7 +125,7 @@ impl Compute {
         self.pool.spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| job(&budget)));
             // Freed before the answer is sent: whoever has it may count on the place.
-            drop((place, ticket));
+            drop((place, held));
             let _ = answer.send(outcome);
         });
         match timeout_at((deadline + DEADLINE_SLACK).into(), result).await {

@@ -100,11 +100,16 @@ impl<T: DeserializeOwned> FromRequestParts<Arc<App>> for StrictQuery<T> {
     }
 }
 
+/// The media type of the body, without parameters, in lower case.
+pub fn media_type(headers: &HeaderMap) -> Option<String> {
+    let value = headers.get(header::CONTENT_TYPE)?;
+    let essence = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
+    Some(essence.to_ascii_lowercase())
+}
+
 /// What is read as JSON: JSON, any `+json`, what curl says of `-d` when told nothing, and no type at all.
 fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
-    let Some(value) = headers.get(header::CONTENT_TYPE) else { return Ok(()) };
-    let essence = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
-    let essence = essence.to_ascii_lowercase();
+    let Some(essence) = media_type(headers) else { return Ok(()) };
     let is_json = essence == "application/json"
         || (essence.starts_with("application/") && essence.ends_with("+json"))
         || essence == "application/x-www-form-urlencoded";
@@ -127,27 +132,28 @@ async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiErro
         return Err(too_large(announced));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(announced).unwrap_or_default());
-    loop {
-        let next = timeout(app.body_timeout, next_data(&mut body)).await.map_err(|_| {
-            let seconds = app.body_timeout.as_secs_f64();
-            let detail = format!("no byte of the body arrived for {seconds} s; {} did", bytes.len());
-            ApiError::new(Code::RequestTimeout, detail)
-        })?;
-        match next {
-            None => return Ok(bytes.into()),
-            Some(Err(_)) => return Err(ApiError::new(Code::BadRequest, "the body could not be read")),
-            Some(Ok(data)) if bytes.len() + data.len() > limit => {
-                return Err(too_large((bytes.len() + data.len()) as u64));
-            }
-            Some(Ok(data)) => {
-                share.take(data.len())?;
-                bytes.extend_from_slice(&data);
-            }
+    while let Some(data) = next_bytes(&mut body, app).await? {
+        if bytes.len() + data.len() > limit {
+            return Err(too_large((bytes.len() + data.len()) as u64));
         }
+        share.take(data.len())?;
+        bytes.extend_from_slice(&data);
     }
+    Ok(bytes.into())
 }
 
-/// The next bytes of the body, of which there is at least one.
+/// The next bytes of the body, of which there is at least one; an error where none come for too long.
+///
+/// # Errors
+/// `request_timeout`, or `bad_request` when the body cannot be read.
+pub async fn next_bytes(body: &mut Body, app: &App) -> Result<Option<Bytes>, ApiError> {
+    let next = timeout(app.body_timeout, next_data(body)).await.map_err(|_| {
+        let seconds = app.body_timeout.as_secs_f64();
+        ApiError::new(Code::RequestTimeout, format!("no byte of the body arrived for {seconds} s"))
+    })?;
+    next.transpose().map_err(|_| ApiError::new(Code::BadRequest, "the body could not be read"))
+}
+
 async fn next_data(body: &mut Body) -> Option<Result<Bytes, axum::Error>> {
     loop {
         match poll_fn(|context| Pin::new(&mut *body).poll_frame(context)).await? {

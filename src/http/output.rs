@@ -20,7 +20,7 @@ const HTML: &str = "text/html";
 pub const EVENTS: &str = "text/event-stream";
 
 /// The media types by which NC text is asked for, the preferred one first.
-const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
+pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
 
 pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 

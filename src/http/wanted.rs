@@ -47,6 +47,9 @@ impl Offers for Programs {
     ];
 }
 
+/// A program that is rewritten as a stream, or only counted.
+pub const STREAMS: &[Representation] = &[Representation::Gcode, Representation::Json];
+
 /// A surface that is looked at.
 pub enum Models {}
 

@@ -28,3 +28,19 @@ pub struct Answer<R: ToSchema> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub toolpath: Option<Toolpath>,
 }
+
+impl<R: ToSchema> Answer<R> {
+    /// A report without a toolpath.
+    pub fn of_report(engine_version: &'static str, request_id: &str, report: R) -> Self {
+        Self {
+            engine_version,
+            request_id: request_id.to_owned(),
+            meta: None,
+            warnings: Vec::new(),
+            report,
+            measures: None,
+            nc: None,
+            toolpath: None,
+        }
+    }
+}

@@ -1,8 +1,8 @@
 //! A request for fitting arcs to a polyline, and its conversion to a job.
 
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 use utoipa::openapi::schema::Schema;
+use utoipa::{IntoParams, ToSchema};
 
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
@@ -15,11 +15,14 @@ use super::tool::Tool;
 use crate::config::Limits;
 use crate::geometry::arc_fit as core_fit;
 use crate::geometry::plane;
-use crate::http::error::{ApiError, FieldCode};
+use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::extract::IntoJob;
+use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
+use crate::http::v1::dialects;
 use crate::operations::arc_fitting as core;
 use crate::post::Dialect;
+use crate::post::rewrite::{Figures, RewriteJob};
 use crate::toolpath::{program, tool};
 
 /// Fitting the fewest arcs and lines to a polyline.
@@ -129,6 +132,91 @@ impl From<Continuity> for core_fit::Continuity {
             Continuity::Position => Self::Position,
             Continuity::Tangent => Self::Tangent,
         }
+    }
+}
+
+/// How the G1 blocks of a program are fitted: the query of a body that is NC text.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ProgramQuery {
+    /// With a body of NC text, where it is required: the largest distance, both ways, of what is written from the lines that it
+    /// stands for.
+    #[param(required = false, minimum = 0.000_001, maximum = 10)]
+    tolerance_mm: f64,
+    /// With a body of NC text: a name listed by `/v1/dialects`. Default: `linuxcnc`.
+    dialect: Option<String>,
+    /// With a body of NC text. Default: `optimal`.
+    #[serde(default)]
+    #[param(inline, required = false)]
+    method: ProgramMethod,
+    /// With a body of NC text. Default: `position`.
+    #[serde(default)]
+    #[param(inline, required = false)]
+    continuity: Continuity,
+    /// Read with the endpoint's other parameters.
+    #[serde(rename = "format")]
+    #[param(ignore)]
+    pub representation: Option<Representation>,
+}
+
+/// What a program can be fitted by: `optimal`, the fewest elements, or `greedy`, each as long as it can be.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ProgramMethod {
+    #[default]
+    Optimal,
+    Greedy,
+}
+
+impl ProgramQuery {
+    /// # Errors
+    /// `invalid_query`.
+    pub fn job(&self) -> Result<RewriteJob, ApiError> {
+        let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
+        let Self { tolerance_mm, dialect, method, continuity, representation: _ } = self;
+        if !TOLERANCES.holds(*tolerance_mm) {
+            let Range { min, max } = TOLERANCES;
+            return Err(invalid(format!("`tolerance_mm` is {tolerance_mm}; it must be in {min}..={max}")));
+        }
+        let method = match method {
+            ProgramMethod::Optimal => core_fit::Method::Optimal,
+            ProgramMethod::Greedy => core_fit::Method::Greedy,
+        };
+        let continuity = (*continuity).into();
+        let fit = core_fit::Fit { method, continuity, ..core_fit::Fit::within(*tolerance_mm) };
+        Ok(RewriteJob { dialect: dialects::find(dialect.as_deref()).map_err(invalid)?, fit })
+    }
+}
+
+/// Of a polyline, or of a program.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum AnyFitReport {
+    Polyline(FitReport),
+    Program(ProgramReport),
+}
+
+/// What was done to a program.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ProgramReport {
+    /// Runs of G1 blocks that were fitted.
+    n_runs: u64,
+    /// Ends of their blocks.
+    n_points: u64,
+    n_arcs: u64,
+    n_lines: u64,
+    /// Proved: nothing that was written is farther from the lines that it stands for, nor they from it, as a control may
+    /// run it.
+    deviation_max_mm: f64,
+    bytes_in: u64,
+    bytes_out: u64,
+}
+
+impl From<Figures> for ProgramReport {
+    fn from(figures: Figures) -> Self {
+        let Figures { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, bytes_in, bytes_out } = figures;
+        Self { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, bytes_in, bytes_out }
     }
 }
 

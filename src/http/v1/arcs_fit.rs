@@ -1,37 +1,65 @@
-//! `POST /v1/arcs/fit`: a polyline goes in, the fewest arcs and lines come out.
+//! `POST /v1/arcs/fit`: a polyline goes in, the fewest arcs and lines come out; or an NC program, and the same program comes out
+//! with arcs in place of its runs of short lines.
 
 use std::sync::Arc;
 
-use axum::extract::State;
-use axum::response::Response;
+use axum::extract::{FromRequest, FromRequestParts, Request, State};
+use axum::response::{IntoResponse, Response};
 use nalgebra::Point3;
 
 use crate::budget::Budget;
-use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
-use crate::http::dto::arc_fitting::{FitJob, FitReport, FitRequest};
+use crate::http::dto::arc_fitting::{AnyFitReport, FitJob, FitRequest, ProgramQuery};
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
-use crate::http::extract::JobBody;
+use crate::http::extract::{JobBody, StrictQuery, media_type};
+use crate::http::output::{self, Encoded, GCODE, Representation};
 use crate::http::pointer::Pointer;
-use crate::http::wanted::{Toolpaths, Wanted};
+use crate::http::program_stream::ProgramStream;
+use crate::http::request_id::RequestId;
+use crate::http::wanted::{STREAMS, Toolpaths, Wanted};
+use crate::http::{App, ENGINE_VERSION};
 use crate::operations::arc_fitting::{self, Error, Plan};
 use crate::plot::Drawing;
+use crate::post::rewrite::Rewriter;
 
 /// Fits the fewest arcs and lines to a polyline and answers them, the NC program that runs them, or a picture.
+///
+/// With a body of NC text the answer is NC text (or, by `Accept`, the figures alone): the same program, in which runs of G1
+/// have become arcs, helices and longer lines, and everything else stays byte for byte. It is read and answered as a stream,
+/// of any length.
 #[utoipa::path(post, path = "/v1/arcs/fit", operation_id = "fitArcs", tag = "curves",
-    params(Wanted<Toolpaths>), request_body = FitRequest,
-    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<FitReport>)))]
-pub async fn fit_arcs(
-    State(app): State<Arc<App>>,
-    wanted: Wanted<Toolpaths>,
-    body: JobBody<FitRequest>,
-) -> Result<Response, ApiError> {
+    params(Wanted<Toolpaths>, ProgramQuery),
+    request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
+    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<AnyFitReport>)))]
+pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
+    let is_program = media_type(request.headers()).is_some_and(|name| GCODE.contains(&name.as_str()));
+    if is_program {
+        return fit_program(&app, request).await;
+    }
+    let (mut parts, body) = request.into_parts();
+    let wanted = Wanted::<Toolpaths>::from_request_parts(&mut parts, &app).await?;
+    let body = JobBody::<FitRequest>::from_request(Request::from_parts(parts, body), &app).await?;
     answer(&app, wanted, body, fit).await
 }
 
-fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<FitReport>, ApiError> {
+async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiError> {
+    let (mut parts, body) = request.into_parts();
+    let request_id = RequestId::from_request_parts(&mut parts, app).await?;
+    let StrictQuery(query) = StrictQuery::<ProgramQuery>::from_request_parts(&mut parts, app).await?;
+    let (representation, media_type) = output::choose(STREAMS, &parts.headers, query.representation)?;
+    let job = query.job()?;
+    let stream = ProgramStream::begin(app, Request::from_parts(parts, body), Rewriter::new(job))?;
+    if representation == Representation::Gcode {
+        let file_name = format!("arcs.{}", job.dialect.file_extension);
+        return stream.text(media_type, &file_name).await;
+    }
+    let report = AnyFitReport::Program(stream.figures().await?.into());
+    Ok(Encoded::json(&Answer::of_report(ENGINE_VERSION, request_id.as_str(), report))?.into_response())
+}
+
+fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<AnyFitReport>, ApiError> {
     let FitJob { job, tool, program, dialect, meta } = job;
     let Plan { toolpath, joints, report, cutting, warnings } = arc_fitting::plan(&job, budget)?;
     let comments = vec![proved(&report)];
@@ -43,7 +71,7 @@ fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<FitReport>, ApiError> {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments }),
-        report: FitReport::from(report),
+        report: AnyFitReport::Polyline(report.into()),
         nc: None,
         drawing: Box::new(move || Drawing {
             curve: vec![polyline.clone()],

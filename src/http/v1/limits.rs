@@ -32,6 +32,11 @@ pub struct ServerLimits {
     queue: usize,
     /// Waiting and computing end with 504 after this.
     deadline_s: f64,
+    /// Bytes of a program that is rewritten as a stream.
+    #[schema(maximum = 9_007_199_254_740_991_u64)]
+    stream_bytes: u64,
+    /// A stream ends after this.
+    stream_deadline_s: f64,
     /// A body without progress for this long is answered with 408.
     body_timeout_s: f64,
 }
@@ -51,6 +56,8 @@ impl From<&App> for ServerLimits {
             workers: app.workers,
             queue: app.queue,
             deadline_s: app.deadline.as_secs_f64(),
+            stream_bytes: app.streams.bytes,
+            stream_deadline_s: app.streams.deadline.as_secs_f64(),
             body_timeout_s: app.body_timeout.as_secs_f64(),
         }
     }

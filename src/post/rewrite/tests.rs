@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::*;
-use crate::geometry::arc_fit::{Continuity, Method};
+use crate::geometry::arc_fit::Method;
 use crate::post::dialects::fanuc::FANUC;
 use crate::post::dialects::linuxcnc::LINUXCNC;
 
@@ -13,14 +13,7 @@ use evaluator::{SAGITTA_MM, distance, stops};
 const TOLERANCE_MM: f64 = 0.01;
 
 fn job(dialect: &'static Dialect) -> RewriteJob {
-    let fit = Fit {
-        tolerance_mm: TOLERANCE_MM,
-        method: Method::Greedy,
-        continuity: Continuity::Position,
-        joints: Joints::OnPoints,
-        measure: Measure::Polyline,
-        is_closed: false,
-    };
+    let fit = Fit { method: Method::Greedy, ..Fit::within(TOLERANCE_MM) };
     RewriteJob { dialect, fit }
 }
 

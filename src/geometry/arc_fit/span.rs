@@ -141,12 +141,16 @@ impl<'a> Span<'a> {
         }
         let bulges = self.bulges(rule, witnesses)?;
         let chord = Chord::new(self.from, self.to)?;
-        self.candidates(&bulges, &chord).find(|bulge| self.keeps(*bulge, rule, &chord))
+        let mut crossed = None;
+        self.candidates(&bulges, &chord).find(|bulge| self.keeps(*bulge, rule, &chord, &mut crossed))
     }
 
     /// A line, and arcs from all over the set.
     fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
-        const PLACES: [f64; 5] = [0.5, 0.25, 0.75, 0.02, 0.98];
+        const PLACES: [f64; 17] = [
+            0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
+            0.6875, 0.8125, 0.9375,
+        ];
         let flattest = chord.flattest();
         let line = bulges.contains(0.0).then_some(0.0);
         let curved = bulges.parts().flat_map(move |[low, high]| {
@@ -158,31 +162,49 @@ impl<'a> Span<'a> {
         line.into_iter().chain(arcs)
     }
 
-    /// Whether the points advance from one end to the other by the measure that all arcs over a chord share: the
-    /// circles with a constant ratio of the distances to the ends cross all of them at right angles.
-    fn advances(&self) -> bool {
-        let mut before = (0.0, 1.0);
-        for p in self.inner() {
-            let ratio = ((p - self.from).norm_squared(), (p - self.to).norm_squared());
-            if ratio.0 * before.1 < before.0 * ratio.1 {
-                return false;
-            }
-            before = ratio;
+    /// Whether the nearest places on the circle of an arc, or on the chord, go from one end to the other and never back.
+    fn advances(&self, bulge: f64) -> bool {
+        let points = [self.from].into_iter().chain(self.inner().iter().copied()).chain([self.to]);
+        if bulge == 0.0 {
+            let along = self.to - self.from;
+            return points.map(|p| along.dot(&p)).is_sorted();
         }
-        true
+        let center = super::center(self.from, self.to, bulge);
+        // An arc to the left of its chord turns clockwise.
+        let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
+        let start = self.from - center;
+        let (mut before, mut is_past_half) = (start, false);
+        points.skip(1).all(|p| {
+            let radial = p - center;
+            let (step, from_start) = (turned(&before, &radial), turned(&start, &radial));
+            let is_forward = step > 0.0 || step == 0.0 && before.dot(&radial) > 0.0;
+            // Who comes to the first half again has been once round.
+            let is_once = !is_past_half || from_start < 0.0;
+            is_past_half |= from_start < 0.0;
+            before = radial;
+            is_forward && is_once
+        })
     }
 
-    fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord) -> bool {
-        if rule.measure == Measure::Points && self.points.heights.is_empty() && self.advances() {
+    /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed form has said all.
+    /// Two points that are out of order on one element are `crossed`, and likely to be so on the next.
+    fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, crossed: &mut Option<[usize; 2]>) -> bool {
+        let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
+        if crossed.is_some_and(|pair| self.crossing(&track, tolerance, chord, pair).is_some()) {
+            return false;
+        }
+        let is_near = rule.measure == Measure::Points && self.points.heights.is_empty();
+        if is_near && self.advances(bulge) {
             return true;
         }
-        let track = self.track(chord, bulge);
         let is_known = rule.measure == Measure::Points
             || bulge == 0.0
-            || track.radius >= LEAST_RADIUS_TOLERANCES * rule.tolerance_mm;
-        is_known
-            && self.deviation(&track, rule.measure, chord) <= rule.tolerance_mm
-            && self.is_in_order(&track, rule.tolerance_mm, chord)
+            || track.radius >= LEAST_RADIUS_TOLERANCES * tolerance;
+        if !is_known || !is_near && self.deviation(&track, rule.measure, chord) > tolerance {
+            return false;
+        }
+        *crossed = self.crossing(&track, tolerance, chord, self.first + 1..self.last);
+        crossed.is_none()
     }
 
     fn track(&self, chord: &Chord, bulge: f64) -> Track {
@@ -192,18 +214,24 @@ impl<'a> Span<'a> {
         Track::new(chord.half, bulge, high - low)
     }
 
-    /// The inner points in the frame of the chord, with their heights over its middle.
-    fn seen<'b>(&'b self, chord: &'b Chord) -> impl Iterator<Item = (Vector2<f64>, f64)> + 'b {
-        let heights = self.points.heights;
-        let middle = if heights.is_empty() { 0.0 } else { 0.5 * (heights[self.first] + heights[self.last]) };
-        (self.first + 1..)
-            .zip(self.inner())
-            .map(move |(k, p)| (chord.local(*p), heights.get(k).map_or(0.0, |height| height - middle)))
+    /// An inner point in the frame of the chord, with its height over its middle.
+    fn seen(&self, k: usize, chord: &Chord) -> (Vector2<f64>, f64) {
+        let Points { flat, heights } = self.points;
+        let height = if heights.is_empty() {
+            0.0
+        } else {
+            heights[k] - 0.5 * (heights[self.first] + heights[self.last])
+        };
+        (chord.local(flat[k]), height)
     }
 
     /// The largest distance of an inner point, and by the measure of the polyline of its lines too, from the element, mm.
     fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
-        let points = self.seen(chord).map(|(p, height)| track.foot(p, height).distance).fold(0.0, f64::max);
+        let distance = |k| {
+            let (p, height) = self.seen(k, chord);
+            track.foot(p, height).distance
+        };
+        let points = (self.first + 1..self.last).map(distance).fold(0.0, f64::max);
         if measure == Measure::Points || track.bulge == 0.0 {
             return points;
         }
@@ -211,16 +239,24 @@ impl<'a> Span<'a> {
         dips.fold(points, f64::max)
     }
 
-    /// Whether there are places on the element, each within `tolerance` mm of its point, that never go back.
-    fn is_in_order(&self, track: &Track, tolerance: f64, chord: &Chord) -> bool {
-        let mut reached = 0.0f64;
-        self.seen(chord).all(|(p, height)| match track.first_place(p, height, tolerance, reached) {
-            Some(place) => {
-                reached = place;
-                true
+    /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
+    /// back; `None` where there are such places for all.
+    fn crossing(
+        &self,
+        track: &Track,
+        tolerance: f64,
+        chord: &Chord,
+        points: impl IntoIterator<Item = usize>,
+    ) -> Option<[usize; 2]> {
+        let (mut reached, mut by) = (0.0, self.first);
+        for k in points {
+            let (p, height) = self.seen(k, chord);
+            let Some(place) = track.first_place(p, height, tolerance, reached) else { return Some([by, k]) };
+            if place > reached {
+                (reached, by) = (place, k);
             }
-            None => false,
-        })
+        }
+        None
     }
 
     /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter than
@@ -238,7 +274,7 @@ impl<'a> Span<'a> {
         if is_flat && found == 0.0 {
             return Some(0.0);
         }
-        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord);
+        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut None);
         Some(if is_kept { best } else { found })
     }
 
@@ -380,8 +416,15 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     let track = span.track(&chord, bulge);
     let mut within = span.deviation(&track, measure, &chord);
     // A point that decides the deviation has one place only, which rounding may move.
-    let in_order =
-        |within: f64| span.is_in_order(&track, within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE, &chord);
+    let in_order = |within: f64| {
+        span.crossing(
+            &track,
+            within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE,
+            &chord,
+            span.first + 1..span.last,
+        )
+        .is_none()
+    };
     if !in_order(within) {
         let (mut low, mut high) = (within, 2.0 * (within + chord.half));
         if !in_order(high) {

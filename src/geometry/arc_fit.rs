@@ -17,7 +17,7 @@
 //! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`] nothing is
 //!   promised between the points: the caller knows how far the true curve leaves its chords.
 //! * With joints on points, no chain of elements within the tolerance is shorter than that of [`Method::Optimal`], within
-//!   windows of [`WINDOW`] points. Of the bulges that keep the tolerance, order and lines are tried at five places.
+//!   windows of [`WINDOW`] points. Of the bulges that keep the tolerance, order and lines are tried at seventeen places.
 //!
 //! # Degenerate input
 //! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only for a closed way

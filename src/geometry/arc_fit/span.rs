@@ -103,22 +103,26 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// As [`Self::near`], with the lines between the points where they are the shape.
+    /// As [`Self::near`], by the rule.
     pub fn bulges(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<Bulges> {
         let largest = match rule.shapes {
             Shapes::LinesOnly => 0.0,
             Shapes::ArcsAndLines => LARGEST_BULGE,
         };
-        let mut bulges = self.near(rule.tolerance_mm, largest, witnesses)?;
-        if rule.measure == Measure::Polyline && rule.shapes == Shapes::ArcsAndLines {
-            let chord = Chord::new(self.from, self.to)?;
-            for [a, b] in self.lines() {
-                if let Some(highest) = chord.highest_over(a, b, rule.tolerance_mm) {
-                    bulges.most = bulges.most.min(highest);
-                }
-                if let Some(lowest) = chord.lowest_under(a, b, rule.tolerance_mm) {
-                    bulges.least = bulges.least.max(lowest);
-                }
+        let bulges = self.near(rule.tolerance_mm, largest, witnesses)?;
+        let is_any = rule.measure == Measure::Points || rule.shapes == Shapes::LinesOnly;
+        if is_any { Some(bulges) } else { self.near_lines(bulges, rule) }
+    }
+
+    /// Those of `bulges` that leave no line between the points too far inside.
+    fn near_lines(&self, mut bulges: Bulges, rule: &Rule) -> Option<Bulges> {
+        let chord = Chord::new(self.from, self.to)?;
+        for [a, b] in self.lines() {
+            if let Some(highest) = chord.highest_over(a, b, rule.tolerance_mm) {
+                bulges.most = bulges.most.min(highest);
+            }
+            if let Some(lowest) = chord.lowest_under(a, b, rule.tolerance_mm) {
+                bulges.least = bulges.least.max(lowest);
             }
         }
         (!bulges.is_empty()).then_some(bulges)
@@ -134,14 +138,27 @@ impl<'a> Span<'a> {
         if self.last == self.first + 1 {
             return Some(0.0);
         }
-        let bulges = self.bulges(rule, witnesses)?;
+        let any_measure = Rule { measure: Measure::Points, ..*rule };
+        let near = self.bulges(&any_measure, witnesses)?;
         let chord = Chord::new(self.from, self.to)?;
-        self.candidates(&bulges, &chord).find(|bulge| self.keeps(*bulge, rule, &chord))
+        let mut crossed = None;
+        let mut keeps = |bulge: &f64| self.keeps(*bulge, rule, &chord, &mut crossed);
+        let is_any = rule.measure == Measure::Points || rule.shapes == Shapes::LinesOnly;
+        // Mostly the lines say nothing that the points do not.
+        let most = if is_any { usize::MAX } else { 2 };
+        let found = self.candidates(&near, &chord).take(most).find(&mut keeps);
+        if is_any || found.is_some() {
+            return found;
+        }
+        self.candidates(&self.near_lines(near, rule)?, &chord).find(keeps)
     }
 
     /// A line, and arcs from all over the set.
     fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
-        const PLACES: [f64; 5] = [0.5, 0.25, 0.75, 0.02, 0.98];
+        const PLACES: [f64; 17] = [
+            0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
+            0.6875, 0.8125, 0.9375,
+        ];
         let flattest = chord.flattest();
         let line = bulges.contains(0.0).then_some(0.0);
         let curved = bulges.parts().flat_map(move |[low, high]| {
@@ -153,31 +170,62 @@ impl<'a> Span<'a> {
         line.into_iter().chain(arcs)
     }
 
-    /// Whether the points advance from one end to the other by the measure that all arcs over a chord share: the
-    /// circles with a constant ratio of the distances to the ends cross all of them at right angles.
-    fn advances(&self) -> bool {
-        let mut before = (0.0, 1.0);
-        for p in self.inner() {
-            let ratio = ((p - self.from).norm_squared(), (p - self.to).norm_squared());
-            if ratio.0 * before.1 < before.0 * ratio.1 {
-                return false;
-            }
-            before = ratio;
+    /// Whether the nearest places on the circle of an arc, or on the chord, go from one end to the other and never back.
+    fn advances(&self, bulge: f64) -> bool {
+        let points = [self.from].into_iter().chain(self.inner().iter().copied()).chain([self.to]);
+        if bulge == 0.0 {
+            let along = self.to - self.from;
+            return points.map(|p| along.dot(&p)).is_sorted();
         }
-        true
+        let center = super::center(self.from, self.to, bulge);
+        // An arc to the left of its chord turns clockwise.
+        let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
+        let start = self.from - center;
+        let (mut before, mut is_past_half) = (start, false);
+        points.skip(1).all(|p| {
+            let radial = p - center;
+            let (step, from_start) = (turned(&before, &radial), turned(&start, &radial));
+            let is_forward = step > 0.0 || step == 0.0 && before.dot(&radial) > 0.0;
+            // Who comes to the first half again has been once round.
+            let is_once = !is_past_half || from_start < 0.0;
+            is_past_half |= from_start < 0.0;
+            before = radial;
+            is_forward && is_once
+        })
     }
 
-    pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord) -> bool {
-        if rule.measure == Measure::Points && self.points.heights.is_empty() && self.advances() {
-            return true;
+    /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed form has said all.
+    /// Two points that are out of order on one element are `crossed`, and likely to be so on the next.
+    pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, crossed: &mut Option<[usize; 2]>) -> bool {
+        let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
+        if crossed.is_some_and(|pair| self.crossing(&track, tolerance, chord, pair).is_some()) {
+            return false;
         }
-        let track = self.track(chord, bulge);
-        let is_known = rule.measure == Measure::Points
-            || bulge == 0.0
-            || track.radius >= LEAST_RADIUS_TOLERANCES * rule.tolerance_mm;
-        is_known
-            && self.deviation(&track, rule.measure, chord) <= rule.tolerance_mm
-            && self.is_in_order(&track, rule.tolerance_mm, chord)
+        let is_flat = self.points.heights.is_empty();
+        let has_dips = rule.measure == Measure::Polyline && bulge != 0.0;
+        if has_dips && track.radius < LEAST_RADIUS_TOLERANCES * tolerance {
+            return false;
+        }
+        if is_flat && self.advances(bulge) {
+            return !has_dips || self.keeps_lines(&track, tolerance, chord);
+        }
+        let is_near = is_flat && !has_dips;
+        if !is_near && self.deviation(&track, rule.measure, chord) > tolerance {
+            return false;
+        }
+        *crossed = self.crossing(&track, tolerance, chord, self.first + 1..self.last);
+        crossed.is_none()
+    }
+
+    /// Whether no line between the points dips farther into an arc than `tolerance` mm.
+    fn keeps_lines(&self, track: &Track, tolerance: f64, chord: &Chord) -> bool {
+        let center = super::center(self.from, self.to, track.bulge);
+        let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
+        let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
+        // The longest line between two points on the innermost circle.
+        let inside = track.radius.powi(2).min(least) - 0.25 * longest;
+        (inside > 0.0 && track.radius - inside.sqrt() <= tolerance)
+            || self.lines().all(|[a, b]| track.dip(chord.local(a), chord.local(b)) <= tolerance)
     }
 
     fn track(&self, chord: &Chord, bulge: f64) -> Track {
@@ -187,18 +235,24 @@ impl<'a> Span<'a> {
         Track::new(chord, bulge, high - low)
     }
 
-    /// The inner points in the frame of the chord, with their heights over its middle.
-    fn seen<'b>(&'b self, chord: &'b Chord) -> impl Iterator<Item = (Vector2<f64>, f64)> + 'b {
-        let heights = self.points.heights;
-        let middle = if heights.is_empty() { 0.0 } else { 0.5 * (heights[self.first] + heights[self.last]) };
-        (self.first + 1..)
-            .zip(self.inner())
-            .map(move |(k, p)| (chord.local(*p), heights.get(k).map_or(0.0, |height| height - middle)))
+    /// An inner point in the frame of the chord, with its height over its middle.
+    fn seen(&self, k: usize, chord: &Chord) -> (Vector2<f64>, f64) {
+        let Points { flat, heights } = self.points;
+        let height = if heights.is_empty() {
+            0.0
+        } else {
+            heights[k] - 0.5 * (heights[self.first] + heights[self.last])
+        };
+        (chord.local(flat[k]), height)
     }
 
     /// The largest distance of an inner point, and by the measure of the polyline of its lines too, from the element, mm.
     fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
-        let points = self.seen(chord).map(|(p, height)| track.foot(p, height).distance).fold(0.0, f64::max);
+        let distance = |k| {
+            let (p, height) = self.seen(k, chord);
+            track.foot(p, height).distance
+        };
+        let points = (self.first + 1..self.last).map(distance).fold(0.0, f64::max);
         if measure == Measure::Points || track.bulge == 0.0 {
             return points;
         }
@@ -206,16 +260,24 @@ impl<'a> Span<'a> {
         dips.fold(points, f64::max)
     }
 
-    /// Whether there are places on the element, each within `tolerance` mm of its point, that never go back.
-    fn is_in_order(&self, track: &Track, tolerance: f64, chord: &Chord) -> bool {
-        let mut reached = 0.0f64;
-        self.seen(chord).all(|(p, height)| match track.first_place(p, height, tolerance, reached) {
-            Some(place) => {
-                reached = place;
-                true
+    /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
+    /// back; `None` where there are such places for all.
+    fn crossing(
+        &self,
+        track: &Track,
+        tolerance: f64,
+        chord: &Chord,
+        points: impl IntoIterator<Item = usize>,
+    ) -> Option<[usize; 2]> {
+        let (mut reached, mut by) = (0.0, self.first);
+        for k in points {
+            let (p, height) = self.seen(k, chord);
+            let Some(place) = track.first_place(p, height, tolerance, reached) else { return Some([by, k]) };
+            if place > reached {
+                (reached, by) = (place, k);
             }
-            None => false,
-        })
+        }
+        None
     }
 
     /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter than
@@ -233,7 +295,7 @@ impl<'a> Span<'a> {
         if is_flat && found == 0.0 {
             return Some(0.0);
         }
-        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord);
+        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut None);
         Some(if is_kept { best } else { found })
     }
 
@@ -383,8 +445,15 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     let beside = [(from - points.flat[0]).norm(), (to - points.flat[span.last]).norm()];
     let mut within = beside.into_iter().fold(span.deviation(&track, measure, &chord), f64::max);
     // A point that decides the deviation has one place only, which rounding may move.
-    let in_order =
-        |within: f64| span.is_in_order(&track, within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE, &chord);
+    let in_order = |within: f64| {
+        span.crossing(
+            &track,
+            within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE,
+            &chord,
+            span.first + 1..span.last,
+        )
+        .is_none()
+    };
     if !in_order(within) {
         let (mut low, mut high) = (within, 2.0 * (within + chord.half));
         if !in_order(high) {

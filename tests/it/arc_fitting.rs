@@ -1,0 +1,64 @@
+//! Fitting arcs and lines, judged by geometry of its own: what the tests share are elements as ways, and a verdict on results.
+
+mod brute;
+mod inputs;
+mod plain;
+mod way;
+
+use nalgebra::Vector2;
+use toolpathd::budget::Budget;
+use toolpathd::geometry::arc_fit::{Fit, Fitted, Points, Shape, fit};
+
+use way::{Way, order_deviation};
+
+/// What fits are judged by: rounding of coordinates of some tens of mm.
+const ROUNDING_MM: f64 = 1e-9;
+
+/// The fit of points in a plane.
+fn fitted(points: &[Vector2<f64>], request: &Fit) -> Fitted {
+    fit(Points { flat: points, heights: &[] }, request, &Budget::unlimited()).unwrap()
+}
+
+/// The elements as ways, each with the index of its first and last point.
+fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
+    let (mut from, mut first) = (found.start, 0);
+    let each = found.elements.iter().map(|element| {
+        let way = match element.shape {
+            Shape::Line => Way::line(from, element.to),
+            // The bulge is positive to the left of the chord, where the arc turns clockwise.
+            Shape::Arc { bulge } => Way::arc(from, element.to, -4.0 * bulge.atan()),
+            Shape::Turn { center, is_ccw } => Way::turn(center, from, is_ccw),
+        };
+        let range = [first, element.end];
+        (from, first) = (element.to, element.end);
+        (way, range)
+    });
+    each.collect()
+}
+
+/// The number of elements, if the chain starts and ends near the first and the last point, leaves no point out, and every
+/// element passes its points within the tolerance and in order; otherwise what is wrong.
+fn judge(points: &[Vector2<f64>], found: &Fitted, tolerance: f64) -> Result<usize, String> {
+    let most = tolerance + ROUNDING_MM;
+    let is_whole = found.elements.last().map(|element| element.end) == Some(points.len() - 1);
+    if !is_whole || (found.start - points[0]).norm() > most {
+        return Err(format!("{found:?} does not lead from {} to the last point", points[0]));
+    }
+    for (way, [first, last]) in ways(found) {
+        let off = if first < last { order_deviation(&way, &points[first..=last]) } else { f64::INFINITY };
+        if off > most {
+            return Err(format!("{way:?} is {off} off {:?}", &points[first..=last]));
+        }
+    }
+    Ok(found.elements.len())
+}
+
+/// The least number of elements over `n` points, by which pairs of them one may join.
+fn least(n: usize, is_possible: impl Fn([usize; 2]) -> bool) -> usize {
+    let mut counts = vec![0];
+    for to in 1..n {
+        let before = (0..to).filter(|from| is_possible([*from, to])).map(|from| counts[from]);
+        counts.push(1 + before.min().unwrap());
+    }
+    counts[n - 1]
+}

@@ -1,0 +1,201 @@
+//! The least number of elements by brute force: every pair of points, arcs over its chord by their sweep at dense samples and
+//! by golden sections between them, and dynamic programming. [`Fit`] with joints on the points must reach the same number.
+
+use nalgebra::Vector2;
+use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM};
+
+use super::inputs::{KINDS, Random, few};
+use super::way::{WIDEST, Way, order_deviation};
+use super::{fitted, judge, least};
+
+/// Sweeps on each side of the chord from which the least deviation is sought.
+const SWEEPS: usize = 60;
+
+/// Sweeps tried within the tolerance for one that passes the points in order.
+const ORDERS: usize = 48;
+
+/// Deviations this near to the tolerance decide nothing.
+const UNDECIDED_MM: f64 = 1e-6;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Possible,
+    Undecided,
+    Impossible,
+}
+
+/// The elements over one chord.
+struct Pair<'a> {
+    points: &'a [Vector2<f64>],
+    /// Sweeps in order on each side, with the largest distance of a point.
+    sides: [Vec<(f64, f64)>; 2],
+}
+
+impl<'a> Pair<'a> {
+    fn new(points: &'a [Vector2<f64>]) -> Self {
+        let [from, to] = [points[0], points[points.len() - 1]];
+        let mut pair = Self { points, sides: [Vec::new(), Vec::new()] };
+        if from == to {
+            return pair;
+        }
+        let flattest = 2.0 * (0.5 * (to - from).norm() / LARGEST_RADIUS_MM).asin();
+        pair.sides = [-1.0, 1.0].map(|side| {
+            let sweep = |k: usize| side * (flattest + (WIDEST - flattest) * k as f64 / SWEEPS as f64);
+            let at = |sweep: f64| (sweep, pair.distance(sweep));
+            let mut samples: Vec<_> = (0..=SWEEPS).map(|k| at(sweep(k))).collect();
+            let lows = |k: &usize| {
+                let beside = [k.wrapping_sub(1), k + 1].map(|j| samples.get(j).map_or(f64::INFINITY, |s| s.1));
+                beside.iter().all(|d| samples[*k].1 <= *d)
+            };
+            let least: Vec<_> = (0..=SWEEPS)
+                .filter(lows)
+                .map(|k| {
+                    let range = [k.saturating_sub(1), (k + 1).min(SWEEPS)].map(|j| samples[j].0);
+                    golden(range, |sweep| pair.distance(sweep))
+                })
+                .collect();
+            samples.extend(least);
+            samples.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+            samples
+        });
+        pair
+    }
+
+    fn way(&self, sweep: f64) -> Way {
+        let [from, to] = [self.points[0], self.points[self.points.len() - 1]];
+        if sweep == 0.0 { Way::line(from, to) } else { Way::arc(from, to, sweep) }
+    }
+
+    fn distance(&self, sweep: f64) -> f64 {
+        let way = self.way(sweep);
+        self.points.iter().map(|p| way.distance(*p)).fold(0.0, f64::max)
+    }
+
+    /// Whether an element passes the points within the tolerance and in order.
+    fn verdict(&self, tolerance: f64) -> Verdict {
+        if self.points.len() == 2 {
+            return Verdict::Possible;
+        }
+        if self.sides[0].is_empty() {
+            return Verdict::Impossible;
+        }
+        let [surely, maybe] = [tolerance - UNDECIDED_MM, tolerance + UNDECIDED_MM];
+        let ordered = |sweep: f64| order_deviation(&self.way(sweep), self.points);
+        let mut best = if self.distance(0.0) <= maybe { ordered(0.0) } else { f64::INFINITY };
+        for range in self.sides.iter().flat_map(|side| self.ranges(side, maybe)) {
+            if best <= surely {
+                return Verdict::Possible;
+            }
+            let place = |k: f64| range[0] + (range[1] - range[0]) * k / ORDERS as f64;
+            let mut nearest = (0.0, f64::INFINITY);
+            for k in 0..=ORDERS {
+                let off = ordered(place(k as f64));
+                if off < nearest.1 {
+                    nearest = (k as f64, off);
+                }
+                if off <= surely {
+                    return Verdict::Possible;
+                }
+            }
+            let beside = [(nearest.0 - 1.0).max(0.0), (nearest.0 + 1.0).min(ORDERS as f64)].map(place);
+            best = best.min(nearest.1).min(golden(beside, ordered).1);
+        }
+        match best {
+            best if best <= surely => Verdict::Possible,
+            best if best <= maybe => Verdict::Undecided,
+            _ => Verdict::Impossible,
+        }
+    }
+
+    /// The stretches of sweeps whose arcs have every point within `tolerance`, by the samples and by halving between them.
+    fn ranges(&self, side: &[(f64, f64)], tolerance: f64) -> Vec<[f64; 2]> {
+        let border = |mut out: f64, mut within: f64| {
+            for _ in 0..50 {
+                let middle = 0.5 * (out + within);
+                (out, within) = if self.distance(middle) <= tolerance { (out, middle) } else { (middle, within) };
+            }
+            within
+        };
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        for (k, &(sweep, off)) in side.iter().enumerate() {
+            if off > tolerance {
+                continue;
+            }
+            match k.checked_sub(1).map(|j| side[j]) {
+                Some((_, before)) if before <= tolerance => {}
+                Some((out, _)) => ranges.push([border(out, sweep); 2]),
+                None => ranges.push([sweep; 2]),
+            }
+            let end = match side.get(k + 1) {
+                Some(&(out, after)) if after > tolerance => border(out, sweep),
+                _ => sweep,
+            };
+            ranges.last_mut().unwrap()[1] = end;
+        }
+        ranges
+    }
+}
+
+/// Where a function is least in a range, and its value there.
+fn golden([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> (f64, f64) {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut at_a, mut at_b) = (f(a), f(b));
+    for _ in 0..36 {
+        if at_a <= at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - ratio * (high - low);
+            at_a = f(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + ratio * (high - low);
+            at_b = f(b);
+        }
+    }
+    if at_a <= at_b { (a, at_a) } else { (b, at_b) }
+}
+
+/// The least and the largest number that brute force allows, for each of the tolerances.
+fn counts(points: &[Vector2<f64>], tolerances: &[f64]) -> Vec<[usize; 2]> {
+    let n = points.len();
+    let pairs: Vec<Vec<Pair>> =
+        (0..n).map(|from| (from + 1..n).map(|to| Pair::new(&points[from..=to])).collect()).collect();
+    let each = tolerances.iter().map(|tolerance| {
+        let verdicts: Vec<Vec<Verdict>> =
+            pairs.iter().map(|row| row.iter().map(|pair| pair.verdict(*tolerance)).collect()).collect();
+        [Verdict::Impossible, Verdict::Undecided].map(|refused| {
+            least(n, |[from, to]| {
+                let verdict = verdicts[from][to - from - 1];
+                verdict != Verdict::Impossible && verdict != refused
+            })
+        })
+    });
+    each.collect()
+}
+
+/// How many inputs of each kind are tried.
+const INPUTS: usize = 30;
+
+#[test]
+fn few_points_take_the_least_number_of_elements() {
+    let mut random = Random(1);
+    let (mut compared, mut undecided, mut wrong) = (0, 0, Vec::new());
+    for kind in KINDS {
+        for _ in 0..INPUTS {
+            let noise = [0.003, 0.03, 0.3][random.below(3)];
+            let points = few(kind, noise, &mut random);
+            let tolerances = [0.513, 1.071, 2.137].map(|part| part * noise);
+            for (tolerance, [least, most]) in tolerances.iter().zip(counts(&points, &tolerances)) {
+                let request = Fit { joints: Joints::OnPoints, ..Fit::within(*tolerance) };
+                let count = judge(&points, &fitted(&points, &request), *tolerance);
+                compared += 1;
+                undecided += usize::from(least < most);
+                if !count.as_ref().is_ok_and(|count| (least..=most).contains(count)) {
+                    wrong.push(format!("{kind:?} within {tolerance}: {count:?}, not {least}..={most}\n{points:?}"));
+                }
+            }
+        }
+    }
+    assert!(undecided * 50 < compared, "{undecided} of {compared} are undecided");
+    assert!(wrong.is_empty(), "{} of {compared}:\n{}", wrong.len(), wrong.join("\n"));
+}

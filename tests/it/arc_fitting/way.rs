@@ -1,0 +1,131 @@
+//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. Nothing of it is how the fitting computes.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector2;
+
+/// The largest sweep of an arc, radians.
+pub const WIDEST: f64 = 350.0 / 180.0 * PI;
+
+#[derive(Debug, Clone, Copy)]
+pub enum Way {
+    Line { from: Vector2<f64>, to: Vector2<f64> },
+    Arc { center: Vector2<f64>, radius: f64, start: f64, sweep: f64, ends: [Vector2<f64>; 2] },
+}
+
+impl Way {
+    pub fn line(from: Vector2<f64>, to: Vector2<f64>) -> Self {
+        Self::Line { from, to }
+    }
+
+    /// The arc between two places that turns by `sweep` radians, counterclockwise where it is positive.
+    pub fn arc(from: Vector2<f64>, to: Vector2<f64>, sweep: f64) -> Self {
+        let half = 0.5 * (to - from);
+        let center = from + half + Vector2::new(-half.y, half.x) / (0.5 * sweep).tan();
+        let d = from - center;
+        Self::Arc { center, radius: d.norm(), start: d.y.atan2(d.x), sweep, ends: [from, to] }
+    }
+
+    /// Once round.
+    pub fn turn(center: Vector2<f64>, from: Vector2<f64>, is_ccw: bool) -> Self {
+        let d = from - center;
+        let sweep = if is_ccw { TAU } else { -TAU };
+        Self::Arc { center, radius: d.norm(), start: d.y.atan2(d.x), sweep, ends: [from, from] }
+    }
+
+    pub fn length(&self) -> f64 {
+        match self {
+            Self::Line { from, to } => (to - from).norm(),
+            Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
+        }
+    }
+
+    /// The place at a distance along the way.
+    pub fn at(&self, s: f64) -> Vector2<f64> {
+        match *self {
+            Self::Line { from, to } => from + (to - from).normalize() * s,
+            Self::Arc { center, radius, start, sweep, .. } => {
+                let angle = start + sweep.signum() * s / radius;
+                center + Vector2::new(angle.cos(), angle.sin()) * radius
+            }
+        }
+    }
+
+    pub fn distance(&self, p: Vector2<f64>) -> f64 {
+        match *self {
+            Self::Line { from, to } => {
+                let along = to - from;
+                let foot = ((p - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+                (p - from - along * foot).norm()
+            }
+            Self::Arc { center, radius, sweep, ends, .. } => {
+                if self.turned(p) <= sweep.abs() {
+                    ((p - center).norm() - radius).abs()
+                } else {
+                    (p - ends[0]).norm().min((p - ends[1]).norm())
+                }
+            }
+        }
+    }
+
+    /// By how much an arc has turned where it is nearest to `p`, in [0, 2 pi), also beyond its end.
+    fn turned(&self, p: Vector2<f64>) -> f64 {
+        let Self::Arc { center, start, sweep, .. } = *self else { return 0.0 };
+        let d = p - center;
+        let angle = sweep.signum() * (d.y.atan2(d.x) - start);
+        if angle < 0.0 { angle + TAU } else { angle }
+    }
+
+    /// The first place not before `reached` that is within `e` of `p`, as a distance along the way.
+    fn first_near(&self, p: Vector2<f64>, e: f64, reached: f64) -> Option<f64> {
+        if (self.at(reached) - p).norm() <= e {
+            return Some(reached);
+        }
+        // Out of reach as it is, the way comes near on either side of the next foot.
+        let (foot, half) = match *self {
+            Self::Line { from, to } => {
+                let along = (to - from).normalize();
+                let (foot, beside) = ((p - from).dot(&along), (p - from).perp(&along));
+                (foot, (e * e - beside * beside).max(0.0).sqrt())
+            }
+            Self::Arc { center, radius, .. } => {
+                let d = (p - center).norm();
+                let cosine = (radius * radius + d * d - e * e) / (2.0 * radius * d);
+                let foot = self.turned(p) * radius;
+                (if foot < reached { foot + TAU * radius } else { foot }, radius * cosine.clamp(-1.0, 1.0).acos())
+            }
+        };
+        let first = (foot - half).max(reached);
+        let nearest = foot.min(self.length());
+        let is_near = foot >= reached && first <= self.length() && (self.at(nearest) - p).norm() <= e;
+        is_near.then_some(first)
+    }
+
+    /// Whether there are places on it, each within `e` of its point, that never go back.
+    pub fn passes(&self, points: &[Vector2<f64>], e: f64) -> bool {
+        let mut reached = 0.0;
+        points.iter().all(|p| match self.first_near(*p, e, reached) {
+            Some(s) => {
+                reached = s;
+                true
+            }
+            None => false,
+        })
+    }
+}
+
+/// The least distance within which the way passes all points in order, to some 1e-10 of the points' extent.
+pub fn order_deviation(way: &Way, points: &[Vector2<f64>]) -> f64 {
+    let least = points.iter().map(|p| way.distance(*p)).fold(0.0, f64::max);
+    // A point that decides has one place only, which rounding may move.
+    let slack = 1e-11 * (way.length() + least);
+    if way.passes(points, least + slack) {
+        return least;
+    }
+    let (mut low, mut high) = (least, least + way.length());
+    for _ in 0..36 {
+        let middle = 0.5 * (low + high);
+        (low, high) = if way.passes(points, middle) { (low, middle) } else { (middle, high) };
+    }
+    high
+}

@@ -22,8 +22,9 @@ const DENSE: usize = 24;
 const WIDEST: f64 = 0.5;
 const BETTER: f64 = 0.5;
 
-/// Points before the first frame is tried.
+/// Points before the first frame is tried, and the part by which they grow before another is.
 const FIRST_FRAME: usize = 4;
+const GROWTH: usize = 1;
 
 /// What a disc cuts off is left where it is no larger than this part of the disc: corners cost more than they tell.
 const SLIVER: f64 = 0.04;
@@ -119,7 +120,7 @@ impl Fan {
         self.discs.push(disc);
         if self.discs.len() == self.next_frame {
             let is_better = self.turn_frame();
-            self.next_frame += if self.frame.is_none() { FIRST_FRAME } else { self.discs.len() / 2 };
+            self.next_frame += if self.frame.is_none() { FIRST_FRAME } else { self.discs.len() / GROWTH };
             if is_better {
                 // Lines go through the image of what is infinitely far.
                 let far = Disc { center: Vector2::zeros(), radius: ROUNDING * disc.center.norm() };
@@ -156,9 +157,15 @@ impl Fan {
         let Some(frame) = self.frame else { return true };
         let c = frame.local(disc.center);
         let half_width = disc.radius * frame.stretch + ROUNDING * disc.radius;
-        for side in [1.0, -1.0] {
-            let over = |corner: &Vector2<f64>| side * (corner.x * c.x + corner.y - c.y) - half_width;
-            if self.polygon.iter().all(|corner| over(corner) <= SLIVER * half_width) {
+        let above = |corner: &Vector2<f64>| corner.x * c.x + corner.y - c.y;
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in &self.polygon {
+            let above = above(corner);
+            (least, most) = (least.min(above), most.max(above));
+        }
+        for (side, farthest) in [(1.0, most), (-1.0, -least)] {
+            let over = |corner: &Vector2<f64>| side * above(corner) - half_width;
+            if farthest <= (1.0 + SLIVER) * half_width {
                 continue;
             }
             self.spare.clear();

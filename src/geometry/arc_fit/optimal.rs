@@ -22,6 +22,9 @@ pub struct Node {
     pub at: Vector2<f64>,
 }
 
+/// Failures after which the fan is asked first.
+const PATIENCE: usize = 8;
+
 const NOWHERE: usize = usize::MAX;
 
 /// The nodes of a chain of the fewest elements, if there is one of less than `known`, from a node of the first point to one of
@@ -34,54 +37,91 @@ pub fn fewest(
     known: usize,
     budget: &Budget,
 ) -> Result<Option<Vec<Node>>, Stopped> {
-    let last = points.flat.len() - 1;
-    let mut fan = Fan::new(rule);
-    let mut parents = vec![NOWHERE; nodes.len()];
     let mut frontier: Vec<usize> = (0..nodes.len()).take_while(|&k| nodes[k].index == 0).collect();
+    let mut parents = vec![NOWHERE; nodes.len()];
     frontier.iter().for_each(|&k| parents[k] = k);
+    let mut search = Search { points, nodes, bounds, rule, known, parents, fan: Fan::new(rule) };
     for count in 1..known {
         let mut next = Vec::new();
         for &source in frontier.iter().rev() {
             budget.check()?;
-            let from = nodes[source];
-            let mut witnesses = Witnesses::default();
-            fan.restart(from.at);
-            let mut worth = Fan::worth(from.index).peekable();
-            let mut is_open = true;
-            let mut target = nodes.partition_point(|node| node.index <= from.index);
-            for index in from.index + 1..bounds.beyond[from.index] {
-                while let Some(&to) = nodes.get(target).filter(|node| node.index == index) {
-                    let (k, from_parent) = (target, parents[target]);
-                    target += 1;
-                    let is_hopeless = count + bounds.left[index] >= known;
-                    if from_parent != NOWHERE || is_hopeless || !fan.admits(to.at) {
-                        continue;
-                    }
-                    let span = Span { points, first: from.index, last: index, from: from.at, to: to.at };
-                    if span.find(rule, &mut witnesses).is_none() {
-                        // What no element to here passes, none to any later point does.
-                        let cuts = witnesses.points().filter(|k| (from.index + 1..index).contains(k));
-                        is_open &= cuts.fold(true, |open, k| fan.take(points.flat[k]) && open);
-                        continue;
-                    }
-                    parents[k] = source;
-                    if index == last {
-                        return Ok(Some(chain(nodes, &parents, k)));
-                    }
-                    next.push(k);
-                }
-                if worth.next_if_eq(&index).is_some() {
-                    is_open &= fan.take(points.flat[index]);
-                }
-                if !is_open {
-                    break;
-                }
+            if let Some(end) = search.expand(source, count, &mut next) {
+                return Ok(Some(chain(nodes, &search.parents, end)));
             }
         }
         next.sort_unstable();
         frontier = next;
     }
     Ok(None)
+}
+
+struct Search<'a> {
+    points: Points<'a>,
+    nodes: &'a [Node],
+    bounds: &'a Bounds,
+    rule: &'a Rule,
+    known: usize,
+    /// Where each node was reached from; the first from themselves.
+    parents: Vec<usize>,
+    fan: Fan,
+}
+
+impl Search<'_> {
+    /// Adds to `next` what one element from `source` reaches that was not reached before, as the element of number `count`; the
+    /// node of the last point, if it is there.
+    fn expand(&mut self, source: usize, count: usize, next: &mut Vec<usize>) -> Option<usize> {
+        let from = self.nodes[source];
+        let (mut witnesses, mut n_failures, mut has_failed) = (Witnesses::default(), 0, false);
+        let mut worth = Fan::worth(from.index).peekable();
+        let mut target = self.nodes.partition_point(|node| node.index <= from.index);
+        while let Some(&to) = self.nodes.get(target) {
+            if to.index >= self.bounds.beyond[from.index] {
+                return None;
+            }
+            let k = target;
+            target += 1;
+            let is_hopeless = count + self.bounds.left[to.index] >= self.known;
+            if is_hopeless || self.parents[k] != NOWHERE {
+                continue;
+            }
+            // As long as most elements are possible, the fan tells nothing.
+            if n_failures >= PATIENCE {
+                if n_failures == PATIENCE {
+                    self.fan.restart(from.at);
+                    n_failures += 1;
+                }
+                let mut is_open = true;
+                while let Some(index) = worth.next_if(|index| *index < to.index) {
+                    is_open &= self.fan.take(self.points.flat[index]);
+                }
+                if std::mem::take(&mut has_failed) {
+                    // What no element to there passed, none to any later point does.
+                    for k in witnesses.points().filter(|k| (from.index + 1..to.index).contains(k)) {
+                        is_open &= self.fan.take(self.points.flat[k]);
+                    }
+                }
+                if !is_open {
+                    return None;
+                }
+                if !self.fan.admits(to.at) {
+                    continue;
+                }
+            }
+            let span =
+                Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at };
+            if span.find(self.rule, &mut witnesses).is_none() {
+                n_failures += usize::from(n_failures < PATIENCE);
+                has_failed = true;
+                continue;
+            }
+            self.parents[k] = source;
+            if to.index + 1 == self.points.flat.len() {
+                return Some(k);
+            }
+            next.push(k);
+        }
+        None
+    }
 }
 
 fn chain(nodes: &[Node], parents: &[usize], end: usize) -> Vec<Node> {

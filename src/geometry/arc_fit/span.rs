@@ -20,6 +20,9 @@ const ORDER_SLACK: f64 = 1e-6;
 /// Halvings in the search for the distance within which points are in order.
 const ORDER_STEPS: usize = 40;
 
+/// What a span costs beside the looks at its points.
+const LOOKS_A_SPAN: usize = 10;
+
 /// What is asked of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
@@ -46,11 +49,12 @@ pub struct Span<'a> {
     pub to: Vector2<f64>,
 }
 
-/// The points that left no bulge the last time: likely to do so again.
+/// The points that left no bulge the last time: likely to do so again. And how many points were looked at in all.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Witnesses {
     low: usize,
     high: usize,
+    pub looks: usize,
 }
 
 impl Witnesses {
@@ -73,6 +77,7 @@ impl<'a> Span<'a> {
     pub fn near(&self, tolerance: f64, largest: f64, witnesses: &mut Witnesses) -> Option<Bulges> {
         let chord = Chord::new(self.from, self.to)?;
         let mut bulges = Bulges::up_to(largest);
+        witnesses.looks += LOOKS_A_SPAN;
         for k in [witnesses.low, witnesses.high] {
             if (self.first + 1..self.last).contains(&k) {
                 chord.keep_near(self.points.flat[k], tolerance, &mut bulges);
@@ -87,6 +92,7 @@ impl<'a> Span<'a> {
         let strides: &[usize] = if stride > 1 { &[stride, 1] } else { &[1] };
         for &stride in strides {
             for k in (0..inner.len()).step_by(stride) {
+                witnesses.looks += 1;
                 let before = bulges;
                 chord.keep_near(inner[k], tolerance, &mut bulges);
                 if bulges.least > before.least {

@@ -2,6 +2,8 @@
 
 mod brute;
 mod inputs;
+mod laws;
+mod noise;
 mod plain;
 mod way;
 

@@ -124,14 +124,9 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// The lines between neighbouring points, from the start of the element to its end.
-    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + '_ {
-        let flat = self.points.flat;
-        (self.first..self.last).map(move |k| {
-            let a = if k == self.first { self.from } else { flat[k] };
-            let b = if k + 1 == self.last { self.to } else { flat[k + 1] };
-            [a, b]
-        })
+    /// The lines between neighbouring points; the element may start and end beside them.
+    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + 'a {
+        self.points.flat[self.first..=self.last].windows(2).map(|pair| [pair[0], pair[1]])
     }
 
     /// Some bulge that keeps the rule, 0 for a line; `None` where none was found.
@@ -214,7 +209,7 @@ impl<'a> Span<'a> {
         Track::new(chord.half, bulge, high - low)
     }
 
-    /// An inner point in the frame of the chord, with its height over its middle.
+    /// A point in the frame of the chord, with its height over its middle.
     fn seen(&self, k: usize, chord: &Chord) -> (Vector2<f64>, f64) {
         let Points { flat, heights } = self.points;
         let height = if heights.is_empty() {
@@ -225,18 +220,25 @@ impl<'a> Span<'a> {
         (chord.local(flat[k]), height)
     }
 
-    /// The largest distance of an inner point, and by the measure of the polyline of its lines too, from the element, mm.
+    /// The largest distance of a point, and by the measure of the polyline of its lines too, from the element, mm.
     fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
         let distance = |k| {
             let (p, height) = self.seen(k, chord);
             track.foot(p, height).distance
         };
-        let points = (self.first + 1..self.last).map(distance).fold(0.0, f64::max);
+        let points = (self.first..=self.last).map(distance).fold(0.0, f64::max);
         if measure == Measure::Points || track.bulge == 0.0 {
             return points;
         }
-        let dips = self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b)));
-        dips.fold(points, f64::max)
+        let mut turned = 0.0;
+        let dips = self.lines().map(|line| {
+            let [a, b] = line.map(|p| chord.local(p));
+            turned += track.turned(a, b);
+            track.dip(a, b)
+        });
+        let within = dips.fold(points, f64::max);
+        // Lines that lead past the centre on its other side, through the gap of the arc, leave it alone.
+        if (turned - track.sweep).abs() > std::f64::consts::PI { f64::INFINITY } else { within }
     }
 
     /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
@@ -397,6 +399,13 @@ impl Track {
         let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
         let cosine = (r * r + distance * distance - tolerance * tolerance) / (2.0 * r * distance);
         if cosine.is_nan() { 0.0 } else { cosine.clamp(-1.0, 1.0).acos() / self.sweep }
+    }
+
+    /// By how much the line from `a` to `b` turns about the centre, radians, positive the way of the arc.
+    fn turned(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+        let center = Vector2::new(0.0, self.center);
+        let [a, b] = [a - center, b - center];
+        -self.bulge.signum() * a.perp(&b).atan2(a.dot(&b))
     }
 
     /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.

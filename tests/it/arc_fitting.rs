@@ -5,6 +5,7 @@ mod inputs;
 mod laws;
 mod noise;
 mod plain;
+mod table1;
 mod way;
 
 use nalgebra::Vector2;

@@ -3,7 +3,8 @@
 //! # Method
 //! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are passed in their
 //! order, that the lines between them stay near (where these are the shape), and that heights follow, is then checked of
-//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back.
+//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back, and the
+//! lines between the points turn about its centre as it does.
 
 use nalgebra::Vector2;
 
@@ -142,9 +143,9 @@ impl<'a> Span<'a> {
 
     /// A line, and arcs from all over the set.
     fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
-        const PLACES: [f64; 17] = [
+        const PLACES: [f64; 19] = [
             0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
-            0.6875, 0.8125, 0.9375,
+            0.6875, 0.8125, 0.9375, 0.005, 0.995,
         ];
         let flattest = chord.flattest();
         let line = bulges.contains(0.0).then_some(0.0);
@@ -153,7 +154,11 @@ impl<'a> Span<'a> {
                 .into_iter()
                 .filter(|part| part[0] <= part[1])
         });
-        let arcs = curved.flat_map(|[low, high]| PLACES.map(|place| low + (high - low) * place));
+        let arcs = curved.flat_map(|part| {
+            // By angles: of all bulges most are nearly full circles.
+            let [low, high] = part.map(f64::atan);
+            PLACES.into_iter().map(move |place| (low + (high - low) * place).tan())
+        });
         line.into_iter().chain(arcs)
     }
 
@@ -199,7 +204,7 @@ impl<'a> Span<'a> {
             return false;
         }
         *crossed = self.crossing(&track, tolerance, chord, self.first + 1..self.last);
-        crossed.is_none()
+        crossed.is_none() && self.winds(&track, chord)
     }
 
     fn track(&self, chord: &Chord, bulge: f64) -> Track {
@@ -230,15 +235,15 @@ impl<'a> Span<'a> {
         if measure == Measure::Points || track.bulge == 0.0 {
             return points;
         }
-        let mut turned = 0.0;
-        let dips = self.lines().map(|line| {
-            let [a, b] = line.map(|p| chord.local(p));
-            turned += track.turned(a, b);
-            track.dip(a, b)
-        });
-        let within = dips.fold(points, f64::max);
-        // Lines that lead past the centre on its other side, through the gap of the arc, leave it alone.
-        if (turned - track.sweep).abs() > std::f64::consts::PI { f64::INFINITY } else { within }
+        let dips = self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b)));
+        dips.fold(points, f64::max)
+    }
+
+    /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead past the centre on
+    /// its other side: the points are near the ends of the arc, in its gap, and the arc is near none of them.
+    fn winds(&self, track: &Track, chord: &Chord) -> bool {
+        let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
+        track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
     }
 
     /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
@@ -418,7 +423,8 @@ impl Track {
 }
 
 /// The least distance, mm, within which the element with this bulge, between two points near the first and the last, passes
-/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it.
+/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it or
+/// leads round the other way.
 pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, measure: Measure) -> f64 {
     let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
     let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
@@ -426,13 +432,8 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     let mut within = span.deviation(&track, measure, &chord);
     // A point that decides the deviation has one place only, which rounding may move.
     let in_order = |within: f64| {
-        span.crossing(
-            &track,
-            within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE,
-            &chord,
-            span.first + 1..span.last,
-        )
-        .is_none()
+        let tolerance = within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE;
+        span.crossing(&track, tolerance, &chord, span.first + 1..span.last).is_none()
     };
     if !in_order(within) {
         let (mut low, mut high) = (within, 2.0 * (within + chord.half));
@@ -447,5 +448,5 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     }
     let is_known =
         measure == Measure::Points || bulge == 0.0 || track.radius >= LEAST_RADIUS_TOLERANCES * within;
-    if is_known { within } else { f64::INFINITY }
+    if is_known && span.winds(&track, &chord) { within } else { f64::INFINITY }
 }

@@ -263,3 +263,20 @@ fn one_place_is_refused() {
         assert_eq!(refused, Err(FitError::OnePlace));
     }
 }
+
+/// With more noise than tolerance, points that lie in the gap of an arc are near its ends, in order; the arc is not theirs.
+#[test]
+fn noise_makes_no_loops() {
+    for tolerance in [0.03, 0.05] {
+        for seed in 0..10 {
+            let mut random = Random(seed);
+            let points: Vec<_> =
+                (0..600).map(|k| polar(20.0, 1e-3 * f64::from(k)) + random.jitter(0.05)).collect();
+            let found = fitted(&points, &Fit { joints: Joints::OnPoints, ..Fit::within(tolerance) });
+            for (way, [first, last]) in ways(&found) {
+                let off = apart(&way, &points[first..=last]);
+                assert!(off <= 4.0 * tolerance, "{way:?} is {off} off {:?}", &points[first..=last]);
+            }
+        }
+    }
+}

@@ -13,11 +13,11 @@
 //!
 //! # Guarantees
 //! * Every point is within the tolerance of its element, and the elements pass the points in order: a reversal is
-//!   not swallowed. The last point is reached.
+//!   not swallowed. The last point is reached. Arcs go round their centres as the lines between the points do.
 //! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`] nothing is
 //!   promised between the points: the caller knows how far the true curve leaves its chords.
 //! * With joints on points, no chain of elements within the tolerance is shorter than that of [`Method::Optimal`], within
-//!   windows of [`WINDOW`] points. Of the bulges that keep the tolerance, order and lines are tried at seventeen places.
+//!   windows of [`WINDOW`] points. Of the bulges that keep the tolerance, order and lines are tried at nineteen places.
 //!
 //! # Degenerate input
 //! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only for a closed way

@@ -2,7 +2,10 @@
 
 mod brute;
 mod inputs;
+mod laws;
+mod noise;
 mod plain;
+mod table1;
 mod way;
 
 use nalgebra::Vector2;

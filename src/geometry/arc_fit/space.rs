@@ -139,13 +139,13 @@ fn fit_stretch(
 }
 
 /// Bound of the distance both ways between a line or an arc and the lines through the points that it stands for, mm; infinite
-/// where the curve passes them out of order.
+/// where the curve passes them out of order, or leads round the other way.
 pub fn polyline_deviation(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     deviation(curve, points, Measure::Polyline)
 }
 
 /// The largest distance of the points, and by the measure of the polyline of their lines, from a line or an arc that stands for
-/// them, mm; infinite where it passes them out of order.
+/// them, mm; infinite where it passes them out of order, or leads round the other way.
 pub fn deviation(curve: &Curve, points: &[Point3<f64>], measure: Measure) -> f64 {
     let arc = match curve {
         Curve::Line(line) => return along_line(line, points),

@@ -3,7 +3,8 @@
 //! # Method
 //! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are passed in their
 //! order, that the lines between them stay near (where these are the shape), and that heights follow, is then checked of
-//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back.
+//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back, and the
+//! lines between the points turn about its centre as it does.
 
 use nalgebra::Vector2;
 
@@ -134,8 +135,8 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// The lines between neighbouring points.
-    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + '_ {
+    /// The lines between neighbouring points; the element may start and end beside them.
+    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + 'a {
         self.points.flat[self.first..=self.last].windows(2).map(|pair| [pair[0], pair[1]])
     }
 
@@ -161,9 +162,9 @@ impl<'a> Span<'a> {
 
     /// A line, and arcs from all over the set.
     fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
-        const PLACES: [f64; 17] = [
+        const PLACES: [f64; 19] = [
             0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
-            0.6875, 0.8125, 0.9375,
+            0.6875, 0.8125, 0.9375, 0.005, 0.995,
         ];
         let flattest = chord.flattest();
         let line = bulges.contains(0.0).then_some(0.0);
@@ -172,7 +173,11 @@ impl<'a> Span<'a> {
                 .into_iter()
                 .filter(|part| part[0] <= part[1])
         });
-        let arcs = curved.flat_map(|[low, high]| PLACES.map(|place| low + (high - low) * place));
+        let arcs = curved.flat_map(|part| {
+            // By angles: of all bulges most are nearly full circles.
+            let [low, high] = part.map(f64::atan);
+            PLACES.into_iter().map(move |place| (low + (high - low) * place).tan())
+        });
         line.into_iter().chain(arcs)
     }
 
@@ -220,7 +225,7 @@ impl<'a> Span<'a> {
             return false;
         }
         *crossed = self.crossing(&track, tolerance, chord, self.first + 1..self.last);
-        crossed.is_none()
+        crossed.is_none() && self.winds(&track, chord)
     }
 
     /// Whether no line between the points dips farther into an arc than `tolerance` mm.
@@ -241,7 +246,7 @@ impl<'a> Span<'a> {
         Track::new(chord, bulge, high - low)
     }
 
-    /// An inner point in the frame of the chord, with its height over its middle.
+    /// A point in the frame of the chord, with its height over its middle.
     fn seen(&self, k: usize, chord: &Chord) -> (Vector2<f64>, f64) {
         let Points { flat, heights } = self.points;
         let height = if heights.is_empty() {
@@ -252,18 +257,25 @@ impl<'a> Span<'a> {
         (chord.local(flat[k]), height)
     }
 
-    /// The largest distance of an inner point, and by the measure of the polyline of its lines too, from the element, mm.
+    /// The largest distance of a point, and by the measure of the polyline of its lines too, from the element, mm.
     fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
         let distance = |k| {
             let (p, height) = self.seen(k, chord);
             track.foot(p, height).distance
         };
-        let points = (self.first + 1..self.last).map(distance).fold(0.0, f64::max);
+        let points = (self.first..=self.last).map(distance).fold(0.0, f64::max);
         if measure == Measure::Points || track.bulge == 0.0 {
             return points;
         }
         let dips = self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b)));
         dips.fold(points, f64::max)
+    }
+
+    /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead past the centre on
+    /// its other side: the points are near the ends of the arc, in its gap, and the arc is near none of them.
+    fn winds(&self, track: &Track, chord: &Chord) -> bool {
+        let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
+        track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
     }
 
     /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
@@ -325,140 +337,18 @@ impl<'a> Span<'a> {
     }
 }
 
-/// The place of an element that is nearest to a point.
-struct Foot {
-    /// The fraction of the element's length, also of its continuation.
-    along: f64,
-    /// From the element, mm.
-    distance: f64,
-}
-
-/// An element in the frame of its chord.
-struct Track {
-    /// Half the chord, with its rise for a line.
-    half: f64,
-    bulge: f64,
-    /// The centre is on the second axis.
-    center: f64,
-    radius: f64,
-    sweep: f64,
-    /// How much higher the end is than the start, mm.
-    rise: f64,
-    /// The direction of a line, along the chord and up.
-    slope: Vector2<f64>,
-}
-
-impl Track {
-    fn new(chord: &Chord, bulge: f64, rise: f64) -> Self {
-        if bulge == 0.0 {
-            let slope = Vector2::new(chord.half, 0.5 * rise);
-            let half = slope.norm();
-            return Self { half, bulge, center: 0.0, radius: 0.0, sweep: 0.0, rise, slope: slope / half };
-        }
-        Self {
-            half: chord.half,
-            bulge,
-            center: chord.center(bulge),
-            radius: chord.radius(bulge),
-            sweep: 4.0 * bulge.abs().atan(),
-            rise,
-            slope: Vector2::x(),
-        }
-    }
-
-    /// A point as it lies to the element in a plane: for a line, that of the line and the point.
-    fn flattened(&self, p: Vector2<f64>, height: f64) -> Vector2<f64> {
-        if self.bulge != 0.0 || height == 0.0 && self.rise == 0.0 {
-            return p;
-        }
-        let over = Vector2::new(p.x, height);
-        Vector2::new(self.slope.dot(&over), p.y.hypot(self.slope.perp(&over)))
-    }
-
-    fn foot(&self, p: Vector2<f64>, height: f64) -> Foot {
-        let flat = self.flattened(p, height);
-        let (along, beside) = if self.bulge == 0.0 {
-            (0.5 + 0.5 * flat.x / self.half, flat.y.abs())
-        } else {
-            let d = Vector2::new(flat.x, flat.y - self.center);
-            // From the middle of the arc, positive towards its end.
-            let angle = d.x.atan2(self.bulge.signum() * d.y);
-            (0.5 + angle / self.sweep, (d.norm() - self.radius).abs())
-        };
-        let is_beside = (0.0..=1.0).contains(&along);
-        let distance =
-            if is_beside { beside } else { self.to_ends(flat).into_iter().fold(f64::INFINITY, f64::min) };
-        // The height of an arc there is that of the point's own angle.
-        let above = if self.bulge == 0.0 { 0.0 } else { height - self.rise * (along.clamp(0.0, 1.0) - 0.5) };
-        Foot { along, distance: distance.hypot(above) }
-    }
-
-    fn to_ends(&self, p: Vector2<f64>) -> [f64; 2] {
-        [Vector2::new(p.x + self.half, p.y).norm(), Vector2::new(p.x - self.half, p.y).norm()]
-    }
-
-    /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the length.
-    fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
-        let foot = self.foot(p, height);
-        let p = self.flattened(p, height);
-        let half_width = self.half_width(p, tolerance);
-        let mut ranges = [[foot.along - half_width, foot.along + half_width], [1.0, 0.0]];
-        let [is_at_start, is_at_end] = self.to_ends(p).map(|distance| distance <= tolerance);
-        // The continuation of an arc that nearly closes is seen from its other end.
-        if is_at_start && ranges[0][0] > 0.0 {
-            ranges[1] = [0.0, ranges[0][1] - self.turn()];
-        } else if is_at_end && ranges[0][1] < 1.0 {
-            ranges[1] = [ranges[0][0] + self.turn(), 1.0];
-        }
-        if is_at_start && is_at_end && self.bulge == 0.0 {
-            ranges[0] = [0.0, 1.0];
-        }
-        let ranges = ranges.map(|[low, high]| [low.max(0.0), high.min(1.0)]);
-        let reachable = ranges.iter().filter(|range| range[0] <= range[1] && reached <= range[1]);
-        reachable.map(|range| range[0].max(reached)).min_by(f64::total_cmp)
-    }
-
-    /// A full turn in fractions of the length.
-    fn turn(&self) -> f64 {
-        std::f64::consts::TAU / self.sweep
-    }
-
-    /// Half of the part of the element, or its continuation, that is within `tolerance` mm of a point.
-    fn half_width(&self, p: Vector2<f64>, tolerance: f64) -> f64 {
-        if self.bulge == 0.0 {
-            return 0.5 * (tolerance * tolerance - p.y * p.y).max(0.0).sqrt() / self.half;
-        }
-        let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
-        let cosine = (r * r + distance * distance - tolerance * tolerance) / (2.0 * r * distance);
-        if cosine.is_nan() { 0.0 } else { cosine.clamp(-1.0, 1.0).acos() / self.sweep }
-    }
-
-    /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.
-    fn dip(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-        let along = b - a;
-        let to_center = Vector2::new(0.0, self.center) - a;
-        let foot = (to_center.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-        (self.radius - (to_center - along * foot).norm()).max(0.0)
-    }
-}
-
 /// The least distance, mm, within which the element with this bulge, between two points near the first and the last, passes
-/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it.
+/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it or
+/// leads round the other way.
 pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, measure: Measure) -> f64 {
     let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
     let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
     let track = span.track(&chord, bulge);
-    let beside = [(from - points.flat[0]).norm(), (to - points.flat[span.last]).norm()];
-    let mut within = beside.into_iter().fold(span.deviation(&track, measure, &chord), f64::max);
+    let mut within = span.deviation(&track, measure, &chord);
     // A point that decides the deviation has one place only, which rounding may move.
     let in_order = |within: f64| {
-        span.crossing(
-            &track,
-            within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE,
-            &chord,
-            span.first + 1..span.last,
-        )
-        .is_none()
+        let tolerance = within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE;
+        span.crossing(&track, tolerance, &chord, span.first + 1..span.last).is_none()
     };
     if !in_order(within) {
         let (mut low, mut high) = (within, 2.0 * (within + chord.half));
@@ -473,5 +363,5 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     }
     let is_known =
         measure == Measure::Points || bulge == 0.0 || track.radius >= LEAST_RADIUS_TOLERANCES * within;
-    if is_known { within } else { f64::INFINITY }
+    if is_known && span.winds(&track, &chord) { within } else { f64::INFINITY }
 }

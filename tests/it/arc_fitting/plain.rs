@@ -38,7 +38,7 @@ fn is_possible(points: &[Vector2<f64>], tolerance: f64) -> bool {
         let range = points[1..points.len() - 1].iter().try_fold(side, |range, p| narrowed(range, [from, to], *p, tolerance));
         range.is_some_and(|[low, high]| {
             let arc = |k: usize| Way::arc(from, to, low + (high - low) * k as f64 / ORDERS as f64);
-            [ORDERS / 2].into_iter().chain(0..=ORDERS).any(|k| arc(k).passes(points, tolerance + ROUNDING_MM))
+            [ORDERS / 2].into_iter().chain(0..=ORDERS).map(arc).any(|arc| arc.winds(points) && arc.passes(points, tolerance + ROUNDING_MM))
         })
     })
 }

@@ -101,6 +101,16 @@ impl Way {
         is_near.then_some(first)
     }
 
+    /// Whether it turns about its centre as the lines between the points do.
+    pub fn winds(&self, points: &[Vector2<f64>]) -> bool {
+        let Self::Arc { center, sweep, .. } = *self else { return true };
+        let turned = points.windows(2).map(|pair| {
+            let [a, b] = [pair[0] - center, pair[1] - center];
+            a.perp(&b).atan2(a.dot(&b))
+        });
+        (turned.sum::<f64>() - sweep).abs() < PI
+    }
+
     /// Whether there are places on it, each within `e` of its point, that never go back.
     pub fn passes(&self, points: &[Vector2<f64>], e: f64) -> bool {
         let mut reached = 0.0;
@@ -114,8 +124,11 @@ impl Way {
     }
 }
 
-/// The least distance within which the way passes all points in order, to some 1e-10 of the points' extent.
+/// The least distance within which the way passes all points in order, infinite where it leads round the other way, to some 1e-10 of the points' extent.
 pub fn order_deviation(way: &Way, points: &[Vector2<f64>]) -> f64 {
+    if !way.winds(points) {
+        return f64::INFINITY;
+    }
     let least = points.iter().map(|p| way.distance(*p)).fold(0.0, f64::max);
     // A point that decides has one place only, which rounding may move.
     let slack = 1e-11 * (way.length() + least);

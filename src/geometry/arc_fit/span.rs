@@ -9,6 +9,7 @@
 use nalgebra::Vector2;
 
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
+use super::track::Track;
 use super::{FLATTEST_MM, Measure, Shapes};
 use crate::geometry::solve;
 

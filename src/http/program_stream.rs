@@ -146,11 +146,8 @@ async fn pump(
         let data = timeout_at(deadline.into(), next_bytes(&mut body, app)).await.map_err(late)??;
         let is_last = data.is_none();
         let step = move |budget: &Budget| {
-            let done = match data {
-                Some(data) => work.take(&data, most, budget),
-                None => work.end(budget),
-            };
-            done.map(|()| work)
+            work.take(data.as_deref(), most, budget)?;
+            Ok::<_, ApiError>(work)
         };
         work = app.compute.run_admitted(Arc::clone(&place), None, step).await??;
         if !work.out.is_empty() {
@@ -177,24 +174,27 @@ struct Work {
 }
 
 impl Work {
-    fn take(&mut self, data: &[u8], most: u64, budget: &Budget) -> Result<(), ApiError> {
+    /// Takes the next bytes of the body, or its end.
+    fn take(&mut self, data: Option<&[u8]>, most: u64, budget: &Budget) -> Result<(), ApiError> {
         let Self { rewriter, decoder, out, n_bytes } = self;
-        decoder.each(data, |text| {
+        let text = |text: &[u8]| {
             *n_bytes += text.len() as u64;
             if *n_bytes > most {
                 let detail = format!("the program has more than {most} bytes; more are not allowed");
                 return Err(ApiError::new(Code::PayloadTooLarge, detail));
             }
             Ok(rewriter.push(text, out, budget)?)
-        })
-    }
-
-    fn end(&mut self, budget: &Budget) -> Result<(), ApiError> {
-        self.decoder.end()?;
-        if self.n_bytes == 0 {
-            return Err(ApiError::new(Code::BadRequest, "the body is empty"));
+        };
+        match data {
+            Some(data) => decoder.each(data, text),
+            None => {
+                decoder.end(text)?;
+                if *n_bytes == 0 {
+                    return Err(ApiError::new(Code::BadRequest, "the body is empty"));
+                }
+                Ok(rewriter.finish(out, budget)?)
+            }
         }
-        Ok(self.rewriter.finish(&mut self.out, budget)?)
     }
 }
 
@@ -220,19 +220,18 @@ impl Decoder {
     ) -> Result<(), ApiError> {
         let Self::Gzip(decoder) = self else { return take(data) };
         for part in data.chunks(DECODED_AT_A_TIME) {
-            decoder.write_all(part).map_err(no_gzip)?;
+            decoder.write_all(part).and_then(|()| decoder.flush()).map_err(no_gzip)?;
             take(decoder.get_ref())?;
             decoder.get_mut().clear();
         }
         Ok(())
     }
 
-    /// Says that no more will come.
-    fn end(&mut self) -> Result<(), ApiError> {
-        match self {
-            Self::Identity => Ok(()),
-            Self::Gzip(decoder) => decoder.try_finish().map_err(no_gzip),
-        }
+    /// Says that no more will come; what is left goes to `take`.
+    fn end(&mut self, mut take: impl FnMut(&[u8]) -> Result<(), ApiError>) -> Result<(), ApiError> {
+        let Self::Gzip(decoder) = self else { return Ok(()) };
+        decoder.try_finish().map_err(no_gzip)?;
+        take(decoder.get_ref())
     }
 }
 

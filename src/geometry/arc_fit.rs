@@ -45,6 +45,7 @@ mod optimal;
 mod space;
 mod span;
 mod tangent;
+mod track;
 mod turn;
 
 use nalgebra::Vector2;

@@ -52,7 +52,8 @@ const PLANE_MM: f64 = 4.3;
 
 fn freeform() -> PointGrid {
     let height = |x: f64, y: f64| {
-        0.8 * (PI * x / 4.5).sin() * (1.0 + 0.3 * (PI * y / 9.0).cos()) + 0.2 * (PI * x / 12.0).cos() * y / 12.0
+        0.8 * (PI * x / 4.5).sin() * (1.0 + 0.3 * (PI * y / 9.0).cos())
+            + 0.2 * (PI * x / 12.0).cos() * y / 12.0
     };
     let nodes = [0.0, 3.0, 6.0, 9.0, 12.0];
     let points = nodes.map(|x| nodes.map(|y| Point3::new(x, y, height(x, y))).to_vec()).to_vec();
@@ -142,7 +143,10 @@ fn counts_follow_the_tolerance_and_points_alone_do_not_bound_the_error() {
             let chain: Vec<_> = ways(&found).into_iter().map(|(way, _)| way).collect();
             (count, greedy, off(&dense, &chain) / tolerance)
         });
-        println!("step {step}: {} points, biarcs {biarc}; (optimal, greedy, true error in tolerances) {cells:.1?}; paper {paper:?}", spans + 1);
+        println!(
+            "step {step}: {} points, biarcs {biarc}; (optimal, greedy, true error in tolerances) {cells:.1?}; paper {paper:?}",
+            spans + 1
+        );
         assert_eq!(biarc, 2 * spans);
         for ((count, greedy, error), fewest) in cells.into_iter().zip(fewest) {
             assert!(count <= greedy && greedy <= count + 2, "{step}: {count} {greedy}");
@@ -223,7 +227,10 @@ fn the_operation_keeps_every_tolerance_at_every_step() {
                 );
                 counts.push((chain.len(), expected, error));
             }
-            println!("{tolerance} {step}: {} points, (arcs, law, true error) {counts:.1?}", report.n_cl_points);
+            println!(
+                "{tolerance} {step}: {} points, (arcs, law, true error) {counts:.1?}",
+                report.n_cl_points
+            );
         }
     }
 }

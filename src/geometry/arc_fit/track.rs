@@ -1,0 +1,120 @@
+//! One element in the frame of its chord: where it is near a point, and how lines lie to it.
+
+use nalgebra::Vector2;
+
+/// The place of an element that is nearest to a point.
+pub struct Foot {
+    /// The fraction of the element's length, also of its continuation.
+    pub along: f64,
+    /// From the element, mm.
+    pub distance: f64,
+}
+
+/// An element in the frame of its chord.
+pub struct Track {
+    /// Half the chord, with its rise for a line.
+    half: f64,
+    pub bulge: f64,
+    /// The centre is on the second axis.
+    center: f64,
+    pub radius: f64,
+    pub sweep: f64,
+    /// How much higher the end is than the start, mm.
+    rise: f64,
+    /// The direction of a line, along the chord and up.
+    slope: Vector2<f64>,
+}
+
+impl Track {
+    pub fn new(half: f64, bulge: f64, rise: f64) -> Self {
+        if bulge == 0.0 {
+            let slope = Vector2::new(half, 0.5 * rise);
+            let half = slope.norm();
+            return Self { half, bulge, center: 0.0, radius: 0.0, sweep: 0.0, rise, slope: slope / half };
+        }
+        let (center, radius) = (0.5 * half * (bulge - 1.0 / bulge), 0.5 * half * (bulge + 1.0 / bulge).abs());
+        Self { half, bulge, center, radius, sweep: 4.0 * bulge.abs().atan(), rise, slope: Vector2::x() }
+    }
+
+    /// A point as it lies to the element in a plane: for a line, that of the line and the point.
+    fn flattened(&self, p: Vector2<f64>, height: f64) -> Vector2<f64> {
+        if self.bulge != 0.0 || height == 0.0 && self.rise == 0.0 {
+            return p;
+        }
+        let over = Vector2::new(p.x, height);
+        Vector2::new(self.slope.dot(&over), p.y.hypot(self.slope.perp(&over)))
+    }
+
+    pub fn foot(&self, p: Vector2<f64>, height: f64) -> Foot {
+        let flat = self.flattened(p, height);
+        let (along, beside) = if self.bulge == 0.0 {
+            (0.5 + 0.5 * flat.x / self.half, flat.y.abs())
+        } else {
+            let d = Vector2::new(flat.x, flat.y - self.center);
+            // From the middle of the arc, positive towards its end.
+            let angle = d.x.atan2(self.bulge.signum() * d.y);
+            (0.5 + angle / self.sweep, (d.norm() - self.radius).abs())
+        };
+        let is_beside = (0.0..=1.0).contains(&along);
+        let distance =
+            if is_beside { beside } else { self.to_ends(flat).into_iter().fold(f64::INFINITY, f64::min) };
+        // The height of an arc there is that of the point's own angle.
+        let above = if self.bulge == 0.0 { 0.0 } else { height - self.rise * (along.clamp(0.0, 1.0) - 0.5) };
+        Foot { along, distance: distance.hypot(above) }
+    }
+
+    fn to_ends(&self, p: Vector2<f64>) -> [f64; 2] {
+        [Vector2::new(p.x + self.half, p.y).norm(), Vector2::new(p.x - self.half, p.y).norm()]
+    }
+
+    /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the length.
+    pub fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
+        let foot = self.foot(p, height);
+        let p = self.flattened(p, height);
+        let half_width = self.half_width(p, tolerance);
+        let mut ranges = [[foot.along - half_width, foot.along + half_width], [1.0, 0.0]];
+        let [is_at_start, is_at_end] = self.to_ends(p).map(|distance| distance <= tolerance);
+        // The continuation of an arc that nearly closes is seen from its other end.
+        if is_at_start && ranges[0][0] > 0.0 {
+            ranges[1] = [0.0, ranges[0][1] - self.turn()];
+        } else if is_at_end && ranges[0][1] < 1.0 {
+            ranges[1] = [ranges[0][0] + self.turn(), 1.0];
+        }
+        if is_at_start && is_at_end && self.bulge == 0.0 {
+            ranges[0] = [0.0, 1.0];
+        }
+        let ranges = ranges.map(|[low, high]| [low.max(0.0), high.min(1.0)]);
+        let reachable = ranges.iter().filter(|range| range[0] <= range[1] && reached <= range[1]);
+        reachable.map(|range| range[0].max(reached)).min_by(f64::total_cmp)
+    }
+
+    /// A full turn in fractions of the length.
+    fn turn(&self) -> f64 {
+        std::f64::consts::TAU / self.sweep
+    }
+
+    /// Half of the part of the element, or its continuation, that is within `tolerance` mm of a point.
+    fn half_width(&self, p: Vector2<f64>, tolerance: f64) -> f64 {
+        if self.bulge == 0.0 {
+            return 0.5 * (tolerance * tolerance - p.y * p.y).max(0.0).sqrt() / self.half;
+        }
+        let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
+        let cosine = (r * r + distance * distance - tolerance * tolerance) / (2.0 * r * distance);
+        if cosine.is_nan() { 0.0 } else { cosine.clamp(-1.0, 1.0).acos() / self.sweep }
+    }
+
+    /// By how much the line from `a` to `b` turns about the centre, radians, positive the way of the arc.
+    pub fn turned(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+        let center = Vector2::new(0.0, self.center);
+        let [a, b] = [a - center, b - center];
+        -self.bulge.signum() * a.perp(&b).atan2(a.dot(&b))
+    }
+
+    /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.
+    pub fn dip(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+        let along = b - a;
+        let to_center = Vector2::new(0.0, self.center) - a;
+        let foot = (to_center.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (self.radius - (to_center - along * foot).norm()).max(0.0)
+    }
+}

@@ -191,7 +191,7 @@ fn allowed(pairs: &[Vec<Pair>], tolerance: f64, measure: Measure) -> [usize; 2] 
 }
 
 /// How many inputs of each kind are tried.
-const INPUTS: usize = 30;
+const INPUTS: usize = 20;
 
 #[test]
 fn few_points_take_the_least_number_of_elements() {

@@ -90,11 +90,11 @@ impl Way {
             }
             Self::Arc { center, radius, .. } => {
                 let d = (p - center).norm();
-                let cosine = (radius * radius + d * d - e * e) / (2.0 * radius * d);
+                let square = (e - d + radius) * (e + d - radius) / (4.0 * radius * d);
                 let foot = self.turned(p) * radius;
                 (
                     if foot < reached { foot + TAU * radius } else { foot },
-                    radius * cosine.clamp(-1.0, 1.0).acos(),
+                    2.0 * radius * square.clamp(0.0, 1.0).sqrt().asin(),
                 )
             }
         };

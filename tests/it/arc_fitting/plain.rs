@@ -133,10 +133,8 @@ fn a_sine() {
 #[test]
 fn a_rounded_sine_is_not_for_greed() {
     let points = sampled(|t| Vector2::new(6.0 * t, (6.0 * t).sin()).map(|c| (c * 1e3).round() / 1e3));
-    for tolerance in [5.2e-4, 6.1e-4] {
-        let [found, greedy] = compared("rounded sine", &points, tolerance);
-        assert!(found < greedy);
-    }
+    let [found, greedy] = compared("rounded sine", &points, 5.2e-4);
+    assert!(found < greedy);
 }
 
 #[test]
@@ -150,8 +148,10 @@ fn a_spiral() {
 #[test]
 fn a_noisy_circle_is_not_for_greed() {
     let mut random = Random(2);
+    // Long elements: all pairs of more points take too long.
+    let n = N / 2;
     let points: Vec<_> =
-        (0..N).map(|k| polar(20.0 + random.between(-2e-3, 2e-3), 6.0 * k as f64 / N as f64)).collect();
+        (0..n).map(|k| polar(20.0 + random.between(-2e-3, 2e-3), 6.0 * k as f64 / n as f64)).collect();
     for tolerance in [1.9e-3, 2.05e-3] {
         let [found, greedy] = compared("noisy circle", &points, tolerance);
         assert!(found < greedy);

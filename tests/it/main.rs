@@ -1,6 +1,7 @@
 //! The integration tests, one binary.
 
 mod api;
+mod arc_fitting;
 mod interpolation;
 mod laws;
 mod nurbs;

@@ -51,11 +51,16 @@ pub struct Span<'a> {
     pub to: Vector2<f64>,
 }
 
-/// The points that left no bulge the last time: likely to do so again. And how many points were looked at in all.
+/// The points that left no bulge the last time, or refused the last one: likely to do so again. And how many points were
+/// looked at in all.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Witnesses {
     low: usize,
     high: usize,
+    /// Too far from an element.
+    far: usize,
+    /// Out of order on an element.
+    crossed: [usize; 2],
     pub looks: usize,
 }
 
@@ -81,7 +86,7 @@ impl<'a> Span<'a> {
         let mut bulges = Bulges::up_to(largest);
         witnesses.looks += LOOKS_A_SPAN;
         for k in [witnesses.low, witnesses.high] {
-            if (self.first + 1..self.last).contains(&k) {
+            if self.holds(k) {
                 chord.keep_near(self.points.flat[k], tolerance, &mut bulges);
             }
         }
@@ -149,8 +154,7 @@ impl<'a> Span<'a> {
         let any_measure = Rule { measure: Measure::Points, ..*rule };
         let near = self.bulges(&any_measure, witnesses)?;
         let chord = Chord::new(self.from, self.to)?;
-        let mut crossed = None;
-        let mut keeps = |bulge: &f64| self.keeps(*bulge, rule, &chord, &mut crossed);
+        let mut keeps = |bulge: &f64| self.keeps(*bulge, rule, &chord, witnesses);
         let is_any = rule.measure == Measure::Points || rule.shapes == Shapes::LinesOnly;
         // Mostly the lines say nothing that the points do not.
         let most = if is_any { usize::MAX } else { 2 };
@@ -207,26 +211,41 @@ impl<'a> Span<'a> {
     }
 
     /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed form has said all.
-    /// Two points that are out of order on one element are `crossed`, and likely to be so on the next.
-    pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, crossed: &mut Option<[usize; 2]>) -> bool {
+    pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, witnesses: &mut Witnesses) -> bool {
         let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
-        if crossed.is_some_and(|pair| self.crossing(&track, tolerance, chord, pair).is_some()) {
-            return false;
-        }
         let is_flat = self.points.heights.is_empty();
         let has_dips = rule.measure == Measure::Polyline && bulge != 0.0;
         if has_dips && track.radius < LEAST_RADIUS_TOLERANCES * tolerance {
             return false;
         }
+        let is_far = |k: usize| self.distance(k, &track, chord) > tolerance;
+        if !is_flat && self.holds(witnesses.far) && is_far(witnesses.far) {
+            return false;
+        }
+        let is_crossed = witnesses.crossed.into_iter().all(|k| self.holds(k));
+        if is_crossed && self.crossing(&track, tolerance, chord, witnesses.crossed).is_some() {
+            return false;
+        }
         if is_flat && self.advances(bulge) {
             return !has_dips || self.keeps_lines(&track, tolerance, chord);
         }
-        let is_near = is_flat && !has_dips;
-        if !is_near && self.deviation(&track, rule.measure, chord) > tolerance {
+        if !is_flat && let Some(k) = (self.first..=self.last).find(|k| is_far(*k)) {
+            witnesses.far = k;
             return false;
         }
-        *crossed = self.crossing(&track, tolerance, chord, self.first + 1..self.last);
-        crossed.is_none() && self.winds(&track, chord)
+        if has_dips && self.dip(&track, chord) > tolerance {
+            return false;
+        }
+        if let Some(pair) = self.crossing(&track, tolerance, chord, self.first + 1..self.last) {
+            witnesses.crossed = pair;
+            return false;
+        }
+        self.winds(&track, chord)
+    }
+
+    /// Whether it is an inner point.
+    fn holds(&self, k: usize) -> bool {
+        (self.first + 1..self.last).contains(&k)
     }
 
     /// Whether no line between the points dips farther into an arc than `tolerance` mm.
@@ -236,8 +255,7 @@ impl<'a> Span<'a> {
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
         // The longest line between two points on the innermost circle.
         let inside = track.radius.powi(2).min(least) - 0.25 * longest;
-        (inside > 0.0 && track.radius - inside.sqrt() <= tolerance)
-            || self.lines().all(|[a, b]| track.dip(chord.local(a), chord.local(b)) <= tolerance)
+        (inside > 0.0 && track.radius - inside.sqrt() <= tolerance) || self.dip(track, chord) <= tolerance
     }
 
     fn track(&self, chord: &Chord, bulge: f64) -> Track {
@@ -258,18 +276,15 @@ impl<'a> Span<'a> {
         (chord.local(flat[k]), height)
     }
 
-    /// The largest distance of a point, and by the measure of the polyline of its lines too, from the element, mm.
-    fn deviation(&self, track: &Track, measure: Measure, chord: &Chord) -> f64 {
-        let distance = |k| {
-            let (p, height) = self.seen(k, chord);
-            track.foot(p, height).distance
-        };
-        let points = (self.first..=self.last).map(distance).fold(0.0, f64::max);
-        if measure == Measure::Points || track.bulge == 0.0 {
-            return points;
-        }
-        let dips = self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b)));
-        dips.fold(points, f64::max)
+    /// The distance of a point from the element, mm.
+    fn distance(&self, k: usize, track: &Track, chord: &Chord) -> f64 {
+        let (p, height) = self.seen(k, chord);
+        track.foot(p, height).distance
+    }
+
+    /// How far the lines between the points lie inside an arc at most, mm.
+    fn dip(&self, track: &Track, chord: &Chord) -> f64 {
+        self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
     }
 
     /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead past the centre on
@@ -314,7 +329,7 @@ impl<'a> Span<'a> {
         if is_flat && found == 0.0 {
             return Some(0.0);
         }
-        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut None);
+        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut Witnesses::default());
         Some(if is_kept { best } else { found })
     }
 
@@ -345,7 +360,11 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
     let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
     let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
     let track = span.track(&chord, bulge);
-    let mut within = span.deviation(&track, measure, &chord);
+    let distances = (span.first..=span.last).map(|k| span.distance(k, &track, &chord));
+    let mut within = distances.fold(0.0, f64::max);
+    if measure == Measure::Polyline && bulge != 0.0 {
+        within = within.max(span.dip(&track, &chord));
+    }
     // A point that decides the deviation has one place only, which rounding may move.
     let in_order = |within: f64| {
         let tolerance = within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE;

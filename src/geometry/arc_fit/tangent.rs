@@ -172,9 +172,9 @@ impl Search<'_> {
             return Some((chord, vec![[-largest, largest]]));
         }
         let bulges = span.bulges(&self.rule, &mut Witnesses::default())?;
-        let parts = bulges
-            .parts()
-            .filter(|part| span.keeps(0.5 * (part[0] + part[1]), &self.rule, &chord, &mut None));
+        let parts = bulges.parts().filter(|part| {
+            span.keeps(0.5 * (part[0] + part[1]), &self.rule, &chord, &mut Witnesses::default())
+        });
         Some((chord, parts.collect()))
     }
 
@@ -225,7 +225,7 @@ impl Search<'_> {
     }
 
     fn is_kept(&self, span: &Span, chord: &Chord, bulge: f64) -> bool {
-        span.last == span.first + 1 || span.keeps(bulge, &self.rule, chord, &mut None)
+        span.last == span.first + 1 || span.keeps(bulge, &self.rule, chord, &mut Witnesses::default())
     }
 
     /// The bulge in the middle of those that go on from an arrival.

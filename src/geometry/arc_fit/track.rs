@@ -108,8 +108,10 @@ impl Track {
             return 0.5 * (tolerance * tolerance - p.y * p.y).max(0.0).sqrt() / self.half;
         }
         let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
-        let cosine = (r * r + distance * distance - tolerance * tolerance) / (2.0 * r * distance);
-        if cosine.is_nan() { 0.0 } else { cosine.clamp(-1.0, 1.0).acos() / self.sweep }
+        // The sine of half the angle: its cosine would lose the digits of a flat arc.
+        let beside = distance - r;
+        let square = (tolerance - beside) * (tolerance + beside) / (4.0 * r * distance);
+        if square.is_nan() { 0.0 } else { 2.0 * square.clamp(0.0, 1.0).sqrt().asin() / self.sweep }
     }
 
     /// By how much the line from `a` to `b` turns about the centre, radians, positive the way of the arc.

@@ -86,7 +86,11 @@ pub fn few(kind: Kind, noise: f64, random: &mut Random) -> Vec<Vector2<f64>> {
         Kind::Backtracking => {
             let mut x = 0.0;
             let step = |_| {
-                x += if random.unit() < 0.75 { random.between(0.1, 1.0) } else { -random.between(0.0, 3.0 * noise) };
+                x += if random.unit() < 0.75 {
+                    random.between(0.1, 1.0)
+                } else {
+                    -random.between(0.0, 3.0 * noise)
+                };
                 Vector2::new(x, 0.3 * x) + random.jitter(0.3 * noise)
             };
             (0..n).map(step).collect()
@@ -106,7 +110,8 @@ pub fn few(kind: Kind, noise: f64, random: &mut Random) -> Vec<Vector2<f64>> {
             (0..n).map(|k| polar(radius, sweep * part(k)) + random.jitter(noise)).collect()
         }
         Kind::Spike => {
-            let mut points: Vec<_> = (0..n).map(|k| Vector2::new(k as f64 * 0.5, 0.0) + random.jitter(0.5 * noise)).collect();
+            let mut points: Vec<_> =
+                (0..n).map(|k| Vector2::new(k as f64 * 0.5, 0.0) + random.jitter(0.5 * noise)).collect();
             let at = random.below(n);
             points[at].y += random.between(0.5, 4.0) * noise;
             points

@@ -47,8 +47,8 @@ fn judge_in_space(points: &[Point3<f64>], pieces: &[Piece], tolerance: f64) {
 
 /// All kinds of few points, and longer walks.
 fn any_points() -> impl Strategy<Value = Vec<Vector2<f64>>> {
-    let short = (0..KINDS.len(), any::<u64>())
-        .prop_map(|(kind, seed)| few(KINDS[kind], 0.02, &mut Random(seed)));
+    let short =
+        (0..KINDS.len(), any::<u64>()).prop_map(|(kind, seed)| few(KINDS[kind], 0.02, &mut Random(seed)));
     let long = (any::<u64>(), 0.01..0.5f64, 20..80usize)
         .prop_map(|(seed, turn, n)| walk(n, 0.3, turn, &mut Random(seed)));
     prop_oneof![short, long]
@@ -130,11 +130,15 @@ fn lines_at_free_joints_are_near() {
     let (mut worst, mut saved) = (0.0f64, 0);
     for seed in 0..20 {
         let (mut random, n) = (Random(seed), 300);
-        let mut at = |k: usize| polar(20.0 + random.between(-0.05, 0.05), 6.0 * TAU * k as f64 / n as f64) * (1.0 + 0.002 * k as f64);
+        let mut at = |k: usize| {
+            polar(20.0 + random.between(-0.05, 0.05), 6.0 * TAU * k as f64 / n as f64)
+                * (1.0 + 0.002 * k as f64)
+        };
         let points: Vec<_> = (0..n).map(&mut at).collect();
         let tolerance = 0.11;
         let request = Fit { measure: Measure::Polyline, ..Fit::within(tolerance) };
-        let [found, on_points] = [Joints::Free, Joints::OnPoints].map(|joints| fitted(&points, &Fit { joints, ..request }));
+        let [found, on_points] =
+            [Joints::Free, Joints::OnPoints].map(|joints| fitted(&points, &Fit { joints, ..request }));
         saved += on_points.elements.len() - found.elements.len();
         for (way, [first, last]) in ways(&found) {
             worst = worst.max(apart(&way, &points[first..=last]) / tolerance);
@@ -209,7 +213,10 @@ fn what_is_nearly_straight_is_straight_or_within_the_largest_radius() {
         let count = judge(&points, &found, tolerance).unwrap();
         assert!(count > 1);
         for (way, _) in ways(&found) {
-            assert!(!matches!(way, Way::Arc { radius, .. } if radius > LARGEST_RADIUS_MM * (1.0 + 1e-9)), "{way:?}");
+            assert!(
+                !matches!(way, Way::Arc { radius, .. } if radius > LARGEST_RADIUS_MM * (1.0 + 1e-9)),
+                "{way:?}"
+            );
         }
     }
 }
@@ -259,7 +266,8 @@ fn a_spike_is_kept() {
 #[test]
 fn one_place_is_refused() {
     for n in [1, 2, 5] {
-        let refused = fit_in_space(&vec![Point3::new(1.0, 2.0, 3.0); n], None, &on_points(), &Budget::unlimited());
+        let refused =
+            fit_in_space(&vec![Point3::new(1.0, 2.0, 3.0); n], None, &on_points(), &Budget::unlimited());
         assert_eq!(refused, Err(FitError::OnePlace));
     }
 }

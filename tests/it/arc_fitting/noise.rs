@@ -48,7 +48,8 @@ fn joints_beside_the_points_keep_a_tolerance_little_above_the_noise() {
 fn a_closed_noisy_circle_is_one_turn() {
     for seed in SEEDS {
         for turned in [1.0, -1.0] {
-            let mut points: Vec<_> = circle(seed)[..399].iter().map(|p| Vector2::new(p.x, turned * p.y)).collect();
+            let mut points: Vec<_> =
+                circle(seed)[..399].iter().map(|p| Vector2::new(p.x, turned * p.y)).collect();
             points.push(points[0]);
             for tolerance in [2.2e-3, 3e-3] {
                 let found = fitted(&points, &Fit { is_closed: true, ..Fit::within(tolerance) });

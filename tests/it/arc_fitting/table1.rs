@@ -44,7 +44,7 @@ const PAPER: [(usize, [usize; 4], usize); 7] = [
 
 const RADIUS_MM: f64 = 0.5;
 
-/// Distance of the points that stand for the curve, mm; they leave it by a millionth of a tenth of a millimetre.
+/// Distance of the points that stand for the curve, mm; the curve leaves their chords by some 1e-7 mm.
 const DENSE_MM: f64 = 1e-3;
 
 /// Where the one section of the first experiment lies.
@@ -52,7 +52,8 @@ const PLANE_MM: f64 = 4.3;
 
 fn freeform() -> PointGrid {
     let height = |x: f64, y: f64| {
-        0.8 * (PI * x / 4.5).sin() * (1.0 + 0.3 * (PI * y / 9.0).cos()) + 0.2 * (PI * x / 12.0).cos() * y / 12.0
+        0.8 * (PI * x / 4.5).sin() * (1.0 + 0.3 * (PI * y / 9.0).cos())
+            + 0.2 * (PI * x / 12.0).cos() * y / 12.0
     };
     let nodes = [0.0, 3.0, 6.0, 9.0, 12.0];
     let points = nodes.map(|x| nodes.map(|y| Point3::new(x, y, height(x, y))).to_vec()).to_vec();
@@ -142,7 +143,10 @@ fn counts_follow_the_tolerance_and_points_alone_do_not_bound_the_error() {
             let chain: Vec<_> = ways(&found).into_iter().map(|(way, _)| way).collect();
             (count, greedy, off(&dense, &chain) / tolerance)
         });
-        println!("step {step}: {} points, biarcs {biarc}; (optimal, greedy, true error in tolerances) {cells:.1?}; paper {paper:?}", spans + 1);
+        println!(
+            "step {step}: {} points, biarcs {biarc}; (optimal, greedy, true error in tolerances) {cells:.1?}; paper {paper:?}",
+            spans + 1
+        );
         assert_eq!(biarc, 2 * spans);
         for ((count, greedy, error), fewest) in cells.into_iter().zip(fewest) {
             assert!(count <= greedy && greedy <= count + 2, "{step}: {count} {greedy}");
@@ -189,7 +193,7 @@ fn cuts(path: &Toolpath) -> Vec<(f64, Vec<Way>)> {
 }
 
 /// Steps of the operation.
-const OPERATION_STEPS: [f64; 4] = [1.0, 0.5, 0.1, 0.01];
+const OPERATION_STEPS: [f64; 3] = [1.0, 0.5, 0.05];
 
 #[test]
 fn the_operation_keeps_every_tolerance_at_every_step() {
@@ -223,7 +227,10 @@ fn the_operation_keeps_every_tolerance_at_every_step() {
                 );
                 counts.push((chain.len(), expected, error));
             }
-            println!("{tolerance} {step}: {} points, (arcs, law, true error) {counts:.1?}", report.n_cl_points);
+            println!(
+                "{tolerance} {step}: {} points, (arcs, law, true error) {counts:.1?}",
+                report.n_cl_points
+            );
         }
     }
 }

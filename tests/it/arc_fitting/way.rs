@@ -90,9 +90,12 @@ impl Way {
             }
             Self::Arc { center, radius, .. } => {
                 let d = (p - center).norm();
-                let cosine = (radius * radius + d * d - e * e) / (2.0 * radius * d);
+                let square = (e - d + radius) * (e + d - radius) / (4.0 * radius * d);
                 let foot = self.turned(p) * radius;
-                (if foot < reached { foot + TAU * radius } else { foot }, radius * cosine.clamp(-1.0, 1.0).acos())
+                (
+                    if foot < reached { foot + TAU * radius } else { foot },
+                    2.0 * radius * square.clamp(0.0, 1.0).sqrt().asin(),
+                )
             }
         };
         let first = (foot - half).max(reached);
@@ -109,6 +112,13 @@ impl Way {
             a.perp(&b).atan2(a.dot(&b))
         });
         (turned.sum::<f64>() - sweep).abs() < PI
+    }
+
+    /// How far the lines between points lie inside an arc at most.
+    pub fn dip(&self, points: &[Vector2<f64>]) -> f64 {
+        let Self::Arc { center, radius, .. } = *self else { return 0.0 };
+        let inside = points.windows(2).map(|pair| radius - Self::line(pair[0], pair[1]).distance(center));
+        inside.fold(0.0, f64::max)
     }
 
     /// Whether there are places on it, each within `e` of its point, that never go back.

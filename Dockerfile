@@ -11,8 +11,8 @@ COPY Cargo.toml Cargo.lock ./
 # Cargo wants a file for every target that the manifest names.
 RUN mkdir -p src benches tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/lib.rs benches/interpolation.rs benches/plot.rs benches/programs.rs benches/surface_milling.rs \
-        tests/real/controller/main.rs tests/real/overload/main.rs \
+    && touch src/lib.rs benches/arc_fitting.rs benches/interpolation.rs benches/plot.rs benches/programs.rs \
+        benches/surface_milling.rs tests/real/controller/main.rs tests/real/overload/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 

@@ -137,7 +137,8 @@ impl Fan {
         let apart = b.center - a.center;
         let sine = (a.radius + b.radius) / apart.norm();
         // Not a number where the discs coincide.
-        if !(sine < self.frame.map_or(WIDEST, |frame| BETTER * frame.sine)) {
+        let is_better = sine < self.frame.map_or(WIDEST, |frame| BETTER * frame.sine);
+        if !is_better {
             return false;
         }
         let slope = sine / (1.0 - sine * sine).sqrt();

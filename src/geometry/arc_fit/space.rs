@@ -10,6 +10,9 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 
+/// Coordinates that differ by less, mm, differ by the rounding of whoever computed them.
+const LEVEL_MM: f64 = 1e-9;
+
 /// Fewer points than these that keep a coordinate may do so by chance.
 const LEAST_STRETCH: usize = 4;
 
@@ -81,7 +84,8 @@ fn stretches(points: &[Point3<f64>]) -> Vec<Stretch> {
     while begin < last {
         let level_end = |plane: Plane| {
             let normal = plane.axes()[2];
-            begin + points[begin..].iter().take_while(|p| p[normal] == points[begin][normal]).count() - 1
+            let is_level = |p: &&Point3<f64>| (p[normal] - points[begin][normal]).abs() <= LEVEL_MM;
+            begin + points[begin..].iter().take_while(is_level).count() - 1
         };
         let mut longest = Stretch { plane: Plane::Xy, is_level: true, end: level_end(Plane::Xy) };
         for plane in [Plane::Zx, Plane::Yz] {
@@ -113,7 +117,7 @@ fn fit_stretch(
 ) -> Result<Vec<Piece>, FitError> {
     let local: Vec<Vector3<f64>> = points.iter().map(|p| plane.to_local(p)).collect();
     let flat: Vec<Vector2<f64>> = local.iter().map(Vector3::xy).collect();
-    let is_level = local.iter().all(|p| p.z == local[0].z);
+    let is_level = local.iter().all(|p| (p.z - local[0].z).abs() <= LEVEL_MM);
     let heights: Vec<f64> = if is_level { Vec::new() } else { local.iter().map(|p| p.z).collect() };
     let Fitted { start, elements } = fit(Points { flat: &flat, heights: &heights }, request, budget)?;
     let (mut from, mut height) = (start, local[0].z);

@@ -216,16 +216,25 @@ pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Sto
 
 /// The best element between each pair of nodes.
 fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
-    let elements = nodes.windows(2).map(|pair| {
+    let mut elements = Vec::with_capacity(nodes.len());
+    for pair in nodes.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let span = Span { points, first: from.index, last: to.index, from: from.at, to: to.at };
-        let shape = match span.best(rule) {
-            Some(bulge) if bulge != 0.0 => Shape::Arc { bulge },
-            _ => Shape::Line,
-        };
-        Element { end: to.index, to: to.at, shape }
-    });
-    Fitted { start: nodes[0].at, elements: elements.collect() }
+        match span.best(rule) {
+            Some(0.0) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Line }),
+            Some(bulge) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Arc { bulge } }),
+            // What was found once is found again; should it not be, the points themselves are safe.
+            None => {
+                let inner = (from.index + 1..to.index).map(|k| Node { index: k, at: points.flat[k] });
+                elements.extend(inner.chain([to]).map(|node| Element {
+                    end: node.index,
+                    to: node.at,
+                    shape: Shape::Line,
+                }));
+            }
+        }
+    }
+    Fitted { start: nodes[0].at, elements }
 }
 
 /// Where the elements meet, from the first point, or from `start` near it.

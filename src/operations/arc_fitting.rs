@@ -41,6 +41,10 @@ const CURVES_BETWEEN_CHECKS: usize = 1024;
 /// Samples are coarse where the lines between them are this many tolerances away.
 const COARSE_TOLERANCES: f64 = 2.0;
 
+/// Rounding of deviations, in parts of them and mm.
+const ROUNDING: f64 = 1e-6;
+const ROUNDING_MM: f64 = 1e-9;
+
 /// Directions that differ by less, degrees, differ by rounding.
 const KINK_DEG: f64 = 0.01;
 
@@ -110,6 +114,8 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error("all points are the same")]
     OnePlace,
+    #[error("the elements are {deviation_mm} mm away: beyond the tolerance")]
+    ToleranceMissed { deviation_mm: f64 },
     #[error(transparent)]
     Arc(#[from] ArcError),
     #[error(transparent)]
@@ -145,6 +151,10 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let pieces = fit_in_space(&points, job.plane, &job.fit, budget)?;
     budget.progress("measure", 0, 1);
     let figures = measured(&pieces, &points, job, budget)?;
+    // What was measured again has the last word.
+    if job.fit.method != Method::Biarc && exceeds(figures.deviation_mm, job.fit.tolerance_mm) {
+        return Err(Error::ToleranceMissed { deviation_mm: figures.deviation_mm });
+    }
     let curves: Vec<Curve> = pieces.iter().map(|piece| piece.curve).collect();
     let kinks = kinks(&curves);
     let length_mm = curves.iter().map(Curve::length).sum();
@@ -212,8 +222,7 @@ fn beside(half: &Curve, points: &[Point3<f64>]) -> f64 {
 
 fn warnings(job: &Job, figures: &Figures) -> Vec<Warning> {
     let tolerance = job.fit.tolerance_mm;
-    // Rounding of what was computed at the edge of the tolerance.
-    let over = |mm: f64, times: f64| (mm > times * tolerance * (1.0 + 1e-6)).then_some(mm);
+    let over = |mm: f64, times: f64| exceeds(mm, times * tolerance).then_some(mm);
     let exceeded = over(figures.deviation_mm, 1.0);
     let rounding = over(figures.written_mm, 1.0).filter(|_| exceeded.is_none());
     let coarse =
@@ -222,6 +231,11 @@ fn warnings(job: &Job, figures: &Figures) -> Vec<Warning> {
     let rounding = rounding.map(|deviation_mm| Warning::RoundingExceedsTolerance { deviation_mm });
     let coarse = coarse.map(|deviation_mm| Warning::CoarseSamples { deviation_mm });
     exceeded.into_iter().chain(rounding).chain(coarse).collect()
+}
+
+/// Whether a deviation exceeds a tolerance by more than the rounding of what was computed at its edge.
+fn exceeds(deviation_mm: f64, tolerance_mm: f64) -> bool {
+    deviation_mm > tolerance_mm * (1.0 + ROUNDING) + ROUNDING_MM
 }
 
 /// The angles between neighbouring curves, degrees.

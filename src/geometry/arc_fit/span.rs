@@ -321,9 +321,7 @@ impl<'a> Span<'a> {
         if self.last == self.first + 1 || rule.shapes == Shapes::LinesOnly {
             return Some(found);
         }
-        let chord = Chord::new(self.from, self.to)?;
-        let bulges = self.bulges(rule, &mut Witnesses::default())?;
-        let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
+        let Some((chord, part)) = self.part_of(found, rule) else { return Some(found) };
         let (flattest, best) = (chord.flattest(), self.balanced(&chord, part));
         let is_flat = best.abs() < flattest || best.abs() * chord.half < FLATTEST_MM;
         if is_flat && found == 0.0 {
@@ -331,6 +329,13 @@ impl<'a> Span<'a> {
         }
         let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut Witnesses::default());
         Some(if is_kept { best } else { found })
+    }
+
+    /// The bulges about one that keeps the rule; `None` where rounding has put it beside the only ones there are.
+    fn part_of(&self, found: f64, rule: &Rule) -> Option<(Chord, [f64; 2])> {
+        let bulges = self.bulges(rule, &mut Witnesses::default())?;
+        let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
+        Some((Chord::new(self.from, self.to)?, part))
     }
 
     /// The bulge in `part` that leaves the farthest points to its left and right equally far: every signed distance falls

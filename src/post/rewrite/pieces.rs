@@ -20,10 +20,13 @@ const MAX_TRIES: u8 = 3;
 
 /// What is kept of the tolerance for rounding, in units of the last decimal: the centre of an arc is rarely moved by more.
 /// Without it nearly all arcs that use their tolerance up would have to be fitted again.
-const RESERVE_STEPS: f64 = 0.5;
+const RESERVE_STEPS: f64 = 0.35;
+
+/// A tolerance that was missed is made smaller by this part of itself at least, twice and three times that the next times.
+const LEAST_CUT: f64 = 0.04;
 
 /// The reserve is no larger than this part of the tolerance.
-const LARGEST_RESERVE: f64 = 0.25;
+const LARGEST_RESERVE: f64 = 0.15;
 
 /// A part of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,8 +82,9 @@ impl Fitting<'_> {
             match self.rounded(&one, points) {
                 Ok(stretch) => stretches.push(stretch),
                 Err(missing_mm) => {
-                    // Where it is not known how much is missing, half of the tolerance.
-                    let tolerance_mm = one.tolerance_mm - missing_mm.min(one.tolerance_mm / 2.0);
+                    // Little may be missing again and again; where it is not known how much, it is half of the tolerance.
+                    let least_mm = LEAST_CUT * f64::from(one.tries + 1) * one.tolerance_mm;
+                    let tolerance_mm = one.tolerance_mm - missing_mm.clamp(least_mm, one.tolerance_mm / 2.0);
                     let is_open = one.tries < MAX_TRIES
                         && self.open(points, one.from..one.end, tolerance_mm, one.tries + 1, &mut open)?;
                     if !is_open {

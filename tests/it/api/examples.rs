@@ -39,7 +39,8 @@ fn examples() -> Vec<Example> {
         let (noun, verb) =
             stem(&folder).rsplit_once('-').map(|(n, v)| (n.to_owned(), v.to_owned())).expect("a path");
         // Beside them may be programs.
-        for file in entries(&folder).into_iter().filter(|file| file.extension().is_some_and(|e| e == "json")) {
+        for file in entries(&folder).into_iter().filter(|file| file.extension().is_some_and(|e| e == "json"))
+        {
             let text = fs::read_to_string(&file).expect("a text");
             let body = serde_json::from_str(&text).expect("JSON");
             examples.push(Example { path: format!("/v1/{noun}/{verb}"), name: stem(&file), body });

@@ -57,7 +57,7 @@ use optimal::Node;
 
 pub use space::{FitError, Piece, deviation, fit_in_space, polyline_deviation};
 pub use span::Points;
-use span::{Rule, Span};
+use span::{Rule, Span, Witnesses};
 
 /// Controls have run whole circles where an arc's height was lost in rounding.
 pub const FLATTEST_MM: f64 = 1e-3;
@@ -71,6 +71,9 @@ pub const WINDOW: usize = 10_000;
 
 /// Elements with fewer points each follow the points' errors wherever they meet.
 const POINTS_FOR_FREE_JOINTS: usize = 8;
+
+/// Nodes on each side of a point where elements may meet beside it.
+const NODES_BESIDE: i32 = 6;
 
 /// An element that ends for the point with index `end`, at `to`, and starts where the one before ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -192,6 +195,16 @@ pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Sto
     if request.method == Method::Biarc {
         return Ok(Fitted { start: flat[0], elements: biarc::elements(flat, request.is_closed) });
     }
+    let nodes = windowed(points, request, budget)?;
+    if request.continuity == Continuity::Tangent && request.shapes == Shapes::ArcsAndLines {
+        return tangent::chain(points, &nodes, request, budget);
+    }
+    Ok(shaped(points, &nodes, &rule))
+}
+
+/// Where elements meet, window by window.
+fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>, Stopped> {
+    let flat = points.flat;
     let mut nodes: Vec<Node> = Vec::new();
     while nodes.last().is_none_or(|node| node.index + 1 < flat.len()) {
         let begin = nodes.last().map_or(0, |node| node.index);
@@ -206,12 +219,20 @@ pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Sto
             found.truncate(standing + 1);
         }
         let fresh = usize::from(!nodes.is_empty());
-        nodes.extend(found[fresh..].iter().map(|node| Node { index: begin + node.index, ..*node }));
+        let mut found = found[fresh..].iter().map(|node| Node { index: begin + node.index, ..*node });
+        // What ended with the window may go on.
+        if let [.., before, _] = nodes[..]
+            && let Some(next) = found.next()
+        {
+            let span = Span { points, first: before.index, last: next.index, from: before.at, to: next.at };
+            if span.find(&request.rule(), &mut Witnesses::default()).is_some() {
+                nodes.pop();
+            }
+            nodes.push(next);
+        }
+        nodes.extend(found);
     }
-    if request.continuity == Continuity::Tangent && request.shapes == Shapes::ArcsAndLines {
-        return tangent::chain(points, &nodes, request, budget);
-    }
-    Ok(shaped(points, &nodes, &rule))
+    Ok(nodes)
 }
 
 /// The best element between each pair of nodes.
@@ -251,7 +272,9 @@ fn joined(
     if request.method == Method::Greedy || greedy.len() == 2 {
         return Ok(greedy);
     }
-    let bounds = Bounds::on_points(points, &rule, budget)?;
+    let is_on_points = on(0).at == flat[0];
+    let bounds =
+        if is_on_points { Bounds::on_points(points, &rule, budget)? } else { Bounds::unknown(flat.len()) };
     let (known, n) = (greedy.len() - 1, flat.len());
     if bounds.left[0] == known {
         return Ok(greedy);
@@ -264,7 +287,7 @@ fn joined(
     let is_free = request.joints == Joints::Free && points.heights.is_empty();
     if is_free && is_noisy && n >= POINTS_FOR_FREE_JOINTS * count {
         let pinned = start.map_or(request.is_closed.then_some(flat[0]), Some);
-        let nodes = joints::nodes(flat, pinned, request, count);
+        let nodes = joints::nodes(flat, pinned, request, (count, NODES_BESIDE));
         if let Some(fewer) = optimal::fewest(points, &nodes, &Bounds::unknown(n), &rule, count, budget)? {
             return Ok(fewer);
         }

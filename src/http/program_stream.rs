@@ -13,6 +13,7 @@ use axum::extract::Request;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use flate2::write::MultiGzDecoder;
+use futures_util::StreamExt;
 use futures_util::stream::unfold;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio::time::timeout_at;
@@ -25,12 +26,16 @@ use crate::budget::Budget;
 use crate::config::Settings;
 use crate::post::rewrite::{Figures, RewriteError, Rewriter};
 
-/// Parts of an answer that wait for a caller who does not read: enough for small programs of callers that send all of
+/// Bytes of an answer that wait for a caller who does not read: enough for small programs of callers that send all of
 /// theirs before they read.
-const BACKLOG: usize = 256;
+const BACKLOG_BYTES: u32 = 4 * 1024 * 1024;
 
-/// Coded bytes that are decoded at a time: what they decode to is at most a thousand times as much.
-const DECODED_AT_A_TIME: usize = 4096;
+/// Parts in that queue: small ones cost memory of their own.
+const BACKLOG_PARTS: usize = 1024;
+
+/// Bytes of a body that are worked on at a time; of coded ones, which may decode to a thousand times as much, fewer.
+const STEP_BYTES: usize = 256 * 1024;
+const CODED_STEP_BYTES: usize = 4096;
 
 /// What streams may take.
 #[derive(Debug)]
@@ -53,8 +58,13 @@ impl Streams {
 
 /// A part of the answer.
 enum Part {
-    Text(Bytes),
+    /// With its share of the queue.
+    Text(Bytes, #[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit),
     End(Figures),
+}
+
+fn given_up() -> ApiError {
+    ApiError::new(Code::InternalError, "the stream was given up")
 }
 
 /// A program on its way through the rewriter.
@@ -72,7 +82,7 @@ impl ProgramStream {
         let place = Arc::clone(&app.streams.places).try_acquire_owned().map_err(|_| {
             ApiError::new(Code::Overloaded, "every place for streams is taken; try again later")
         })?;
-        let (sender, parts) = mpsc::channel(BACKLOG);
+        let (sender, parts) = mpsc::channel(BACKLOG_PARTS);
         let work = Work { rewriter, decoder: Decoder::of(coding), out: Vec::new(), n_bytes: 0 };
         let app = Arc::clone(app);
         tokio::spawn(async move {
@@ -94,7 +104,7 @@ impl ProgramStream {
                 return Ok(figures);
             }
         }
-        Err(ApiError::new(Code::InternalError, "the stream was given up"))
+        Err(given_up())
     }
 
     /// The text as it becomes ready, under `media_type`, to be saved as `file_name`.
@@ -103,26 +113,29 @@ impl ProgramStream {
     /// What fails before the first byte is ready.
     pub async fn text(mut self, media_type: &'static str, file_name: &str) -> Result<Response, ApiError> {
         let first = match self.parts.recv().await {
-            Some(Ok(Part::Text(text))) => Some(text),
-            Some(Ok(Part::End(_))) | None => None,
+            Some(Ok(Part::Text(text, _))) => text,
+            Some(Ok(Part::End(_))) => Bytes::new(),
             Some(Err(error)) => return Err(error),
+            None => return Err(given_up()),
         };
-        let body = unfold((first, self.parts), async |(first, mut parts)| {
+        let body = unfold((Some(first), self.parts), async |(first, mut parts)| {
             let part = match first {
                 Some(text) => Ok(text),
-                None => match parts.recv().await? {
-                    Ok(Part::Text(text)) => Ok(text),
-                    Ok(Part::End(_)) => return None,
+                None => match parts.recv().await {
+                    Some(Ok(Part::Text(text, _))) => Ok(text),
+                    Some(Ok(Part::End(_))) => return None,
                     // The connection ends without the end of the body.
-                    Err(error) => Err(std::io::Error::other(error.detail().to_owned())),
+                    Some(Err(error)) => Err(std::io::Error::other(error.detail().to_owned())),
+                    None => Err(std::io::Error::other("the stream was given up")),
                 },
             };
             Some((part, (None, parts)))
         });
-        let mut response = Body::from_stream(body).into_response();
+        // Layers may ask once more after the end.
+        let mut response = Body::from_stream(body.fuse()).into_response();
         let headers = response.headers_mut();
-        let content_type = HeaderValue::from_str(&format!("{media_type}; charset=us-ascii"));
-        headers.insert(header::CONTENT_TYPE, content_type.unwrap_or(HeaderValue::from_static(media_type)));
+        // Comments may be in any character set: they pass as they are.
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
         if let Ok(disposition) = HeaderValue::from_str(&format!("attachment; filename=\"{file_name}\"")) {
             headers.insert(header::CONTENT_DISPOSITION, disposition);
         }
@@ -130,7 +143,7 @@ impl ProgramStream {
     }
 }
 
-/// Passes the body through the rewriter, piece by piece, as it comes.
+/// Passes the body through the rewriter, piece by piece, as it comes; ends when nobody reads any more.
 async fn pump(
     app: &App,
     mut body: Body,
@@ -141,27 +154,54 @@ async fn pump(
     let deadline = Instant::now() + app.streams.deadline;
     let late =
         |_| ApiError::new(Code::DeadlinePassed, "the program did not end within the deadline for streams");
-    let most = app.streams.bytes;
-    loop {
-        let data = timeout_at(deadline.into(), next_bytes(&mut body, app)).await.map_err(late)??;
-        let is_last = data.is_none();
-        let step = move |budget: &Budget| {
-            work.take(data.as_deref(), most, budget)?;
-            Ok::<_, ApiError>(work)
-        };
-        work = app.compute.run_admitted(Arc::clone(&place), None, step).await??;
-        if !work.out.is_empty() {
-            let text = Bytes::from(std::mem::take(&mut work.out));
-            let sent = timeout_at(deadline.into(), sender.send(Ok(Part::Text(text)))).await.map_err(late)?;
-            if sent.is_err() {
-                // Nobody reads any more.
-                return Ok(());
+    let queue = Arc::new(Semaphore::new(BACKLOG_BYTES as usize));
+    let step_bytes = work.decoder.step_bytes();
+    let rewritten = async {
+        loop {
+            let data = next_bytes(&mut body, app).await?;
+            let Some(mut data) = data else { break };
+            while !data.is_empty() {
+                let piece = data.split_to(data.len().min(step_bytes));
+                work = step(app, work, Some(piece), &place).await?;
+                send(&mut work.out, &queue, sender).await;
             }
         }
-        if is_last {
-            let _ = sender.send(Ok(Part::End(*work.rewriter.figures()))).await;
-            return Ok(());
-        }
+        work = step(app, work, None, &place).await?;
+        send(&mut work.out, &queue, sender).await;
+        let _ = sender.send(Ok(Part::End(*work.rewriter.figures()))).await;
+        Ok(())
+    };
+    tokio::select! {
+        () = sender.closed() => Ok(()),
+        done = timeout_at(deadline.into(), rewritten) => done.map_err(late)?,
+    }
+}
+
+/// One piece of the body, or its end, through the rewriter on the pool.
+async fn step(
+    app: &App,
+    mut work: Work,
+    data: Option<Bytes>,
+    place: &Arc<OwnedSemaphorePermit>,
+) -> Result<Work, ApiError> {
+    let most = app.streams.bytes;
+    let job = move |budget: &Budget| {
+        work.take(data.as_deref(), most, budget)?;
+        Ok::<_, ApiError>(work)
+    };
+    app.compute.run_admitted(Arc::clone(place), None, job).await?
+}
+
+/// Queues what is ready, when there is room for it.
+async fn send(out: &mut Vec<u8>, queue: &Arc<Semaphore>, sender: &mpsc::Sender<Result<Part, ApiError>>) {
+    if out.is_empty() {
+        return;
+    }
+    let text = Bytes::from(std::mem::take(out));
+    let room = u32::try_from(text.len()).unwrap_or(BACKLOG_BYTES).min(BACKLOG_BYTES);
+    // Neither is closed while this runs, but when nobody reads any more.
+    if let Ok(room) = Arc::clone(queue).acquire_many_owned(room).await {
+        let _ = sender.send(Ok(Part::Text(text, room))).await;
     }
 }
 
@@ -212,19 +252,25 @@ impl Decoder {
         }
     }
 
-    /// Gives the decoded bytes to `take`, a part at a time.
+    /// Gives the decoded bytes to `take`.
     fn each(
         &mut self,
         data: &[u8],
         mut take: impl FnMut(&[u8]) -> Result<(), ApiError>,
     ) -> Result<(), ApiError> {
         let Self::Gzip(decoder) = self else { return take(data) };
-        for part in data.chunks(DECODED_AT_A_TIME) {
-            decoder.write_all(part).and_then(|()| decoder.flush()).map_err(no_gzip)?;
-            take(decoder.get_ref())?;
-            decoder.get_mut().clear();
-        }
+        decoder.write_all(data).and_then(|()| decoder.flush()).map_err(no_gzip)?;
+        take(decoder.get_ref())?;
+        decoder.get_mut().clear();
         Ok(())
+    }
+
+    /// How much it is given at a time.
+    fn step_bytes(&self) -> usize {
+        match self {
+            Self::Identity => STEP_BYTES,
+            Self::Gzip(_) => CODED_STEP_BYTES,
+        }
     }
 
     /// Says that no more will come; what is left goes to `take`.

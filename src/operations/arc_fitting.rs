@@ -21,7 +21,7 @@
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::arc_fit::{
@@ -156,7 +156,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         return Err(Error::ToleranceMissed { deviation_mm: figures.deviation_mm });
     }
     let curves: Vec<Curve> = pieces.iter().map(|piece| piece.curve).collect();
-    let kinks = kinks(&curves);
+    let kinks = kinks(&curves, job.fit.is_closed);
     let length_mm = curves.iter().map(Curve::length).sum();
     let report = Report {
         n_points: job.points.len(),
@@ -238,8 +238,14 @@ fn exceeds(deviation_mm: f64, tolerance_mm: f64) -> bool {
     deviation_mm > tolerance_mm * (1.0 + ROUNDING) + ROUNDING_MM
 }
 
-/// The angles between neighbouring curves, degrees.
-fn kinks(curves: &[Curve]) -> Vec<f64> {
-    let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(&b).norm().atan2(a.dot(&b)).to_degrees();
-    curves.windows(2).map(|pair| angle(pair[0].tangents()[1], pair[1].tangents()[0])).collect()
+/// The angles between neighbouring curves, degrees; of a closed way, also that between the last and the first.
+fn kinks(curves: &[Curve], is_closed: bool) -> Vec<f64> {
+    let angle = |before: &Curve, after: &Curve| {
+        let [_, a] = before.tangents();
+        let [b, _] = after.tangents();
+        a.cross(&b).norm().atan2(a.dot(&b)).to_degrees()
+    };
+    let seam = curves.last().zip(curves.first()).filter(|_| is_closed);
+    let neighbours = curves.windows(2).map(|pair| (&pair[0], &pair[1]));
+    neighbours.chain(seam).map(|(before, after)| angle(before, after)).collect()
 }

@@ -1,5 +1,6 @@
 //! The service as its callers meet it.
 
+mod arcs;
 mod binary;
 mod coding;
 mod connection;

@@ -116,8 +116,9 @@ impl Chord {
             return;
         }
         let scale = (s + k) / (2.0 * l);
-        let (first, second) = (scale / (y + e), scale / (y - e));
-        if yy < ee {
+        // Beyond all bounds, where the point is just so far beside the line that the other bound alone is left.
+        let (first, second) = (scale / (e + y), -(scale / (e - y)));
+        if yy <= ee {
             bulges.hole = [bulges.hole[0].min(second), bulges.hole[1].max(first)];
         } else {
             bulges.least = bulges.least.max(first);

@@ -22,9 +22,8 @@ const DENSE: usize = 24;
 const WIDEST: f64 = 0.5;
 const BETTER: f64 = 0.5;
 
-/// Points before the first frame is tried, and the part by which they grow before another is.
+/// Points before the first frame is tried; once there is one, another is tried when there are twice as many.
 const FIRST_FRAME: usize = 4;
-const GROWTH: usize = 1;
 
 /// What a disc cuts off is left where it is no larger than this part of the disc: corners cost more than they tell.
 const SLIVER: f64 = 0.04;
@@ -120,7 +119,7 @@ impl Fan {
         self.discs.push(disc);
         if self.discs.len() == self.next_frame {
             let is_better = self.turn_frame();
-            self.next_frame += if self.frame.is_none() { FIRST_FRAME } else { self.discs.len() / GROWTH };
+            self.next_frame += if self.frame.is_none() { FIRST_FRAME } else { self.discs.len() };
             if is_better {
                 // Lines go through the image of what is infinitely far.
                 let far = Disc { center: Vector2::zeros(), radius: ROUNDING * disc.center.norm() };

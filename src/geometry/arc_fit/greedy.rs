@@ -1,14 +1,17 @@
 //! Elements that each grow as far as they can: Ju's method.
 //!
-//! An element takes in one point after another until the first that it cannot; from [`LONG`] points on, growth is tried at
+//! An element takes in one point after another until the first that it cannot (along lines, [`STRIDE`] at a time, then one by
+//! one: these are programs, of which there is much); from [`LONG`] points on, growth is tried at
 //! doubling lengths, then by halving, which may end later than the first failure, never earlier.
 
 use nalgebra::Vector2;
 
+use super::Measure;
 use super::span::{Points, Rule, Span, Witnesses};
 use crate::budget::{Budget, Stopped};
 
 const LONG: usize = 512;
+const STRIDE: usize = 4;
 
 /// The points at which elements meet, from the first to the last; the first element starts at `from`.
 pub fn joints(
@@ -42,6 +45,10 @@ fn longest(
     let mut fits =
         |end: usize| Span { from, ..Span::of(points, start, end) }.find(rule, &mut witnesses).is_some();
     let mut good = start + 1;
+    let stride = if rule.measure == Measure::Polyline { STRIDE } else { 1 };
+    while good + stride < last && good - start < LONG && stride > 1 && fits(good + stride) {
+        good += stride;
+    }
     while good < last && good - start < LONG {
         if !fits(good + 1) {
             return Ok(good);

@@ -9,23 +9,22 @@ use super::Fit;
 use super::optimal::Node;
 
 /// Points of each element with nodes beside them.
-const POINTS_AN_ELEMENT: usize = 24;
+pub const POINTS_AN_ELEMENT: usize = 24;
 
-/// Nodes on each side of a point; the farthest is nearly a tolerance away.
-const SIDE: i32 = 6;
+/// How far the farthest node is from its point, in tolerances.
 const FARTHEST: f64 = 0.97;
 
 /// The way of the points is seen over so many tolerances, or so many points.
 const SIGHT_TOLERANCES: f64 = 30.0;
 const SIGHT_POINTS: usize = 64;
 
-/// Nodes at some of the points and beside them, for elements of which there are `count`. Where the start is `pinned`, it is the
-/// only one of the first point; a closed way ends at its start.
+/// Nodes at some of the points and beside them, `side` on each side, for elements of which there are `count`. Where the start is
+/// `pinned`, it is the only one of the first point; a closed way ends at its start.
 pub fn nodes(
     points: &[Vector2<f64>],
     pinned: Option<Vector2<f64>>,
     request: &Fit,
-    count: usize,
+    (count, side): (usize, i32),
 ) -> Vec<Node> {
     let (n, tolerance) = (points.len(), request.tolerance_mm);
     let stride = (n / (POINTS_AN_ELEMENT * count)).max(1);
@@ -44,8 +43,8 @@ pub fn nodes(
             continue;
         }
         let Some(across) = across(points, index, tolerance) else { continue };
-        let beside = (-SIDE..=SIDE).filter(|k| *k != 0).map(|k| {
-            let offset = FARTHEST * tolerance * f64::from(k) / f64::from(SIDE);
+        let beside = (-side..=side).filter(|k| *k != 0).map(|k| {
+            let offset = FARTHEST * tolerance * f64::from(k) / f64::from(side);
             Node { index, at: points[index] + across * offset }
         });
         nodes.extend(beside);

@@ -25,6 +25,11 @@ pub struct Node {
 /// Failures after which the fan is asked first.
 const PATIENCE: usize = 8;
 
+/// Looks at points, for each of them, after which what is known is taken for the least; in a plane that is far beyond what
+/// was ever needed, in space the closed form tells little.
+const MOST_LOOKS: usize = 100_000;
+const MOST_LOOKS_IN_SPACE: usize = 500;
+
 const NOWHERE: usize = usize::MAX;
 
 /// The nodes of a chain of the fewest elements, if there is one of less than `known`, from a node of the first point to one of
@@ -40,11 +45,15 @@ pub fn fewest(
     let mut frontier: Vec<usize> = (0..nodes.len()).take_while(|&k| nodes[k].index == 0).collect();
     let mut parents = vec![NOWHERE; nodes.len()];
     frontier.iter().for_each(|&k| parents[k] = k);
-    let mut search = Search { points, nodes, bounds, rule, known, parents, fan: Fan::new(rule) };
+    let most = if points.heights.is_empty() { MOST_LOOKS } else { MOST_LOOKS_IN_SPACE } * points.flat.len();
+    let mut search = Search { points, nodes, bounds, rule, known, parents, fan: Fan::new(rule), looks: 0 };
     for count in 1..known {
         let mut next = Vec::new();
         for &source in frontier.iter().rev() {
             budget.check()?;
+            if search.looks > most {
+                return Ok(None);
+            }
             if let Some(end) = search.expand(source, count, &mut next) {
                 return Ok(Some(chain(nodes, &search.parents, end)));
             }
@@ -64,14 +73,29 @@ struct Search<'a> {
     /// Where each node was reached from; the first from themselves.
     parents: Vec<usize>,
     fan: Fan,
+    /// At points, so far.
+    looks: usize,
 }
 
 impl Search<'_> {
     /// Adds to `next` what one element from `source` reaches that was not reached before, as the element of number `count`; the
     /// node of the last point, if it is there.
     fn expand(&mut self, source: usize, count: usize, next: &mut Vec<usize>) -> Option<usize> {
+        let mut witnesses = Witnesses::default();
+        let end = self.reached(source, count, next, &mut witnesses);
+        self.looks += witnesses.looks;
+        end
+    }
+
+    fn reached(
+        &mut self,
+        source: usize,
+        count: usize,
+        next: &mut Vec<usize>,
+        witnesses: &mut Witnesses,
+    ) -> Option<usize> {
         let from = self.nodes[source];
-        let (mut witnesses, mut n_failures, mut has_failed) = (Witnesses::default(), 0, false);
+        let (mut n_failures, mut has_failed) = (0, false);
         let mut worth = Fan::worth(from.index).peekable();
         let mut target = self.nodes.partition_point(|node| node.index <= from.index);
         while let Some(&to) = self.nodes.get(target) {
@@ -109,7 +133,7 @@ impl Search<'_> {
             }
             let span =
                 Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at };
-            if span.find(self.rule, &mut witnesses).is_none() {
+            if span.find(self.rule, witnesses).is_none() {
                 n_failures += usize::from(n_failures < PATIENCE);
                 has_failed = true;
                 continue;

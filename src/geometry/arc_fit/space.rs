@@ -5,7 +5,7 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::{Fit, Fitted, Joints, Measure, Points, Shape, center, fit, span, turn};
+use super::{Element, Fit, Fitted, Joints, Measure, Points, Shape, center, fit, span, turn};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
@@ -48,24 +48,49 @@ pub fn fit_in_space(
         return Err(FitError::OnePlace);
     }
     let ends: Vec<Point3<f64>> = distinct.iter().map(|&k| points[k]).collect();
-    let stretches = match plane {
-        Some(plane) => vec![Stretch { plane, is_level: false, end: ends.len() - 1 }],
-        None => stretches(&ends),
+    let whole = |plane: Plane| vec![Stretch { plane, is_level: false, end: ends.len() - 1 }];
+    let mut pieces = match plane {
+        Some(plane) => fit_stretches(&ends, &whole(plane), request, budget)?,
+        None => fit_stretches(&ends, &stretches(&ends), request, budget)?,
     };
+    let changes_plane = pieces.windows(2).any(|pair| plane_of(&pair[0].curve) != plane_of(&pair[1].curve));
+    if plane.is_none() && changes_plane {
+        // Points of a slow climb keep a height here and there by their rounding.
+        let helices = fit_stretches(&ends, &whole(Plane::Xy), request, budget)?;
+        if helices.len() < pieces.len() {
+            pieces = helices;
+        }
+    }
+    // What follows a point as its repetition belongs to it.
+    let last = |end: usize| distinct.get(end + 1).map_or(points.len(), |next| *next) - 1;
+    Ok(pieces.into_iter().map(|piece| Piece { end: last(piece.end), ..piece }).collect())
+}
+
+/// The plane of an arc; lines have none.
+fn plane_of(curve: &Curve) -> Option<Plane> {
+    match curve {
+        Curve::Arc(arc) => Some(arc.plane()),
+        Curve::Line(_) | Curve::Parabola(_) => None,
+    }
+}
+
+fn fit_stretches(
+    points: &[Point3<f64>],
+    stretches: &[Stretch],
+    request: &Fit,
+    budget: &Budget,
+) -> Result<Vec<Piece>, FitError> {
     // Where the plane changes, elements meet on a point.
-    let request = match &stretches[..] {
+    let request = match stretches {
         [_] => *request,
         _ => Fit { joints: Joints::OnPoints, is_closed: false, ..*request },
     };
     let mut pieces = Vec::new();
     let mut begin = 0;
-    for Stretch { plane, is_level: _, end } in stretches {
-        pieces.extend(fit_stretch(&ends[begin..=end], plane, &request, budget)?.into_iter().map(|piece| {
-            // What follows as its repetition belongs to a point.
-            let last = distinct.get(begin + piece.end + 1).map_or(points.len(), |next| *next);
-            Piece { end: last - 1, ..piece }
-        }));
-        begin = end;
+    for stretch in stretches {
+        let fitted = fit_stretch(&points[begin..=stretch.end], stretch.plane, &request, budget)?;
+        pieces.extend(fitted.into_iter().map(|piece| Piece { end: begin + piece.end, ..piece }));
+        begin = stretch.end;
     }
     Ok(pieces)
 }
@@ -125,7 +150,7 @@ fn fit_stretch(
         .into_iter()
         .map(|element| {
             let at = |p: Vector2<f64>, height: f64| plane.to_workpiece(&Vector3::new(p.x, p.y, height));
-            let end_height = local[element.end].z;
+            let end_height = height_of(&element, &local);
             let [start, end] = [at(from, height), at(element.to, end_height)];
             let arc = |is_ccw: bool, center: Vector2<f64>| {
                 let direction = if is_ccw { Direction::Ccw } else { Direction::Cw };
@@ -140,6 +165,14 @@ fn fit_stretch(
             Ok(Piece { end: element.end, curve })
         })
         .collect()
+}
+
+/// The height at which an element ends: that of its point, or, where biarcs meet between two points, between theirs.
+fn height_of(element: &Element, local: &[Vector3<f64>]) -> f64 {
+    let at = local[element.end];
+    let Some(next) = local.get(element.end + 1).filter(|_| element.to != at.xy()) else { return at.z };
+    let [passed, left] = [at, *next].map(|p| (element.to - p.xy()).norm());
+    at.z + (next.z - at.z) * passed / (passed + left)
 }
 
 /// Bound of the distance both ways between a line or an arc and the lines through the points that it stands for, mm; infinite

@@ -22,8 +22,9 @@ const ORDER_SLACK: f64 = 1e-6;
 /// Halvings in the search for the distance within which points are in order.
 const ORDER_STEPS: usize = 40;
 
-/// What a span costs beside the looks at its points.
+/// What a span costs beside the looks at its points, and how much more a look at angles and heights costs.
 const LOOKS_A_SPAN: usize = 10;
+const SLOW_LOOKS: usize = 8;
 
 /// What is asked of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -226,9 +227,11 @@ impl<'a> Span<'a> {
         if is_crossed && self.crossing(&track, tolerance, chord, witnesses.crossed).is_some() {
             return false;
         }
+        witnesses.looks += self.inner().len();
         if is_flat && self.advances(bulge) {
             return !has_dips || self.keeps_lines(&track, tolerance, chord);
         }
+        witnesses.looks += SLOW_LOOKS * self.inner().len();
         if !is_flat && let Some(k) = (self.first..=self.last).find(|k| is_far(*k)) {
             witnesses.far = k;
             return false;
@@ -282,8 +285,12 @@ impl<'a> Span<'a> {
         track.foot(p, height).distance
     }
 
-    /// How far the lines between the points lie inside an arc at most, mm.
+    /// How far the lines between the points lie inside an arc at most, or beside a helix, mm.
     fn dip(&self, track: &Track, chord: &Chord) -> f64 {
+        if !self.points.heights.is_empty() {
+            let lines = (self.first..self.last).map(|k| [self.seen(k, chord), self.seen(k + 1, chord)]);
+            return lines.map(|line| track.beside(line)).fold(0.0, f64::max);
+        }
         self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
     }
 
@@ -376,7 +383,7 @@ pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, meas
         span.crossing(&track, tolerance, &chord, span.first + 1..span.last).is_none()
     };
     if !in_order(within) {
-        let (mut low, mut high) = (within, 2.0 * (within + chord.half));
+        let (mut low, mut high) = (within, 2.0 * (within + chord.half + 2.0 * track.radius));
         if !in_order(high) {
             return f64::INFINITY;
         }

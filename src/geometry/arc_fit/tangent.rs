@@ -21,23 +21,31 @@ use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
 use super::span::{Points, Rule, Span, Witnesses};
-use super::{Element, Fit, Fitted, Shape, joints, shaped};
+use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, joints, shaped};
 use crate::budget::{Budget, Stopped};
 
 /// Nodes on points for each element of the chain that need not be smooth.
 const NODES_AN_ELEMENT: usize = 40;
 
+/// About a joint of that chain all points are nodes, as far as so many of the others.
+const ABOUT_JOINTS: usize = 3;
+
 /// Nodes that are gone on from, the farthest first.
-const WIDEST: usize = 64;
+const WIDEST: usize = 96;
+
+/// Nodes on each side of a point, for a chain that may pass beside exact points, and beside those with errors of their own.
+const BESIDE_EXACT: i32 = 2;
+const BESIDE_NOISY: i32 = 6;
 
 /// Intervals of directions kept at a node.
 const INTERVALS: usize = 3;
 
-/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most.
-const LARGEST_BETWEEN_NEIGHBOURS: f64 = 0.414;
+/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most, and by three where there is no chain
+/// otherwise.
+const LARGEST_BETWEEN_NEIGHBOURS: [f64; 2] = [0.414, 2.414];
 
-/// A flatter arc is a line; what they differ in direction is lost in rounding. mm
-const LARGEST_RADIUS_MM: f64 = 1e6;
+/// An arc of larger radius is a line where that keeps the rule: over half a metre they differ in direction by 0.01 degrees. mm
+const FLAT_RADIUS_MM: f64 = 1e6;
 
 /// The directions between `low` and `high` can be had at a node.
 #[derive(Debug, Clone, Copy)]
@@ -50,28 +58,57 @@ struct Arrival {
 }
 
 /// Fits a smooth chain, guided by the nodes of one that need not be smooth.
+///
+/// Where a chain through points needs more than one element more, one that may pass beside them is looked for as well: between
+/// a line and an arc, no point is where both have the same direction.
 pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
-    let corners = corners(points.flat, rule.tolerance_mm);
-    let is_beside = guide.iter().any(|node| node.at != points.flat[node.index]);
-    let nodes = if is_beside {
+    let count = guide.len() - 1;
+    if count == 1 {
+        return Ok(shaped(points, guide, &rule));
+    }
+    let corners = corners(points.flat, request.measure);
+    let is_on_points = guide.iter().all(|node| node.at == points.flat[node.index]);
+    let mut best: Option<Fitted> = None;
+    if is_on_points {
+        let nodes = on_points(points, guide, &corners);
+        for largest in LARGEST_BETWEEN_NEIGHBOURS {
+            let nodes = nodes.clone();
+            let search = Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST };
+            best = search.run(budget)?;
+            if best.is_some() {
+                break;
+            }
+        }
+    }
+    let is_good = best.as_ref().is_some_and(|fitted| fitted.elements.len() <= count + 1);
+    if !is_good && points.heights.is_empty() && request.joints == Joints::Free {
         let pinned = request.is_closed.then_some(points.flat[0]);
-        joints::nodes(points.flat, pinned, request, guide.len() - 1)
-    } else {
-        on_points(points, guide, &corners)
-    };
-    let search = Search { points, nodes, corners, rule };
-    let found = search.run(budget)?;
-    Ok(found.unwrap_or_else(|| shaped(points, guide, &rule)))
+        let side = if is_on_points { BESIDE_EXACT } else { BESIDE_NOISY };
+        let nodes = joints::nodes(points.flat, pinned, request, (count, side));
+        let widest = WIDEST * (1 + side as usize);
+        let [largest, _] = LARGEST_BETWEEN_NEIGHBOURS;
+        let beside = Search { points, nodes, corners: &corners, rule, largest, widest }.run(budget)?;
+        let is_fewer =
+            |fitted: &Fitted| best.as_ref().is_none_or(|best| fitted.elements.len() < best.elements.len());
+        if let Some(fewer) = beside.filter(is_fewer) {
+            return Ok(fewer);
+        }
+    }
+    Ok(best.unwrap_or_else(|| shaped(points, guide, &rule)))
 }
 
-/// Nodes on some points of each element of the guide, its joints and the corners.
+/// Nodes on some points of each element of the guide, all about its joints, and the corners: where a line becomes an arc, only
+/// one point is where both have the same direction, and it is near a joint of the guide.
 fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
+    let last = points.flat.len() - 1;
     let mut indices: Vec<usize> = corners.to_vec();
     for pair in guide.windows(2) {
-        let stride = ((pair[1].index - pair[0].index) / NODES_AN_ELEMENT).max(1);
-        indices.extend((pair[0].index..=pair[1].index).step_by(stride));
-        indices.push(pair[1].index);
+        let [from, to] = [pair[0].index, pair[1].index];
+        let stride = ((to - from) / NODES_AN_ELEMENT).max(1);
+        indices.extend((from..=to).step_by(stride));
+        let about = ABOUT_JOINTS * stride;
+        indices.extend(to.saturating_sub(about)..=(to + about).min(last));
     }
     indices.sort_unstable();
     indices.dedup();
@@ -81,14 +118,23 @@ fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
 struct Search<'a> {
     points: Points<'a>,
     nodes: Vec<Node>,
-    corners: Vec<usize>,
+    corners: &'a [usize],
     rule: Rule,
+    /// The largest bulge between neighbouring points.
+    largest: f64,
+    widest: usize,
 }
 
 impl Search<'_> {
     fn run(&self, budget: &Budget) -> Result<Option<Fitted>, Stopped> {
         let last = self.points.flat.len() - 1;
-        let bounds = Bounds::on_points(self.points, &self.rule, budget)?;
+        let is_on_points = self.nodes.iter().all(|node| node.at == self.points.flat[node.index]);
+        let is_short = self.points.flat.len() <= WINDOW;
+        let bounds = if is_on_points && is_short {
+            Bounds::on_points(self.points, &self.rule, budget)?
+        } else {
+            Bounds::unknown(self.points.flat.len())
+        };
         let starts = (0..self.nodes.len()).take_while(|&k| self.nodes[k].index == 0);
         let anywhere = |node: usize| Arrival { node, low: f64::NEG_INFINITY, high: f64::INFINITY, before: 0 };
         let mut layers: Vec<Vec<Arrival>> = vec![starts.map(anywhere).collect()];
@@ -167,15 +213,14 @@ impl Search<'_> {
     /// The bulges that an element may have.
     fn bulges(&self, span: &Span) -> Option<(Chord, Vec<[f64; 2]>)> {
         let chord = Chord::new(span.from, span.to)?;
-        if span.last == span.first + 1 {
-            let largest = LARGEST_BETWEEN_NEIGHBOURS;
-            return Some((chord, vec![[-largest, largest]]));
-        }
         let bulges = span.bulges(&self.rule, &mut Witnesses::default())?;
-        let parts = bulges.parts().filter(|part| {
-            span.keeps(0.5 * (part[0] + part[1]), &self.rule, &chord, &mut Witnesses::default())
-        });
-        Some((chord, parts.collect()))
+        if span.last == span.first + 1 {
+            let largest = self.largest;
+            return Some((chord, vec![[bulges.least.max(-largest), bulges.most.min(largest)]]));
+        }
+        let middle = |part: &[f64; 2]| 0.5 * (part[0] + part[1]);
+        let keeps = |bulge: f64| span.keeps(bulge, &self.rule, &chord, &mut Witnesses::default());
+        Some((chord, bulges.parts().filter(|part| keeps(middle(part))).collect()))
     }
 
     /// The widest arrivals at each of the farthest nodes, in the order of the nodes.
@@ -186,7 +231,7 @@ impl Search<'_> {
         for arrival in arrivals {
             let same = kept.iter().rev().take_while(|other| other.node == arrival.node).count();
             nodes += usize::from(same == 0);
-            if nodes > WIDEST {
+            if nodes > self.widest {
                 break;
             }
             if same < INTERVALS {
@@ -213,7 +258,9 @@ impl Search<'_> {
             if !self.is_kept(&span, &chord, bulge) {
                 return None;
             }
-            let is_line = bulge.abs() * 2.0 * LARGEST_RADIUS_MM < chord.half;
+            let is_flat = bulge.abs() * 2.0 * FLAT_RADIUS_MM < chord.half;
+            let is_line =
+                is_flat && self.bulges(&span)?.1.iter().any(|part| (part[0]..=part[1]).contains(&0.0));
             let shape = if is_line { Shape::Line } else { Shape::Arc { bulge } };
             elements.push(Element { end: span.last, to: span.to, shape });
             let is_corner = self.corners.binary_search(&span.first).is_ok();
@@ -225,7 +272,7 @@ impl Search<'_> {
     }
 
     fn is_kept(&self, span: &Span, chord: &Chord, bulge: f64) -> bool {
-        span.last == span.first + 1 || span.keeps(bulge, &self.rule, chord, &mut Witnesses::default())
+        span.keeps(bulge, &self.rule, chord, &mut Witnesses::default())
     }
 
     /// The bulge in the middle of those that go on from an arrival.

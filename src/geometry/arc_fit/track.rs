@@ -4,6 +4,9 @@ use nalgebra::Vector2;
 
 use super::chord::Chord;
 
+/// What turns by half a turn within this, radians, does so by rounding.
+const HALF_A_TURN: f64 = 1e-9;
+
 /// The place of an element that is nearest to a point.
 pub struct Foot {
     /// The fraction of the element's length, also of its continuation.
@@ -118,7 +121,27 @@ impl Track {
     pub fn turned(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
         let center = Vector2::new(0.0, self.center);
         let [a, b] = [a - center, b - center];
-        -self.bulge.signum() * a.perp(&b).atan2(a.dot(&b))
+        let turned = -self.bulge.signum() * a.perp(&b).atan2(a.dot(&b));
+        // Just half a turn is one the way of the arc.
+        if turned < HALF_A_TURN - std::f64::consts::PI { turned + std::f64::consts::TAU } else { turned }
+    }
+
+    /// Bound of the distance of the line from `a` to `b`, each with its height, from a helix.
+    ///
+    /// Of a line that is seen under the angle 2 h, a point at the fraction t stands at the fraction f of the angle with
+    /// |f - t| <= h^2 / (8 cos^2 h), the error of a chord of the tangent; there the helix has risen by so much more or less.
+    pub fn beside(&self, [a, b]: [(Vector2<f64>, f64); 2]) -> f64 {
+        let off = |(p, height): (Vector2<f64>, f64)| {
+            let foot = self.foot(p, height);
+            let above = height - self.rise * (foot.along.clamp(0.0, 1.0) - 0.5);
+            ((foot.distance * foot.distance - above * above).max(0.0).sqrt(), above.abs())
+        };
+        let [(beside_a, above_a), (beside_b, above_b)] = [off(a), off(b)];
+        let half_angle = 0.5 * self.turned(a.0, b.0).abs();
+        let ahead = (0.125 * (half_angle / half_angle.cos()).powi(2)).min(0.5);
+        let rise = self.rise.abs() * 2.0 * half_angle / self.sweep;
+        let beside = beside_a.max(beside_b).max(self.dip(a.0, b.0));
+        beside.hypot(above_a.max(above_b) + rise * ahead)
     }
 
     /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.

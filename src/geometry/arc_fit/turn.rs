@@ -77,10 +77,9 @@ fn circle(points: &[Vector2<f64>], weights: &[f64]) -> Option<(Vector2<f64>, f64
 
 /// Whether the points pass the circle counterclockwise, once and in order; `None` where they do not.
 fn sense(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, tolerance: f64) -> Option<bool> {
-    let (mut turned, mut extremes) = (0.0f64, [0.0f64; 2]);
-    // Whoever goes back by no more than this is still near the circle where it was.
-    let slack = 2.0 * tolerance / radius;
-    let mut goes_back = [false; 2];
+    let (mut turned, mut goes_back) = (0.0f64, [false; 2]);
+    // The first place near a point, whichever way round, is never behind the last one near any later point.
+    let mut first = [f64::NEG_INFINITY; 2];
     for pair in points.windows(2) {
         let [a, b] = [pair[0] - center, pair[1] - center];
         let step = a.perp(&b).atan2(a.dot(&b));
@@ -88,9 +87,12 @@ fn sense(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, tolerance: 
             return None;
         }
         turned += step;
-        extremes = [extremes[0].min(turned), extremes[1].max(turned)];
-        goes_back[0] |= turned < extremes[1] - slack;
-        goes_back[1] |= turned > extremes[0] + slack;
+        let off = b.norm() - radius;
+        let half_width = ((tolerance - off) * (tolerance + off)).max(0.0).sqrt() / radius;
+        for (k, way) in [turned, -turned].into_iter().enumerate() {
+            first[k] = first[k].max(way - half_width);
+            goes_back[k] |= way + half_width < first[k];
+        }
     }
     let is_once = (turned.abs() - std::f64::consts::TAU).abs() < 1e-6;
     let is_ccw = turned > 0.0;

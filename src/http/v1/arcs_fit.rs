@@ -85,11 +85,11 @@ fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<AnyFitReport>, ApiError> 
 fn proved(report: &arc_fitting::Report) -> String {
     let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
     format!(
-        "{} ARCS AND {} LINES FOR {} POINTS - DEVIATION {:.4} MM",
+        "{} ARCS AND {} LINES FOR {} POINTS - WITHIN {:.4} MM AS WRITTEN",
         report.n_arcs,
         report.n_lines,
         report.n_points,
-        up(report.deviation_max_mm)
+        up(report.deviation_written_max_mm)
     )
 }
 

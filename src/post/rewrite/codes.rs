@@ -98,6 +98,8 @@ pub enum Function {
     Ends,
     /// Another program runs, or another part of this one.
     Leaves,
+    /// The modes of an earlier place come back, compensations among them.
+    Restores,
     Unknown,
 }
 
@@ -109,6 +111,7 @@ pub fn function(tenths: i32) -> Function {
         60 => Function::ToolChange,
         20 | 300 => Function::Ends,
         970 | 980 | 990 | 1980 => Function::Leaves,
+        720 | 730 => Function::Restores,
         _ => Function::Unknown,
     }
 }

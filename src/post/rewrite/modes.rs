@@ -108,6 +108,19 @@ impl Modes {
         barred: 0,
     };
 
+    /// What holds where nothing is known; compensations are taken to be off.
+    const UNKNOWN: Self = Self {
+        units: None,
+        distance: None,
+        centers: None,
+        plane: None,
+        feed_mode: None,
+        motion: None,
+        feed: None,
+        at: [None; 3],
+        barred: 0,
+    };
+
     /// Whether a run may stand here, if its blocks are lines.
     pub fn allow_runs(&self) -> bool {
         let may_write_centers = match self.centers {
@@ -274,11 +287,17 @@ impl Reading {
                 self.is_unknown = true;
                 self.modes = self.modes.forgotten();
             }
+            Function::Restores => {
+                self.is_unknown = true;
+                self.modes = Modes { barred: self.modes.barred, ..Modes::UNKNOWN };
+            }
             Function::Unknown => self.is_unknown = true,
         }
     }
 
     fn place(&mut self, place: Place) {
+        // Some controls compensate the tool's length along the normal of the plane.
+        self.needs.plane |= place == Place::Shifted;
         if place == Place::Shifted {
             self.modes.at = [None; 3];
         }

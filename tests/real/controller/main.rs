@@ -3,6 +3,7 @@
 //! * 1,000 random toolpaths in three planes, in mm and inch, in each dialect in turn: the control's path lies within 1.5 units of the
 //!   last decimal of the toolpath and vice versa, in order; lengths and times agree with `measure`.
 //! * A curve interpolated by parabolas: every point the control runs lies within the band, and rounding, of it.
+//! * Programs of G1 blocks, rewritten with arcs: the control's path before and after lies within the tolerance, both ways.
 //! * Every program of the directories given as arguments: the control's motions are those of our own reader.
 //!
 //! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control then runs
@@ -10,6 +11,7 @@
 //!
 //! A dialect of another control is translated where this interpreter reads the same words in another way.
 
+mod arcs;
 mod canon;
 mod compare;
 mod curve;
@@ -58,6 +60,7 @@ fn run(directory: &Path) -> Result<(), String> {
         println!("{}: {figures}", path.display());
     }
     println!("a curve: {}", curve::check(directory)?);
+    println!("rewritten: {}", arcs::check(directory)?);
     let next = AtomicUsize::new(0);
     let all: Result<Vec<compare::Figures>, String> = thread::scope(|scope| {
         let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(|| check_random(directory, &next))).collect();

@@ -12,20 +12,23 @@
 //! 5. `space`: points in space are divided where the plane of their arcs changes.
 //!
 //! # Guarantees
+//! Of all but biarcs, which know no tolerance:
 //! * Every point is within the tolerance of its element, and the elements pass the points in order: a reversal is
 //!   not swallowed. The last point is reached. Arcs go round their centres as the lines between the points do.
 //! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`] nothing is
 //!   promised between the points: the caller knows how far the true curve leaves its chords.
-//! * With joints on points, no chain of elements within the tolerance is shorter than that of [`Method::Optimal`], within
-//!   windows of [`WINDOW`] points. Of the bulges that keep the tolerance, order and lines are tried at nineteen places.
+//! * In a plane, with joints on points, no chain of elements within the tolerance is shorter than that of
+//!   [`Method::Optimal`], within windows of [`WINDOW`] points; but of the bulges that keep the tolerance, order and lines are tried
+//!   at nineteen places, which can miss one. In space it is no longer than the greedy one.
 //!
 //! # Degenerate input
 //! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only for a closed way
 //! whose points are no farther apart than 30 degrees. An arc flatter than [`FLATTEST_MM`] is a line where a line fits; no arc
-//! has a radius above [`LARGEST_RADIUS_MM`].
+//! has a radius above [`LARGEST_RADIUS_MM`], but in smooth chains, where a line would be a kink.
 //!
 //! # Cost
-//! O(n m) for n points, m an element, at some 10 ns; see `benches/arc_fitting.rs`.
+//! O(n m) for n points, m an element, at some 10 ns; what would take much longer, on points in space and on noise of the order of
+//! the tolerance, ends with the best that is known. See `benches/arc_fitting.rs`.
 //!
 //! # Differences from the paper
 //! As printed the algorithm drops a tail of two points; here it becomes a line. Eq. 4 measures to the whole
@@ -177,7 +180,7 @@ pub struct Fitted {
     pub elements: Vec<Element>,
 }
 
-/// Fits elements to at least two points, each different from the one before.
+/// Fits elements to at least two points, each different from the one before, at least in height.
 ///
 /// # Errors
 /// When the budget runs out.

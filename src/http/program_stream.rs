@@ -134,8 +134,9 @@ impl ProgramStream {
         // Layers may ask once more after the end.
         let mut response = Body::from_stream(body.fuse()).into_response();
         let headers = response.headers_mut();
-        // Comments may be in any character set: they pass as they are.
-        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
+        // What we write is; comments in another character set pass as they are.
+        let content_type = HeaderValue::from_str(&format!("{media_type}; charset=us-ascii"));
+        headers.insert(header::CONTENT_TYPE, content_type.unwrap_or(HeaderValue::from_static(media_type)));
         if let Ok(disposition) = HeaderValue::from_str(&format!("attachment; filename=\"{file_name}\"")) {
             headers.insert(header::CONTENT_DISPOSITION, disposition);
         }

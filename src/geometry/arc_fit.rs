@@ -56,7 +56,7 @@ use nalgebra::Vector2;
 
 use crate::budget::{Budget, Stopped};
 use bounds::Bounds;
-use optimal::Node;
+use optimal::{Node, Outcome};
 
 pub use space::{FitError, Piece, deviation, fit_in_space, polyline_deviation};
 pub use span::Points;
@@ -77,6 +77,14 @@ const POINTS_FOR_FREE_JOINTS: usize = 8;
 
 /// Nodes on each side of a point where elements may meet beside it.
 const NODES_BESIDE: i32 = 6;
+
+/// Looks at points: a second is some hundred million.
+const MOST_LOOKS: usize = 40_000;
+const MOST_LOOKS_IN_SPACE: usize = 500;
+const MOST_LOOKS_IN_ALL: usize = 1_000_000_000;
+
+/// Nodes that are left where all of them are too many.
+const THINNED: usize = 1_500;
 
 /// An element that ends for the point with index `end`, at `to`, and starts where the one before ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,7 +224,7 @@ fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>,
             flat: &flat[begin..end],
             heights: if points.heights.is_empty() { &[] } else { &points.heights[begin..end] },
         };
-        let mut found = joined(window, nodes.last().map(|node| node.at), request, budget)?;
+        let mut found = joined(window, nodes.last().map(|node| node.at), flat.len(), request, budget)?;
         if end < flat.len() {
             let standing = found.iter().rposition(|node| node.index <= WINDOW / 4 * 3).unwrap_or(0).max(1);
             found.truncate(standing + 1);
@@ -261,10 +269,11 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
     Fitted { start: nodes[0].at, elements }
 }
 
-/// Where the elements meet, from the first point, or from `start` near it.
+/// Where the elements meet, from the first point, or from `start` near it; the window is one of `n_points`.
 fn joined(
     points: Points,
     start: Option<Vector2<f64>>,
+    n_points: usize,
     request: &Fit,
     budget: &Budget,
 ) -> Result<Vec<Node>, Stopped> {
@@ -282,20 +291,33 @@ fn joined(
     if bounds.left[0] == known {
         return Ok(greedy);
     }
-    let all: Vec<Node> = (0..n).map(on).collect();
-    let best = optimal::fewest(points, &all, &bounds, &rule, known, budget)?;
-    let is_noisy = best.is_some();
-    let best = best.unwrap_or(greedy);
+    let most = looks(points, n_points) * n;
+    let mut all: Vec<Node> = (0..n).map(on).collect();
+    let mut outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
+    if outcome == Outcome::GivenUp {
+        all.retain(|node| node.index.is_multiple_of(1 + n / THINNED) || node.index + 1 == n);
+        outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
+    }
+    let Outcome::Fewer(best) = outcome else { return Ok(greedy) };
+    // Growing was not the best: the points have errors of their own.
     let count = best.len() - 1;
     let is_free = request.joints == Joints::Free && points.heights.is_empty();
-    if is_free && is_noisy && n >= POINTS_FOR_FREE_JOINTS * count {
+    if is_free && n >= POINTS_FOR_FREE_JOINTS * count {
         let pinned = start.map_or(request.is_closed.then_some(flat[0]), Some);
         let nodes = joints::nodes(flat, pinned, request, (count, NODES_BESIDE));
-        if let Some(fewer) = optimal::fewest(points, &nodes, &Bounds::unknown(n), &rule, count, budget)? {
+        let unknown = Bounds::unknown(n);
+        if let Outcome::Fewer(fewer) = optimal::fewest(points, &nodes, &unknown, &rule, count, most, budget)?
+        {
             return Ok(fewer);
         }
     }
     Ok(best)
+}
+
+/// Looks at points, for each of them, after which a search is given up; of very many points fewer, and fewer in space, where the
+/// closed form tells little.
+fn looks(points: Points, n_points: usize) -> usize {
+    if points.heights.is_empty() { MOST_LOOKS.min(MOST_LOOKS_IN_ALL / n_points) } else { MOST_LOOKS_IN_SPACE }
 }
 
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {

@@ -25,43 +25,49 @@ pub struct Node {
 /// Failures after which the fan is asked first.
 const PATIENCE: usize = 8;
 
-/// Looks at points, for each of them, after which what is known is taken for the least; in a plane that is far beyond what
-/// was ever needed, in space the closed form tells little.
-const MOST_LOOKS: usize = 100_000;
-const MOST_LOOKS_IN_SPACE: usize = 500;
-
 const NOWHERE: usize = usize::MAX;
 
-/// The nodes of a chain of the fewest elements, if there is one of less than `known`, from a node of the first point to one of
-/// the last. `nodes` are in the order of their points.
+/// What a search came to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// The nodes of a chain of the fewest elements.
+    Fewer(Vec<Node>),
+    /// There is none that is shorter than what is known.
+    None,
+    /// It took more than `most` looks at points.
+    GivenUp,
+}
+
+/// Looks for a chain of less than `known` elements from a node of the first point to one of the last. `nodes` are in the order of
+/// their points.
 pub fn fewest(
     points: Points,
     nodes: &[Node],
     bounds: &Bounds,
     rule: &Rule,
     known: usize,
+    most: usize,
     budget: &Budget,
-) -> Result<Option<Vec<Node>>, Stopped> {
+) -> Result<Outcome, Stopped> {
     let mut frontier: Vec<usize> = (0..nodes.len()).take_while(|&k| nodes[k].index == 0).collect();
     let mut parents = vec![NOWHERE; nodes.len()];
     frontier.iter().for_each(|&k| parents[k] = k);
-    let most = if points.heights.is_empty() { MOST_LOOKS } else { MOST_LOOKS_IN_SPACE } * points.flat.len();
     let mut search = Search { points, nodes, bounds, rule, known, parents, fan: Fan::new(rule), looks: 0 };
     for count in 1..known {
         let mut next = Vec::new();
         for &source in frontier.iter().rev() {
             budget.check()?;
             if search.looks > most {
-                return Ok(None);
+                return Ok(Outcome::GivenUp);
             }
             if let Some(end) = search.expand(source, count, &mut next) {
-                return Ok(Some(chain(nodes, &search.parents, end)));
+                return Ok(Outcome::Fewer(chain(nodes, &search.parents, end)));
             }
         }
         next.sort_unstable();
         frontier = next;
     }
-    Ok(None)
+    Ok(Outcome::None)
 }
 
 struct Search<'a> {

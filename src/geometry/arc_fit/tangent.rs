@@ -9,11 +9,12 @@
 //! At a real corner ([`corners`]) any direction may follow.
 //!
 //! # Guarantees
-//! Directions agree to rounding but at corners. If no such chain is found, elements meet at an angle.
+//! Directions agree to rounding but at corners. If no such chain is found, or only after very long, elements meet at an angle.
 //!
 //! # Cost
 //! O(c k^2 m) for c elements of m points with k nodes each, k being constant.
 
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use super::bounds::Bounds;
@@ -21,7 +22,7 @@ use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
 use super::span::{Points, Rule, Span, Witnesses};
-use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, joints, shaped};
+use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, joints, looks, shaped};
 use crate::budget::{Budget, Stopped};
 
 /// Nodes on points for each element of the chain that need not be smooth.
@@ -74,7 +75,8 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         let nodes = on_points(points, guide, &corners);
         for largest in LARGEST_BETWEEN_NEIGHBOURS {
             let nodes = nodes.clone();
-            let search = Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST };
+            let looks = Cell::default();
+            let search = Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST, looks };
             best = search.run(budget)?;
             if best.is_some() {
                 break;
@@ -88,7 +90,8 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         let nodes = joints::nodes(points.flat, pinned, request, (count, side));
         let widest = WIDEST * (1 + side as usize);
         let [largest, _] = LARGEST_BETWEEN_NEIGHBOURS;
-        let beside = Search { points, nodes, corners: &corners, rule, largest, widest }.run(budget)?;
+        let looks = Cell::default();
+        let beside = Search { points, nodes, corners: &corners, rule, largest, widest, looks }.run(budget)?;
         let is_fewer =
             |fitted: &Fitted| best.as_ref().is_none_or(|best| fitted.elements.len() < best.elements.len());
         if let Some(fewer) = beside.filter(is_fewer) {
@@ -123,6 +126,8 @@ struct Search<'a> {
     /// The largest bulge between neighbouring points.
     largest: f64,
     widest: usize,
+    /// At points, so far.
+    looks: Cell<usize>,
 }
 
 impl Search<'_> {
@@ -162,6 +167,9 @@ impl Search<'_> {
                 continue;
             }
             budget.check()?;
+            if self.looks.get() > looks(self.points, self.points.flat.len()) * self.points.flat.len() {
+                return Ok(Vec::new());
+            }
             let node = layer[from].node;
             let here: Vec<usize> = (from..layer.len()).take_while(|&k| layer[k].node == node).collect();
             let index = self.nodes[node].index;
@@ -213,7 +221,10 @@ impl Search<'_> {
     /// The bulges that an element may have.
     fn bulges(&self, span: &Span) -> Option<(Chord, Vec<[f64; 2]>)> {
         let chord = Chord::new(span.from, span.to)?;
-        let bulges = span.bulges(&self.rule, &mut Witnesses::default())?;
+        let mut witnesses = Witnesses::default();
+        let bulges = span.bulges(&self.rule, &mut witnesses);
+        self.looks.set(self.looks.get() + witnesses.looks);
+        let bulges = bulges?;
         if span.last == span.first + 1 {
             let largest = self.largest;
             return Some((chord, vec![[bulges.least.max(-largest), bulges.most.min(largest)]]));

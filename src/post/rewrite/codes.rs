@@ -64,7 +64,9 @@ pub fn effect(tenths: i32) -> Effect {
         410 | 411 | 420 | 421 => Begins(Bar::Compensation, self::Place::Kept),
         434 | 435 | 2340 => Begins(Bar::ToolPoint, self::Place::Shifted),
         490 => Ends(Bar::ToolPoint, self::Place::Shifted),
-        430 | 431 | 432 | 440 | 540..=599 => Place(self::Place::Shifted),
+        // Offsets, not places, are what the axis words of the second and third say.
+        431 | 432 => Place(self::Place::Taken),
+        430 | 440 | 540..=599 => Place(self::Place::Shifted),
         500 => Ends(Bar::Scaling, self::Place::Shifted),
         510 => Begins(Bar::Scaling, self::Place::Taken),
         501 => Ends(Bar::Mirror, self::Place::Taken),

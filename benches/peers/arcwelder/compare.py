@@ -411,6 +411,8 @@ class Service:
             kind = "text/x-gcode"
             query["tolerance_mm"] = f"{tolerance:g}"
             body = program(polyline)
+        # While the answers before were judged, the service may have closed what was idle; the first request opens it again.
+        self.connection.close()
         answers = [self.post(query, body, kind) for _ in range(runs)]
         computes = [compute for _, _, compute in answers if compute is not None]
         return answers[-1][0], statistics.median(wall for _, wall, _ in answers), statistics.median(computes) if computes else None

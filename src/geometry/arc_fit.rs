@@ -78,10 +78,15 @@ const POINTS_FOR_FREE_JOINTS: usize = 8;
 /// Nodes on each side of a point where elements may meet beside it.
 const NODES_BESIDE: i32 = 6;
 
-/// Looks at points: a second is some hundred million.
-const MOST_LOOKS: usize = 40_000;
-const MOST_LOOKS_IN_SPACE: usize = 500;
+/// Looks at points, for each of them, that a search may take, unless it is told otherwise; in space, where the closed form tells
+/// little; and for all windows together. A second is some hundred million.
+pub const EFFORT: usize = 40_000;
+const EFFORT_IN_SPACE: usize = 500;
 const MOST_LOOKS_IN_ALL: usize = 1_000_000_000;
+
+/// Looks at each point that are worth knowing exactly how far elements reach; of a little effort a third.
+const LOOKS_FOR_BOUNDS: usize = 2000;
+const PART_FOR_BOUNDS: usize = 3;
 
 /// Nodes that are left where all of them are too many.
 const THINNED: usize = 1_500;
@@ -160,6 +165,8 @@ pub struct Fit {
     pub measure: Measure,
     /// The last point is the first again: it may be one full turn.
     pub is_closed: bool,
+    /// Looks at points, for each of them, after which a search ends with the best that is known.
+    pub effort: usize,
 }
 
 impl Fit {
@@ -173,6 +180,7 @@ impl Fit {
             joints: Joints::default(),
             measure: Measure::default(),
             is_closed: false,
+            effort: EFFORT,
         }
     }
 
@@ -285,13 +293,16 @@ fn joined(
         return Ok(greedy);
     }
     let is_on_points = on(0).at == flat[0];
-    let bounds =
-        if is_on_points { Bounds::on_points(points, &rule, budget)? } else { Bounds::unknown(flat.len()) };
+    let most = looks(points, n_points, request);
+    let bounds = if is_on_points {
+        Bounds::on_points(points, &rule, for_bounds(most, flat.len()), budget)?
+    } else {
+        Bounds::unknown(flat.len())
+    };
     let (known, n) = (greedy.len() - 1, flat.len());
     if bounds.left[0] == known {
         return Ok(greedy);
     }
-    let most = looks(points, n_points) * n;
     let mut all: Vec<Node> = (0..n).map(on).collect();
     let mut outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
     if outcome == Outcome::GivenUp {
@@ -314,10 +325,15 @@ fn joined(
     Ok(best)
 }
 
-/// Looks at points, for each of them, after which a search is given up; of very many points fewer, and fewer in space, where the
-/// closed form tells little.
-fn looks(points: Points, n_points: usize) -> usize {
-    if points.heights.is_empty() { MOST_LOOKS.min(MOST_LOOKS_IN_ALL / n_points) } else { MOST_LOOKS_IN_SPACE }
+/// Looks at points after which the search over some of `n_points` is given up.
+fn looks(points: Points, n_points: usize, request: &Fit) -> usize {
+    let usual = if points.heights.is_empty() { EFFORT } else { EFFORT_IN_SPACE };
+    points.flat.len() * request.effort.min(usual).min(MOST_LOOKS_IN_ALL / n_points)
+}
+
+/// The part of the looks of a search over `n` points that its bounds may take.
+fn for_bounds(most: usize, n: usize) -> usize {
+    (most / PART_FOR_BOUNDS).min(LOOKS_FOR_BOUNDS * n)
 }
 
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {

@@ -11,7 +11,7 @@
 //!    they could, which is thereby proved to be the least.
 //!
 //! # Cost
-//! O(n m) for elements of m points; no more than [`MOST_LOOKS`] a point for the second step.
+//! O(n m) for elements of m points; the second step ends after so many looks at points.
 
 use super::Shapes;
 use super::chord::LARGEST_BULGE;
@@ -25,11 +25,6 @@ const LINES: &[(f64, f64)] = &[(2.0, 0.0)];
 /// The part of a reach after which it is bounded again.
 const RENEWAL: usize = 32;
 
-/// Looks at points, for each of them, that are worth knowing exactly how far elements reach; in a plane, and in space, where the
-/// closed form tells little.
-const MOST_LOOKS: usize = 2000;
-const MOST_LOOKS_IN_SPACE: usize = 200;
-
 /// What no element can do.
 #[derive(Debug)]
 pub struct Bounds {
@@ -40,18 +35,18 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// For elements that meet on the points.
-    pub fn on_points(points: Points, rule: &Rule, budget: &Budget) -> Result<Self, Stopped> {
+    /// For elements that meet on the points, after at most so many looks at points where these are worth more than a proof
+    /// in their place.
+    pub fn on_points(points: Points, rule: &Rule, most: usize, budget: &Budget) -> Result<Self, Stopped> {
         let n = points.flat.len();
         let (mut beyond, mut left) = (vec![n; n], vec![0; n]);
         let mut longest = Longest::of(points, rule);
         let mut witnesses = Witnesses::default();
-        let most = if points.heights.is_empty() { MOST_LOOKS } else { MOST_LOOKS_IN_SPACE };
         for i in (0..n.saturating_sub(1)).rev() {
             budget.check()?;
             let bound = longest.bound(i);
             let reaches = |end: &usize| {
-                witnesses.looks >= most * n || Span::of(points, i, *end).find(rule, &mut witnesses).is_some()
+                witnesses.looks >= most || Span::of(points, i, *end).find(rule, &mut witnesses).is_some()
             };
             beyond[i] = (i + 1..bound).rev().find(reaches).map_or(i + 1, |end| end + 1);
             left[i] = 1 + left[i + 1..beyond[i]].iter().min().copied().unwrap_or_default();

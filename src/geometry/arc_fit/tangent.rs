@@ -22,7 +22,7 @@ use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
 use super::span::{Points, Rule, Span, Witnesses};
-use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, joints, looks, shaped};
+use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, for_bounds, joints, looks, shaped};
 use crate::budget::{Budget, Stopped};
 
 /// Nodes on points for each element of the chain that need not be smooth.
@@ -69,6 +69,7 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         return Ok(shaped(points, guide, &rule));
     }
     let corners = corners(points.flat, request.measure);
+    let most = looks(points, points.flat.len(), request);
     let is_on_points = guide.iter().all(|node| node.at == points.flat[node.index]);
     let mut best: Option<Fitted> = None;
     if is_on_points {
@@ -76,7 +77,8 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         for largest in LARGEST_BETWEEN_NEIGHBOURS {
             let nodes = nodes.clone();
             let looks = Cell::default();
-            let search = Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST, looks };
+            let search =
+                Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST, looks, most };
             best = search.run(budget)?;
             if best.is_some() {
                 break;
@@ -91,7 +93,8 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         let widest = WIDEST * (1 + side as usize);
         let [largest, _] = LARGEST_BETWEEN_NEIGHBOURS;
         let looks = Cell::default();
-        let beside = Search { points, nodes, corners: &corners, rule, largest, widest, looks }.run(budget)?;
+        let beside =
+            Search { points, nodes, corners: &corners, rule, largest, widest, looks, most }.run(budget)?;
         let is_fewer =
             |fitted: &Fitted| best.as_ref().is_none_or(|best| fitted.elements.len() < best.elements.len());
         if let Some(fewer) = beside.filter(is_fewer) {
@@ -126,8 +129,9 @@ struct Search<'a> {
     /// The largest bulge between neighbouring points.
     largest: f64,
     widest: usize,
-    /// At points, so far.
+    /// At points, so far, and how many there may be.
     looks: Cell<usize>,
+    most: usize,
 }
 
 impl Search<'_> {
@@ -136,7 +140,7 @@ impl Search<'_> {
         let is_on_points = self.nodes.iter().all(|node| node.at == self.points.flat[node.index]);
         let is_short = self.points.flat.len() <= WINDOW;
         let bounds = if is_on_points && is_short {
-            Bounds::on_points(self.points, &self.rule, budget)?
+            Bounds::on_points(self.points, &self.rule, for_bounds(self.most, self.points.flat.len()), budget)?
         } else {
             Bounds::unknown(self.points.flat.len())
         };
@@ -167,7 +171,7 @@ impl Search<'_> {
                 continue;
             }
             budget.check()?;
-            if self.looks.get() > looks(self.points, self.points.flat.len()) * self.points.flat.len() {
+            if self.looks.get() > self.most {
                 return Ok(Vec::new());
             }
             let node = layer[from].node;

@@ -24,6 +24,9 @@ const CHORD_HEIGHT_SHARE: f64 = 0.03;
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
 
+/// Looks at each point that the fewest arcs are worth: on exact points, growing has mostly found them already.
+const EFFORT: usize = 600;
+
 /// How exactly a tip lies on its section, mm.
 const ACCURACY_MM: f64 = 2e-10;
 
@@ -187,7 +190,7 @@ fn fit(
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact: elements meet on them.
-    let request = Fit { shapes, joints: Joints::OnPoints, ..Fit::within(fit_tolerance) };
+    let request = Fit { shapes, joints: Joints::OnPoints, effort: EFFORT, ..Fit::within(fit_tolerance) };
     let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),

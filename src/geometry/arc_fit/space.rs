@@ -48,13 +48,13 @@ pub fn fit_in_space(
         return Err(FitError::OnePlace);
     }
     let ends: Vec<Point3<f64>> = distinct.iter().map(|&k| points[k]).collect();
+    let divided = stretches(&ends);
     let whole = |plane: Plane| vec![Stretch { plane, is_level: false, end: ends.len() - 1 }];
     let mut pieces = match plane {
         Some(plane) => fit_stretches(&ends, &whole(plane), request, budget)?,
-        None => fit_stretches(&ends, &stretches(&ends), request, budget)?,
+        None => fit_stretches(&ends, &divided, request, budget)?,
     };
-    let changes_plane = pieces.windows(2).any(|pair| plane_of(&pair[0].curve) != plane_of(&pair[1].curve));
-    if plane.is_none() && changes_plane {
+    if plane.is_none() && divided.len() > 1 {
         // Points of a slow climb keep a height here and there by their rounding.
         let helices = fit_stretches(&ends, &whole(Plane::Xy), request, budget)?;
         if helices.len() < pieces.len() {
@@ -64,14 +64,6 @@ pub fn fit_in_space(
     // What follows a point as its repetition belongs to it.
     let last = |end: usize| distinct.get(end + 1).map_or(points.len(), |next| *next) - 1;
     Ok(pieces.into_iter().map(|piece| Piece { end: last(piece.end), ..piece }).collect())
-}
-
-/// The plane of an arc; lines have none.
-fn plane_of(curve: &Curve) -> Option<Plane> {
-    match curve {
-        Curve::Arc(arc) => Some(arc.plane()),
-        Curve::Line(_) | Curve::Parabola(_) => None,
-    }
 }
 
 fn fit_stretches(

@@ -83,7 +83,12 @@ impl Track {
     pub fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
         let foot = self.foot(p, height);
         let p = self.flattened(p, height);
-        let half_width = self.half_width(p, tolerance);
+        let is_helix = self.bulge != 0.0 && (self.rise != 0.0 || height != 0.0);
+        let half_width = if is_helix {
+            self.half_width_of_helix(&foot, height, tolerance)
+        } else {
+            self.half_width(p, tolerance)
+        };
         let mut ranges = [[foot.along - half_width, foot.along + half_width], [1.0, 0.0]];
         let [is_at_start, is_at_end] = self.to_ends(p).map(|distance| distance <= tolerance);
         // The continuation of an arc that nearly closes is seen from its other end.
@@ -142,6 +147,17 @@ impl Track {
         let rise = self.rise.abs() * 2.0 * half_angle / self.sweep;
         let beside = beside_a.max(beside_b).max(self.dip(a.0, b.0));
         beside.hypot(above_a.max(above_b) + rise * ahead)
+    }
+
+    /// As [`Self::half_width`], on both sides of the foot at least: with the slope s and the height a over the foot, a place d
+    /// farther on is no more than sqrt(b^2 + (a + s d)^2 + d^2) away, b beside.
+    fn half_width_of_helix(&self, foot: &Foot, height: f64, tolerance: f64) -> f64 {
+        let length = self.radius * self.sweep;
+        let slope = self.rise.abs() / length;
+        let above = (height - self.rise * (foot.along.clamp(0.0, 1.0) - 0.5)).abs();
+        let room = (tolerance * tolerance - foot.distance * foot.distance).max(0.0);
+        let (steep, lean) = (1.0 + slope * slope, slope * above);
+        ((lean * lean + steep * room).sqrt() - lean) / (steep * length)
     }
 
     /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.

@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes};
 use axum::extract::Request;
-use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use flate2::write::MultiGzDecoder;
 use futures_util::StreamExt;
@@ -22,6 +21,7 @@ use super::App;
 use super::coding::Coding;
 use super::error::{ApiError, Code};
 use super::extract::next_bytes;
+use super::output::Encoded;
 use crate::budget::Budget;
 use crate::config::Settings;
 use crate::post::rewrite::{Figures, RewriteError, Rewriter};
@@ -132,14 +132,8 @@ impl ProgramStream {
             Some((part, (None, parts)))
         });
         // Layers may ask once more after the end.
-        let mut response = Body::from_stream(body.fuse()).into_response();
-        let headers = response.headers_mut();
-        // What we write is; comments in another character set pass as they are.
-        let content_type = HeaderValue::from_str(&format!("{media_type}; charset=us-ascii"));
-        headers.insert(header::CONTENT_TYPE, content_type.unwrap_or(HeaderValue::from_static(media_type)));
-        if let Ok(disposition) = HeaderValue::from_str(&format!("attachment; filename=\"{file_name}\"")) {
-            headers.insert(header::CONTENT_DISPOSITION, disposition);
-        }
+        let mut response = Encoded::gcode(String::new(), media_type, file_name).into_response();
+        *response.body_mut() = Body::from_stream(body.fuse());
         Ok(response)
     }
 }

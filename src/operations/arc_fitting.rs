@@ -162,12 +162,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         n_points: job.points.len(),
         n_arcs: curves.iter().filter(|curve| matches!(curve, Curve::Arc(_))).count(),
         n_lines: curves.iter().filter(|curve| matches!(curve, Curve::Line(_))).count(),
-        // What was at its edge is beyond it by rounding alone.
-        deviation_max_mm: if job.fit.method == Method::Biarc {
-            figures.deviation_mm
-        } else {
-            figures.deviation_mm.min(job.fit.tolerance_mm)
-        },
+        deviation_max_mm: figures.deviation_mm,
         deviation_written_max_mm: figures.written_mm,
         kink_max_deg: kinks.iter().copied().fold(0.0, f64::max),
         n_kinks: kinks.iter().filter(|kink| **kink > KINK_DEG).count(),
@@ -195,15 +190,14 @@ fn measured(pieces: &[Piece], points: &[Point3<f64>], job: &Job, budget: &Budget
             budget.check()?;
         }
         let passed = &points[start..=piece.end];
-        let (from_points_mm, from_lines_mm) = match job.fit.method {
-            Method::Biarc => (0.0, beside(&piece.curve, &points[start..(piece.end + 1).max(start + 2)])),
-            Method::Greedy | Method::Optimal => {
-                (deviation(&piece.curve, passed, Measure::Points), polyline_deviation(&piece.curve, passed))
-            }
+        let from_lines_mm = match job.fit.method {
+            Method::Biarc => beside(&piece.curve, &points[start..(piece.end + 1).max(start + 2)]),
+            Method::Greedy | Method::Optimal => polyline_deviation(&piece.curve, passed),
         };
-        let deviation_mm = match job.fit.measure {
-            Measure::Polyline => from_lines_mm,
-            Measure::Points => from_points_mm,
+        let deviation_mm = match (job.fit.measure, job.fit.method) {
+            (Measure::Polyline, _) => from_lines_mm,
+            (Measure::Points, Method::Biarc) => 0.0,
+            (Measure::Points, _) => deviation(&piece.curve, passed, Measure::Points),
         };
         let rounded = round(&piece.curve, job.resolution, Parabolas::AsLines)?;
         figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);

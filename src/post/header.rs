@@ -13,6 +13,7 @@ use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::path::{Move, Role, Toolpath};
 use crate::toolpath::program::Units;
 use crate::toolpath::tool::{Shape, Tool};
+use crate::toolpath::units::rounded_up_mm;
 
 /// Notes beyond this many are only counted.
 const MAX_NOTES: usize = 40;
@@ -56,7 +57,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
         say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
     }
-    say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", up(lowered.displacement_mm)));
+    say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", rounded_up_mm(lowered.displacement_mm)));
     for caution in job.cutting.cautions(job.tool) {
         say("WARNING", caution_text(caution));
     }
@@ -181,11 +182,6 @@ fn caution_text(caution: Caution) -> String {
             format!("TOOL T{number} IS CUT WITH THE LENGTH OFFSET H{length_offset}")
         }
     }
-}
-
-/// Rounded up to the four decimals that are shown.
-fn up(mm: f64) -> f64 {
-    (mm * 1e4).ceil() / 1e4
 }
 
 #[cfg(test)]

@@ -54,3 +54,8 @@ impl Tolerance {
         self.0
     }
 }
+
+/// A bound in mm, rounded up to the four decimals that people are shown.
+pub fn rounded_up_mm(mm: f64) -> f64 {
+    (mm * 1e4).ceil() / 1e4
+}

@@ -42,6 +42,8 @@ impl Bounds {
         let (mut beyond, mut left) = (vec![n; n], vec![0; n]);
         let mut longest = Longest::of(points, rule);
         let mut witnesses = Witnesses::default();
+        // The points with fewer left than any between them and `i`, the farthest first.
+        let mut fewest = vec![n - 1];
         for i in (0..n.saturating_sub(1)).rev() {
             budget.check()?;
             let bound = longest.bound(i);
@@ -49,7 +51,12 @@ impl Bounds {
                 witnesses.looks >= most || Span::of(points, i, *end).find(rule, &mut witnesses).is_some()
             };
             beyond[i] = (i + 1..bound).rev().find(reaches).map_or(i + 1, |end| end + 1);
-            left[i] = 1 + left[i + 1..beyond[i]].iter().min().copied().unwrap_or_default();
+            let farthest = fewest.partition_point(|&k| k >= beyond[i]);
+            left[i] = 1 + fewest.get(farthest).map_or(0, |&k| left[k]);
+            while fewest.last().is_some_and(|&k| left[k] >= left[i]) {
+                fewest.pop();
+            }
+            fewest.push(i);
         }
         Ok(Self { beyond, left })
     }

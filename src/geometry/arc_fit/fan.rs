@@ -8,7 +8,7 @@
 //! else. The frame is chosen anew as better pairs come.
 //!
 //! # Cost
-//! O(v) a point for a polygon of v corners, some ten; the frame changes O(log n) times.
+//! O(v) a point for a polygon of v corners; the frame changes O(log n) times.
 
 use nalgebra::Vector2;
 
@@ -48,6 +48,11 @@ pub struct Fan {
 struct Disc {
     center: Vector2<f64>,
     radius: f64,
+}
+
+/// By how much the line (m, t) passes above `c`.
+fn height_over(line: &Vector2<f64>, c: Vector2<f64>) -> f64 {
+    line.x * c.x + line.y - c.y
 }
 
 /// Coordinates along a pair of discs.
@@ -100,12 +105,16 @@ impl Fan {
         let (Some(frame), d) = (self.frame, p - self.from) else { return true };
         let c = frame.local(d / d.norm_squared());
         let slack = ROUNDING * (c.x.abs() + c.y.abs());
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for corner in &self.polygon {
-            let above = corner.x * c.x + corner.y - c.y;
-            (least, most) = (least.min(above), most.max(above));
-        }
+        let [least, most] = self.heights_over(c);
         least <= slack && most >= -slack
+    }
+
+    /// The least and the largest height of a line of the polygon over `c`.
+    fn heights_over(&self, c: Vector2<f64>) -> [f64; 2] {
+        let heights = self.polygon.iter().map(|corner| height_over(corner, c));
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], height| {
+            [least.min(height), most.max(height)]
+        })
     }
 
     /// Keeps those that pass near `p`; whether there may be any.
@@ -157,14 +166,9 @@ impl Fan {
         let Some(frame) = self.frame else { return true };
         let c = frame.local(disc.center);
         let half_width = disc.radius * frame.stretch + ROUNDING * disc.radius;
-        let above = |corner: &Vector2<f64>| corner.x * c.x + corner.y - c.y;
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for corner in &self.polygon {
-            let above = above(corner);
-            (least, most) = (least.min(above), most.max(above));
-        }
+        let [least, most] = self.heights_over(c);
         for (side, farthest) in [(1.0, most), (-1.0, -least)] {
-            let over = |corner: &Vector2<f64>| side * above(corner) - half_width;
+            let over = |corner: &Vector2<f64>| side * height_over(corner, c) - half_width;
             if farthest <= (1.0 + SLIVER) * half_width {
                 continue;
             }

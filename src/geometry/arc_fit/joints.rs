@@ -9,7 +9,7 @@ use super::Fit;
 use super::optimal::Node;
 
 /// Points of each element with nodes beside them.
-pub const POINTS_AN_ELEMENT: usize = 24;
+const POINTS_AN_ELEMENT: usize = 24;
 
 /// How far the farthest node is from its point, in tolerances.
 const FARTHEST: f64 = 0.97;

@@ -34,6 +34,13 @@ pub struct Rule {
     pub measure: Measure,
 }
 
+impl Rule {
+    /// Whether the lines between the points say more of an arc than the points.
+    fn counts_lines(&self) -> bool {
+        self.measure == Measure::Polyline && self.shapes == Shapes::ArcsAndLines
+    }
+}
+
 /// Points in a plane with their heights over it.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
@@ -124,8 +131,7 @@ impl<'a> Span<'a> {
             Shapes::ArcsAndLines => LARGEST_BULGE,
         };
         let bulges = self.near(rule.tolerance_mm, largest, witnesses)?;
-        let is_any = rule.measure == Measure::Points || rule.shapes == Shapes::LinesOnly;
-        if is_any { Some(bulges) } else { self.near_lines(bulges, rule) }
+        if rule.counts_lines() { self.near_lines(bulges, rule) } else { Some(bulges) }
     }
 
     /// Those of `bulges` that leave no line between the points too far inside.
@@ -156,11 +162,10 @@ impl<'a> Span<'a> {
         let near = self.bulges(&any_measure, witnesses)?;
         let chord = Chord::new(self.from, self.to)?;
         let mut keeps = |bulge: &f64| self.keeps(*bulge, rule, &chord, witnesses);
-        let is_any = rule.measure == Measure::Points || rule.shapes == Shapes::LinesOnly;
         // Mostly the lines say nothing that the points do not.
-        let most = if is_any { usize::MAX } else { 2 };
+        let most = if rule.counts_lines() { 2 } else { usize::MAX };
         let found = self.candidates(&near, &chord).take(most).find(&mut keeps);
-        if is_any || found.is_some() {
+        if found.is_some() || !rule.counts_lines() {
             return found;
         }
         self.candidates(&self.near_lines(near, rule)?, &chord).find(keeps)

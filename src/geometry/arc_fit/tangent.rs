@@ -58,6 +58,18 @@ struct Arrival {
     before: usize,
 }
 
+impl Arrival {
+    /// The directions in which arcs with bulges in `part`, over a chord in `direction`, may go on from here.
+    fn departures(&self, direction: f64, part: [f64; 2]) -> Option<[f64; 2]> {
+        let [low, high] = part.map(|bulge| direction + 2.0 * bulge.atan());
+        // The same direction may be written with whole turns more or less.
+        let whole = ((self.low + self.high - low - high) / (2.0 * TAU)).round();
+        let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
+        let start = [low.max(self.low - turns), high.min(self.high - turns)];
+        (start[0] <= start[1]).then_some(start)
+    }
+}
+
 /// Fits a smooth chain, guided by the nodes of one that need not be smooth.
 ///
 /// Where a chain through points needs more than one element more, one that may pass beside them is looked for as well: between
@@ -71,15 +83,21 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
     let corners = corners(points.flat, request.measure);
     let most = looks(points, points.flat.len(), request);
     let is_on_points = guide.iter().all(|node| node.at == points.flat[node.index]);
+    let search = |nodes: &[Node], bounds: &Bounds, largest, widest| {
+        let looks = Cell::default();
+        Search { points, nodes, bounds, corners: &corners, rule, largest, widest, looks, most }.run(budget)
+    };
+    let unknown = Bounds::unknown(points.flat.len());
     let mut best: Option<Fitted> = None;
     if is_on_points {
         let nodes = on_points(points, guide, &corners);
+        let n = points.flat.len();
+        let is_short = n <= WINDOW;
+        let known =
+            is_short.then(|| Bounds::on_points(points, &rule, for_bounds(most, n), budget)).transpose()?;
+        let bounds = known.as_ref().unwrap_or(&unknown);
         for largest in LARGEST_BETWEEN_NEIGHBOURS {
-            let nodes = nodes.clone();
-            let looks = Cell::default();
-            let search =
-                Search { points, nodes, corners: &corners, rule, largest, widest: WIDEST, looks, most };
-            best = search.run(budget)?;
+            best = search(&nodes, bounds, largest, WIDEST)?;
             if best.is_some() {
                 break;
             }
@@ -92,9 +110,7 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
         let nodes = joints::nodes(points.flat, pinned, request, (count, side));
         let widest = WIDEST * (1 + side as usize);
         let [largest, _] = LARGEST_BETWEEN_NEIGHBOURS;
-        let looks = Cell::default();
-        let beside =
-            Search { points, nodes, corners: &corners, rule, largest, widest, looks, most }.run(budget)?;
+        let beside = search(&nodes, &unknown, largest, widest)?;
         let is_fewer =
             |fitted: &Fitted| best.as_ref().is_none_or(|best| fitted.elements.len() < best.elements.len());
         if let Some(fewer) = beside.filter(is_fewer) {
@@ -123,7 +139,8 @@ fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
 
 struct Search<'a> {
     points: Points<'a>,
-    nodes: Vec<Node>,
+    nodes: &'a [Node],
+    bounds: &'a Bounds,
     corners: &'a [usize],
     rule: Rule,
     /// The largest bulge between neighbouring points.
@@ -137,18 +154,11 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(&self, budget: &Budget) -> Result<Option<Fitted>, Stopped> {
         let last = self.points.flat.len() - 1;
-        let is_on_points = self.nodes.iter().all(|node| node.at == self.points.flat[node.index]);
-        let is_short = self.points.flat.len() <= WINDOW;
-        let bounds = if is_on_points && is_short {
-            Bounds::on_points(self.points, &self.rule, for_bounds(self.most, self.points.flat.len()), budget)?
-        } else {
-            Bounds::unknown(self.points.flat.len())
-        };
         let starts = (0..self.nodes.len()).take_while(|&k| self.nodes[k].index == 0);
         let anywhere = |node: usize| Arrival { node, low: f64::NEG_INFINITY, high: f64::INFINITY, before: 0 };
         let mut layers: Vec<Vec<Arrival>> = vec![starts.map(anywhere).collect()];
         while layers.len() <= last {
-            let next = self.next(&layers[layers.len() - 1], &bounds, budget)?;
+            let next = self.next(&layers[layers.len() - 1], budget)?;
             if next.is_empty() {
                 return Ok(None);
             }
@@ -163,7 +173,7 @@ impl Search<'_> {
     }
 
     /// What one more element reaches, as far on as it is worth going on from.
-    fn next(&self, layer: &[Arrival], bounds: &Bounds, budget: &Budget) -> Result<Vec<Arrival>, Stopped> {
+    fn next(&self, layer: &[Arrival], budget: &Budget) -> Result<Vec<Arrival>, Stopped> {
         let mut next: Vec<Arrival> = Vec::new();
         for from in 0..layer.len() {
             // The arrivals at one node stand together; each element is looked at once for all of them.
@@ -179,7 +189,7 @@ impl Search<'_> {
             let index = self.nodes[node].index;
             let first = self.nodes.partition_point(|other| other.index <= index);
             for to in first..self.nodes.len() {
-                if self.nodes[to].index >= bounds.beyond[index] {
+                if self.nodes[to].index >= self.bounds.beyond[index] {
                     break;
                 }
                 self.extend(layer, &here, to, &mut next);
@@ -193,14 +203,9 @@ impl Search<'_> {
         let span = self.span(layer[here[0]].node, to);
         let Some((chord, parts)) = self.bulges(&span) else { return };
         let direction = chord.direction();
-        for [least, most] in parts {
-            let [low, high] = [least, most].map(|bulge| direction + 2.0 * bulge.atan());
+        for part in parts {
             for &before in here {
-                // The same direction may be written with whole turns more or less.
-                let whole = ((layer[before].low + layer[before].high - low - high) / (2.0 * TAU)).round();
-                let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
-                let start = [low.max(layer[before].low - turns), high.min(layer[before].high - turns)];
-                if start[0] <= start[1] {
+                if let Some(start) = layer[before].departures(direction, part) {
                     let [high, low] = start.map(|start| 2.0 * direction - start);
                     next.push(self.departing(Arrival { node: to, low, high, before }));
                 }
@@ -270,7 +275,7 @@ impl Search<'_> {
                 // Any end will do: the middle of what the start allows.
                 None => self.middle(&span, &chord, before),
             }?;
-            if !self.is_kept(&span, &chord, bulge) {
+            if !span.keeps(bulge, &self.rule, &chord, &mut Witnesses::default()) {
                 return None;
             }
             let is_flat = bulge.abs() * 2.0 * FLAT_RADIUS_MM < chord.half;
@@ -286,21 +291,11 @@ impl Search<'_> {
         Some(Fitted { start: self.nodes[arrival.node].at, elements })
     }
 
-    fn is_kept(&self, span: &Span, chord: &Chord, bulge: f64) -> bool {
-        span.keeps(bulge, &self.rule, chord, &mut Witnesses::default())
-    }
-
     /// The bulge in the middle of those that go on from an arrival.
     fn middle(&self, span: &Span, chord: &Chord, before: Arrival) -> Option<f64> {
         let (_, parts) = self.bulges(span)?;
         let direction = chord.direction();
-        let ranges = parts.into_iter().filter_map(|part| {
-            let [low, high] = part.map(|bulge| direction + 2.0 * bulge.atan());
-            let whole = ((before.low + before.high - low - high) / (2.0 * TAU)).round();
-            let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
-            let start = [low.max(before.low - turns), high.min(before.high - turns)];
-            (start[0] <= start[1]).then_some(start)
-        });
+        let ranges = parts.into_iter().filter_map(|part| before.departures(direction, part));
         let widest = ranges.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
         Some((0.5 * (0.5 * (widest[0] + widest[1]) - direction)).tan())
     }

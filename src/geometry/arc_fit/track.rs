@@ -162,9 +162,13 @@ impl Track {
 
     /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.
     pub fn dip(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-        let along = b - a;
-        let to_center = Vector2::new(0.0, self.center) - a;
-        let foot = (to_center.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-        (self.radius - (to_center - along * foot).norm()).max(0.0)
+        (self.radius - from_line(Vector2::new(0.0, self.center), a, b)).max(0.0)
     }
+}
+
+/// The distance of `p` from the line between two points, mm; not a number where these coincide.
+pub fn from_line(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+    let (along, to_p) = (b - a, p - a);
+    let foot = (to_p.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (to_p - along * foot).norm()
 }

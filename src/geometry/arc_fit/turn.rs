@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::Measure;
 use super::span::Rule;
+use super::track::from_line;
 
 /// Rounds of weighting; the deviation is within a few percent of the least after some ten.
 const ROUNDS: usize = 40;
@@ -49,14 +50,7 @@ pub fn deviation(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, mea
     if measure == Measure::Points {
         return worst;
     }
-    points.windows(2).map(|pair| radius - nearest(center, pair[0], pair[1])).fold(worst, f64::max)
-}
-
-/// The distance of `p` from the line between two points.
-fn nearest(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-    let along = b - a;
-    let foot = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-    (p - a - along * foot).norm()
+    points.windows(2).map(|pair| radius - from_line(center, pair[0], pair[1])).fold(worst, f64::max)
 }
 
 /// The circle of least weighted squares.

@@ -23,6 +23,7 @@ use crate::http::{App, ENGINE_VERSION};
 use crate::operations::arc_fitting::{self, Error, Plan};
 use crate::plot::Drawing;
 use crate::post::rewrite::Rewriter;
+use crate::toolpath::units::rounded_up_mm;
 
 /// Fits the fewest arcs and lines to a polyline and answers them, the NC program that runs them, or a picture.
 ///
@@ -83,13 +84,12 @@ fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<AnyFitReport>, ApiError> 
 
 /// The figures for a program's header, rounded up.
 fn proved(report: &arc_fitting::Report) -> String {
-    let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
     format!(
         "{} ARCS AND {} LINES FOR {} POINTS - WITHIN {:.4} MM AS WRITTEN",
         report.n_arcs,
         report.n_lines,
         report.n_points,
-        up(report.deviation_written_max_mm)
+        rounded_up_mm(report.deviation_written_max_mm)
     )
 }
 

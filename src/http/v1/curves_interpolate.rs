@@ -19,6 +19,7 @@ use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
 use crate::operations::interpolation::{self, Plan, Sketch};
 use crate::plot::Drawing;
+use crate::toolpath::units::rounded_up_mm;
 
 /// Interpolates a plane curve within a band and answers the elements, the NC program that runs them, or a picture.
 #[utoipa::path(post, path = "/v1/curves/interpolate", operation_id = "interpolateCurve", tag = "curves",
@@ -62,12 +63,11 @@ fn drawing(sketch: Sketch, z_mm: f64) -> Drawing {
 
 /// The proved figures for a program's header, rounded up.
 fn proved(report: &interpolation::Report) -> String {
-    let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
     let least = report.n_elements_lower_bound.map(|least| format!(" - AT LEAST {least}")).unwrap_or_default();
     format!(
         "{} ELEMENTS{least} - PROVED DEVIATION {:.4} MM",
         report.elements.len(),
-        up(report.deviation_max_mm)
+        rounded_up_mm(report.deviation_max_mm)
     )
 }
 

@@ -16,6 +16,7 @@ use crate::http::extract::JobBody;
 use crate::http::wanted::{Programs, Wanted};
 use crate::plot::Drawing;
 use crate::post::{self, ProgramJob};
+use crate::toolpath::units::rounded_up_mm;
 
 /// Writes a toolpath as an NC program, with a certificate of how far rounding has moved it.
 #[utoipa::path(post, path = "/v1/programs/write", operation_id = "writeProgram", tag = "programs",
@@ -53,5 +54,5 @@ fn write(job: WriteJob, budget: &Budget) -> Result<Outcome<WriteReport>, ApiErro
 
 /// What the header says of arcs that had to be made exact.
 fn adjusted(moved_mm: f64) -> Option<String> {
-    (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", (moved_mm * 1e4).ceil() / 1e4))
+    (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", rounded_up_mm(moved_mm)))
 }

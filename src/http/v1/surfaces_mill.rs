@@ -20,6 +20,7 @@ use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
 use crate::operations::surface_milling::{self, Plan};
 use crate::plot::Drawing;
+use crate::toolpath::units::rounded_up_mm;
 
 /// Plans the finishing of a surface and answers the toolpath, the NC program that cuts it, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/mill", operation_id = "millSurface", tag = "surfaces",
@@ -60,11 +61,10 @@ fn sketch(surface: &Source) -> Vec<Wire> {
 
 /// The proved figures for a program's header, rounded up.
 fn proved(report: &surface_milling::Report) -> String {
-    let up = |mm: f64| (mm * 1e4).ceil() / 1e4;
     format!(
         "PROVED DEVIATION {:.4} MM - GOUGE {:.4} MM",
-        up(report.deviation_max_mm),
-        up(report.gouge_max_mm)
+        rounded_up_mm(report.deviation_max_mm),
+        rounded_up_mm(report.gouge_max_mm)
     )
 }
 

@@ -27,6 +27,9 @@ const ROUNDING_STEPS: f64 = 0.8;
 /// Looks at each point that the fewest arcs are worth: on exact points, growing has mostly found them already.
 const EFFORT: usize = 600;
 
+/// Looks at the points of one pass that the fewest arcs are worth.
+const EFFORT_A_PASS: usize = 500_000;
+
 /// How exactly a tip lies on its section, mm.
 const ACCURACY_MM: f64 = 2e-10;
 
@@ -190,7 +193,8 @@ fn fit(
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact: elements meet on them.
-    let request = Fit { shapes, joints: Joints::OnPoints, effort: EFFORT, ..Fit::within(fit_tolerance) };
+    let effort = EFFORT.min(EFFORT_A_PASS / flat.len());
+    let request = Fit { shapes, joints: Joints::OnPoints, effort, ..Fit::within(fit_tolerance) };
     let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
@@ -212,11 +216,11 @@ fn fit(
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
 /// written.
 ///
-/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam` adds. A point of the chord
-/// is as far from a line as its ends, and from an arc, which lies as far away as the tips at most, by the height
-/// of the chord under that arc more. Ends correspond to ends, so the nearest points of a path that stays in so
-/// narrow a band run over all of the other: the bound holds both ways. What is written in several pieces is
-/// bounded by its displacement from `curve`.
+/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam` adds. A
+/// point of the chord is as far from a line as its ends, and from an arc, which lies as far away as the tips at
+/// most, by the height of the chord under that arc more. Ends correspond to ends, and arcs go round their centres
+/// as the tips do, so the nearest points of a path that stays in so narrow a band run over all of the other: the
+/// bound holds both ways. What is written in several pieces is bounded by its displacement from `curve`.
 fn deviation(
     job: &Job,
     curve: &Curve,

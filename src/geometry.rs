@@ -1,9 +1,12 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
 pub mod arc_fit;
+pub mod best_first;
 pub mod bspline;
 pub mod clearance;
+pub mod contact;
 pub mod curve;
+pub mod cutter;
 pub mod deviation;
 pub mod element;
 pub mod interval;

@@ -32,10 +32,9 @@ mod ball;
 mod path;
 mod tree;
 
-use std::collections::BinaryHeap;
-
 use nalgebra::{Point3, Vector3};
 
+use super::best_first::BestFirst;
 use super::surface::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::Curve;
@@ -146,7 +145,7 @@ impl<'a, P: Patch> Clearance<'a, P> {
         deepest: &mut Penetration,
         budget: &Budget,
     ) -> Result<(), Stopped> {
-        let mut open = Open { heap: BinaryHeap::new(), pairs: Vec::new(), free: Vec::new() };
+        let mut open = BestFirst::default();
         for (k, &(i, j)) in near.iter().enumerate() {
             if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
                 budget.check()?;
@@ -157,7 +156,7 @@ impl<'a, P: Patch> Clearance<'a, P> {
             if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
                 budget.check()?;
             }
-            let Some(Pair { bound, piece, part, halving }) = open.pop() else { return Ok(()) };
+            let Some((bound, Pair { piece, part, halving })) = open.pop() else { return Ok(()) };
             if bound <= enough.depth(deepest) {
                 deepest.bound_mm = deepest.bound_mm.max(bound);
                 return Ok(());
@@ -170,14 +169,21 @@ impl<'a, P: Patch> Clearance<'a, P> {
                 Halving::Never => deepest.bound_mm = deepest.bound_mm.max(bound),
             }
         }
-        if let Some(Pair { bound, .. }) = open.pop() {
+        if let Some((bound, _)) = open.pop() {
             deepest.bound_mm = deepest.bound_mm.max(bound);
         }
         Ok(())
     }
 
     /// Examines a pair and keeps it open where it may matter.
-    fn add(&self, piece: Piece, part: P, enough: Enough, deepest: &mut Penetration, open: &mut Open<P>) {
+    fn add(
+        &self,
+        piece: Piece,
+        part: P,
+        enough: Enough,
+        deepest: &mut Penetration,
+        open: &mut BestFirst<Pair<P>>,
+    ) {
         let depth = self.examine(&piece, &part, enough.depth(deepest));
         if let Some(found) = depth.found
             && found > deepest.found_mm
@@ -189,7 +195,7 @@ impl<'a, P: Patch> Clearance<'a, P> {
             deepest.bound_mm = deepest.bound_mm.max(depth.bound);
         } else {
             let halving = self.halving(&piece, &part, depth.varies_along_u);
-            open.push(Pair { bound: depth.bound, piece, part, halving });
+            open.push(depth.bound, Pair { piece, part, halving });
         }
     }
 
@@ -256,7 +262,6 @@ enum Halving {
 /// A piece and a part that are not decided yet.
 #[derive(Clone, Copy)]
 struct Pair<P> {
-    bound: f64,
     piece: Piece,
     part: P,
     halving: Halving,
@@ -274,55 +279,6 @@ struct Enough {
 impl Enough {
     fn depth(&self, deepest: &Penetration) -> f64 {
         self.bound.max(deepest.found_mm + self.gap)
-    }
-}
-
-/// Pairs that are not decided yet, the largest bound first.
-struct Open<P> {
-    heap: BinaryHeap<(Bound, usize)>,
-    pairs: Vec<Pair<P>>,
-    /// Places in `pairs` whose pair is done with.
-    free: Vec<usize>,
-}
-
-/// A bound in mm, ordered.
-#[derive(PartialEq)]
-struct Bound(f64);
-
-impl Eq for Bound {}
-
-impl PartialOrd for Bound {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Bound {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl<P: Patch> Open<P> {
-    fn push(&mut self, pair: Pair<P>) {
-        let bound = Bound(pair.bound);
-        let place = match self.free.pop() {
-            Some(place) => {
-                self.pairs[place] = pair;
-                place
-            }
-            None => {
-                self.pairs.push(pair);
-                self.pairs.len() - 1
-            }
-        };
-        self.heap.push((bound, place));
-    }
-
-    fn pop(&mut self) -> Option<Pair<P>> {
-        let (_, place) = self.heap.pop()?;
-        self.free.push(place);
-        Some(self.pairs[place])
     }
 }
 

@@ -1,0 +1,62 @@
+//! What is still open in a branch and bound, the largest bound first.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Items with their bounds.
+#[derive(Debug)]
+pub struct BestFirst<T> {
+    heap: BinaryHeap<Entry>,
+    items: Vec<T>,
+    /// Places in `items` that are done with.
+    free: Vec<usize>,
+}
+
+#[derive(Debug, PartialEq)]
+struct Entry {
+    bound: f64,
+    place: usize,
+}
+
+impl<T> Default for BestFirst<T> {
+    fn default() -> Self {
+        Self { heap: BinaryHeap::new(), items: Vec::new(), free: Vec::new() }
+    }
+}
+
+impl<T: Copy> BestFirst<T> {
+    pub fn push(&mut self, bound: f64, item: T) {
+        let place = match self.free.pop() {
+            Some(place) => {
+                self.items[place] = item;
+                place
+            }
+            None => {
+                self.items.push(item);
+                self.items.len() - 1
+            }
+        };
+        self.heap.push(Entry { bound, place });
+    }
+
+    /// Takes the item with the largest bound.
+    pub fn pop(&mut self) -> Option<(f64, T)> {
+        let Entry { bound, place } = self.heap.pop()?;
+        self.free.push(place);
+        Some((bound, self.items[place]))
+    }
+}
+
+impl Eq for Entry {}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Entry {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound).then(self.place.cmp(&other.place))
+    }
+}

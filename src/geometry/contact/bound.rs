@@ -1,0 +1,224 @@
+//! How high a part can lift a cutter: an upper bound by quadratic functions.
+//!
+//! # Method
+//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). The height h of the cutter's lower side is supported by a
+//! tangent plane and a quadratic form ([`Cutter::support_forms`]), so that over the part the lift is at most a function of the
+//! parameters, and of the way t of the axis along a line, whose second derivatives are known within bounds. If it is concave
+//! in the parameters, its largest value over the part is that of a quadratic function in a square.
+//!
+//! # Guarantees
+//! An upper bound for every point of the part and every t, but for rounding.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::tree::Part;
+use crate::geometry::cutter::{Cutter, Form, LowerPoint};
+use crate::geometry::surface::Jet;
+use crate::geometry::surface::ball::Ball;
+use crate::geometry::surface::patch::Patch;
+
+/// The part of the least curvature that pays for what is not known of how it changes with the way.
+const SHARE_FOR_DOUBT: f64 = 0.2;
+
+/// A form is definite where its least value is this part of its largest.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// Positions of the axis: `center` + t `way`, |t| <= `reach`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Track {
+    pub(super) center: Vector2<f64>,
+    /// Of unit length, or zero with a reach of zero.
+    pub(super) way: Vector2<f64>,
+    pub(super) reach: f64,
+}
+
+impl Track {
+    pub(super) fn point(center: Vector2<f64>) -> Self {
+        Self { center, way: Vector2::zeros(), reach: 0.0 }
+    }
+}
+
+/// What a lift is compared with: `level` + t `slope`, mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    pub(super) level: f64,
+    pub(super) slope: f64,
+}
+
+/// A quadratic function of t.
+#[derive(Debug, Clone, Copy)]
+struct Quadratic {
+    constant: f64,
+    linear: f64,
+    square: f64,
+}
+
+impl Quadratic {
+    /// The largest value for |t| <= reach.
+    fn largest(&self, reach: f64) -> f64 {
+        let at = |t: f64| self.constant + t * (self.linear + t * self.square);
+        let ends = at(reach).max(at(-reach));
+        let top = -self.linear / (2.0 * self.square);
+        if self.square < 0.0 && top.abs() < reach { ends.max(at(top)) } else { ends }
+    }
+}
+
+/// A place of a part and a point of the cutter that may touch there.
+pub(super) struct Touch<'a, P> {
+    pub(super) part: &'a Part<P>,
+    pub(super) place: [f64; 2],
+    pub(super) jet: &'a Jet,
+    pub(super) lower: LowerPoint,
+}
+
+impl<P: Patch> Touch<'_, P> {
+    /// By how much the part lifts the tip above `level`, at most, mm; infinite where that is not known.
+    pub(super) fn excess(&self, cutter: &Cutter, track: &Track, level: &Level) -> f64 {
+        let from_touch = self.part.lengths.center - track.center - self.lower.place;
+        let width = self.part.lengths.half_diagonal + track.reach;
+        let least = self.lower.away_of(&from_touch) - width;
+        let forms = cutter.support_forms(&self.lower, least);
+        let mut lowest = f64::INFINITY;
+        for form in &forms {
+            let excess = self.excess_by(form, &from_touch, width, track, level);
+            lowest = lowest.min(excess);
+            if lowest <= 0.0 {
+                break;
+            }
+        }
+        lowest
+    }
+
+    fn excess_by(
+        &self,
+        form: &Form,
+        from_touch: &Vector2<f64>,
+        width: f64,
+        track: &Track,
+        level: &Level,
+    ) -> f64 {
+        let derivatives = &self.part.derivatives;
+        let norm = form.norm();
+        let gradient = &self.lower.gradient;
+        // The tangent plane's gradient over the part: at the centre, and how it changes.
+        let middle = gradient + form.times(from_touch);
+        let changes = norm * width;
+        let length = (1.0 + middle.norm_squared()).sqrt();
+        let second = |s: &Ball, reach: f64| {
+            let value = s.center.z - middle.dot(&s.center.xy());
+            (value, length * s.radius + changes * reach)
+        };
+        let (cu, cv) = (derivatives.du.center.xy(), derivatives.dv.center.xy());
+        let (ru, rv) = (derivatives.du.radius, derivatives.dv.radius);
+        let (fu, fv) = (form.times(&cu), form.times(&cv));
+        let [nu, nv] = self.part.lengths.first;
+        let [by_u, by_both, by_v] = self.part.lengths.second;
+        let (uu, duu) = second(&derivatives.duu, by_u);
+        let (uv, duv) = second(&derivatives.duv, by_both);
+        let (vv, dvv) = second(&derivatives.dvv, by_v);
+        let doubt_uv = duv + norm * (nu * rv + nv * ru + ru * rv);
+        let mut n_uu = fu.dot(&cu) - uu - duu - norm * ru * (2.0 * nu + ru) - doubt_uv;
+        let mut n_vv = fv.dot(&cv) - vv - dvv - norm * rv * (2.0 * nv + rv) - doubt_uv;
+        let n_uv = fu.dot(&cv) - uv;
+        // What is not concave is bounded by what is, and by how much less it bends over the part.
+        let (lacking, least) = lacking_curvature(n_uu, n_uv, n_vv);
+        if !lacking.is_finite() {
+            return f64::INFINITY;
+        }
+        n_uu += lacking;
+        n_vv += lacking;
+        // How the gradient by the parameters changes with the way.
+        let (with_u, with_v) = (fu.dot(&track.way), fv.dot(&track.way));
+        let mut doubt_square = 0.0;
+        if track.reach > 0.0 {
+            let share = SHARE_FOR_DOUBT * least;
+            doubt_square = (norm * norm) * (ru * ru + rv * rv) / (2.0 * share);
+            n_uu -= share;
+            n_vv -= share;
+        }
+        let off = self.jet.point.coords.xy() - track.center - self.lower.place;
+        let bent = form.times(&off);
+        let slope = gradient + bent;
+        let lift = self.jet.point.z - self.lower.height - gradient.dot(&off) - 0.5 * off.dot(&bent);
+        let g = [self.jet.du, self.jet.dv].map(|d| d.z - slope.dot(&d.xy()));
+        let own = Quadratic {
+            // Over the square no place is farther off than a diagonal.
+            constant: lift - level.level + lacking,
+            linear: slope.dot(&track.way) - level.slope,
+            square: doubt_square - 0.5 * track.way.dot(&form.times(&track.way)),
+        };
+        let bowl = Bowl { n: Matrix2::new(n_uu, n_uv, n_uv, n_vv), g, with: [with_u, with_v] };
+        bowl.added(own, self.place, track.reach)
+    }
+}
+
+/// What makes a symmetric form definite, if it is added to both squares, zero where it is so; and the least value for a unit vector
+/// then.
+fn lacking_curvature(n_uu: f64, n_uv: f64, n_vv: f64) -> (f64, f64) {
+    let half = 0.5 * (n_uu - n_vv);
+    let least = 0.5 * (n_uu + n_vv) - (half * half + n_uv * n_uv).sqrt();
+    let size = n_uu.abs() + n_vv.abs() + n_uv.abs();
+    if least > LEAST_SHARE * size {
+        (0.0, least)
+    } else {
+        (2.0 * LEAST_SHARE * size - least, 2.0 * LEAST_SHARE * size)
+    }
+}
+
+/// The function (g + t with) . x - x N x / 2.
+struct Bowl {
+    n: Matrix2<f64>,
+    g: [f64; 2],
+    with: [f64; 2],
+}
+
+impl Bowl {
+    /// The largest value of `own` and this over the square about `place`, for |t| <= reach.
+    fn added(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
+        let det = self.n.determinant();
+        let inverse = Matrix2::new(self.n.m22, -self.n.m12, -self.n.m12, self.n.m11) / det;
+        let (g, with) = (Vector2::from(self.g), Vector2::from(self.with));
+        let (bent_g, bent_with) = (inverse * g, inverse * with);
+        let free = Quadratic {
+            constant: own.constant + 0.5 * g.dot(&bent_g),
+            linear: own.linear + with.dot(&bent_g),
+            square: own.square + 0.5 * with.dot(&bent_with),
+        };
+        let mut largest = free.largest(reach);
+        // Where the place is on a side and the function falls from there for every t, that side holds the largest value.
+        for axis in 0..2 {
+            let other = 1 - axis;
+            let inward = match place[axis] {
+                x if x <= 0.0 => 1.0,
+                x if x >= 1.0 => -1.0,
+                _ => continue,
+            };
+            let ratio = self.n.m12 / self.n[(other, other)];
+            let rise = |t: f64, k: usize| self.g[k] + t * self.with[k];
+            let falls =
+                [reach, -reach].iter().all(|&t| inward * (rise(t, axis) - ratio * rise(t, other)) <= 0.0);
+            let n = self.n[(other, other)];
+            if falls {
+                let on_side = Quadratic {
+                    constant: own.constant + 0.5 * self.g[other] * self.g[other] / n,
+                    linear: own.linear + self.g[other] * self.with[other] / n,
+                    square: own.square + 0.5 * self.with[other] * self.with[other] / n,
+                };
+                largest = largest.min(on_side.largest(reach));
+            }
+        }
+        let at_corner = place.iter().all(|x| *x <= 0.0 || *x >= 1.0);
+        let falls_both = |t: f64| {
+            (0..2).all(|axis| {
+                let inward = if place[axis] <= 0.0 { 1.0 } else { -1.0 };
+                let slope = inward * (self.g[axis] + t * self.with[axis]);
+                slope <= 0.0
+            })
+        };
+        // With both falling, a concave function is largest in the corner.
+        if at_corner && falls_both(reach) && falls_both(-reach) {
+            largest = largest.min(own.largest(reach));
+        }
+        largest
+    }
+}

@@ -1,0 +1,176 @@
+//! Newton's method for the place of a part that lifts the cutter most.
+//!
+//! # Method
+//! Two ways to the same place. *By the tangent plane*: the cutter's point with the gradient of the surface lies over the surface
+//! point when the axis is where it should be; how that point moves with the parameters is bounded on the steepest walls and
+//! for sharp rims, too. *By the lift*: the gradient of z - h in the square of the part; it knows sides and corners, but a rim that is
+//! sharp has no gradient. The first is taken as long as it stays inside, the second at sides.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::bound::{Level, Touch, Track};
+use super::tree::Part;
+use crate::geometry::cutter::{Cutter, LowerPoint};
+use crate::geometry::surface::Jet;
+use crate::geometry::surface::patch::Patch;
+
+/// Steps before a part is halved.
+pub(super) const STEPS: usize = 7;
+
+/// A surface is level where its slope is less.
+const LEVEL_SLOPE: f64 = 1e-12;
+
+/// A tangent point this near to its surface point touches it, in radii of the cutter.
+const TOUCHING: f64 = 1e-10;
+
+/// Steps shorter than this, in parameters of the part, are none.
+const NO_STEP: f64 = 1e-15;
+
+/// A place that lifts the cutter, in parameters of the part.
+pub(super) struct Found {
+    pub(super) height: f64,
+    pub(super) jet: Jet,
+    pub(super) place: [f64; 2],
+    pub(super) lower: LowerPoint,
+}
+
+pub(super) struct Climb<'a> {
+    cutter: &'a Cutter,
+    track: &'a Track,
+    place: [f64; 2],
+    /// The cutter's point with the gradient of the surface, where there is one.
+    tangent: Option<LowerPoint>,
+    /// The cutter's point over the surface point, where there is one.
+    over: Option<LowerPoint>,
+}
+
+impl<'a> Climb<'a> {
+    pub(super) fn new(cutter: &'a Cutter, track: &'a Track, place: [f64; 2]) -> Self {
+        Self { cutter, track, place, tangent: None, over: None }
+    }
+
+    /// The jet at the place, and what the cutter has to do with it.
+    pub(super) fn look(&mut self, patch: &impl Patch) -> Jet {
+        let jet = patch.jet(self.place[0], self.place[1]);
+        let normal = jet.normal();
+        let gradient = -normal.xy() / normal.z;
+        let is_up = gradient.x.is_finite() && gradient.y.is_finite();
+        let is_level = gradient.norm() <= LEVEL_SLOPE && self.cutter.flat_radius() > 0.0;
+        self.tangent = (is_up && !is_level).then(|| self.cutter.tangent_point(gradient));
+        self.over = self.cutter.lower_point(self.off(&jet));
+        jet
+    }
+
+    pub(super) fn place(&self) -> [f64; 2] {
+        self.place
+    }
+
+    /// A point of the cutter that may touch there.
+    pub(super) fn lower(&self) -> Option<LowerPoint> {
+        self.tangent.or(self.over)
+    }
+
+    fn off(&self, jet: &Jet) -> Vector2<f64> {
+        jet.point.coords.xy() - self.track.center
+    }
+
+    /// The lift at the place that was looked at.
+    pub(super) fn found(&self, jet: &Jet) -> Option<Found> {
+        let found = |height, lower| Some(Found { height, jet: *jet, place: self.place, lower });
+        let touching = TOUCHING * self.cutter.radius();
+        match (&self.tangent, &self.over) {
+            (Some(tangent), _) if (self.off(jet) - tangent.place).norm() <= touching => {
+                // At steep places the height over the surface point knows less.
+                let beside = tangent.gradient.dot(&(self.off(jet) - tangent.place));
+                found(jet.point.z - tangent.height - beside, *tangent)
+            }
+            (_, Some(over)) => found(jet.point.z - over.height, *over),
+            _ => None,
+        }
+    }
+
+    /// By how much the part lifts the tip above `level`, at most, as seen from the place that was looked at.
+    pub(super) fn excess<P: Patch>(&self, part: &Part<P>, jet: &Jet, level: &Level) -> f64 {
+        let mut excess = f64::INFINITY;
+        for lower in [self.tangent, self.over].into_iter().flatten() {
+            let touch = Touch { part, place: self.place, jet, lower };
+            excess = excess.min(touch.excess(self.cutter, self.track, level));
+            if excess <= 0.0 {
+                break;
+            }
+        }
+        excess
+    }
+
+    /// Goes on to a better place of the unit square; whether there is one.
+    pub(super) fn step(&mut self, jet: &Jet) -> bool {
+        let by_tangent = self.by_tangent(jet).filter(|next| self.is_inside(next));
+        let next = by_tangent.or_else(|| self.by_lift(jet)).or_else(|| self.by_tangent(jet));
+        let Some(next) = next else { return false };
+        let next = next.map(|t| t.clamp(0.0, 1.0));
+        let is_same = (0..2).all(|k| (next[k] - self.place[k]).abs() <= NO_STEP);
+        self.place = next;
+        !is_same
+    }
+
+    fn is_inside(&self, place: &[f64; 2]) -> bool {
+        place.iter().all(|t| (0.0..=1.0).contains(t))
+    }
+
+    /// Newton's step for the tangent point to lie over the surface point.
+    fn by_tangent(&self, jet: &Jet) -> Option<[f64; 2]> {
+        let tangent = self.tangent.as_ref()?;
+        let off = self.off(jet) - tangent.place;
+        let second = |d: &nalgebra::Vector3<f64>| d.z - tangent.gradient.dot(&d.xy());
+        let (uu, uv, vv) = (second(&jet.duu), second(&jet.duv), second(&jet.dvv));
+        let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+        let gradients = across.transpose().try_inverse()? * Matrix2::new(uu, uv, uv, vv);
+        let moves = across - self.cutter.compliance(tangent) * gradients;
+        let step = moves.try_inverse()? * off;
+        let next = [self.place[0] - step.x, self.place[1] - step.y];
+        next.iter().all(|t| t.is_finite()).then_some(next)
+    }
+
+    /// Newton's step for the lift, along the sides that it does not leave.
+    fn by_lift(&self, jet: &Jet) -> Option<[f64; 2]> {
+        let over = self.over.as_ref()?;
+        let form = self.cutter.curvature(over);
+        let rise = |d: &nalgebra::Vector3<f64>| d.z - over.gradient.dot(&d.xy());
+        let (gu, gv) = (rise(&jet.du), rise(&jet.dv));
+        let (fu, fv) = (form.times(&jet.du.xy()), form.times(&jet.dv.xy()));
+        let uu = fu.dot(&jet.du.xy()) - rise(&jet.duu);
+        let uv = fu.dot(&jet.dv.xy()) - rise(&jet.duv);
+        let vv = fv.dot(&jet.dv.xy()) - rise(&jet.dvv);
+        let det = uu * vv - uv * uv;
+        let [u, v] = self.place;
+        let blocked = |t: f64, rise: f64| (t <= 0.0 && rise < 0.0) || (t >= 1.0 && rise > 0.0);
+        let alone = |g: f64, n: f64| if n > 0.0 { g / n } else { g.signum() };
+        let step = if blocked(u, gu) {
+            [0.0, if blocked(v, gv) { 0.0 } else { alone(gv, vv) }]
+        } else if blocked(v, gv) {
+            [alone(gu, uu), 0.0]
+        } else if uu > 0.0 && det > 0.0 {
+            let free = [(vv * gu - uv * gv) / det, (uu * gv - uv * gu) / det];
+            self.within(free, [gu, gv], [uu, uv, vv])
+        } else {
+            return None;
+        };
+        let next = [u + step[0], v + step[1]];
+        next.iter().all(|t| t.is_finite()).then_some(next)
+    }
+
+    /// The free step, or the best one along the side that it would cross first.
+    fn within(&self, free: [f64; 2], g: [f64; 2], [uu, uv, vv]: [f64; 3]) -> [f64; 2] {
+        let [u, v] = self.place;
+        let room = |t: f64, step: f64| if step > 0.0 { 1.0 - t } else { -t };
+        if free[0].abs() > room(u, free[0]).abs() {
+            let du = room(u, free[0]);
+            [du, (g[1] - uv * du) / vv]
+        } else if free[1].abs() > room(v, free[1]).abs() {
+            let dv = room(v, free[1]);
+            [(g[0] - uv * dv) / uu, dv]
+        } else {
+            free
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Tips along a line of positions: what a pass follows, with a proved distance from what lies between.
+//!
+//! # Method
+//! The line is walked over the surface. Each position is taken from the one before by Newton's method alone; that nothing else lifts the
+//! cutter there is proved with the stretch between ([`Contacts::is_within`]), and where that fails the contact is looked for
+//! anew and the step halved. Where tips jump, at upright walls and where sheets end, the step shrinks to
+//! [`SHORTEST_STEP_MM`], and the chord is the wall.
+//!
+//! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface. Where it only hangs on
+//! an edge at which the surface ends, the section ends.
+//!
+//! # Cost
+//! O(points), with some five microseconds a point.
+
+use nalgebra::{Point3, Vector2, Vector3};
+
+use super::{Contact, Contacts};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
+use crate::geometry::surface::Surface;
+use crate::geometry::surface::patch::Patch;
+
+/// Tips this near to each other may be at any height: the wall between them is upright.
+pub const SHORTEST_STEP_MM: f64 = 1e-6;
+
+/// The distance at which positions are looked at where the surface is not found yet, in radii of the cutter.
+const SEARCH_STEP: f64 = 0.25;
+
+/// The first step of a section, in radii of the cutter.
+const FIRST_STEP: f64 = 0.05;
+
+const GROWTH: f64 = 1.2;
+const SHRINKAGE: f64 = 0.6;
+
+/// Points of one section.
+const POINT_LIMIT: usize = 1_000_000;
+
+/// Halvings between a position that counts and one that does not.
+const HALVINGS: usize = 60;
+
+/// Positions between two looks at the budget.
+const STEPS_BETWEEN_CHECKS: usize = 64;
+
+/// The cutter stands level on a surface whose slope is less.
+const LEVEL_SLOPE: f64 = 1e-9;
+
+/// Places along a side between which its extreme is looked for.
+const SIDE_SAMPLES: usize = 24;
+
+/// The tips over lines at right angles to `axis` (0 is x, 1 is y).
+pub struct TipSections<'a, P> {
+    pub contacts: &'a Contacts<'a, P>,
+    pub axis: usize,
+}
+
+/// A walk along one line.
+struct Walk<'a, P> {
+    sections: &'a TipSections<'a, P>,
+    plane: PlaneAt,
+    spacing: Spacing,
+    budget: &'a Budget,
+    chains: Vec<Vec<Point3<f64>>>,
+    n_points: usize,
+}
+
+impl<P: Patch> TipSections<'_, P> {
+    /// The sections over `plane`, in the sense of the growing coordinate.
+    ///
+    /// # Errors
+    /// When a section has too many points, or the budget stops.
+    pub fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+        let mut walk =
+            Walk { sections: self, plane, spacing, budget, chains: Vec::new(), n_points: 0 };
+        walk.all()?;
+        let chain = |points| Chain { points, chord_height_mm: spacing.chord_height_mm + 2.0 * SHORTEST_STEP_MM };
+        Ok(walk.chains.into_iter().filter(|points| points.len() >= 2).map(chain).collect())
+    }
+
+    /// The least and the largest coordinate of positions along the axis that may count, mm: those whose cutter touches a side of the
+    /// surface with its tangent plane, or any part of it at the middle.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn extent(&self, budget: &Budget) -> Result<[f64; 2], Stopped> {
+        let surface = self.contacts.surface;
+        let [nu, nv] = surface.spans();
+        let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
+        for part in &self.contacts.tree.parts {
+            if let Some(at) = self.position(part.on_surface([0.5, 0.5])) {
+                extent = [extent[0].min(at), extent[1].max(at)];
+            }
+        }
+        let (nu_mm, nv_mm) = (nu as f64, nv as f64);
+        for (n, place) in [
+            (nu, Box::new(|t: f64| [t, 0.0]) as Box<dyn Fn(f64) -> [f64; 2]>),
+            (nu, Box::new(move |t: f64| [t, nv_mm])),
+            (nv, Box::new(|t: f64| [0.0, t])),
+            (nv, Box::new(move |t: f64| [nu_mm, t])),
+        ] {
+            budget.check()?;
+            let at = |t: f64| self.position(place(t));
+            let step = 1.0 / SIDE_SAMPLES as f64;
+            for k in 0..=n * SIDE_SAMPLES {
+                let t = k as f64 * step;
+                let range = [(t - step).max(0.0), (t + step).min(n as f64)];
+                for (sense, end) in [(-1.0, 0), (1.0, 1)] {
+                    let Some(value) = at(t) else { continue };
+                    if sense * (value - extent[end]) > -1e-3 * self.contacts.cutter.radius() {
+                        let best = largest(range, |t| at(t).map_or(f64::NEG_INFINITY, |x| sense * x));
+                        extent[end] = sense * best.max(sense * value).max(sense * extent[end]);
+                    }
+                }
+            }
+        }
+        Ok(extent)
+    }
+
+    /// Where the axis of the cutter is, along the axis, when it touches the surface at a place with its tangent plane.
+    fn position(&self, [u, v]: [f64; 2]) -> Option<f64> {
+        let jet = self.contacts.surface.jet(u, v);
+        let normal = jet.normal();
+        let gradient = -normal.xy() / normal.z;
+        if !(normal.z > 0.0) && !(normal.z < 0.0) {
+            return None;
+        }
+        let offset = if gradient.norm() > LEVEL_SLOPE || self.contacts.cutter.flat_radius() == 0.0 {
+            self.contacts.cutter.tangent_point(gradient).place
+        } else {
+            Vector2::zeros()
+        };
+        let at = jet.point[self.axis] - offset[self.axis];
+        at.is_finite().then_some(at)
+    }
+}
+
+impl<P: Patch> Walk<'_, P> {
+    fn all(&mut self) -> Result<(), SectionError> {
+        let contacts = self.sections.contacts;
+        let along = 1 - self.sections.axis;
+        let radius = contacts.cutter.radius();
+        let (low, high) = (contacts.bounds().min[along] - radius, contacts.bounds().max[along] + radius);
+        let search_step = (SEARCH_STEP * radius).max((high - low) / POINT_LIMIT as f64);
+        let mut outside = low;
+        for k in 0.. {
+            if k % STEPS_BETWEEN_CHECKS == 0 {
+                self.budget.check()?;
+            }
+            let at = (outside + search_step).min(high);
+            if let Some(found) = self.contact(at, None)? {
+                let first = self.last_counting(found, outside)?;
+                outside = self.follow(first, high)?;
+            } else {
+                outside = at;
+            }
+            if outside >= high {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows the tips from one that counts to the last; answers a position beyond it.
+    fn follow(&mut self, first: Contact, high: f64) -> Result<f64, SectionError> {
+        let radius = self.sections.contacts.cutter.radius();
+        let longest = self.spacing.step_length_mm.min(radius);
+        let mut points = vec![self.point(&first)];
+        let mut here = first;
+        let mut before = first;
+        let mut step = longest.min(FIRST_STEP * radius);
+        let mut tries = 0usize;
+        let beyond = loop {
+            tries += 1;
+            if tries.is_multiple_of(STEPS_BETWEEN_CHECKS) {
+                self.budget.check()?;
+            }
+            if self.n_points + points.len() >= POINT_LIMIT {
+                return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
+            }
+            let to = (self.at(&here) + step).min(high);
+            let guess = self.expected(&before, &here, to);
+            let next = match self.followed(to, guess) {
+                Some(next) if self.is_joined(&here, &next) => Some(next),
+                _ => match self.contact(to, Some(here.place))? {
+                    Some(next) if self.is_joined(&here, &next) => Some(next),
+                    Some(next) if step <= SHORTEST_STEP_MM => Some(next),
+                    None if step <= SHORTEST_STEP_MM => break to,
+                    _ => None,
+                },
+            };
+            match next {
+                Some(next) => {
+                    points.push(self.point(&next));
+                    (before, here) = (here, next);
+                    if to >= high {
+                        break high;
+                    }
+                    step = (step * GROWTH).min(longest);
+                }
+                None => step = (step * SHRINKAGE).max(SHORTEST_STEP_MM),
+            }
+        };
+        self.n_points += points.len();
+        self.chains.push(points);
+        Ok(beyond)
+    }
+
+    fn is_joined(&self, from: &Contact, to: &Contact) -> bool {
+        let way = to.tip - from.tip;
+        let (across, rise) = (way.xy().norm(), way.z);
+        let height = self.spacing.chord_height_mm;
+        // Vertical heights are larger than distances where the chord is steep and long enough.
+        let steep = height * (1.0 + (rise / across).powi(2)).sqrt();
+        let vertical = if steep <= 0.25 * way.norm() { steep } else { height };
+        self.sections.contacts.is_within(from, to, vertical)
+    }
+
+    /// The tip as a point of the pass.
+    fn point(&self, contact: &Contact) -> Point3<f64> {
+        let mut point = contact.tip;
+        point[self.sections.axis] = self.plane.at;
+        point
+    }
+
+    fn at(&self, contact: &Contact) -> f64 {
+        contact.tip[1 - self.sections.axis]
+    }
+
+    fn position(&self, at: f64) -> Vector2<f64> {
+        let mut position = Vector2::repeat(self.plane.traced_at);
+        position[1 - self.sections.axis] = at;
+        position
+    }
+
+    /// Where the contact is expected on the way on.
+    fn expected(&self, before: &Contact, here: &Contact, to: f64) -> [f64; 2] {
+        let done = self.at(here) - self.at(before);
+        let ratio = if done > 0.0 { ((to - self.at(here)) / done).min(2.0) } else { 0.0 };
+        let spans = self.sections.contacts.surface.spans();
+        [0, 1].map(|k| {
+            (here.place[k] + ratio * (here.place[k] - before.place[k])).clamp(0.0, spans[k] as f64)
+        })
+    }
+
+    /// A contact near an expected one that counts, without a proof.
+    fn followed(&self, to: f64, guess: [f64; 2]) -> Option<Contact> {
+        let contact = self.sections.contacts.near(self.position(to), guess)?;
+        self.counts(&contact).then_some(contact)
+    }
+
+    /// The contact at a position, if it counts.
+    fn contact(&self, at: f64, near: Option<[f64; 2]>) -> Result<Option<Contact>, Stopped> {
+        let contact = self.sections.contacts.drop(self.position(at), near, self.budget)?;
+        Ok(contact.filter(|contact| self.counts(contact)))
+    }
+
+    fn counts(&self, contact: &Contact) -> bool {
+        let is_level = contact.slope <= LEVEL_SLOPE && self.sections.contacts.cutter.flat_radius() > 0.0;
+        !contact.is_rolling && (!is_level || self.sections.contacts.is_over(contact))
+    }
+
+    /// The last contact that counts on the way from one to a position without.
+    fn last_counting(&self, mut counting: Contact, mut outside: f64) -> Result<Contact, Stopped> {
+        for _ in 0..HALVINGS {
+            let at = self.at(&counting);
+            if (at - outside).abs() <= 1e-3 * SHORTEST_STEP_MM {
+                break;
+            }
+            let middle = 0.5 * (at + outside);
+            match self.contact(middle, Some(counting.place))? {
+                Some(contact) => counting = contact,
+                None => outside = middle,
+            }
+        }
+        Ok(counting)
+    }
+}
+
+impl<P: Patch> Contacts<'_, P> {
+    /// Whether the axis of a cutter that stands level is over the surface, and not beyond its edges.
+    fn is_over(&self, contact: &Contact) -> bool {
+        let at = contact.tip.xy();
+        let [nu, nv] = self.surface.spans().map(|n| n as f64);
+        let mut place = contact.place;
+        // Gauss and Newton know no sides: the last step says whether the place is outside.
+        for _ in 0..20 {
+            let jet = self.surface.jet(place[0], place[1]);
+            let across = nalgebra::Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+            let Some(inverse) = across.try_inverse() else { return true };
+            let step = inverse * (at.coords - jet.point.coords.xy());
+            if step.norm() < 1e-12 {
+                return true;
+            }
+            let next = [place[0] + step.x, place[1] + step.y];
+            let inside = [next[0].clamp(0.0, nu), next[1].clamp(0.0, nv)];
+            if inside == place {
+                return false;
+            }
+            place = inside;
+        }
+        let jet: Vector3<f64> = self.surface.jet(place[0], place[1]).point.coords;
+        (at.coords - jet.xy()).norm() <= 1e-9
+    }
+}
+
+/// The largest value of a function over a range in which it has one top, by golden sections.
+fn largest([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    for _ in 0..60 {
+        let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        if f(a) < f(b) {
+            low = a;
+        } else {
+            high = b;
+        }
+    }
+    f(0.5 * (low + high))
+}

@@ -1,0 +1,115 @@
+use super::*;
+use crate::geometry::surface::BicubicPatch;
+
+/// A surface of one patch z = f over a rectangle, f of degree 3 at most each way, by blossoms of sampled polynomials.
+fn graph(low: [f64; 2], high: [f64; 2], f: impl Fn(f64, f64) -> f64) -> BezierSurface {
+    // Values at thirds to control values of a cubic.
+    let control = |y: [f64; 4]| {
+        [
+            y[0],
+            (-5.0 * y[0] + 18.0 * y[1] - 9.0 * y[2] + 2.0 * y[3]) / 6.0,
+            (2.0 * y[0] - 9.0 * y[1] + 18.0 * y[2] - 5.0 * y[3]) / 6.0,
+            y[3],
+        ]
+    };
+    let at = |k: usize, axis: usize| low[axis] + (high[axis] - low[axis]) * k as f64 / 3.0;
+    let rows: [[f64; 4]; 4] =
+        std::array::from_fn(|a| control(std::array::from_fn(|b| f(at(a, 0), at(b, 1)))));
+    let columns: [[f64; 4]; 4] = std::array::from_fn(|b| control(std::array::from_fn(|a| rows[a][b])));
+    BezierSurface::from_fn([1, 1], |_, _| BicubicPatch {
+        net: std::array::from_fn(|a| {
+            std::array::from_fn(|b| Vector3::new(at(a, 0), at(b, 1), columns[b][a]))
+        }),
+    })
+}
+
+fn tip(surface: &BezierSurface, cutter: Cutter, x: f64, y: f64) -> f64 {
+    let budget = Budget::unlimited();
+    let contacts = Contacts::new(surface, cutter, &budget).unwrap();
+    let contact = contacts.drop(Vector2::new(x, y), None, &budget).unwrap().unwrap();
+    // The rotational bowl is touched all around at once.
+    assert!(contact.gap_mm <= 1e-6, "{contact:?}");
+    contact.tip.z
+}
+
+#[test]
+fn a_plane_is_touched_as_the_closed_form_says() {
+    for slope in [0.0f64, 0.3, 1.0, 5.0, 19.0] {
+        let plane = graph([-40.0, -40.0], [40.0, 40.0], |x, y| slope * (0.6 * x + 0.8 * y));
+        let cos = 1.0 / slope.hypot(1.0);
+        let (x, y) = (1.3, -2.2);
+        let z = slope * (0.6 * x + 0.8 * y);
+        for (cutter, expected) in [
+            (Cutter::ball(5.0), z + 5.0 / cos - 5.0),
+            (Cutter::bull_nose(5.0, 0.0), z + 5.0 * slope),
+            (Cutter::bull_nose(5.0, 2.0), z + 3.0 * slope + 2.0 / cos - 2.0),
+        ] {
+            let got = tip(&plane, cutter, x, y);
+            assert!((got - expected).abs() < 1e-8, "{slope} {cutter:?} {got} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_bowl_that_is_too_tight_holds_the_cutter_up() {
+    let bowl = graph([-4.0, -4.0], [4.0, 4.0], |x, y| 0.4 * (x * x + y * y));
+    assert!((tip(&bowl, Cutter::ball(2.5), 0.0, 0.0) - 0.625).abs() < 1e-8);
+    assert!((tip(&bowl, Cutter::bull_nose(2.5, 0.0), 0.0, 0.0) - 2.5).abs() < 1e-8);
+    let trough = graph([-4.0, -4.0], [4.0, 4.0], |x, _| 0.4 * x * x);
+    assert!((tip(&trough, Cutter::ball(2.5), 0.0, 0.0) - 0.625).abs() < 1e-8);
+    assert!((tip(&trough, Cutter::bull_nose(2.5, 0.0), 0.0, 0.7) - 2.5).abs() < 1e-8);
+}
+
+#[test]
+fn an_edge_and_a_corner_are_touched() {
+    let square = graph([0.0, 0.0], [10.0, 10.0], |_, _| 3.0);
+    assert!((tip(&square, Cutter::ball(5.0), -3.0, 5.0) - (3.0 - 1.0)).abs() < 1e-8);
+    assert!((tip(&square, Cutter::ball(5.0), -3.0, -2.0) - (3.0 - (5.0 - 12f64.sqrt()))).abs() < 1e-8);
+    assert!((tip(&square, Cutter::bull_nose(5.0, 0.0), -3.0, -2.0) - 3.0).abs() < 1e-8);
+}
+
+#[test]
+fn random_bumps_are_touched_where_a_dense_search_says() {
+    let mut seed = 7u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for case in 0..30 {
+        let net: [[f64; 4]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| 12.0 * random()));
+        let surface = BezierSurface::from_fn([1, 1], |_, _| BicubicPatch {
+            net: std::array::from_fn(|a| {
+                std::array::from_fn(|b| Vector3::new(8.0 * a as f64, 8.0 * b as f64, net[a][b]))
+            }),
+        });
+        for cutter in [Cutter::ball(3.0), Cutter::bull_nose(3.0, 0.0), Cutter::bull_nose(3.0, 1.0)] {
+            let (x, y) = (28.0 * random() - 2.0, 28.0 * random() - 2.0);
+            let got = tip(&surface, cutter, x, y);
+            let n = 400;
+            let mut sampled = f64::NEG_INFINITY;
+            for i in 0..=n {
+                for j in 0..=n {
+                    let p = surface.jet(f64::from(i) / f64::from(n), f64::from(j) / f64::from(n)).point;
+                    sampled = sampled.max(p.z - cutter.height((p.x - x).hypot(p.y - y)));
+                }
+            }
+            assert!(got >= sampled - 1e-9, "{case} {cutter:?} {got} {sampled}");
+            assert!(got <= sampled + 0.1, "{case} {cutter:?} {got} {sampled}");
+        }
+    }
+}
+
+#[test]
+fn chords_are_confirmed_only_where_tips_keep_to_them() {
+    let budget = Budget::unlimited();
+    let square = graph([0.0, 0.0], [10.0, 10.0], |_, _| 3.0);
+    let contacts = Contacts::new(&square, Cutter::ball(5.0), &budget).unwrap();
+    let at = |x: f64| contacts.drop(Vector2::new(x, 5.0), None, &budget).unwrap().unwrap();
+    assert!(contacts.is_within(&at(3.0), &at(7.0), 1e-6));
+    // The height of an arc of radius 5 over a chord.
+    let (from, to) = (at(-2.0), at(-1.6));
+    let chord = (to.tip - from.tip).norm();
+    let sagitta = 5.0 - (25.0 - 0.25 * chord * chord).sqrt();
+    assert!(!contacts.is_within(&from, &to, 0.9 * sagitta));
+    assert!(contacts.is_within(&from, &to, 1.3 * sagitta));
+}

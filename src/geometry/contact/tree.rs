@@ -1,0 +1,204 @@
+//! The parts that a surface is looked at in: small patches with what is known of each, under a hierarchy of boxes.
+
+use nalgebra::Vector2;
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
+use crate::geometry::surface::{BezierSurface, Surface};
+
+/// Parts are about this part of the cutter's radius long, if that does not make too many.
+const PART_SIZE: f64 = 0.35;
+
+/// Parts of a surface with few patches.
+const PART_LIMIT: usize = 20_000;
+
+/// Halvings of one patch in advance.
+const DEPTH_LIMIT: u32 = 14;
+
+/// A part of a patch, over a unit square of its own.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<P> {
+    pub(super) patch: P,
+    pub(super) bounds: Bounds,
+    pub(super) derivatives: DerivativeBounds,
+    pub(super) lengths: Lengths,
+    /// The parameters of the surface at its start.
+    pub(super) start: [f64; 2],
+    /// Parameters of the surface over one of the part, each way.
+    pub(super) scale: [f64; 2],
+}
+
+/// Lengths of the derivatives of a part, mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lengths {
+    /// Of the first ones in plan, at the centres of their sets.
+    pub(super) first: [f64; 2],
+    /// The largest of the second ones: by u, by both, by v.
+    pub(super) second: [f64; 3],
+    /// Centre in plan and half the diagonal of the box.
+    pub(super) center: Vector2<f64>,
+    pub(super) half_diagonal: f64,
+}
+
+impl Lengths {
+    fn of(derivatives: &DerivativeBounds, bounds: &Bounds) -> Self {
+        let DerivativeBounds { du, dv, duu, duv, dvv } = derivatives;
+        Self {
+            first: [du, dv].map(|ball| ball.center.xy().norm()),
+            second: [duu, duv, dvv].map(|ball| ball.reach()),
+            center: (0.5 * (bounds.min + bounds.max)).xy(),
+            half_diagonal: (0.5 * (bounds.max - bounds.min)).xy().norm(),
+        }
+    }
+}
+
+impl<P: Patch> Part<P> {
+    fn new(patch: P, start: [f64; 2], scale: [f64; 2]) -> Self {
+        let (bounds, derivatives) = (patch.bounds(), patch.derivatives());
+        let lengths = Lengths::of(&derivatives, &bounds);
+        Self { patch, bounds, derivatives, lengths, start, scale }
+    }
+
+    /// The halves across the longer direction.
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let [along_u, along_v] = self.patch.extents();
+        let axis = usize::from(along_u < along_v);
+        let patches = if axis == 0 { self.patch.split_u() } else { self.patch.split_v() };
+        let mut scale = self.scale;
+        scale[axis] *= 0.5;
+        let mut middle = self.start;
+        middle[axis] += scale[axis];
+        let [low, high] = patches;
+        [Self::new(low, self.start, scale), Self::new(high, middle, scale)]
+    }
+
+    /// The place of the part nearest to parameters of the surface, in parameters of the part.
+    pub(super) fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| ((place[k] - self.start[k]) / self.scale[k]).clamp(0.0, 1.0))
+    }
+
+    /// Parameters of the surface of a place of the part.
+    pub(super) fn on_surface(&self, place: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| self.start[k] + self.scale[k] * place[k])
+    }
+
+    pub(super) fn size(&self) -> f64 {
+        (self.bounds.max - self.bounds.min).amax()
+    }
+}
+
+/// The parts with the boxes over them.
+pub(super) struct Tree<P> {
+    nodes: Vec<Node>,
+    pub(super) parts: Vec<Part<P>>,
+}
+
+struct Node {
+    bounds: Bounds,
+    content: Content,
+}
+
+#[derive(Clone, Copy)]
+enum Content {
+    Part(usize),
+    Halves(usize, usize),
+}
+
+impl<P: Patch> Tree<P> {
+    /// Parts in which a cutter of `radius` mm sees little change.
+    pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
+        let [nu, nv] = surface.spans();
+        let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
+        let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
+        let mut tree = Self { nodes: Vec::new(), parts: Vec::new() };
+        tree.add_patches(surface, [0, nu], [0, nv], size, budget)?;
+        Ok(tree)
+    }
+
+    fn add_patches(
+        &mut self,
+        surface: &BezierSurface<P>,
+        i: [usize; 2],
+        j: [usize; 2],
+        size: f64,
+        budget: &Budget,
+    ) -> Result<usize, Stopped> {
+        let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
+        if rows == 1 && columns == 1 {
+            budget.check()?;
+            let start = [i[0] as f64, j[0] as f64];
+            let part = Part::new(*surface.patch(i[0], j[0]), start, [1.0, 1.0]);
+            return Ok(self.add_part(part, size, DEPTH_LIMIT));
+        }
+        let (first, second) = if rows >= columns {
+            let middle = i[0] + rows / 2;
+            let first = self.add_patches(surface, [i[0], middle], j, size, budget)?;
+            (first, self.add_patches(surface, [middle, i[1]], j, size, budget)?)
+        } else {
+            let middle = j[0] + columns / 2;
+            let first = self.add_patches(surface, i, [j[0], middle], size, budget)?;
+            (first, self.add_patches(surface, i, [middle, j[1]], size, budget)?)
+        };
+        Ok(self.join(first, second))
+    }
+
+    fn add_part(&mut self, part: Part<P>, size: f64, depth: u32) -> usize {
+        let [along_u, along_v] = part.patch.extents();
+        if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
+            self.nodes.push(Node { bounds: part.bounds, content: Content::Part(self.parts.len()) });
+            self.parts.push(part);
+            return self.nodes.len() - 1;
+        }
+        let [first, second] = part.halves().map(|half| self.add_part(half, size, depth - 1));
+        self.join(first, second)
+    }
+
+    fn join(&mut self, first: usize, second: usize) -> usize {
+        let bounds = self.nodes[first].bounds.union(&self.nodes[second].bounds);
+        self.nodes.push(Node { bounds, content: Content::Halves(first, second) });
+        self.nodes.len() - 1
+    }
+
+    /// The box of the whole surface.
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.nodes[self.nodes.len() - 1].bounds
+    }
+
+    /// Shows the visitor the parts that may matter to it, the more promising half first.
+    pub(super) fn visit(&self, visitor: &mut impl Visitor<P>) {
+        // Depths are logarithms of numbers that fit memory.
+        let mut stack: Vec<(usize, f64)> = Vec::with_capacity(64);
+        stack.push((self.nodes.len() - 1, f64::INFINITY));
+        while let Some((k, promise)) = stack.pop() {
+            if visitor.is_settled(promise) {
+                continue;
+            }
+            match self.nodes[k].content {
+                Content::Part(part) => visitor.visit(&self.parts[part], promise),
+                Content::Halves(first, second) => {
+                    let [a, b] =
+                        [first, second].map(|half| (half, visitor.promise(&self.nodes[half].bounds)));
+                    stack.extend(if a.1 > b.1 { [b, a] } else { [a, b] });
+                }
+            }
+        }
+    }
+}
+
+/// Who looks for something in the parts.
+pub(super) trait Visitor<P> {
+    /// The most that may be found in a box.
+    fn promise(&self, bounds: &Bounds) -> f64;
+
+    /// Whether so much no longer matters.
+    fn is_settled(&self, promise: f64) -> bool;
+
+    fn visit(&mut self, part: &Part<P>, promise: f64);
+}
+
+/// The squared distance of a place from a box in plan, mm^2.
+pub(super) fn squared_distance_in_plan(bounds: &Bounds, place: &Vector2<f64>) -> f64 {
+    let beyond = |k: usize| (bounds.min[k] - place[k]).max(place[k] - bounds.max[k]).max(0.0);
+    let (x, y) = (beyond(0), beyond(1));
+    x * x + y * y
+}

@@ -1,6 +1,7 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
 pub mod arc_fit;
+pub mod bernstein;
 pub mod bspline;
 pub mod clearance;
 pub mod curve;
@@ -9,6 +10,7 @@ pub mod element;
 pub mod interval;
 pub mod plane;
 pub mod plane_curve;
+pub mod profile;
 pub mod section;
 pub mod solve;
 pub mod spline;

@@ -119,7 +119,7 @@ fn corners_that_cannot_be_mitred_are_named() {
 fn along_a_smooth_curve_the_surface_is_within_the_tolerance() {
     let basic = smooth(&[[0.0, 0.0], [20.0, 8.0], [40.0, -5.0], [70.0, 3.0]]);
     for left in [0.0, 2.0, -7.0] {
-        let drive = polyline([[0.0, 0.0], [left, 0.0]]);
+        let drive = rib(left);
         let parts = |piece: &Piece<2>| match piece.shape {
             Shape::Cubic(points) => unit_normal::parts(points, drive.range(0), 1000).unwrap(),
             ref other => panic!("{other:?}"),

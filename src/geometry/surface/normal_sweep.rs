@@ -73,7 +73,7 @@ pub enum NormalSweepError {
         "the drive curve reaches {reach_mm} mm to the {side} of the basic curve, where the mitres of this corner and its neighbour meet at {room_mm} mm"
     )]
     Mitre { place: usize, side: Side, reach_mm: f64, room_mm: f64 },
-    #[error("the basic curve has a cusp, where it has no normal")]
+    #[error("the basic curve has a cusp, or turns too tightly to tell it from one: it has no normal there")]
     Cusp { place: usize },
 }
 

@@ -59,7 +59,7 @@ pub enum RuledError {
     Empty,
     #[error("more than {PATCH_LIMIT} patches, which are all that can be taken")]
     TooManyPatches,
-    #[error("the curve has a cusp, where it has no direction")]
+    #[error("the curve has a cusp, or turns too tightly to tell it from one: it has no direction there")]
     Cusp { curve: usize, place: usize },
 }
 

@@ -119,8 +119,8 @@ async fn what_is_swept_is_milled() {
     for example in [PARALLEL, NORMAL, RULED] {
         let mut body = parsed(BEZIER_PATCHES);
         body["surface"] = parsed(example)["surface"].clone();
-        body["tool"]["diameter_mm"] = json!(5);
-        body["strategy"]["stepover_mm"] = json!(6);
+        body["tool"]["diameter_mm"] = json!(4);
+        body["strategy"]["stepover_mm"] = json!(15);
         let answer = post(&app, &format!("{MILL}?toolpath=false"), body.to_string(), &[]).await;
         assert_eq!(answer.status, 200, "{}", answer.text());
         let report = answer.json()["report"].clone();

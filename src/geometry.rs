@@ -2,6 +2,7 @@
 
 pub mod arc_fit;
 pub mod best_first;
+pub mod bernstein;
 pub mod bspline;
 pub mod clearance;
 pub mod contact;
@@ -12,6 +13,7 @@ pub mod element;
 pub mod interval;
 pub mod plane;
 pub mod plane_curve;
+pub mod profile;
 pub mod section;
 pub mod solve;
 pub mod spline;

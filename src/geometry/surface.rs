@@ -9,14 +9,18 @@ pub mod curvature;
 pub mod ferguson;
 pub mod joints;
 pub mod net_grid;
+pub mod normal_sweep;
 pub mod nurbs;
 pub mod offset;
+pub mod parallel_sweep;
 pub mod patch;
 pub mod point_grid;
 pub mod regularity;
+pub mod ruled;
 pub mod source;
 
 mod hermite;
+mod swept;
 
 pub use bezier::BezierSurface;
 pub use patch::{BicubicPatch, Patch, RationalPatch};

@@ -46,7 +46,7 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 22] = [
+const EXAMPLES: [(&str, &str, &str); 25] = [
     example!("/v1/arcs/fit", "arcs-fit", "contour"),
     example!("/v1/arcs/fit", "arcs-fit", "helix"),
     example!("/v1/arcs/fit", "arcs-fit", "probed-circle"),
@@ -60,6 +60,9 @@ const EXAMPLES: [(&str, &str, &str); 22] = [
     example!("/v1/curves/interpolate", "curves-interpolate", "spline"),
     example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
     example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
+    example!("/v1/surfaces/model", "surfaces-model", "normal-sweep"),
+    example!("/v1/surfaces/model", "surfaces-model", "parallel-sweep"),
+    example!("/v1/surfaces/model", "surfaces-model", "ruled"),
     example!("/v1/surfaces/mill", "surfaces-mill", "bezier-patches"),
     example!("/v1/surfaces/mill", "surfaces-mill", "cylinder"),
     example!("/v1/surfaces/mill", "surfaces-mill", "die"),

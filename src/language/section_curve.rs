@@ -36,9 +36,10 @@ mod chain;
 mod corner;
 mod grammar;
 
-pub use chain::{Chain, Item, Segment, Shape};
+pub use chain::{Chain, Item, Segment};
 
 use crate::geometry::plane_curve::piecewise::{BezierError, PiecewiseError};
+pub use crate::geometry::profile::Shape;
 
 /// The largest coordinate and radius, mm: a kilometre, as for every other coordinate.
 pub const LARGEST_NUMBER: f64 = 1e6;

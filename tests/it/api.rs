@@ -14,3 +14,4 @@ mod operation;
 mod programs;
 mod shutdown;
 pub mod support;
+mod sweeps;

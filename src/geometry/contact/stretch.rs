@@ -20,7 +20,7 @@ use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Surface, span_of};
 
 /// Halvings of parts for one stretch; beyond that the stretch is too long.
-const HALVING_LIMIT: usize = 24;
+const HALVING_LIMIT: usize = 256;
 
 /// Steps on one part.
 const STEPS: usize = 3;

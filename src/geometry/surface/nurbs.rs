@@ -6,7 +6,7 @@
 //!
 //! # Guarantees
 //! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
-//! Patches of degree up to 3 whose weights are all equal are raised to [`BicubicPatch`], which is exact.
+//! Patches of degree up to 3 whose weights are all equal are raised to [`BicubicPatch`](super::BicubicPatch), which is exact.
 //!
 //! # Degenerate input
 //! Knot spans without length have no patch. Knots of multiplicity p let the surface break in its tangents, which
@@ -18,7 +18,8 @@
 use nalgebra::{Point3, Vector4};
 
 use super::bezier::BezierSurface;
-use super::patch::{BicubicPatch, RationalPatch};
+use super::patch::RationalPatch;
+use super::patch::raise::raised;
 use super::source::AnySurface;
 use crate::geometry::bspline::{
     KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
@@ -203,32 +204,6 @@ impl NurbsError {
             KnotError::SpanTooShort { index, shortest: _ } => Self::SpanTooShort { along, index },
         }
     }
-}
-
-/// A polynomial patch of degree up to 3 with equal weights, with its degree raised to 3 each way.
-fn raised(patch: &RationalPatch<4>) -> BicubicPatch {
-    /// Rows: cubic control points; columns: those of the lower degree.
-    const RAISES: [[[f64; 4]; 4]; 3] = {
-        const T: f64 = 1.0 / 3.0;
-        [
-            [[1.0, 0.0, 0.0, 0.0], [2.0 * T, T, 0.0, 0.0], [T, 2.0 * T, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]],
-            [[1.0, 0.0, 0.0, 0.0], [T, 2.0 * T, 0.0, 0.0], [0.0, 2.0 * T, T, 0.0], [0.0, 0.0, 1.0, 0.0]],
-            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
-        ]
-    };
-    let [p, q] = patch.degree();
-    let net = std::array::from_fn(|a| {
-        std::array::from_fn(|b| {
-            let mut sum = Vector4::zeros();
-            for (k, by_u) in RAISES[p - 1][a].iter().enumerate().take(p + 1) {
-                for (l, by_v) in RAISES[q - 1][b].iter().enumerate().take(q + 1) {
-                    sum += patch.homogeneous(k, l) * (by_u * by_v);
-                }
-            }
-            sum.xyz() / sum.w
-        })
-    });
-    BicubicPatch { net }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! written once, over this trait.
 
 pub mod bicubic;
+pub mod raise;
 pub mod rational;
 
 use nalgebra::Vector3;

@@ -4,8 +4,11 @@ use nalgebra::Point3;
 
 use super::ferguson::{Ferguson, FergusonError};
 use super::net_grid::{NetGrid, NetGridError};
+use super::normal_sweep::{NormalSweep, NormalSweepError};
 use super::nurbs::{Nurbs, NurbsError};
+use super::parallel_sweep::{ParallelSweep, ParallelSweepError};
 use super::point_grid::{GridError, PointGrid};
+use super::ruled::{Ruled, RuledError};
 use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
 
 /// The data of a surface, one variant for each kind.
@@ -15,6 +18,9 @@ pub enum Source {
     Ferguson(Ferguson),
     NetGrid(NetGrid),
     Nurbs(Nurbs),
+    ParallelSweep(ParallelSweep),
+    NormalSweep(NormalSweep),
+    Ruled(Ruled),
 }
 
 /// Why data make no surface.
@@ -28,6 +34,12 @@ pub enum SourceError {
     NetGrid(#[from] NetGridError),
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
+    #[error(transparent)]
+    ParallelSweep(#[from] ParallelSweepError),
+    #[error(transparent)]
+    NormalSweep(#[from] NormalSweepError),
+    #[error(transparent)]
+    Ruled(#[from] RuledError),
 }
 
 /// A surface of patches of any kind.
@@ -49,6 +61,9 @@ impl Source {
             Self::Ferguson(ferguson) => AnySurface::Bicubic(ferguson.surface()?),
             Self::NetGrid(grid) => AnySurface::Bicubic(grid.surface()?),
             Self::Nurbs(nurbs) => nurbs.surface()?,
+            Self::ParallelSweep(sweep) => sweep.surface()?,
+            Self::NormalSweep(sweep) => sweep.surface()?,
+            Self::Ruled(ruled) => ruled.surface()?,
         })
     }
 
@@ -57,7 +72,11 @@ impl Source {
         match self {
             Self::PointGrid(grid) => Some(&grid.points),
             Self::Ferguson(ferguson) => Some(&ferguson.points),
-            Self::NetGrid(_) | Self::Nurbs(_) => None,
+            Self::NetGrid(_)
+            | Self::Nurbs(_)
+            | Self::ParallelSweep(_)
+            | Self::NormalSweep(_)
+            | Self::Ruled(_) => None,
         }
     }
 
@@ -65,7 +84,12 @@ impl Source {
     pub fn reduced_ends(&self) -> Vec<(&'static str, usize)> {
         match self {
             Self::PointGrid(grid) => grid.reduced_ends(),
-            Self::Ferguson(_) | Self::NetGrid(_) | Self::Nurbs(_) => Vec::new(),
+            Self::Ferguson(_)
+            | Self::NetGrid(_)
+            | Self::Nurbs(_)
+            | Self::ParallelSweep(_)
+            | Self::NormalSweep(_)
+            | Self::Ruled(_) => Vec::new(),
         }
     }
 
@@ -78,6 +102,9 @@ impl Source {
                 [(1..nets.len()).collect(), (1..nets.first().map_or(0, Vec::len)).collect()]
             }
             Self::Nurbs(nurbs) => nurbs.loose_joints(),
+            Self::ParallelSweep(sweep) => sweep.loose_joints(),
+            Self::NormalSweep(sweep) => sweep.loose_joints(),
+            Self::Ruled(ruled) => ruled.loose_joints(),
         }
     }
 }

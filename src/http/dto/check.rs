@@ -42,6 +42,14 @@ impl Violations {
         }
     }
 
+    /// As [`Self::add`], for byte `offset` of a text in a language.
+    pub fn add_in_text(&mut self, at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) {
+        self.total += 1;
+        if self.first.len() < MAX_ERRORS {
+            self.first.push(FieldError::in_text(at, offset, code, detail));
+        }
+    }
+
     /// Looks at a number of the given unit.
     pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
         if value.abs() > MAX_MAGNITUDE_MM {

@@ -4,8 +4,12 @@ mod bezier_patches;
 mod failure;
 mod ferguson;
 mod grid;
+mod normal_sweep;
 pub mod nurbs;
+mod parallel_sweep;
 mod point_grid;
+mod ruled;
+mod section_text;
 
 use nalgebra::Point3;
 use serde::{Deserialize, Deserializer};
@@ -20,8 +24,11 @@ use crate::geometry::surface::source::Source;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
+pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
+pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
+pub use ruled::Ruled;
 
 /// A surface, told apart by `kind`. The cutter is on its +z side, whatever the order of its parameters.
 #[derive(Debug, ToSchema)]
@@ -31,11 +38,13 @@ pub enum Surface {
     Ferguson(Ferguson),
     BezierPatches(BezierPatches),
     Nurbs(Nurbs),
+    ParallelSweep(ParallelSweep),
+    NormalSweep(NormalSweep),
+    Ruled(Ruled),
 }
 
-/// The kinds there are, and those of the contract that this version cannot read.
-const KINDS: [&str; 4] = ["point_grid", "ferguson", "bezier_patches", "nurbs"];
-const LATER: [&str; 3] = ["parallel_sweep", "normal_sweep", "ruled"];
+const KINDS: [&str; 7] =
+    ["point_grid", "ferguson", "bezier_patches", "nurbs", "parallel_sweep", "normal_sweep", "ruled"];
 
 impl<'de> Deserialize<'de> for Surface {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -45,7 +54,10 @@ impl<'de> Deserialize<'de> for Surface {
             "ferguson" => tagged::decode(object).map(Self::Ferguson),
             "bezier_patches" => tagged::decode(object).map(Self::BezierPatches),
             "nurbs" => tagged::decode(object).map(Self::Nurbs),
-            other => Err(tagged::unknown(other, &LATER, &KINDS)),
+            "parallel_sweep" => tagged::decode(object).map(Self::ParallelSweep),
+            "normal_sweep" => tagged::decode(object).map(Self::NormalSweep),
+            "ruled" => tagged::decode(object).map(Self::Ruled),
+            other => Err(tagged::unknown(other, &[], &KINDS)),
         }
     }
 }
@@ -58,16 +70,22 @@ impl Surface {
             Self::Ferguson(ferguson) => ferguson.check(at, limits, violations),
             Self::BezierPatches(patches) => patches.check(at, limits, violations),
             Self::Nurbs(nurbs) => nurbs.check(at, limits, violations),
+            Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
+            Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
+            Self::Ruled(ruled) => ruled.check(at, limits, violations),
         }
     }
 
-    /// The corners of the box around the points that the surface is given by.
+    /// The corners of the box around the points that the surface is given by, of a sweep around where these come to.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         match self {
             Self::PointGrid(grid) => bounds(grid.points()),
             Self::Ferguson(ferguson) => bounds(ferguson.points()),
             Self::BezierPatches(patches) => bounds(patches.points()),
             Self::Nurbs(nurbs) => bounds(nurbs.points()),
+            Self::ParallelSweep(sweep) => sweep.bounds(),
+            Self::NormalSweep(sweep) => sweep.bounds(),
+            Self::Ruled(ruled) => ruled.bounds(),
         }
     }
 }
@@ -88,6 +106,9 @@ impl From<Surface> for Source {
             Surface::Ferguson(ferguson) => Self::Ferguson(ferguson.into()),
             Surface::BezierPatches(patches) => Self::NetGrid(patches.into()),
             Surface::Nurbs(nurbs) => Self::Nurbs(nurbs.into()),
+            Surface::ParallelSweep(sweep) => Self::ParallelSweep(sweep.into()),
+            Surface::NormalSweep(sweep) => Self::NormalSweep(sweep.into()),
+            Surface::Ruled(ruled) => Self::Ruled(ruled.into()),
         }
     }
 }

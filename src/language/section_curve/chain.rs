@@ -6,6 +6,7 @@ use super::corner::{self, Rounding};
 use super::grammar::{Kind, Row, Written};
 use super::{Fault, NEAREST_MM, SectionCurveError};
 use crate::geometry::plane_curve::piecewise::{Bezier, Piecewise, PiecewiseError};
+use crate::geometry::profile::{Piece, Profile, Shape};
 use crate::geometry::spline::{EndCondition, derivatives};
 
 /// What tangents may take too much of a line, and what of a line is left out, in parts of its length: the rounding of
@@ -21,18 +22,6 @@ pub enum Item<const D: usize> {
     Corner { point: Point<f64, D>, radius_mm: f64 },
     /// `b`: two points or more.
     Smooth(Vec<Point<f64, D>>),
-}
-
-/// The shape of a segment, by control points in D dimensions, mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape<const D: usize> {
-    Line([Point<f64, D>; 2]),
-    /// A rational quadratic, of a quarter turn at most; the weights of the outer points are 1.
-    Arc {
-        points: [Point<f64, D>; 3],
-        weight: f64,
-    },
-    Cubic([Point<f64, D>; 4]),
 }
 
 /// A part of the curve.
@@ -68,6 +57,12 @@ impl<const D: usize> Chain<D> {
     /// The curve from its start to its end, without gaps; parameters start at 0.
     pub fn segments(&self) -> &[Segment<D>] {
         &self.segments
+    }
+
+    /// The curve as surfaces are swept from it; a piece's place is the byte at which its item begins.
+    pub fn profile(&self) -> Profile<D> {
+        let place = |segment: &Segment<D>| self.places.get(segment.item).copied().unwrap_or_default();
+        Profile::new(self.segments.iter().map(|s| Piece { shape: s.shape, place: place(s) }))
     }
 
     pub(super) fn new(written: &[Written]) -> Result<Self, SectionCurveError> {
@@ -264,9 +259,7 @@ impl<const D: usize> Pen<D> {
     fn draw(&mut self, shape: Shape<D>, item: usize, length: f64) {
         let end = self.parameter + length;
         self.segments.push(Segment { shape, item, ends: [self.parameter, end] });
-        self.at = match shape {
-            Shape::Line([.., end]) | Shape::Arc { points: [.., end], .. } | Shape::Cubic([.., end]) => end,
-        };
+        self.at = shape.end();
         self.parameter = end;
     }
 

@@ -60,7 +60,6 @@ async fn every_fault_has_its_code_and_its_pointer() {
         ("/surface", json!({ "kind": "point_grid" }), "missing_field", "#/surface/points"),
         ("/surface/kind", json!("ball"), "unknown_value", "#/surface/kind"),
         ("/surface/kind", json!(3), "wrong_type", "#/surface/kind"),
-        ("/surface/kind", json!("ruled"), "unsupported", "#/surface/kind"),
         ("/surface/ends", json!("clamped"), "missing_field", "#/surface/end_tangents"),
         ("/surface/twist", json!("left"), "unknown_value", "#/surface/twist"),
         ("/tool", json!({ "shape": "ball" }), "missing_field", "#/tool/diameter_mm"),

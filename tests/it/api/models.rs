@@ -138,7 +138,6 @@ async fn every_fault_of_a_surface_is_pointed_at() {
             "#/surface/control_points/2",
         ),
         (with(CYLINDER, "/surface/degree_w", json!(1)), "unknown_field", "#/surface/degree_w"),
-        (with(CYLINDER, "/surface/kind", json!("ruled")), "unsupported", "#/surface/kind"),
         (with(CYLINDER, "/surface/kind", json!("mesh")), "unknown_value", "#/surface/kind"),
         (with(CYLINDER, "/wires/pitch_mm", json!(0)), "out_of_range", "#/wires/pitch_mm"),
         (with(CYLINDER, "/wires/direction", json!("z")), "unknown_value", "#/wires/direction"),

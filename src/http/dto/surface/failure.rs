@@ -3,8 +3,11 @@
 use crate::geometry::surface::ferguson::FergusonError;
 use crate::geometry::surface::joints::NotSmooth;
 use crate::geometry::surface::net_grid::NetGridError;
+use crate::geometry::surface::normal_sweep::NormalSweepError;
 use crate::geometry::surface::nurbs::NurbsError;
+use crate::geometry::surface::parallel_sweep::ParallelSweepError;
 use crate::geometry::surface::point_grid::GridError;
+use crate::geometry::surface::ruled::RuledError;
 use crate::geometry::surface::source::SourceError;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
@@ -17,6 +20,9 @@ impl From<SourceError> for ApiError {
             SourceError::Ferguson(error) => of_ferguson(error),
             SourceError::NetGrid(error) => of_nets(error),
             SourceError::Nurbs(error) => of_nurbs(error),
+            SourceError::ParallelSweep(error) => of_parallel_sweep(error),
+            SourceError::NormalSweep(error) => return of_normal_sweep(error, detail),
+            SourceError::Ruled(error) => return of_ruled(error, detail),
         };
         Self::invalid(vec![FieldError::new(&at, code, detail)])
     }
@@ -108,4 +114,37 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
             (weights.index(i).index(j), FieldCode::OutOfRange)
         }
     }
+}
+
+fn of_parallel_sweep(error: ParallelSweepError) -> (Pointer, FieldCode) {
+    match error {
+        ParallelSweepError::Empty => (surface(), FieldCode::TooFewPoints),
+        ParallelSweepError::TooManyPatches { patches: _ } => (surface(), FieldCode::LimitExceeded),
+    }
+}
+
+fn of_normal_sweep(error: NormalSweepError, detail: String) -> ApiError {
+    let basic = surface().field("basic");
+    ApiError::invalid(vec![match error {
+        NormalSweepError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
+        NormalSweepError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        NormalSweepError::Corner { place, turn_deg: _ }
+        | NormalSweepError::Reversal { place, turn_deg: _ }
+        | NormalSweepError::Fold { place, side: _, reach_mm: _, radius_mm: _ }
+        | NormalSweepError::Mitre { place, side: _, reach_mm: _, room_mm: _ }
+        | NormalSweepError::Cusp { place } => {
+            FieldError::in_text(&basic, place, FieldCode::OutOfRange, detail)
+        }
+    }])
+}
+
+fn of_ruled(error: RuledError, detail: String) -> ApiError {
+    ApiError::invalid(vec![match error {
+        RuledError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
+        RuledError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        RuledError::Cusp { curve, place } => {
+            let name = if curve == 0 { "first" } else { "second" };
+            FieldError::in_text(&surface().field(name), place, FieldCode::OutOfRange, detail)
+        }
+    }])
 }

@@ -1,0 +1,127 @@
+//! The unit normal along a plane cubic, by cubics that agree with it and its derivative where they meet.
+//!
+//! # Guarantees
+//! With c' the derivative, t its direction, n the unit normal and q the cubic in its place: q - n has the coordinate
+//! q c' / |c'| along t and, as long as q n is above zero, at most | |q|^2 - 1 | plus the square of the former along n. Both are
+//! bounded by the Bernstein coefficients of q c', |q|^2 - 1 and |c'|^2. The first two vanish twice at both ends, so these
+//! bounds fall with the fourth power of the length, as the error does. That the surface does not run backward is that (c' + q' x) c',
+//! linear in x, has coefficients above zero at both ends of the drive curve's reach.
+
+use nalgebra::{Point2, Vector2};
+
+use super::TOLERANCE_MM;
+use crate::geometry::bernstein::{derived, dot, lowest, magnitude};
+
+/// Halvings of a cubic of the data: parts a billionth of it.
+const MOST_HALVINGS: usize = 30;
+
+/// A part of the cubic, and the cubic in the place of its unit normal.
+pub(super) struct Part {
+    pub(super) points: [Point2<f64>; 4],
+    pub(super) normals: [Vector2<f64>; 4],
+}
+
+/// Why there are no parts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum NormalFault {
+    /// The derivative vanishes.
+    Cusp,
+    /// The centre of curvature is nearer than the reach, to the left above zero.
+    Fold { reach: f64, radius_mm: f64 },
+    /// More parts than there is room for.
+    TooMany,
+}
+
+/// Parts from the start to the end of the cubic, for a drive curve that reaches from `reach[0]` to `reach[1]` mm to the
+/// left; `room` at most.
+pub(super) fn parts(cubic: [Point2<f64>; 4], reach: [f64; 2], room: usize) -> Result<Vec<Part>, NormalFault> {
+    let farthest = reach[0].abs().max(reach[1].abs());
+    let mut open = vec![(cubic, 0)];
+    let mut parts = Vec::new();
+    while let Some((points, halvings)) = open.pop() {
+        let part = Part::of(points, reach)?;
+        let error = part.normal_error();
+        let is_near = error.is_finite() && error * farthest <= TOLERANCE_MM;
+        if is_near && !reach.iter().any(|x| part.may_run_backward(*x)) {
+            parts.push(part);
+            if parts.len() > room {
+                return Err(NormalFault::TooMany);
+            }
+        } else if halvings == MOST_HALVINGS {
+            return Err(if is_near { part.fold(reach) } else { NormalFault::Cusp });
+        } else {
+            let [low, high] = halves(points);
+            open.extend([(high, halvings + 1), (low, halvings + 1)]);
+        }
+    }
+    Ok(parts)
+}
+
+impl Part {
+    fn of(points: [Point2<f64>; 4], reach: [f64; 2]) -> Result<Self, NormalFault> {
+        let [a, b, c, d] = points;
+        let [from, by_from] = end_normal((b - a) * 3.0, ((c - b) - (b - a)) * 6.0, reach)?;
+        let [to, by_to] = end_normal((d - c) * 3.0, ((d - c) - (c - b)) * 6.0, reach)?;
+        Ok(Self { points, normals: [from, from + by_from / 3.0, to - by_to / 3.0, to] })
+    }
+
+    /// The fold at the start, to the side to which the curve turns.
+    fn fold(&self, [low, high]: [f64; 2]) -> NormalFault {
+        let along = self.points[1] - self.points[0];
+        let curvature = -(self.normals[1] - self.normals[0]).dot(&along) / along.norm_squared();
+        let reach = if curvature > 0.0 { high } else { low };
+        NormalFault::Fold { reach, radius_mm: 1.0 / curvature.abs() }
+    }
+
+    fn derivative(&self) -> Vec<Vector2<f64>> {
+        derived(&self.points.map(|p| p.coords))
+    }
+
+    /// A bound for the distance of the cubic from the unit normal; infinite where none is found.
+    fn normal_error(&self) -> f64 {
+        let derivative = self.derivative();
+        let left: Vec<_> = derivative.iter().map(|d| Vector2::new(-d.y, d.x)).collect();
+        let slowest = lowest(&dot(&derivative, &derivative));
+        if !(slowest > 0.0 && lowest(&dot(&left, &self.normals)) > 0.0) {
+            return f64::INFINITY;
+        }
+        let along = magnitude(&dot(&derivative, &self.normals)) / slowest.sqrt();
+        let squares: Vec<f64> = dot(&self.normals, &self.normals).iter().map(|c| c - 1.0).collect();
+        along.hypot(magnitude(&squares) + along * along)
+    }
+
+    /// Whether the curve beside this one, `x` mm to the left, cannot be shown to run in the same direction.
+    fn may_run_backward(&self, x: f64) -> bool {
+        let derivative = self.derivative();
+        let beside = self.points.iter().zip(&self.normals).map(|(p, n)| p.coords + n * x);
+        let beside = derived(&beside.collect::<Vec<_>>());
+        // Not above zero, or no number.
+        lowest(&dot(&beside, &derivative)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater)
+    }
+}
+
+/// The unit normal to the left and its derivative, where the curve has these derivatives.
+fn end_normal(
+    first: Vector2<f64>,
+    second: Vector2<f64>,
+    reach: [f64; 2],
+) -> Result<[Vector2<f64>; 2], NormalFault> {
+    let speed = first.norm();
+    let tangent = first.try_normalize(0.0).ok_or(NormalFault::Cusp)?;
+    // dn / dt = -k |c'| t, with the curvature k above zero to the left.
+    let turning = first.perp(&second) / (speed * speed);
+    let curvature = turning / speed;
+    if let Some(reach) = reach.into_iter().find(|x| curvature * x >= 1.0) {
+        return Err(NormalFault::Fold { reach, radius_mm: 1.0 / curvature.abs() });
+    }
+    Ok([Vector2::new(-tangent.y, tangent.x), tangent * -turning])
+}
+
+/// de Casteljau's halves.
+fn halves([a, b, c, d]: [Point2<f64>; 4]) -> [[Point2<f64>; 4]; 2] {
+    let middle = |p: &Point2<f64>, q: &Point2<f64>| nalgebra::center(p, q);
+    let (ab, bc, cd) = (middle(&a, &b), middle(&b, &c), middle(&c, &d));
+    let (abc, bcd) = (middle(&ab, &bc), middle(&bc, &cd));
+    let at = middle(&abc, &bcd);
+    [[a, ab, abc, at], [at, bcd, cd, d]]
+}

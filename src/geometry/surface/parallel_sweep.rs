@@ -1,0 +1,68 @@
+//! A drive curve carried along a basic curve without turning.
+//!
+//! # Method
+//! S(u, v) = basic(u) + drive(v) - drive(0): a patch for each pair of pieces, as a tensor product.
+//!
+//! # Guarantees
+//! Exact to rounding, arcs as rational quadratics. Corners of both curves are joints of patches.
+//!
+//! # Degenerate input
+//! Where the curves run in the same direction the surface has no normal; it is a surface all the same.
+//!
+//! # Cost
+//! O(patches).
+//!
+//! # Reference
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
+//! of Sculptured Surface of Die", 1989, section 3.2.1.
+
+use nalgebra::Vector3;
+
+use super::nurbs::PATCH_LIMIT;
+use super::source::AnySurface;
+use super::swept::{self, Rail, Station, TooManyPatches};
+use crate::geometry::profile::Profile;
+
+/// The basic curve, along u, and the drive curve, along v; mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParallelSweep {
+    pub basic: Profile<3>,
+    pub drive: Profile<3>,
+}
+
+/// Why the curves make no surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ParallelSweepError {
+    #[error("a curve has no piece")]
+    Empty,
+    #[error("{patches} patches, one for each pair of pieces; at most {PATCH_LIMIT} can be taken")]
+    TooManyPatches { patches: usize },
+}
+
+impl ParallelSweep {
+    /// # Errors
+    /// When a curve is empty, or there are too many pairs of pieces.
+    pub fn surface(&self) -> Result<AnySurface, ParallelSweepError> {
+        let (Some(_), Some(start)) = (self.basic.start(), self.drive.start()) else {
+            return Err(ParallelSweepError::Empty);
+        };
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let pieces = self.basic.pieces().iter();
+        let rails: Vec<Rail> = pieces
+            .map(|piece| {
+                let points = piece.shape.control_points().into_iter();
+                points.map(|(p, weight)| Station { origin: p - start.coords, axes, weight }).collect()
+            })
+            .collect();
+        swept::surface(&rails, &self.drive)
+            .map_err(|TooManyPatches(patches)| ParallelSweepError::TooManyPatches { patches })
+    }
+
+    /// The joints at corners, by the number of patches before them along u and v.
+    pub fn loose_joints(&self) -> [Vec<usize>; 2] {
+        [self.basic.loose_joints(), self.drive.loose_joints()]
+    }
+}
+
+#[cfg(test)]
+mod tests;

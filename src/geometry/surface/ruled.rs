@@ -1,0 +1,214 @@
+//! Two curves whose points at equal fractions of their lengths are joined by straight lines.
+//!
+//! # Method
+//! Both curves are cut at the joints of either, by length (`part`). Over each stretch:
+//! 1. Two lines make a bilinear patch, and two arcs of the same sweep a rational one: in both parameter and length agree.
+//! 2. Of any other pair, what is no line is replaced by the cubic in its length that agrees with its ends and tangents
+//!    there, and the stretch is halved until the cubics are near enough.
+//!
+//! # Guarantees
+//! Exact to rounding in the first case. In the second the curve of every fraction leaves the exact one by at most
+//! [`TOLERANCE_MM`], and tangents agree where cubics meet. The remainder of such a cubic is its length to the fourth
+//! by 384, times the fourth derivative of the curve by its length: 1 / R^3 for an arc; for a cubic c at most 64 a^3 + 26 a b
+//! with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3, by differentiating c' / |c'| three times and
+//! bounding every term. Lengths of cubics are by quadrature, some 1e-12 mm wrong.
+//!
+//! # Degenerate input
+//! Where the curves meet the surface has no normal. A cusp of a cubic, where its direction jumps, is refused.
+//!
+//! # Cost
+//! O(patches).
+//!
+//! # Differences from the paper
+//! The paper divides the curves into equal intervals and joins their ends; how many there are makes no difference here.
+//!
+//! # Reference
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
+//! of Sculptured Surface of Die", 1989, section 3.2.3.
+
+mod length;
+mod part;
+
+use super::RationalPatch;
+use super::nurbs::PATCH_LIMIT;
+use super::source::AnySurface;
+use super::swept::of_weights;
+use crate::geometry::profile::{ControlPoint, Profile};
+use part::Part;
+
+/// How far curves of constant fraction may be from the exact ones, mm.
+pub const TOLERANCE_MM: f64 = 1e-6;
+
+/// Joints of the two curves this close, mm, are at the same fraction.
+const NEAREST_MM: f64 = 1e-9;
+
+/// Halvings of a stretch: parts a billionth of it.
+const MOST_HALVINGS: usize = 30;
+
+/// The curve at v = 0 and the one at v = 1, both along u; mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ruled {
+    pub first: Profile<3>,
+    pub second: Profile<3>,
+}
+
+/// Why the curves make no surface; `curve` is 0 for the first and 1 for the second, `place` that of its piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RuledError {
+    #[error("a curve has no piece")]
+    Empty,
+    #[error("more than {PATCH_LIMIT} patches, which are all that can be taken")]
+    TooManyPatches,
+    #[error("the curve has a cusp, or turns too tightly to tell it from one: it has no direction there")]
+    Cusp { curve: usize, place: usize },
+}
+
+/// Control points of both sides of a patch, equally many with equal weights.
+type Sides = [Vec<ControlPoint<3>>; 2];
+
+/// Patches in order, and the number of those before each loose joint.
+#[derive(Default)]
+struct Strip {
+    patches: Vec<Sides>,
+    loose: Vec<usize>,
+}
+
+impl Ruled {
+    /// # Errors
+    /// One of [`RuledError`].
+    pub fn surface(&self) -> Result<AnySurface, RuledError> {
+        let Strip { patches, loose: _ } = self.strip()?;
+        let patch = |i: usize, _: usize| {
+            let sides = &patches[i];
+            RationalPatch::from_fn([sides[0].len() - 1, 1], |a, b| {
+                let (p, weight) = sides[b][a];
+                (p.coords * weight).push(weight)
+            })
+        };
+        let weights = patches.iter().flatten().flatten().map(|(_, weight)| *weight);
+        Ok(of_weights([patches.len(), 1], weights, patch))
+    }
+
+    /// The joints at corners of either curve, by the number of patches before them along u and v; of curves that make a
+    /// surface.
+    pub fn loose_joints(&self) -> [Vec<usize>; 2] {
+        [self.strip().map_or(Vec::new(), |strip| strip.loose), Vec::new()]
+    }
+
+    fn strip(&self) -> Result<Strip, RuledError> {
+        let mut curves = [Measured::new(&self.first), Measured::new(&self.second)];
+        let longest = curves[0].length.max(curves[1].length);
+        let mut strip = Strip::default();
+        let mut from = 0.0;
+        let mut heads = curves.each_mut().map(|curve| curve.next());
+        if heads.iter().any(Option::is_none) {
+            return Err(RuledError::Empty);
+        }
+        while let [Some(one), Some(other)] = heads {
+            let ends = [one.end, other.end];
+            let meet = (ends[0] - ends[1]).abs() * longest <= NEAREST_MM;
+            let to = if meet { ends[0] } else { ends[0].min(ends[1]) };
+            let mut is_loose = false;
+            let mut stretch = [one.part, other.part];
+            heads = [one, other].map(Some);
+            for (k, curve) in curves.iter_mut().enumerate() {
+                let Some(head) = heads[k] else { continue };
+                if meet || head.end == to {
+                    is_loose |= head.is_loose;
+                    heads[k] = curve.next();
+                } else {
+                    let [before, after] = head.part.cut((to - from) / (head.end - from));
+                    stretch[k] = before;
+                    heads[k] = Some(Head { part: after, ..head });
+                }
+            }
+            strip.rule(stretch)?;
+            if is_loose && heads.iter().all(Option::is_some) {
+                strip.loose.push(strip.patches.len());
+            }
+            from = to;
+        }
+        Ok(strip)
+    }
+}
+
+impl Strip {
+    /// Adds the patches between two parts.
+    fn rule(&mut self, stretch: [Part; 2]) -> Result<(), RuledError> {
+        let mut open = vec![(stretch, 0)];
+        while let Some((parts, halvings)) = open.pop() {
+            if let Some(sides) = exact(&parts).or_else(|| near(&parts)) {
+                self.patches.push(sides);
+                if self.patches.len() > PATCH_LIMIT {
+                    return Err(RuledError::TooManyPatches);
+                }
+            } else if halvings == MOST_HALVINGS {
+                let curve = usize::from(parts[0].cubic_error() <= TOLERANCE_MM);
+                return Err(RuledError::Cusp { curve, place: parts[curve].place });
+            } else {
+                let [one, other] = parts.map(|part| part.cut(0.5));
+                open.push(([one[1], other[1]], halvings + 1));
+                open.push(([one[0], other[0]], halvings + 1));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sides where parameter and length agree between the parts.
+fn exact(parts: &[Part; 2]) -> Option<Sides> {
+    let [one, other] = parts;
+    one.runs_like(other).then(|| {
+        let weights = one.control_points();
+        let with = |part: &Part| {
+            part.control_points().into_iter().zip(&weights).map(|((p, _), (_, w))| (p, *w)).collect()
+        };
+        [with(one), with(other)]
+    })
+}
+
+/// The sides as cubics in the length, where these are near enough.
+fn near(parts: &[Part; 2]) -> Option<Sides> {
+    let is_near = parts.iter().all(|part| part.cubic_error() <= TOLERANCE_MM);
+    is_near.then(|| [0, 1].map(|k| parts[k].cubic().map(|p| (p, 1.0)).to_vec()))
+}
+
+/// The next part of a curve, the fraction of its length at which it ends, and whether the joint there is loose.
+#[derive(Clone, Copy)]
+struct Head {
+    part: Part,
+    end: f64,
+    is_loose: bool,
+}
+
+/// A curve with the lengths of its pieces.
+struct Measured<'p> {
+    profile: &'p Profile<3>,
+    parts: std::vec::IntoIter<Part>,
+    length: f64,
+    /// The length and the number of the parts that were taken.
+    taken: (f64, usize),
+    /// Joints that are still to come.
+    loose: std::iter::Peekable<std::vec::IntoIter<usize>>,
+}
+
+impl<'p> Measured<'p> {
+    fn new(profile: &'p Profile<3>) -> Self {
+        let parts: Vec<Part> = profile.pieces().iter().map(Part::new).collect();
+        let length = parts.iter().map(|part| part.length).sum();
+        let loose = profile.loose_joints().into_iter().peekable();
+        Self { profile, parts: parts.into_iter(), length, taken: (0.0, 0), loose }
+    }
+
+    fn next(&mut self) -> Option<Head> {
+        let part = self.parts.next()?;
+        let (length, count) = (self.taken.0 + part.length, self.taken.1 + 1);
+        self.taken = (length, count);
+        let is_last = count == self.profile.pieces().len();
+        let end = if is_last { 1.0 } else { length / self.length };
+        Some(Head { part, end, is_loose: self.loose.next_if_eq(&count).is_some() })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! What the sweeps share: a drive curve whose axes are carried along a basic curve, as tensor products.
+//!
+//! # Method
+//! With the basic curve's control points o and weights w, the control points a, b, c of the vectors that the axes become,
+//! with the same weights, and the drive curve's control points (x, y, z) and weights m, the surface
+//! o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v) has the control points o + a x + b y + c z and the weights w m.
+
+use nalgebra::{Point3, Vector3};
+
+use super::nurbs::PATCH_LIMIT;
+use super::patch::raise::raised;
+use super::source::AnySurface;
+use super::{BezierSurface, RationalPatch};
+use crate::geometry::profile::{ControlPoint, Profile};
+
+/// What the coordinates of the drive curve are counted from and along, at a control point of the basic curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Station {
+    pub(super) origin: Point3<f64>,
+    pub(super) axes: [Vector3<f64>; 3],
+    pub(super) weight: f64,
+}
+
+/// The stations of a piece of the basic curve, one more than its degree, which is at most 3.
+pub(super) type Rail = Vec<Station>;
+
+/// More patches than can be taken.
+pub(super) struct TooManyPatches(pub(super) usize);
+
+/// The surface with a patch for each rail and each piece of the drive curve; there is at least one of both.
+pub(super) fn surface(rails: &[Rail], drive: &Profile<3>) -> Result<AnySurface, TooManyPatches> {
+    let drive: Vec<Vec<ControlPoint<3>>> =
+        drive.pieces().iter().map(|piece| piece.shape.control_points()).collect();
+    let spans = [rails.len(), drive.len()];
+    let patches = rails.len().saturating_mul(drive.len());
+    if patches > PATCH_LIMIT {
+        return Err(TooManyPatches(patches));
+    }
+    let patch = |i: usize, j: usize| patch(&rails[i], &drive[j]);
+    let weights = rails.iter().flatten().map(|s| s.weight).chain(drive.iter().flatten().map(|(_, w)| *w));
+    Ok(of_weights(spans, weights, patch))
+}
+
+/// The surface of these patches of degree up to 3: bicubic where all `weights` are 1.
+pub(super) fn of_weights(
+    spans: [usize; 2],
+    mut weights: impl Iterator<Item = f64>,
+    patch: impl Fn(usize, usize) -> RationalPatch<4>,
+) -> AnySurface {
+    if weights.all(|weight| weight == 1.0) {
+        AnySurface::Bicubic(BezierSurface::from_fn(spans, |i, j| raised(&patch(i, j))))
+    } else {
+        AnySurface::Rational(BezierSurface::from_fn(spans, patch))
+    }
+}
+
+fn patch(rail: &[Station], drive: &[ControlPoint<3>]) -> RationalPatch<4> {
+    RationalPatch::from_fn([rail.len() - 1, drive.len() - 1], |a, b| {
+        let (Station { origin, axes, weight }, (p, by)) = (&rail[a], &drive[b]);
+        let weight = weight * by;
+        let point = origin.coords + axes[0] * p.x + axes[1] * p.y + axes[2] * p.z;
+        (point * weight).push(weight)
+    })
+}

@@ -1,0 +1,59 @@
+//! Curves carried along curves at right angles to them, as they are sent.
+
+use nalgebra::{Point3, Vector3};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::section_text::{Room, SectionText};
+use crate::config::Limits;
+use crate::geometry::surface::normal_sweep as core;
+use crate::http::dto::check::Violations;
+use crate::http::pointer::Pointer;
+
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NormalSweepKind {
+    NormalSweep,
+}
+
+/// A drive curve in a plane that stays at right angles to a basic curve in the xy plane and is carried along it. Exact along
+/// lines and arcs of the basic curve, within 1e-6 mm along its smooth curves.
+///
+/// A sharp corner of the basic curve between two lines is mitred, also where a closed curve ends; beside an arc or a smooth
+/// curve it is refused. So is a drive curve that reaches beyond the centre of a rounding, or beyond where mitres meet. A
+/// sharp corner of either curve is an edge of the surface.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NormalSweep {
+    #[serde(rename = "kind")]
+    #[schema(inline)]
+    _kind: NormalSweepKind,
+    /// Along u, in the xy plane: two coordinates a point.
+    basic: SectionText,
+    /// Along v: two coordinates a point, to the left of the basic curve seen from above, and up.
+    drive: SectionText,
+}
+
+impl NormalSweep {
+    pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+        let Self { _kind: _, basic, drive } = self;
+        basic.check(&at.field("basic"), Room::PlaneOnly, limits, violations);
+        drive.check(&at.field("drive"), Room::PlaneOnly, limits, violations);
+    }
+
+    /// The corners of a box around the surface, but for what mitres add.
+    pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
+        let [low, high] = self.basic.in_plane().bounds();
+        let [below, above] = self.drive.in_plane().bounds();
+        let reach = below.x.abs().max(above.x.abs());
+        let around = Vector3::new(reach, reach, 0.0);
+        (Point3::new(low.x, low.y, below.y) - around, Point3::new(high.x, high.y, above.y) + around)
+    }
+}
+
+/// Converts what has been checked.
+impl From<NormalSweep> for core::NormalSweep {
+    fn from(NormalSweep { _kind: _, basic, drive }: NormalSweep) -> Self {
+        Self { basic: basic.in_plane(), drive: drive.in_plane() }
+    }
+}

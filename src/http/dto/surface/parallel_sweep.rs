@@ -1,0 +1,62 @@
+//! Curves carried along curves without turning, as they are sent.
+
+use nalgebra::{Point2, Point3};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::section_text::{Room, SectionText};
+use crate::config::Limits;
+use crate::geometry::profile::Profile;
+use crate::geometry::surface::parallel_sweep as core;
+use crate::http::dto::check::Violations;
+use crate::http::pointer::Pointer;
+
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ParallelSweepKind {
+    ParallelSweep,
+}
+
+/// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). It starts at the basic
+/// curve's start wherever the drive curve is written. Exact. A sharp corner of either curve is an edge of the surface.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParallelSweep {
+    #[serde(rename = "kind")]
+    #[schema(inline)]
+    _kind: ParallelSweepKind,
+    /// Along u. With two coordinates a point it lies in the xz plane.
+    basic: SectionText,
+    /// Along v. With two coordinates a point it lies in the yz plane.
+    drive: SectionText,
+}
+
+impl ParallelSweep {
+    pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+        let Self { _kind: _, basic, drive } = self;
+        basic.check(&at.field("basic"), Room::PlaneOrSpace, limits, violations);
+        drive.check(&at.field("drive"), Room::PlaneOrSpace, limits, violations);
+    }
+
+    /// The corners of a box around the surface.
+    pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
+        let [basic, drive] = self.curves();
+        let ([low, high], [below, above]) = (basic.bounds(), drive.bounds());
+        let start = drive.start().unwrap_or_default();
+        (low + (below - start), high + (above - start))
+    }
+
+    fn curves(&self) -> [Profile<3>; 2] {
+        let in_xz = |p: Point2<f64>| Point3::new(p.x, 0.0, p.y);
+        let in_yz = |p: Point2<f64>| Point3::new(0.0, p.x, p.y);
+        [self.basic.in_space(in_xz), self.drive.in_space(in_yz)]
+    }
+}
+
+/// Converts what has been checked.
+impl From<ParallelSweep> for core::ParallelSweep {
+    fn from(sweep: ParallelSweep) -> Self {
+        let [basic, drive] = sweep.curves();
+        Self { basic, drive }
+    }
+}

@@ -1,0 +1,60 @@
+//! Curves joined by straight lines, as they are sent.
+
+use nalgebra::{Point2, Point3};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::section_text::{Room, SectionText};
+use crate::config::Limits;
+use crate::geometry::profile::Profile;
+use crate::geometry::surface::ruled as core;
+use crate::http::dto::check::Violations;
+use crate::http::pointer::Pointer;
+
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RuledKind {
+    Ruled,
+}
+
+/// Two curves whose points at equal fractions of their lengths are joined by straight lines. Exact between two lines and
+/// between two arcs that turn equally, within 1e-6 mm between others. A sharp corner of either curve is an edge of the
+/// surface.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ruled {
+    #[serde(rename = "kind")]
+    #[schema(inline)]
+    _kind: RuledKind,
+    /// Along u, at v = 0. With two coordinates a point it lies in the xy plane.
+    first: SectionText,
+    /// Along u, at the largest v. With two coordinates a point it lies in the xy plane.
+    second: SectionText,
+}
+
+impl Ruled {
+    pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+        let Self { _kind: _, first, second } = self;
+        first.check(&at.field("first"), Room::PlaneOrSpace, limits, violations);
+        second.check(&at.field("second"), Room::PlaneOrSpace, limits, violations);
+    }
+
+    /// The corners of the box around the control points of both curves.
+    pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
+        let [[low, high], [below, above]] = self.curves().map(|curve| curve.bounds());
+        (low.inf(&below), high.sup(&above))
+    }
+
+    fn curves(&self) -> [Profile<3>; 2] {
+        let in_xy = |p: Point2<f64>| Point3::new(p.x, p.y, 0.0);
+        [self.first.in_space(in_xy), self.second.in_space(in_xy)]
+    }
+}
+
+/// Converts what has been checked.
+impl From<Ruled> for core::Ruled {
+    fn from(ruled: Ruled) -> Self {
+        let [first, second] = ruled.curves();
+        Self { first, second }
+    }
+}

@@ -1,0 +1,82 @@
+//! Section curves, as they are sent with a surface.
+
+use nalgebra::{Point2, Point3};
+use serde::{Deserialize, Deserializer};
+use utoipa::ToSchema;
+
+use crate::config::Limits;
+use crate::geometry::profile::Profile;
+use crate::http::dto::check::Violations;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use crate::language::section_curve::{Fault, SectionCurve, SectionCurveError};
+
+/// A curve in the language of section curves, mm: `l(x,y)` is a corner of a polyline, `r(x,y,R)` a corner rounded by the
+/// radius R (0 leaves it sharp), `b((x,y),...)` a smooth curve through points, the C2 cubic with uniform parameters and
+/// natural ends. Items are separated by white space. With three coordinates a point it is a curve in space: `l(x,y,z)`,
+/// `r(x,y,z,R)`, `b((x,y,z),...)`.
+#[derive(Debug, ToSchema)]
+#[schema(as = SectionText, value_type = String, max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
+pub struct SectionText(Result<SectionCurve, SectionCurveError>);
+
+/// The curve is read at once, lest text and curve are kept both.
+impl<'de> Deserialize<'de> for SectionText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        Ok(Self(SectionCurve::parse(&text)))
+    }
+}
+
+/// Whether a curve may leave the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    PlaneOnly,
+    PlaneOrSpace,
+}
+
+impl SectionText {
+    /// Collects what is wrong with the text at `at`.
+    pub fn check(&self, at: &Pointer, room: Room, limits: &Limits, violations: &mut Violations) {
+        let n_segments = match &self.0 {
+            Err(error) => {
+                let code = match error.fault {
+                    Fault::TextTooLong => FieldCode::TooLong,
+                    Fault::TooManyPoints => FieldCode::LimitExceeded,
+                    Fault::Coincident => FieldCode::Coincident,
+                    _ => FieldCode::Syntax,
+                };
+                return violations.add_in_text(at, error.at, code, error.to_string());
+            }
+            Ok(SectionCurve::Plane(chain)) => chain.segments().len(),
+            Ok(SectionCurve::Space(chain)) => {
+                if room == Room::PlaneOnly {
+                    let detail = "the curve is in space; here a point has two coordinates";
+                    violations.add(at, FieldCode::WrongLength, detail);
+                }
+                chain.segments().len()
+            }
+        };
+        if n_segments > limits.curve_points {
+            let detail =
+                format!("{n_segments} lines, arcs and cubics; at most {} are allowed", limits.curve_points);
+            violations.add(at, FieldCode::LimitExceeded, detail);
+        }
+    }
+
+    /// The curve in space, of a plane one that in which `lifted` puts its points. Empty unless it is a legal one.
+    pub fn in_space(&self, lifted: impl Fn(Point2<f64>) -> Point3<f64>) -> Profile<3> {
+        match &self.0 {
+            Ok(SectionCurve::Plane(chain)) => chain.profile().mapped(lifted),
+            Ok(SectionCurve::Space(chain)) => chain.profile(),
+            Err(_) => Profile::default(),
+        }
+    }
+
+    /// The curve in the plane. Empty unless it is a legal one.
+    pub fn in_plane(&self) -> Profile<2> {
+        match &self.0 {
+            Ok(SectionCurve::Plane(chain)) => chain.profile(),
+            Ok(SectionCurve::Space(_)) | Err(_) => Profile::default(),
+        }
+    }
+}

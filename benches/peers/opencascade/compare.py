@@ -334,15 +334,14 @@ def main():
     # The planes are those of the service; on the outermost, which only touch, nobody is measured.
     radius = options.radius
     engines = options.engines.split(",")
-    extent = SIDE_MM
-    heights = []
+    stepover, heights = SIDE_MM / (options.planes + 1), []
     for _ in range(4):
-        answer, _, _ = service.mill(shape, radius, extent / (options.planes + 1) * (1 + 1e-4), 0.01, engines[0])
+        answer, _, _ = service.mill(shape, radius, stepover, 0.01, engines[0])
         heights = sorted({round(float(start[1]), 9) for start, _ in cuts(answer["toolpath"])})
-        extent = heights[-1] - heights[0]
         if len(heights) == options.planes + 2:
             break
-    stepover = extent / (len(heights) - 1) * (1 + 1e-4)
+        # The outermost planes may lie a little inside the ends.
+        stepover = (heights[-1] - heights[0] + 0.05) / (options.planes + 1)
     inner = heights[1:-1]
     print(f"{len(inner)} planes from y = {inner[0]:.4f} to {inner[-1]:.4f}", file=sys.stderr)
 

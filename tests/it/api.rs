@@ -6,6 +6,7 @@ mod coding;
 mod connection;
 mod decoding;
 mod determinism;
+mod drops;
 mod events;
 mod examples;
 mod models;

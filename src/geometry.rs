@@ -1,8 +1,8 @@
 //! Geometry: planes, curves, surfaces, sections and certified bounds. It knows nothing of machines or wire formats.
 
 pub mod arc_fit;
-pub mod best_first;
 pub mod bernstein;
+pub mod best_first;
 pub mod bspline;
 pub mod clearance;
 pub mod contact;

@@ -29,8 +29,11 @@ const SEARCH_STEP: f64 = 0.25;
 /// The first step of a section, in radii of the cutter.
 const FIRST_STEP: f64 = 0.05;
 
-const GROWTH: f64 = 1.2;
-const SHRINKAGE: f64 = 0.6;
+const GROWTH: f64 = 1.05;
+const SHRINKAGE: f64 = 0.8;
+
+/// Steps that are shortened before another contact than the one followed is looked for.
+const FAILURES: usize = 3;
 
 /// Points of one section.
 const POINT_LIMIT: usize = 1_000_000;
@@ -68,11 +71,16 @@ impl<P: Patch> TipSections<'_, P> {
     ///
     /// # Errors
     /// When a section has too many points, or the budget stops.
-    pub fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
-        let mut walk =
-            Walk { sections: self, plane, spacing, budget, chains: Vec::new(), n_points: 0 };
+    pub fn chains(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        let mut walk = Walk { sections: self, plane, spacing, budget, chains: Vec::new(), n_points: 0 };
         walk.all()?;
-        let chain = |points| Chain { points, chord_height_mm: spacing.chord_height_mm + 2.0 * SHORTEST_STEP_MM };
+        let chain =
+            |points| Chain { points, chord_height_mm: spacing.chord_height_mm + 2.0 * SHORTEST_STEP_MM };
         Ok(walk.chains.into_iter().filter(|points| points.len() >= 2).map(chain).collect())
     }
 
@@ -167,7 +175,7 @@ impl<P: Patch> Walk<'_, P> {
         let mut here = first;
         let mut before = first;
         let mut step = longest.min(FIRST_STEP * radius);
-        let mut tries = 0usize;
+        let (mut tries, mut failures) = (0usize, 0);
         let beyond = loop {
             tries += 1;
             if tries.is_multiple_of(STEPS_BETWEEN_CHECKS) {
@@ -178,12 +186,15 @@ impl<P: Patch> Walk<'_, P> {
             }
             let to = (self.at(&here) + step).min(high);
             let guess = self.expected(&before, &here, to);
+            let is_shortest = step <= SHORTEST_STEP_MM;
             let next = match self.followed(to, guess) {
                 Some(next) if self.is_joined(&here, &next) => Some(next),
-                _ => match self.contact(to, Some(here.place))? {
-                    Some(next) if self.is_joined(&here, &next) => Some(next),
-                    Some(next) if step <= SHORTEST_STEP_MM => Some(next),
-                    None if step <= SHORTEST_STEP_MM => break to,
+                // Mostly the step was too long for the chord.
+                Some(_) if !is_shortest && failures < FAILURES => None,
+                followed => match self.contact(to, Some(here.place))? {
+                    Some(next) if is_shortest => Some(next),
+                    Some(next) if is_higher(&next, &followed) && self.is_joined(&here, &next) => Some(next),
+                    None if is_shortest => break to,
                     _ => None,
                 },
             };
@@ -195,8 +206,12 @@ impl<P: Patch> Walk<'_, P> {
                         break high;
                     }
                     step = (step * GROWTH).min(longest);
+                    failures = 0;
                 }
-                None => step = (step * SHRINKAGE).max(SHORTEST_STEP_MM),
+                None => {
+                    step = (step * SHRINKAGE).max(SHORTEST_STEP_MM);
+                    failures += 1;
+                }
             }
         };
         self.n_points += points.len();
@@ -236,9 +251,8 @@ impl<P: Patch> Walk<'_, P> {
         let done = self.at(here) - self.at(before);
         let ratio = if done > 0.0 { ((to - self.at(here)) / done).min(2.0) } else { 0.0 };
         let spans = self.sections.contacts.surface.spans();
-        [0, 1].map(|k| {
-            (here.place[k] + ratio * (here.place[k] - before.place[k])).clamp(0.0, spans[k] as f64)
-        })
+        [0, 1]
+            .map(|k| (here.place[k] + ratio * (here.place[k] - before.place[k])).clamp(0.0, spans[k] as f64))
     }
 
     /// A contact near an expected one that counts, without a proof.
@@ -300,6 +314,11 @@ impl<P: Patch> Contacts<'_, P> {
         let jet: Vector3<f64> = self.surface.jet(place[0], place[1]).point.coords;
         (at.coords - jet.xy()).norm() <= 1e-9
     }
+}
+
+/// Whether a contact is another than one that was followed.
+fn is_higher(contact: &Contact, followed: &Option<Contact>) -> bool {
+    followed.is_none_or(|followed| contact.tip.z > followed.tip.z + 1e-8)
 }
 
 /// The largest value of a function over a range in which it has one top, by golden sections.

@@ -19,11 +19,15 @@ use super::{Contact, Contacts, Support};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Surface, span_of};
 
-/// Halvings of parts for one stretch; beyond that the stretch is too long.
-const HALVING_LIMIT: usize = 256;
+/// Halvings of parts for one stretch; beyond that the stretch is too long. Where contacts change place, a short one needs many.
+const HALVING_LIMIT: usize = 4;
+const HALVING_LIMIT_SHORT: usize = 256;
+
+/// What is short, in radii of the cutter.
+const SHORT: f64 = 2e-3;
 
 /// Steps on one part.
-const STEPS: usize = 3;
+const STEPS: usize = 2;
 
 /// Joints of patches between the contacts of a stretch; more are too many.
 const JOINT_LIMIT: usize = 6;
@@ -49,10 +53,15 @@ impl<P: Patch> Contacts<'_, P> {
             level: Level { level: center.z + height, slope },
             guess,
             support: None,
-            halvings: 0,
+            halvings: if length < SHORT * self.cutter.radius() { HALVING_LIMIT_SHORT } else { HALVING_LIMIT },
             is_below: true,
         };
-        look.support = look.support_at(guess);
+        let Some(middle) = self.near(look.track.center, guess) else { return false };
+        if middle.tip.z > look.level.level {
+            return false;
+        }
+        look.guess = middle.place;
+        look.support = look.support_at(middle.place);
         self.tree.visit(&mut look);
         look.is_below
     }
@@ -127,6 +136,7 @@ struct Look<'a, 'b, P> {
     level: Level,
     guess: [f64; 2],
     support: Option<Support>,
+    /// Halvings that are left.
     halvings: usize,
     is_below: bool,
 }
@@ -180,8 +190,8 @@ impl<P: Patch> Visitor<P> for Look<'_, '_, P> {
             if self.is_settled(self.promise(&part.bounds)) || self.settles(&part) {
                 continue;
             }
-            self.halvings += 1;
-            if self.halvings > HALVING_LIMIT || part.size() <= self.contacts.smallest {
+            self.halvings = self.halvings.saturating_sub(1);
+            if self.halvings == 0 || part.size() <= self.contacts.smallest {
                 self.is_below = false;
                 return;
             }

@@ -7,10 +7,10 @@ use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
 use crate::geometry::surface::{BezierSurface, Surface};
 
 /// Parts are about this part of the cutter's radius long, if that does not make too many.
-const PART_SIZE: f64 = 0.35;
+const PART_SIZE: f64 = 0.4;
 
 /// Parts of a surface with few patches.
-const PART_LIMIT: usize = 20_000;
+const PART_LIMIT: usize = 20000;
 
 /// Halvings of one patch in advance.
 const DEPTH_LIMIT: u32 = 14;

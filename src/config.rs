@@ -79,6 +79,9 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_ELEMENTS", default_value_t = Limits::DEFAULT.elements, global = true)]
     pub max_elements: usize,
 
+    /// Most points at which one cutter is dropped
+    #[arg(long, env = "TOOLPATHD_MAX_DROP_POINTS", default_value_t = Limits::DEFAULT.drop_points, global = true)]
+    pub max_drop_points: usize,
     /// Most section planes of a milling job
     #[arg(long, env = "TOOLPATHD_MAX_SECTIONS", default_value_t = Limits::DEFAULT.sections, global = true)]
     pub max_sections: usize,
@@ -160,6 +163,7 @@ impl Settings {
             surface_points: self.max_surface_points,
             curve_points: self.max_curve_points,
             elements: self.max_elements,
+            drop_points: self.max_drop_points,
             sections: self.max_sections,
             moves: self.max_moves,
         }
@@ -177,6 +181,8 @@ pub struct Limits {
     pub curve_points: usize,
     /// Elements of one interpolated curve.
     pub elements: usize,
+    /// Points at which one cutter is dropped.
+    pub drop_points: usize,
     /// Section planes of one milling job.
     pub sections: usize,
     /// Moves of one toolpath that is sent.
@@ -190,6 +196,7 @@ impl Limits {
         surface_points: 250_000,
         curve_points: 250_000,
         elements: 250_000,
+        drop_points: 250_000,
         sections: 20_000,
         moves: 500_000,
     };

@@ -1,6 +1,7 @@
 //! The operations: each takes a job and a budget and answers a plan or its own error.
 
 pub mod arc_fitting;
+pub mod cutter_location;
 pub mod interpolation;
 pub mod surface_milling;
 pub mod surface_model;

@@ -150,6 +150,26 @@ impl<'a, P: Patch> Contacts<'a, P> {
         drop.contact().map(|contact| Contact { gap_mm: f64::INFINITY, ..contact })
     }
 
+    /// Places spread over the surface, about so many.
+    pub fn places(&self, count: usize) -> impl Iterator<Item = [f64; 2]> {
+        let step = self.tree.parts.len().div_ceil(count);
+        self.tree.parts.iter().step_by(step).map(|part| part.on_surface([0.5, 0.5]))
+    }
+
+    /// The tip of the cutter that touches the surface with the tangent plane at a place, whatever else is in its way; with the upward
+    /// normal and the surface point. `None` where the normal does not point up.
+    pub fn touching(&self, [u, v]: [f64; 2]) -> Option<(Point3<f64>, Vector3<f64>, Point3<f64>)> {
+        let jet = self.surface.jet(u, v);
+        let normal = jet.normal().try_normalize(0.0)?;
+        let gradient = -normal.xy() / normal.z;
+        if !(normal.z > 0.0 && gradient.norm().is_finite()) {
+            return None;
+        }
+        let lower = self.cutter.tangent_point(gradient);
+        let axis = jet.point.coords.xy() - lower.place;
+        Some((Point3::new(axis.x, axis.y, jet.point.z - lower.height), normal, jet.point))
+    }
+
     /// The most that anything in a box can lift the tip along a track.
     fn lift_of_box(&self, bounds: &Bounds, track: &Track) -> f64 {
         let squared = squared_distance_in_plan(bounds, &track.center);

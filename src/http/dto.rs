@@ -6,6 +6,7 @@ pub mod arc_fitting;
 pub mod check;
 pub mod curve;
 pub mod cutting;
+pub mod dropping;
 pub mod interpolation;
 pub mod meta;
 pub mod milling;

@@ -96,6 +96,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::arcs_fit::fit_arcs))
         .routes(routes!(v1::curves_interpolate::interpolate_curve))
+        .routes(routes!(v1::surfaces_drop::drop_cutter))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
         .routes(routes!(v1::programs_write::write_program))

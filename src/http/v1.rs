@@ -5,5 +5,6 @@ pub mod curves_interpolate;
 pub mod dialects;
 pub mod limits;
 pub mod programs_write;
+pub mod surfaces_drop;
 pub mod surfaces_mill;
 pub mod surfaces_model;

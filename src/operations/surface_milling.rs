@@ -39,25 +39,30 @@ mod links;
 mod outline;
 mod passes;
 mod planes;
+mod rest;
 mod scallop;
 
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::clearance::{Clearance, Penetration};
+use crate::geometry::contact::{Contacts, TipSections};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::{SectionError, Sections};
-use crate::geometry::surface::joints::{self, NotSmooth};
-use crate::geometry::surface::regularity::{self, Irregular};
+use crate::geometry::surface::joints::{self, Joints, NotSmooth};
+use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::source::{AnySurface, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::{Parabolas, QuantizeError, quantize};
+use crate::toolpath::tool::Shape;
 use crate::toolpath::{Move, PathError, Toolpath};
-pub use job::{Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Interpolation, Job, SectionPlane, Spacing};
+pub use job::{
+    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Engine, Interpolation, Job, SectionPlane, Spacing,
+};
 use outline::Outline;
 use passes::{Allowed, Seam};
-use planes::Slicer;
+use planes::{ContactEngine, OffsetEngine, Slicer};
 
 /// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
 pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
@@ -66,6 +71,11 @@ pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
 const CERTIFICATE_GAP: f64 = 0.02;
 
 const TOP_ACCURACY_MM: f64 = 1e-6;
+
+/// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
+/// falls only with the cube root of what is left. Points of direct contact are dearer.
+const SECTION_HEIGHT_SHARE: f64 = 0.03;
+const CONTACT_HEIGHT_SHARE: f64 = 0.06;
 
 /// The outline that a cutter stays inside of is known to this part of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
@@ -80,6 +90,11 @@ pub struct Report {
     pub deviation_max_mm: f64,
     /// Proved depth of the deepest penetration of the cutter into the surface, mm; zero or more.
     pub gouge_max_mm: f64,
+    /// Where the deepest penetration was found; `None` where none was, or the bound is not of a place.
+    pub gouge_at: Option<Point3<f64>>,
+    /// What the cutter cannot reach at concave places, along the normal of the surface, at most: the largest that was found, mm.
+    pub rest_sampled_max_mm: f64,
+    pub rest_at: Option<Point3<f64>>,
     /// Proved height of what is left between passes, along the surface normal, mm; `None` where the passes are too far
     /// apart to meet.
     pub scallop_max_mm: Option<f64>,
@@ -92,6 +107,8 @@ pub struct Report {
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
+    /// What is left between passes is not proved: the cutter cannot follow the surface everywhere, or is no ball.
+    ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
 }
@@ -189,7 +206,11 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
 }
 
 fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
-    let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
+    let joints = match job.engine {
+        Engine::OffsetSection => joints::examine(&surface, &job.surface.loose_joints(), budget)?,
+        // Edges and gaps are touched like everything else.
+        Engine::Contact => Joints::default(),
+    };
     let surface = surface.upward();
     let surface = match job.boundary {
         Boundary::Past => surface.continued(job.tool.radius_mm).ok_or(Error::NoWayPast)?,
@@ -197,41 +218,98 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     };
     let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
     let cutting = job.cutting.above(top)?;
-
-    let (offset, axis) = (job.offset_mm(), job.plane.normal_axis());
-    let regularity = regularity::prove(&surface, offset, axis, budget)?;
-    let sections = Sections::new(&surface, offset, axis, &regularity, budget)?;
-    let slicer = Slicer::new(&sections, inside(&surface, job, budget)?);
-    let slopes = regularity.slopes();
+    let Followed { slopes, is_proved, regularity } = followed(&surface, job, budget)?;
+    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
+    let axis = job.plane.normal_axis();
+    let engine: Box<dyn planes::Engine> = match (job.engine, &regularity) {
+        (Engine::OffsetSection, Some(regularity)) => Box::new(OffsetEngine {
+            sections: Sections::new(&surface, job.offset_mm(), axis, regularity, budget)?,
+            rise: job.tool.radius_mm,
+        }),
+        _ => Box::new(ContactEngine {
+            sections: TipSections { contacts: &contacts, axis },
+            stock: job.allowance_mm,
+        }),
+    };
+    let slicer = Slicer::new(&*engine, inside(&surface, job, budget)?);
     let stepover = match job.spacing {
         Spacing::Stepover(mm) => mm,
-        Spacing::ScallopHeight(mm) => scallop::spacing(job.tool.radius_mm, mm, slopes),
+        Spacing::ScallopHeight(mm) => scallop::spacing(job.cutter().corner_radius(), mm, &slopes),
     };
     let planes = slicer.planes(job, stepover, budget)?;
     let stepover_mm = (planes[1].at - planes[0].at).abs();
 
     let gap = CERTIFICATE_GAP * job.tolerance.mm();
     let least_share = slopes.iter().map(|slope| slope.share).fold(1.0, f64::min);
-    let seam = Seam { jump: joints.jump(offset), bend: joints.kink / (4.0 * least_share) };
-    let allowed = Allowed { tolerance: job.tolerance.mm() - gap, seam };
+    let seam = Seam { jump: joints.jump(job.offset_mm()), bend: joints.kink / (4.0 * least_share) };
+    let chord_height_share = match job.engine {
+        Engine::Contact => CONTACT_HEIGHT_SHARE,
+        Engine::OffsetSection => SECTION_HEIGHT_SHARE,
+    };
+    let allowed = Allowed { tolerance: job.tolerance.mm() - gap, seam, chord_height_share };
     let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
-    let clearance = Clearance::new(&surface, offset, job.tool.radius_mm);
-    let toolpath = links::join(job, &cutting, &passes, &clearance, budget)?;
-    let penetration = certify(&toolpath, job, &clearance, gap, budget)?;
+    let deviation_max_mm = passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max);
+    let toolpath = links::join(job, &cutting, &passes, &contacts, budget)?;
+    let penetration = match job.tool.shape {
+        Shape::Ball => {
+            let clearance = Clearance::new(&surface, job.offset_mm(), job.tool.radius_mm);
+            certify(&toolpath, job, &clearance, gap, budget)?
+        }
+        // Who is moved by so much cuts no deeper.
+        Shape::Flat | Shape::BullNose { .. } => Penetration {
+            bound_mm: job.allowance_mm + deviation_max_mm.max(links::TOLERANCE_SHARE * job.tolerance.mm()),
+            ..Penetration::NONE
+        },
+    };
+    let rest = rest::largest(&contacts, budget)?;
     let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
     let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
+    let scallop = scallop::height(job.tool.radius_mm, stepover_mm, &slopes);
     let report = Report {
         n_passes: passes.len(),
         n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
         stepover_mm,
-        deviation_max_mm: passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max),
+        deviation_max_mm,
         gouge_max_mm: (penetration.bound_mm - job.allowance_mm).max(0.0),
-        scallop_max_mm: scallop::height(job.tool.radius_mm, stepover_mm, slopes),
+        gouge_at: penetration.at.filter(|_| penetration.found_mm > job.allowance_mm),
+        scallop_max_mm: scallop.filter(|_| is_proved),
+        rest_sampled_max_mm: rest.map_or(0.0, |rest| rest.height_mm),
+        rest_at: rest.map(|rest| rest.at),
         n_arcs,
         n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
     };
-    let warnings = warnings(job, &report);
+    let warnings = warnings(job, &report, is_proved);
     Ok(Plan { toolpath, report, cutting, warnings })
+}
+
+/// What is known of the slopes over which the cutter goes.
+struct Followed {
+    slopes: Vec<Slope>,
+    /// Whether they are all, and the cutter can follow them everywhere.
+    is_proved: bool,
+    regularity: Option<Regularity>,
+}
+
+/// # Errors
+/// Where the offset section engine could not follow, or the budget's stop.
+fn followed(surface: &BezierSurface<impl Patch>, job: &Job, budget: &Budget) -> Result<Followed, Error> {
+    let (radius, axis) = (job.cutter().corner_radius(), job.plane.normal_axis());
+    let proof = match job.tool.shape {
+        Shape::Ball => Some(regularity::prove(surface, job.offset_mm(), axis, budget)),
+        Shape::Flat | Shape::BullNose { .. } => None,
+    };
+    match proof {
+        Some(Ok(regularity)) => {
+            let slopes = regularity.slopes().to_vec();
+            Ok(Followed { slopes, is_proved: true, regularity: Some(regularity) })
+        }
+        Some(Err(Irregular::Stopped(stopped))) => Err(stopped.into()),
+        Some(Err(irregular)) if job.engine == Engine::OffsetSection => Err(irregular.into()),
+        _ => {
+            let slopes = scallop::sampled_slopes(surface, radius, axis, budget)?;
+            Ok(Followed { slopes, is_proved: false, regularity: None })
+        }
+    }
 }
 
 /// What keeps the cutter inside the outline, where it is to stay there.
@@ -284,14 +362,16 @@ fn certify(
     Ok(deepest)
 }
 
-fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
+fn warnings(job: &Job, report: &Report, is_proved: bool) -> Vec<Warning> {
     let mut warnings: Vec<_> = job
         .surface
         .reduced_ends()
         .into_iter()
         .map(|(direction, points)| Warning::EndsReduced { direction, points })
         .collect();
-    if report.scallop_max_mm.is_none() {
+    if !is_proved {
+        warnings.push(Warning::ScallopNotProved);
+    } else if report.scallop_max_mm.is_none() {
         warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
     }
     warnings

@@ -1,5 +1,7 @@
 //! Cutters.
 
+use crate::geometry::cutter::Cutter;
+
 /// The form of a cutter below its cylindrical shank of the same radius. The tip is its lowest point on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
@@ -24,6 +26,15 @@ pub struct Tool {
 }
 
 impl Tool {
+    /// Its geometry.
+    pub fn cutter(&self) -> Cutter {
+        match self.shape {
+            Shape::Ball => Cutter::ball(self.radius_mm),
+            Shape::Flat => Cutter::bull_nose(self.radius_mm, 0.0),
+            Shape::BullNose { corner_radius_mm } => Cutter::bull_nose(self.radius_mm, corner_radius_mm),
+        }
+    }
+
     /// A ball cutter as tool 1 with length offset 1.
     pub fn ball(radius_mm: f64) -> Self {
         Self { shape: Shape::Ball, radius_mm, number: 1, length_offset: 1 }

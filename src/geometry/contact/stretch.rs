@@ -10,7 +10,7 @@
 //! # Guarantees
 //! What is confirmed holds for every position of the stretch, but for rounding.
 
-use nalgebra::Vector2;
+use nalgebra::{Point3, Vector2};
 
 use super::bound::{Level, Track};
 use super::climb::Climb;
@@ -22,6 +22,9 @@ use crate::geometry::surface::{Surface, span_of};
 /// Halvings of parts for one stretch; beyond that the stretch is too long. Where contacts change place, a short one needs many.
 const HALVING_LIMIT: usize = 4;
 const HALVING_LIMIT_SHORT: usize = 256;
+
+/// Halvings of a straight way.
+const LINK_HALVINGS: usize = 64;
 
 /// What is short, in radii of the cutter.
 const SHORT: f64 = 2e-3;
@@ -36,17 +39,37 @@ impl<P: Patch> Contacts<'_, P> {
     /// Whether the tips between two contacts lie nowhere more than `height` mm above or below the chord of theirs. A `false` may
     /// mean that this is not known.
     pub fn is_within(&self, from: &Contact, to: &Contact, height: f64) -> bool {
-        self.is_above(from, to, height) && self.is_below(from, to, height)
+        let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
+        self.is_above(from, to, height) && self.is_below([from.tip, to.tip], guess, height)
     }
 
-    /// Whether no part lifts the tip more than `height` over the chord.
-    fn is_below(&self, from: &Contact, to: &Contact, height: f64) -> bool {
-        let way = (to.tip - from.tip).xy();
+    /// Whether the cutter may go straight from one place to another, with nothing that lifts its tip by more than `height` mm. A `false`
+    /// may mean that this is not known.
+    pub fn is_clear(&self, from: Point3<f64>, to: Point3<f64>, height: f64) -> bool {
+        let mut open = vec![[from, to]];
+        let mut halvings = 0;
+        while let Some([from, to]) = open.pop() {
+            let middle = nalgebra::center(&from, &to);
+            let near = self.tree.parts[0].on_surface([0.5, 0.5]);
+            if self.is_below([from, to], near, height) {
+                continue;
+            }
+            halvings += 1;
+            if halvings > LINK_HALVINGS || (to - from).norm() < SHORT * self.cutter.radius() {
+                return false;
+            }
+            open.extend([[middle, to], [from, middle]]);
+        }
+        true
+    }
+
+    /// Whether no part lifts the tip more than `height` over the chord; the contact is expected near `guess`.
+    fn is_below(&self, [from, to]: [Point3<f64>; 2], guess: [f64; 2], height: f64) -> bool {
+        let way = (to - from).xy();
         let length = way.norm();
         let unit = if length > 0.0 { way / length } else { Vector2::zeros() };
-        let center = 0.5 * (from.tip.coords + to.tip.coords);
-        let slope = if length > 0.0 { (to.tip.z - from.tip.z) / length } else { 0.0 };
-        let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
+        let center = 0.5 * (from.coords + to.coords);
+        let slope = if length > 0.0 { (to.z - from.z) / length } else { 0.0 };
         let mut look = Look {
             contacts: self,
             track: Track { center: center.xy(), way: unit, reach: 0.5 * length },
@@ -56,12 +79,13 @@ impl<P: Patch> Contacts<'_, P> {
             halvings: if length < SHORT * self.cutter.radius() { HALVING_LIMIT_SHORT } else { HALVING_LIMIT },
             is_below: true,
         };
-        let Some(middle) = self.near(look.track.center, guess) else { return false };
-        if middle.tip.z > look.level.level {
-            return false;
+        if let Some(middle) = self.near(look.track.center, guess) {
+            if middle.tip.z > look.level.level {
+                return false;
+            }
+            look.guess = middle.place;
+            look.support = look.support_at(middle.place);
         }
-        look.guess = middle.place;
-        look.support = look.support_at(middle.place);
         self.tree.visit(&mut look);
         look.is_below
     }

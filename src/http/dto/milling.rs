@@ -7,12 +7,13 @@ use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
 use super::object;
+use super::point::Point;
 use super::program::Program;
 use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::error::ApiError;
+use crate::http::error::{ApiError, FieldCode};
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
@@ -20,7 +21,7 @@ use crate::post::Dialect;
 use crate::toolpath::program as core_program;
 use crate::toolpath::units::Tolerance;
 
-/// Finishing a surface with a ball cutter.
+/// Finishing a surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MillRequest {
@@ -37,9 +38,9 @@ pub struct MillRequest {
     /// Upper bound for the distance of neighbouring CL points. Default: none but what the tolerance asks for.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
-    #[serde(default, rename = "engine")]
-    #[schema(default = "offset_section")]
-    _engine: Engine,
+    #[serde(default)]
+    #[schema(default = "contact")]
+    engine: Engine,
     /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
     /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
     #[serde(default)]
@@ -66,11 +67,13 @@ pub enum Interpolation {
     Lines,
 }
 
-/// How the sections are found.
+/// How the CL points are found. `contact`: the cutter comes down until it touches; any surface and any cutter. `offset_section`:
+/// sections of the offset surface (Ju), for balls and smooth surfaces without overhangs into which the ball fits.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
     #[default]
+    Contact,
     OffsetSection,
 }
 
@@ -106,7 +109,7 @@ impl IntoJob for MillRequest {
             tolerance_mm,
             interpolation,
             step_length_mm,
-            _engine: Engine::OffsetSection,
+            engine,
             boundary,
             allowance_mm,
             cutting,
@@ -117,10 +120,17 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        tool.check_ball(&root.field("tool"), &mut violations);
+        match engine {
+            Engine::Contact => tool.check(&root.field("tool"), &mut violations),
+            Engine::OffsetSection => tool.check_ball(&root.field("tool"), &mut violations),
+        }
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
+        if sections.as_ref().is_some_and(Sections::is_by_scallop) && tool.is_flat() {
+            let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
+            violations.add(&root.field("strategy").field("scallop_height_mm"), FieldCode::Conflict, detail);
+        }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
         violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");
@@ -142,6 +152,10 @@ impl IntoJob for MillRequest {
         let job = core::Job {
             surface: surface.into(),
             tool: tool.into(),
+            engine: match engine {
+                Engine::Contact => core::Engine::Contact,
+                Engine::OffsetSection => core::Engine::OffsetSection,
+            },
             plane,
             spacing,
             boundary: match boundary {
@@ -176,9 +190,16 @@ pub struct MillReport {
     deviation_max_mm: f64,
     /// Proved: the cutter penetrates the surface nowhere deeper.
     gouge_max_mm: f64,
+    /// Where it was found to be deepest; `null` where nothing was, or the bound is not that of a place.
+    gouge_at: Option<Point>,
+    /// What the cutter cannot reach at concave places, along the normal of the surface: the largest that was found among some
+    /// thousand places.
+    rest_sampled_max_mm: f64,
+    /// Where that is.
+    rest_at: Option<Point>,
     /// Proved: no more is left between passes, along the normal of the surface; but for the deviation, and for what
     /// lies so near to an edge that the way to the next pass leaves the surface. `null` where the passes are too far
-    /// apart to meet.
+    /// apart to meet, the cutter is no ball, or cannot follow the surface everywhere.
     scallop_max_mm: Option<f64>,
     n_arcs: usize,
     n_lines: usize,
@@ -192,6 +213,9 @@ impl From<&core::Report> for MillReport {
             stepover_mm,
             deviation_max_mm,
             gouge_max_mm,
+            gouge_at,
+            rest_sampled_max_mm,
+            rest_at,
             scallop_max_mm,
             n_arcs,
             n_lines,
@@ -202,6 +226,9 @@ impl From<&core::Report> for MillReport {
             stepover_mm,
             deviation_max_mm,
             gouge_max_mm,
+            gouge_at: gouge_at.map(Point::from),
+            rest_sampled_max_mm,
+            rest_at: rest_at.map(Point::from),
             scallop_max_mm,
             n_arcs,
             n_lines,

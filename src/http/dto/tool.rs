@@ -44,14 +44,18 @@ impl Tool {
         self.check_numbers(at, violations);
     }
 
-    /// As [`Self::check`], for an operation that knows balls alone.
+    /// As [`Self::check`], for a method that knows balls alone.
     pub fn check_ball(&self, at: &Pointer, violations: &mut Violations) {
         if self.shape == Shape::Ball {
             return self.check(at, violations);
         }
-        let detail = "this operation supports no other shape than `ball` yet";
+        let detail = "this engine supports no other shape than `ball`";
         violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
         self.check_numbers(at, violations);
+    }
+
+    pub fn is_flat(&self) -> bool {
+        self.shape == Shape::Flat
     }
 
     fn check_numbers(&self, at: &Pointer, violations: &mut Violations) {

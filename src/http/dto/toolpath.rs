@@ -33,10 +33,12 @@ impl Warning {
 pub enum WarningCode {
     /// The end condition fell to the interpolating polynomial, for want of points.
     EndsReduced,
-    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
+    /// Patches leave a gap or meet in an edge: the offset of the surface has no sections.
     NotSmooth,
     /// The surface has a place without a normal, or one that could not be told from it.
     NoNormal,
+    /// What is left between passes is not proved.
+    ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart,
     /// Rounding to the program's decimals may leave the band.

@@ -20,6 +20,8 @@ pub struct ServerLimits {
     curve_points: usize,
     /// Elements of one interpolated curve.
     elements: usize,
+    /// Points at which one cutter is dropped.
+    drop_points: usize,
     /// Section planes of one milling job.
     sections: usize,
     /// Moves of one toolpath that is sent.
@@ -43,12 +45,14 @@ pub struct ServerLimits {
 
 impl From<&App> for ServerLimits {
     fn from(app: &App) -> Self {
-        let Limits { body_bytes, surface_points, curve_points, elements, sections, moves } = app.limits;
+        let Limits { body_bytes, surface_points, curve_points, elements, drop_points, sections, moves } =
+            app.limits;
         Self {
             body_bytes,
             surface_points,
             curve_points,
             elements,
+            drop_points,
             sections,
             moves,
             meta_entries: meta::MAX_ENTRIES,

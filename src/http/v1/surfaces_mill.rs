@@ -74,6 +74,11 @@ impl From<&surface_milling::Warning> for Warning {
             surface_milling::Warning::EndsReduced { direction, points } => {
                 Self::ends_reduced(direction, *points)
             }
+            surface_milling::Warning::ScallopNotProved => Self {
+                code: WarningCode::ScallopNotProved,
+                detail: "no height left between passes is stated: the cutter is no ball, or cannot follow the surface everywhere"
+                    .into(),
+            },
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
                 detail: format!(

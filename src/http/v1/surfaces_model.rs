@@ -54,7 +54,7 @@ impl From<&surface_model::Warning> for Warning {
             }
             surface_model::Warning::NotSmooth(fault) => Self {
                 code: WarningCode::NotSmooth,
-                detail: format!("{fault}: it cannot be milled as it is"),
+                detail: format!("{fault}: the engine `offset_section` cannot mill it"),
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,

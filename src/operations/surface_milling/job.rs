@@ -1,5 +1,6 @@
 //! What is to be milled, and how.
 
+use crate::geometry::cutter::Cutter;
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::source::Source;
 use crate::toolpath::cutting::CuttingRequest;
@@ -30,6 +31,16 @@ impl SectionPlane {
             SectionPlane::Yz => Plane::Yz,
         }
     }
+}
+
+/// What finds the CL curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Engine {
+    /// Direct contact of the cutter with the surface.
+    #[default]
+    Contact,
+    /// Sections of the offset of the surface (Ju), for balls that can follow it everywhere.
+    OffsetSection,
 }
 
 /// How far apart the planes are.
@@ -73,6 +84,7 @@ pub enum Interpolation {
 pub struct Job {
     pub surface: Source,
     pub tool: Tool,
+    pub engine: Engine,
     pub plane: SectionPlane,
     pub spacing: Spacing,
     pub boundary: Boundary,
@@ -96,6 +108,7 @@ impl Job {
         Self {
             surface,
             tool,
+            engine: Engine::default(),
             plane: SectionPlane::default(),
             spacing: Spacing::Stepover(stepover_mm),
             boundary: Boundary::default(),
@@ -108,6 +121,11 @@ impl Job {
             resolution: Resolution { units: Units::Mm, decimals: 3 },
             plane_limit: DEFAULT_PLANE_LIMIT,
         }
+    }
+
+    /// The cutter with the stock to be left around it.
+    pub(super) fn cutter(&self) -> Cutter {
+        self.tool.cutter().enlarged(self.allowance_mm)
     }
 
     /// Distance of the ball's centre from the surface, mm.

@@ -1,6 +1,9 @@
 //! The passes: sections of the offset as chains of arcs and lines with a proved deviation.
 
-use nalgebra::{Point3, Vector3};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::Point3;
+use rayon::prelude::*;
 
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
@@ -16,10 +19,6 @@ const CL_POINT_LIMIT: usize = 20_000_000;
 
 /// Arcs and lines of one job; as a program they are some thirty megabytes.
 const CURVE_LIMIT: usize = 1_000_000;
-
-/// The part of the tolerance that the section may take between its points. Smaller parts cost points, larger
-/// ones arcs, whose number falls only with the cube root of what is left.
-const CHORD_HEIGHT_SHARE: f64 = 0.03;
 
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
@@ -70,6 +69,9 @@ pub(super) struct Allowed {
     pub(super) tolerance: f64,
     /// What the rounding of the data makes of joints.
     pub(super) seam: Seam,
+    /// The part of the tolerance that the section may take between its points. Smaller parts cost points, larger ones arcs, whose
+    /// number falls only with the cube root of what is left.
+    pub(super) chord_height_share: f64,
 }
 
 /// All passes in the order of cutting.
@@ -80,32 +82,25 @@ pub(super) fn cut(
     allowed: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
-    let mut passes: Vec<CutPass> = Vec::new();
-    let (mut n_points, mut n_curves) = (0, 0);
-    for (k, plane) in planes.iter().enumerate() {
+    let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
+    let cut_one = |(k, plane): (usize, &PlaneAt)| {
         budget.check()?;
-        budget.progress("sections", k, planes.len());
         let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
-        for pass in cut_plane(job, slicer, *plane, forward, allowed, budget)? {
-            n_points += pass.n_points;
-            if n_points > CL_POINT_LIMIT {
-                return Err(Error::TooMuchWork {
-                    what: "CL points",
-                    needed: n_points,
-                    limit: CL_POINT_LIMIT,
-                });
-            }
-            n_curves += pass.curves.len();
-            if n_curves > CURVE_LIMIT {
-                return Err(Error::TooMuchWork {
-                    what: "arcs and lines",
-                    needed: n_curves,
-                    limit: CURVE_LIMIT,
-                });
-            }
-            passes.push(pass);
-        }
-    }
+        let passes = cut_plane(job, slicer, *plane, forward, allowed, budget)?;
+        let count = |what, counter: &AtomicUsize, more: usize, limit| {
+            let before = counter.fetch_add(more, Ordering::Relaxed);
+            let needed = limit + 1;
+            if before + more > limit { Err(Error::TooMuchWork { what, needed, limit }) } else { Ok(()) }
+        };
+        count("CL points", &n_points, passes.iter().map(|pass| pass.n_points).sum(), CL_POINT_LIMIT)?;
+        count("arcs and lines", &n_curves, passes.iter().map(|pass| pass.curves.len()).sum(), CURVE_LIMIT)?;
+        budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
+        Ok(passes)
+    };
+    // In order, whichever thread was first: errors, too.
+    let passes: Vec<Result<Vec<CutPass>, Error>> = planes.par_iter().enumerate().map(cut_one).collect();
+    let passes: Result<Vec<_>, Error> = passes.into_iter().collect();
+    let passes: Vec<CutPass> = passes?.into_iter().flatten().collect();
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
@@ -115,16 +110,16 @@ fn cut_plane(
     slicer: &Slicer,
     plane: PlaneAt,
     forward: bool,
-    Allowed { tolerance, seam }: Allowed,
+    Allowed { tolerance, seam, chord_height_share }: Allowed,
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
     let mut spacing = Spacing {
-        chord_height_mm: CHORD_HEIGHT_SHARE * tolerance,
+        chord_height_mm: chord_height_share * tolerance,
         // Short enough that a seam under a chord takes no more than the section's own height.
         step_length_mm: job
             .step_length_mm
             .unwrap_or(f64::INFINITY)
-            .min(CHORD_HEIGHT_SHARE * tolerance / seam.bend),
+            .min(chord_height_share * tolerance / seam.bend),
     };
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
@@ -179,8 +174,7 @@ fn fit(
     seam: Seam,
     budget: &Budget,
 ) -> Result<CutPass, Error> {
-    let down = Vector3::new(0.0, 0.0, -job.tool.radius_mm);
-    let tips: Vec<Point3<f64>> = chain.points.iter().map(|center| center + down).collect();
+    let tips = &chain.points;
     let shapes = match job.interpolation {
         Interpolation::Arcs => Shapes::ArcsAndLines,
         Interpolation::Lines => Shapes::LinesOnly,

@@ -3,7 +3,9 @@
 use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
+use crate::geometry::contact::TipSections;
 use crate::geometry::section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
+use crate::geometry::surface::patch::Patch;
 
 /// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
 /// instead, half a hundredth of a millimetre, to have a section.
@@ -19,16 +21,62 @@ const PROBES: usize = 64;
 /// Halvings between a plane with sections and one without.
 const HALVINGS: usize = 40;
 
+/// What finds the CL curves in a plane.
+pub(super) trait Engine: Sync {
+    /// The first and the last plane that may hold some, mm.
+    fn extent(&self, budget: &Budget) -> Result<[f64; 2], SectionError>;
+
+    /// The curves in a plane, of the tip.
+    fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError>;
+}
+
+/// Sections of the offset of a surface, whose points lie `rise` mm over the tip.
+pub(super) struct OffsetEngine<'a> {
+    pub(super) sections: Sections<'a>,
+    pub(super) rise: f64,
+}
+
+impl Engine for OffsetEngine<'_> {
+    fn extent(&self, _budget: &Budget) -> Result<[f64; 2], SectionError> {
+        Ok(self.sections.extent())
+    }
+
+    fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+        Ok(raised(self.sections.chains(plane, spacing, budget)?, -self.rise))
+    }
+}
+
+/// Direct contact of a cutter that is larger than the real one by the stock to be left, `stock` mm.
+pub(super) struct ContactEngine<'a, P> {
+    pub(super) sections: TipSections<'a, P>,
+    pub(super) stock: f64,
+}
+
+impl<P: Patch> Engine for ContactEngine<'_, P> {
+    fn extent(&self, budget: &Budget) -> Result<[f64; 2], SectionError> {
+        Ok(self.sections.extent(budget)?)
+    }
+
+    fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
+        Ok(raised(self.sections.chains(plane, spacing, budget)?, self.stock))
+    }
+}
+
+fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
+    chains.iter_mut().flat_map(|chain| &mut chain.points).for_each(|point| point.z += by);
+    chains
+}
+
 /// The sections of a job, as far as the cutter is to follow them.
 pub(super) struct Slicer<'a> {
-    sections: &'a Sections<'a>,
+    engine: &'a dyn Engine,
     /// The outline with the distance that is to be kept from it, mm.
     inside: Option<(Outline, f64)>,
 }
 
 impl<'a> Slicer<'a> {
-    pub(super) fn new(sections: &'a Sections<'a>, inside: Option<(Outline, f64)>) -> Self {
-        Self { sections, inside }
+    pub(super) fn new(engine: &'a dyn Engine, inside: Option<(Outline, f64)>) -> Self {
+        Self { engine, inside }
     }
 
     pub(super) fn chains(
@@ -37,7 +85,7 @@ impl<'a> Slicer<'a> {
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let chains = self.sections.chains(plane, spacing, budget)?;
+        let chains = self.engine.chains(plane, spacing, budget)?;
         let Some((outline, margin)) = &self.inside else { return Ok(chains) };
         let mut inside = Vec::new();
         for chain in &chains {
@@ -70,8 +118,11 @@ impl<'a> Slicer<'a> {
 
     /// The first and the last plane that has a section, mm.
     fn extent(&self, budget: &Budget) -> Result<[f64; 2], Error> {
-        let [low, high] = self.sections.extent();
-        if self.inside.is_none() {
+        let [low, high] = self.engine.extent(budget)?;
+        let width = high - low;
+        let reaches = |at: f64| Ok::<_, Error>(self.cut_length(at, budget)? > 0.0);
+        let inset = TOUCH_MM.min(1e-3 * width);
+        if self.inside.is_none() && reaches(low + inset)? && reaches(high - inset)? {
             return Ok([low, high]);
         }
         let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;

@@ -11,7 +11,15 @@
 //! An upper bound, but for places so near to an edge of the surface that the way to the pass would leave it. On a plane it is the
 //! height itself.
 
+use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::regularity::Slope;
+use crate::geometry::surface::{BezierSurface, Patch, curvature};
+
+/// Places of a patch, each way, at which slopes are looked at.
+const SAMPLES: usize = 5;
+
+/// Slopes of the surface steeper than this across the planes are left out of what is sampled: no spacing of planes serves walls.
+const LEAST_SHARE: f64 = 0.05;
 
 /// Halvings in the search for a spacing: to the last bit.
 const HALVINGS: usize = 60;
@@ -34,6 +42,31 @@ pub(super) fn spacing(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
         }
     }
     good
+}
+
+/// Slopes and concavities at places of a surface, where a proof of them all cannot be had; where a ball of `radius` mm does not fit, as if
+/// it just did not.
+pub(super) fn sampled_slopes(
+    surface: &BezierSurface<impl Patch>,
+    radius: f64,
+    axis: usize,
+    budget: &Budget,
+) -> Result<Vec<Slope>, Stopped> {
+    let mut slopes = vec![Slope { share: 1.0, concavity: 0.0 }];
+    for patch in surface.patches() {
+        budget.check()?;
+        for k in 0..SAMPLES * SAMPLES {
+            let at = |k: usize| k as f64 / (SAMPLES - 1) as f64;
+            let jet = patch.jet(at(k / SAMPLES), at(k % SAMPLES));
+            let Some(normal) = jet.normal().try_normalize(0.0).filter(|n| n.z > 0.0) else { continue };
+            let share = (1.0 - normal[axis] * normal[axis]).max(0.0).sqrt().max(LEAST_SHARE);
+            let concave = curvature::most_concave_at(&jet);
+            let fits = radius * concave < 0.9;
+            let concavity = if fits { (concave / (1.0 - radius * concave)).max(0.0) } else { 0.0 };
+            slopes.push(Slope { share, concavity });
+        }
+    }
+    Ok(slopes)
 }
 
 fn height_at(radius: f64, spacing: f64, slope: &Slope) -> Option<f64> {

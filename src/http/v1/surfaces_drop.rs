@@ -1,0 +1,57 @@
+//! `POST /v1/surfaces/drop`: a surface, a cutter and places go in, the heights at which it touches come out.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+
+use crate::budget::Budget;
+use crate::geometry::wires::{self, sketch};
+use crate::http::App;
+use crate::http::answer::{Outcome, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
+use crate::http::error::ApiError;
+use crate::http::extract::JobBody;
+use crate::http::wanted::{Models, Wanted};
+use crate::operations::cutter_location::{self, Error};
+use crate::plot::Drawing;
+
+/// Drops a cutter onto a surface at many places and answers where its tip is when it touches.
+#[utoipa::path(post, path = "/v1/surfaces/drop", operation_id = "dropCutter", tag = "surfaces",
+    params(Wanted<Models>), request_body = DropRequest,
+    responses((status = 200, description = "The tips, in the order of the points.", body = Answer<DropReport>)))]
+pub async fn drop_cutter(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Models>,
+    body: JobBody<DropRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, locate).await
+}
+
+fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport>, ApiError> {
+    let DropJob { job, meta } = job;
+    let locations = cutter_location::locate(&job, budget)?;
+    let surface = job.surface;
+    Ok(Outcome {
+        meta,
+        warnings: Vec::new(),
+        report: DropReport::from(&locations[..]),
+        cut: None,
+        nc: None,
+        drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
+    })
+}
+
+fn sketched(surface: &crate::geometry::surface::source::Source) -> Vec<wires::Wire> {
+    surface.surface().map(|surface| sketch(&surface)).unwrap_or_default()
+}
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Source(source) => source.into(),
+        }
+    }
+}

@@ -53,6 +53,9 @@ const PATCHES_TRIED: usize = 3;
 /// Parts are not halved below this part of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
 
+/// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known to the arithmetic.
+const GRAZING: f64 = 1e-12;
+
 /// Sides whose ends are this near to each other are no edges: they close, or are a point.
 const CLOSED_MM: f64 = 1e-7;
 
@@ -173,7 +176,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
     /// The most that anything in a box can lift the tip along a track.
     fn lift_of_box(&self, bounds: &Bounds, track: &Track) -> f64 {
         let squared = squared_distance_in_plan(bounds, &track.center);
-        let most = self.cutter.radius() + track.reach;
+        let most = (1.0 - GRAZING) * self.cutter.radius() + track.reach;
         if squared > most * most {
             f64::NEG_INFINITY
         } else {

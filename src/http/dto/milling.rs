@@ -39,7 +39,7 @@ pub struct MillRequest {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
     #[serde(default)]
-    #[schema(default = "contact")]
+    #[schema(default = "offset_section")]
     engine: Engine,
     /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
     /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
@@ -72,8 +72,8 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
-    #[default]
     Contact,
+    #[default]
     OffsetSection,
 }
 

@@ -131,9 +131,6 @@ impl<P: Patch> TipSections<'_, P> {
         let jet = self.contacts.surface.jet(u, v);
         let normal = jet.normal();
         let gradient = -normal.xy() / normal.z;
-        if !(normal.z > 0.0) && !(normal.z < 0.0) {
-            return None;
-        }
         let offset = if gradient.norm() > LEVEL_SLOPE || self.contacts.cutter.flat_radius() == 0.0 {
             self.contacts.cutter.tangent_point(gradient).place
         } else {

@@ -101,14 +101,14 @@ impl<P: Patch> Contacts<'_, P> {
         let step = [0, 1].map(|k| to.place[k] - from.place[k]);
         // Where the line meets joints of patches.
         let mut joints = vec![0.0, 1.0];
-        for k in 0..2 {
+        for (k, step) in step.into_iter().enumerate() {
             let [low, high] = [from.place[k].min(to.place[k]), from.place[k].max(to.place[k])];
             if (high.floor() - low.ceil()) as usize > JOINT_LIMIT {
                 return false;
             }
             let mut joint = low.floor() + 1.0;
             while joint < high {
-                joints.push((joint - from.place[k]) / step[k]);
+                joints.push((joint - from.place[k]) / step);
                 joint += 1.0;
             }
         }

@@ -85,7 +85,7 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
         }
     }
     if let Some(mesh) = &scene.drawing.relief {
-        y += LEGEND_LINE_MM;
+        y += 1.4 * LEGEND_LINE_MM;
         out += &line("", LEFT_MM, y, "height z of the surface, mm");
         let (bar, height) = relief::legend(mesh.points(), [LEFT_MM, y + 1.2, WIDTH_MM]);
         out += &bar;

@@ -13,7 +13,7 @@
 //! The relief has at most some [`MAX_BYTES`]: where it grows beyond them, the mesh is made coarser.
 //!
 //! # Cost
-//! O(n log n) in the pieces, of which there are at most [`MOST_PIECES`].
+//! O(n log n) in the pieces, of which there are at most as many as triangles and [`MOST_CUTS`].
 
 mod bands;
 mod border;
@@ -30,16 +30,16 @@ use border::Border;
 use tone::TONES;
 
 /// Cells of a mesh each way: a circle as large as a sheet is drawn within a tenth of a millimetre of paper.
-pub const CELLS: usize = 80;
+pub const CELLS: usize = 72;
 
 /// A relief beyond this is drawn from a coarser mesh.
 pub const MAX_BYTES: usize = 300_000;
-/// More pieces are not cut. A smooth surface has some 20,000.
-const MOST_PIECES: usize = 40_000;
+/// A mesh whose triangles are cut more often is too rough to be drawn as it is. A smooth surface has some 2000 cuts.
+const MOST_CUTS: usize = 6_000;
 
 /// Meshes and tones that are tried one after the other. The last always has its place.
 const DETAILS: [(usize, usize); 5] =
-    [(CELLS, TONES.len()), (40, TONES.len()), (20, TONES.len()), (20, 0), (10, 0)];
+    [(CELLS, TONES.len()), (36, TONES.len()), (18, TONES.len()), (18, 0), (9, 0)];
 
 /// The elements of a relief.
 #[derive(Debug, Clone, Default)]
@@ -67,8 +67,8 @@ pub fn draw(mesh: &Mesh, layout: &Layout) -> Relief {
     let mut views = Default::default();
     for (cells, tones) in DETAILS {
         let mesh = mesh.thinned(cells);
-        let pieces: usize = mesh.triangles().map(|t| bands.pieces(t.map(|k| mesh.points()[k].z))).sum();
-        if pieces > MOST_PIECES {
+        let cuts: usize = mesh.triangles().map(|t| bands.cuts(t.map(|k| mesh.points()[k].z))).sum();
+        if cuts > MOST_CUTS {
             continue;
         }
         let [plan, front, side] = &layout.views;
@@ -105,7 +105,7 @@ struct Slab {
 fn shaded(mesh: &Mesh, view: &View, bands: &Bands, tones: usize) -> String {
     let corner = |(p, normal): (&Point3<f64>, Vector3<f64>)| Corner {
         at: view.project(p),
-        height: p.z,
+        height: bands.snapped(p.z),
         light: tone::light(&normal),
     };
     let corners: Vec<Corner> = mesh.points().iter().zip(mesh.normals()).map(corner).collect();
@@ -154,7 +154,6 @@ fn sense([a, b, c]: [Point2<f64>; 3]) -> i32 {
 
 impl Slab {
     fn add(&mut self, sense: i32, piece: &[Corner], tones: usize) {
-        let places = |piece: &[Corner]| piece.iter().map(|corner| corner.at).collect::<Vec<_>>().into_iter();
         self.border.add(sense, places(piece));
         for (tone, border) in TONES.iter().zip(&mut self.tones).take(tones) {
             let part = tone.part_of(piece);
@@ -163,6 +162,10 @@ impl Slab {
             }
         }
     }
+}
+
+fn places(piece: &[Corner]) -> impl Iterator<Item = Point2<f64>> + Clone {
+    piece.iter().map(|corner| corner.at)
 }
 
 /// The parts of a convex piece where `value` is below and not below `level`.

@@ -8,14 +8,18 @@ use crate::plot::text::{self, SIZE_MM};
 use crate::plot::view::View;
 
 /// A range of heights is cut into at most so many steps, and into two fifths of them at least.
-const STEPS: f64 = 10.0;
+const STEPS: f64 = 12.0;
 /// A surface is level when its heights differ by less than this share of its coordinates: rounding would be drawn.
 const LEVEL: f64 = 1e-9;
+/// A height so near to a level, as a share of a step, is at the level: a plateau there has no contours of its rounding.
+const AT_LEVEL: f64 = 1e-6;
 
 /// Colours of the lowest, a middle and the highest band. They are light, so that paths are read on them, and grow
 /// lighter upward, so that a print without colours shows them.
-const RAMP: [[f64; 3]; 3] = [[150.0, 181.0, 180.0], [206.0, 214.0, 186.0], [253.0, 245.0, 224.0]];
+const RAMP: [[f64; 3]; 3] = [[133.0, 172.0, 178.0], [203.0, 214.0, 184.0], [254.0, 246.0, 226.0]];
 
+/// Of the height of a level surface, mm.
+const LEVEL_DECIMALS: usize = 3;
 /// Height of the bar in the legend, mm of paper.
 const BAR_MM: f64 = 3.2;
 
@@ -40,9 +44,11 @@ impl Bands {
         if range <= LEVEL * magnitude {
             return Self { step: RoundNumber::ONE, levels: Vec::new(), low };
         }
-        let step = RoundNumber::at_least(range / STEPS);
+        // A range that rounding has made a little more than round still has round steps.
+        let step = RoundNumber::at_least(range / STEPS * (1.0 - AT_LEVEL));
         let first = (low / step.value()).ceil();
-        let inside = |level: &f64| *level > low && *level < high;
+        let near = AT_LEVEL * step.value();
+        let inside = |level: &f64| *level > low + near && *level < high - near;
         // One more step than the range has, should the first be its end.
         let levels = (0..=STEPS as usize + 1).map(|k| step.times(first + k as f64)).filter(inside).collect();
         Self { step, levels, low }
@@ -52,11 +58,18 @@ impl Bands {
         self.levels.len() + 1
     }
 
-    /// The number of bands that a triangle with corners at these heights, mm, has a part in.
-    pub fn pieces(&self, heights: [f64; 3]) -> usize {
+    /// The height by which a place belongs to a band, mm.
+    pub fn snapped(&self, height: f64) -> f64 {
+        let near = AT_LEVEL * self.step.value();
+        let above = self.levels.partition_point(|level| *level < height - near);
+        self.levels.get(above).copied().filter(|level| *level <= height + near).unwrap_or(height)
+    }
+
+    /// How often a triangle with corners at these heights, mm, is cut.
+    pub fn cuts(&self, heights: [f64; 3]) -> usize {
         let below = |height: f64| self.levels.partition_point(|level| *level <= height);
         let [a, b, c] = heights.map(below);
-        a.max(b).max(c) - a.min(b).min(c) + 1
+        a.max(b).max(c) - a.min(b).min(c)
     }
 
     /// Calls `each` with the number of a band and the part of a convex piece in it, from the lowest up.
@@ -77,7 +90,7 @@ impl Bands {
     /// Rules for the class `h` of each band and for contours.
     pub fn style(&self) -> String {
         let fills = (0..self.count()).map(|band| format!(".plot .h{band}{{fill:{}}}", self.color(band)));
-        ".plot .contour{stroke:#7d7766;stroke-width:.1}".to_owned() + &fills.collect::<String>()
+        ".plot .contour{stroke:#8c5a2b;stroke-width:.1}".to_owned() + &fills.collect::<String>()
     }
 
     /// The gradient `id`, in steps, by which an area in `view` is filled by its height.
@@ -116,37 +129,82 @@ impl Bands {
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 
-    /// The levels whose numbers have room at a bar on which bands are `width_mm` wide: every first, second, fifth ...
-    fn numbered(&self, width_mm: f64) -> Vec<(usize, String)> {
-        let number = |level: &f64| with_decimals(*level, self.step.decimals());
-        let numbers = || self.levels.iter().map(number);
-        let widest = numbers().map(|number| text::width(&number)).fold(0.0, f64::max) * SIZE_MM;
-        let every = ((widest + SIZE_MM) / width_mm).ceil().max(1.0) as usize;
-        numbers().enumerate().step_by(every).collect()
+    /// The numbers below a bar `width` mm of paper wide on which all bands are as wide, with their places along it: every
+    /// level's, every second's, every third's ... as there is room.
+    fn numbers(&self, width: f64) -> Vec<(f64, String)> {
+        if self.levels.is_empty() {
+            return vec![(0.5 * width, with_decimals(self.low, LEVEL_DECIMALS))];
+        }
+        let each = width / self.count() as f64;
+        let numbers: Vec<String> =
+            self.levels.iter().map(|level| with_decimals(*level, self.step.decimals())).collect();
+        let widest = numbers.iter().map(|number| text::width(number)).fold(0.0, f64::max) * SIZE_MM;
+        let every = ((widest + SIZE_MM) / each).ceil() as usize;
+        let places = numbers.into_iter().enumerate().map(|(k, number)| (each * (k + 1) as f64, number));
+        let fits = |(at, _): &(f64, String)| *at >= 0.5 * widest && *at <= width - 0.5 * widest;
+        places.filter(fits).step_by(every).collect()
     }
 }
 
-/// The bar of the bands of `points` in the legend: its left, top and width, mm of paper; and its height with numbers.
+/// The bar of the bands of `points` in the legend, by its left, top and width, mm of paper; and its height with numbers.
 pub fn legend(points: &[Point3<f64>], [left, top, width]: [f64; 3]) -> (String, f64) {
     let bands = Bands::of(points);
+    let height = BAR_MM + SIZE_MM + 0.6;
     let each = width / bands.count() as f64;
     let swatch = |band: usize| {
-        let x = fixed(left + each * band as f64);
-        format!(
-            "<path class=\"h{band}\" d=\"M{x} {}h{}v{BAR_MM}h-{}z\"/>\n",
-            fixed(top),
-            fixed(each),
-            fixed(each)
-        )
+        let [x, y, each] = [left + each * band as f64, top, each].map(fixed);
+        format!("<path class=\"contour h{band}\" d=\"M{x} {y}h{each}v{BAR_MM}h-{each}z\"/>\n")
     };
-    let below = top + BAR_MM + SIZE_MM + 0.6;
-    let number = |(level, number): (usize, String)| {
-        // A number at an end of the bar must not leave the column.
-        let half = 0.5 * text::width(&number) * SIZE_MM;
-        let x = left
-            + (each * (level as f64 + 1.0)).clamp(half.min(0.5 * width), (width - half).max(0.5 * width));
-        format!("<text class=\"middle\" x=\"{}\" y=\"{}\">{number}</text>\n", fixed(x), fixed(below))
+    let number = |(at, number): (f64, String)| {
+        let [x, y] = [left + at, top + height].map(fixed);
+        format!("<text class=\"middle\" x=\"{x}\" y=\"{y}\">{number}</text>\n")
     };
-    let numbers: String = bands.numbered(each).into_iter().map(number).collect();
-    ((0..bands.count()).map(swatch).collect::<String>() + &numbers, BAR_MM + SIZE_MM + 0.6)
+    let swatches: String = (0..bands.count()).map(swatch).collect();
+    let numbers: String = bands.numbers(width).into_iter().map(number).collect();
+    (swatches + &numbers, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(heights: [f64; 2]) -> Bands {
+        Bands::of(&heights.map(|z| Point3::new(0.0, 0.0, z)))
+    }
+
+    #[test]
+    fn levels_are_round_and_inside_the_range() {
+        assert_eq!(of([-9.0, 3.0]).levels, [-8.0, -7.0, -6.0, -5.0, -4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(of([0.0, 1e-6]).levels.len(), 9);
+        for scale in [1e-9, 1e-3, 1.0, 123.4, 1e9] {
+            let count = of([0.3 * scale, 1.7 * scale]).count();
+            assert!((4..=13).contains(&count), "{scale}: {count}");
+        }
+        // A plateau at the last level is not above it, give or take its rounding.
+        assert_eq!(of([0.0, 12.0]).count(), of([0.0, 12.000_000_000_1]).count());
+        assert_eq!(of([0.0, 12.0]).snapped(5.999_999_999), 6.0);
+        assert_eq!(of([0.0, 12.0]).snapped(5.9), 5.9);
+    }
+
+    #[test]
+    fn what_is_level_is_one_band() {
+        for heights in [[5.0, 5.0], [1e6, 1e6 + 1e-6], [0.0, 0.0]] {
+            assert_eq!(of(heights).count(), 1, "{heights:?}");
+        }
+        assert_eq!(of([5.0, 5.0]).numbers(60.0), [(30.0, "5.000".to_owned())]);
+    }
+
+    #[test]
+    fn numbers_do_not_touch_each_other_or_leave_the_bar() {
+        for heights in [[-9.0, 3.0], [-123_456.7, -123_456.6], [1e9, 1e9 + 13.0], [0.0, 1e-7]] {
+            let numbers = of(heights).numbers(60.0);
+            assert!(!numbers.is_empty(), "{heights:?}");
+            let mut free = 0.0;
+            for (at, number) in numbers {
+                let half = 0.5 * text::width(&number) * SIZE_MM;
+                assert!(at - half >= free && at + half <= 60.0, "{heights:?} {number}");
+                free = at + half + 1.0;
+            }
+        }
+    }
 }

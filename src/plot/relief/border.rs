@@ -20,11 +20,7 @@ pub struct Border {
 
 impl Border {
     /// Adds a piece whose corners turn in this sense, 1 or -1.
-    pub fn add(
-        &mut self,
-        sense: i32,
-        corners: impl Iterator<Item = Point2<f64>> + Clone + ExactSizeIterator,
-    ) {
+    pub fn add(&mut self, sense: i32, corners: impl Iterator<Item = Point2<f64>> + Clone) {
         let spots = corners.map(|p| [p.x, p.y].map(|mm| (mm * 1000.0).round() as i32));
         let nexts = spots.clone().cycle().skip(1);
         for (from, to) in spots.zip(nexts) {

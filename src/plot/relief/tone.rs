@@ -47,7 +47,7 @@ pub fn light(normal: &Vector3<f64>) -> f64 {
 
 pub fn style() -> String {
     let [shade, .., lit] = TONES;
-    [(shade, ".1"), (lit, ".35")]
+    [(shade, ".055"), (lit, ".28")]
         .map(|(tone, opacity)| {
             format!(".plot .{}{{fill:{};fill-opacity:{opacity};stroke:none}}", tone.name, tone.fill)
         })

@@ -26,10 +26,10 @@ pub const SHORTEST_STEP_MM: f64 = 1e-6;
 /// The cutter just grazes the surface from farther out, in parts of the radius.
 const GRAZING: f64 = 1e-6;
 
-/// The distance at which positions are looked at where the surface is not found yet, in radii of the cutter.
+/// The distance at which positions are looked at where the surface is not found yet, in parts of what is large.
 const SEARCH_STEP: f64 = 0.25;
 
-/// The first step of a section, in radii of the cutter.
+/// The first step of a section, in parts of what is large.
 const FIRST_STEP: f64 = 0.05;
 
 const GROWTH: f64 = 1.05;
@@ -147,7 +147,7 @@ impl<P: Patch> Walk<'_, P> {
         let along = 1 - self.sections.axis;
         let radius = (1.0 - GRAZING) * contacts.cutter.radius();
         let (low, high) = (contacts.bounds().min[along] - radius, contacts.bounds().max[along] + radius);
-        let search_step = (SEARCH_STEP * radius).max((high - low) / POINT_LIMIT as f64);
+        let search_step = (SEARCH_STEP * contacts.scale).max((high - low) / POINT_LIMIT as f64);
         let mut outside = low;
         for k in 0.. {
             if k % STEPS_BETWEEN_CHECKS == 0 {
@@ -169,12 +169,12 @@ impl<P: Patch> Walk<'_, P> {
 
     /// Follows the tips from one that counts to the last; answers a position beyond it.
     fn follow(&mut self, first: Contact, high: f64) -> Result<f64, SectionError> {
-        let radius = self.sections.contacts.cutter.radius();
-        let longest = self.spacing.step_length_mm.min(radius);
+        let scale = self.sections.contacts.scale;
+        let longest = self.spacing.step_length_mm.min(scale);
         let mut points = vec![self.point(&first)];
         let mut here = first;
         let mut before = first;
-        let mut step = longest.min(FIRST_STEP * radius);
+        let mut step = longest.min(FIRST_STEP * scale);
         let (mut tries, mut failures) = (0usize, 0);
         // The section ends at `end`; what lies `beyond` does not count.
         let (mut end, mut beyond) = (high, high);

@@ -13,7 +13,7 @@ use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::error::{ApiError, FieldCode};
+use crate::http::error::ApiError;
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
@@ -67,12 +67,11 @@ pub enum Interpolation {
     Lines,
 }
 
-/// How the CL points are found. `contact`: the cutter comes down until it touches; any surface and any cutter. `offset_section`:
-/// sections of the offset surface (Ju), for balls and smooth surfaces without overhangs into which the ball fits.
+/// How the CL points are found. `offset_section`: sections of the offset surface (Ju), for balls and smooth surfaces without overhangs
+/// into which the ball fits.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
-    Contact,
     #[default]
     OffsetSection,
 }
@@ -120,17 +119,10 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        match engine {
-            Engine::Contact => tool.check(&root.field("tool"), &mut violations),
-            Engine::OffsetSection => tool.check_ball(&root.field("tool"), &mut violations),
-        }
+        tool.check_ball(&root.field("tool"), &mut violations);
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
-        if sections.as_ref().is_some_and(Sections::is_by_scallop) && tool.is_flat() {
-            let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
-            violations.add(&root.field("strategy").field("scallop_height_mm"), FieldCode::Conflict, detail);
-        }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
         violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");
@@ -153,7 +145,6 @@ impl IntoJob for MillRequest {
             surface: surface.into(),
             tool: tool.into(),
             engine: match engine {
-                Engine::Contact => core::Engine::Contact,
                 Engine::OffsetSection => core::Engine::OffsetSection,
             },
             plane,

@@ -58,7 +58,7 @@ impl From<&surface_model::Warning> for Warning {
             }
             surface_model::Warning::NotSmooth(fault) => Self {
                 code: WarningCode::NotSmooth,
-                detail: format!("{fault}: the engine `offset_section` cannot mill it"),
+                detail: format!("{fault}: it cannot be milled as it is"),
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,

@@ -80,6 +80,7 @@ async fn every_fault_has_its_code_and_its_pointer() {
         ("/strategy/scallop_height_mm", json!(1), "conflict", "#/strategy/scallop_height_mm"),
         ("/strategy/trim", json!(false), "unsupported", "#/strategy/trim"),
         ("/strategy/stepover_mm", json!(0), "out_of_range", "#/strategy/stepover_mm"),
+        ("/engine", json!("contact"), "unsupported", "#/engine"),
         ("/boundary", json!("across"), "unknown_value", "#/boundary"),
         ("/cutting", json!({}), "missing_field", "#/cutting/feed_mm_per_min"),
         ("/cutting/feed_mm_per_min", json!(-1), "out_of_range", "#/cutting/feed_mm_per_min"),

@@ -24,7 +24,7 @@ const OUTER: &[&str] = &["http", "config", "main"];
 /// What the core never names: the outside world, the clock, the terminal.
 #[rustfmt::skip]
 const OUTSIDE: &[&str] = &[
-    "axum", "clap", "eprintln!", "http_body", "hyper", "mime", "println!", "prometheus_client", "rayon", "serde", "sha2",
+    "axum", "clap", "eprintln!", "http_body", "hyper", "mime", "println!", "prometheus_client", "serde", "sha2",
     "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
     "utoipa",
 ];

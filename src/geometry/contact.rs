@@ -215,7 +215,7 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
     }
 
     fn visit(&mut self, part: &Part<P>, promise: f64) {
-        let highest = promise.min(self.highest(part));
+        let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
         if highest > self.level() {
             self.open.push(highest, *part);
         }

@@ -9,7 +9,7 @@ use utoipa::openapi::{Ref, RefOr};
 use super::check::Violations;
 use super::meta::{self, Meta};
 use super::object;
-use super::point::{PlanePoint, Point};
+use super::point::{Place, PlanePoint};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
@@ -86,16 +86,16 @@ fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations
 pub struct DropReport {
     /// For each point the tip of the cutter that touches the surface from above; `null` beside the surface.
     #[schema(schema_with = places_schema)]
-    tips: Vec<Option<Point>>,
+    tips: Vec<Option<Place>>,
     /// For each point a place at which the cutter touches; `null` beside the surface.
     #[schema(schema_with = places_schema)]
-    contacts: Vec<Option<Point>>,
+    contacts: Vec<Option<Place>>,
     /// Proved: no tip is farther below its true height, but for rounding.
     gap_max_mm: f64,
 }
 
 fn places_schema() -> Schema {
-    let point = RefOr::<Schema>::Ref(Ref::from_schema_name(Point::name()));
+    let point = RefOr::<Schema>::Ref(Ref::from_schema_name(Place::name()));
     let null = utoipa::openapi::ObjectBuilder::new().schema_type(utoipa::openapi::schema::Type::Null);
     let place = utoipa::openapi::schema::OneOfBuilder::new().item(point).item(null);
     ArrayBuilder::new().items(place).into()

@@ -7,7 +7,7 @@ use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
 use super::object;
-use super::point::Point;
+use super::point::Place;
 use super::program::Program;
 use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
@@ -182,12 +182,12 @@ pub struct MillReport {
     /// Proved: the cutter penetrates the surface nowhere deeper.
     gouge_max_mm: f64,
     /// Where it was found to be deepest; `null` where nothing was, or the bound is not that of a place.
-    gouge_at: Option<Point>,
+    gouge_at: Option<Place>,
     /// What the cutter cannot reach at concave places, along the normal of the surface: the largest that was found among some
     /// thousand places.
     rest_sampled_max_mm: f64,
     /// Where that is.
-    rest_at: Option<Point>,
+    rest_at: Option<Place>,
     /// Proved: no more is left between passes, along the normal of the surface; but for the deviation, and for what
     /// lies so near to an edge that the way to the next pass leaves the surface. `null` where the passes are too far
     /// apart to meet, the cutter is no ball, or cannot follow the surface everywhere.
@@ -217,9 +217,9 @@ impl From<&core::Report> for MillReport {
             stepover_mm,
             deviation_max_mm,
             gouge_max_mm,
-            gouge_at: gouge_at.map(Point::from),
+            gouge_at: gouge_at.map(Place::from),
             rest_sampled_max_mm,
-            rest_at: rest_at.map(Point::from),
+            rest_at: rest_at.map(Place::from),
             scallop_max_mm,
             n_arcs,
             n_lines,

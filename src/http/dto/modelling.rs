@@ -1,12 +1,13 @@
 //! A request for a surface's model, and what is said of it.
 
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize, Serializer};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use super::meta::{self, Meta};
 use super::object;
-use super::point::{Coordinates, Point};
+use super::point::Place;
 use super::surface::Surface;
 use super::toolpath::Bounds;
 use crate::config::Limits;
@@ -126,7 +127,7 @@ pub struct ModelReport {
     bounds: Bounds,
     /// Polylines on the surface; a wire that leaves the surface goes on in another. Absent without `wires`.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
-    #[schema(value_type = Option<Vec<Vec<Point>>>)]
+    #[schema(value_type = Option<Vec<Vec<Place>>>)]
     wires: Option<Vec<Wire>>,
     /// The points that the surface is to pass through lie no farther from it; `null` for kinds without such points.
     fit_deviation_max_mm: Option<f64>,
@@ -169,7 +170,7 @@ fn too_many(patches: usize) -> ApiError {
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Patch {
-    Bicubic(Box<[[Point; 4]; 4]>),
+    Bicubic(Box<[[Place; 4]; 4]>),
     General(GeneralPatch),
 }
 
@@ -179,13 +180,13 @@ pub struct GeneralPatch {
     /// Along u and v.
     degree: [usize; 2],
     /// Control points in space, not multiplied by the weights.
-    net: Vec<Vec<Point>>,
+    net: Vec<Vec<Place>>,
     weights: Vec<Vec<f64>>,
 }
 
 impl From<&BicubicPatch> for Patch {
     fn from(patch: &BicubicPatch) -> Self {
-        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Coordinates(p.into())))))
+        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Place::from(Point3::from(p))))))
     }
 }
 
@@ -195,7 +196,7 @@ impl<const N: usize> From<&RationalPatch<N>> for Patch {
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
         };
-        let mut points = patch.control_points().map(|p| Coordinates(p.into()));
+        let mut points = patch.control_points().map(|p| Place::from(Point3::from(p)));
         Self::General(GeneralPatch {
             degree: [p, q],
             net: (0..=p).map(|_| points.by_ref().take(q + 1).collect()).collect(),
@@ -224,6 +225,6 @@ where
 }
 
 fn write_wires<S: Serializer>(wires: &Option<Vec<Wire>>, serializer: S) -> Result<S::Ok, S::Error> {
-    let points = |wire: &Wire| wire.iter().map(|p| Point::from(*p)).collect::<Vec<_>>();
+    let points = |wire: &Wire| wire.iter().map(|p| Place::from(*p)).collect::<Vec<_>>();
     serializer.collect_seq(wires.iter().flatten().map(points))
 }

@@ -124,6 +124,16 @@ impl<const N: usize> ToSchema for Coordinates<N> {
     }
 }
 
+/// A point `[x, y, z]` in mm that is answered, wherever it lies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
+pub struct Place([f64; 3]);
+
+impl From<Point3<f64>> for Place {
+    fn from(point: Point3<f64>) -> Self {
+        Self(point.into())
+    }
+}
+
 /// A point in mm, in the plane at z = 0 or in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Position {

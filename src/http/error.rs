@@ -224,7 +224,7 @@ pub struct Problem {
     errors: Vec<FieldError>,
     /// Where on the part, mm; with `overhang`, `offset_folds`, `not_smooth`, `section_lost` and `tolerance_not_reached`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<super::dto::point::Point>)]
+    #[schema(value_type = Option<super::dto::point::Place>)]
     place: Option<[f64; 3]>,
     /// The media types on offer; with `not_acceptable`.
     #[serde(skip_serializing_if = "Option::is_none")]

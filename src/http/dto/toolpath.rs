@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
 use super::moves::Move;
-use super::point::Point;
+use super::point::{Place, Point};
 use crate::toolpath as core;
 use crate::toolpath::cutting::{Caution, Cutting};
 use crate::toolpath::measure;
@@ -104,8 +104,8 @@ pub struct MoveCounts {
 
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Bounds {
-    pub min: Point,
-    pub max: Point,
+    pub min: Place,
+    pub max: Place,
 }
 
 impl Measures {

@@ -127,6 +127,9 @@ impl IntoJob for MillRequest {
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
+        if let Some(sections) = &sections {
+            sections.check_others(&root, engine, boundary, &mut violations);
+        }
         if sections.as_ref().is_some_and(Sections::is_by_scallop) && tool.is_flat() {
             let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
             violations.add(&root.field("strategy").field("scallop_height_mm"), FieldCode::Conflict, detail);

@@ -90,8 +90,14 @@ impl<'a, P: Patch> Profiles<'a, P> {
     ///
     /// # Errors
     /// When the section is lost, or the budget stops.
-    pub fn stretches(&self, y: f64, accuracy: Accuracy, budget: &Budget) -> Result<Vec<Stretch>, SkylineError> {
-        let met = self.ranges.iter().zip(self.surface.patches()).filter(|([low, high], _)| *low <= y && y <= *high);
+    pub fn stretches(
+        &self,
+        y: f64,
+        accuracy: Accuracy,
+        budget: &Budget,
+    ) -> Result<Vec<Stretch>, SkylineError> {
+        let met =
+            self.ranges.iter().zip(self.surface.patches()).filter(|([low, high], _)| *low <= y && y <= *high);
         let mut open: Vec<P> = met.map(|(_, patch)| *patch).collect();
         let mut stretches = Vec::new();
         let mut parts = 0;

@@ -8,6 +8,9 @@ use crate::budget::{Budget, Stopped};
 /// Stretches that begin or end between two looks at the budget.
 const EVENTS_BETWEEN_CHECKS: usize = 1024;
 
+/// Ends this near to each other are at one place, mm: rounding leaves no slits between neighbours, nor walls where several end.
+const SAME_MM: f64 = 1e-7;
+
 /// A connected skyline: points (x, z), mm, with x that never falls; two at the same x are a wall.
 pub type Skyline = Vec<Vector2<f64>>;
 
@@ -16,12 +19,13 @@ pub type Skyline = Vec<Vector2<f64>>;
 /// # Errors
 /// Only the budget's stop.
 pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<Skyline>, Stopped> {
-    let mut waiting: Vec<Stretch> = stretches.iter().copied().filter(|s| s.to.x > s.from.x).collect();
+    let mut waiting: Vec<Stretch> =
+        stretches.iter().copied().filter(|s| s.to.x > s.from.x + SAME_MM).collect();
     // The next to begin is the last.
     waiting.sort_by(|a, b| b.from.x.total_cmp(&a.from.x));
     let mut places: Vec<f64> = waiting.iter().flat_map(|s| [s.from.x, s.to.x]).collect();
     places.sort_by(f64::total_cmp);
-    places.dedup();
+    places.dedup_by(|next, kept| *next - *kept <= SAME_MM);
     let mut open: Vec<Stretch> = Vec::new();
     let mut skylines: Vec<Skyline> = Vec::new();
     for (k, pair) in places.windows(2).enumerate() {
@@ -29,8 +33,8 @@ pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<
             budget.check()?;
         }
         let [from, to] = [pair[0], pair[1]];
-        open.retain(|stretch| stretch.to.x > from);
-        while let Some(next) = waiting.pop_if(|next| next.from.x <= from) {
+        open.retain(|stretch| stretch.to.x > from + SAME_MM);
+        while let Some(next) = waiting.pop_if(|next| next.from.x <= from + SAME_MM) {
             open.push(next);
         }
         if open.is_empty() {

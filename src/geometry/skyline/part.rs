@@ -146,7 +146,11 @@ impl<P: Patch> Sides<'_, P> {
             if off.abs() <= self.rounding {
                 break;
             }
-            if off < 0.0 { before = v } else { behind = v }
+            if off < 0.0 {
+                before = v
+            } else {
+                behind = v
+            }
             let next = v - off / (self.sense * jet.dv.y);
             v = if next > before && next < behind { next } else { 0.5 * (before + behind) };
         }

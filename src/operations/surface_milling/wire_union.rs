@@ -67,8 +67,11 @@ const LINE_LIMIT: usize = 1_000_000;
 /// Looks at each point that the fewest lines are worth.
 const EFFORT: usize = 600;
 
-/// The certificate counts its own rounding: less than this, mm, is none.
-const LEAST_DEPTH_MM: f64 = 1e-9;
+/// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is none.
+const LEAST_DEPTH_MM: f64 = 1e-8;
+
+/// How exactly a skyline is made of its stretches, mm.
+const SKYLINE_ACCURACY_MM: f64 = 2e-7;
 
 /// Wires at the radius are counted although their places are rounded; in pitches.
 const PITCH_ROUNDING: f64 = 1e-9;
@@ -142,8 +145,11 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
         budget.check()?;
         budget.progress("wires", k, model.wires.len());
         let last = k.saturating_add(reach).min(model.wires.len() - 1);
-        let near: Vec<Stretch> =
-            model.wires[k.saturating_sub(reach)..=last].iter().flat_map(|wire| &wire.stretches).copied().collect();
+        let near: Vec<Stretch> = model.wires[k.saturating_sub(reach)..=last]
+            .iter()
+            .flat_map(|wire| &wire.stretches)
+            .copied()
+            .collect();
         for skyline in union(&near, accuracy.width_mm, budget)? {
             let Some(pass) = pass(job, &skyline, model.wires[k].at, accuracy, budget)? else { continue };
             n_lines += pass.curves.len();
@@ -171,12 +177,16 @@ fn pass(
     if length <= 2.0 * step {
         return Ok(None);
     }
-    let known = accuracy.height_mm.hypot(accuracy.width_mm);
+    let known = accuracy.height_mm.hypot(accuracy.width_mm) + SKYLINE_ACCURACY_MM;
     // Rounding moves an end by half a step each way at most.
     let rounding = 0.5 * 3f64.sqrt() * step;
-    let fit_tolerance = job.tolerance.mm() - known - rounding - 1e-9;
-    let request =
-        Fit { shapes: Shapes::LinesOnly, joints: Joints::OnPoints, effort: EFFORT, ..Fit::within(fit_tolerance) };
+    let fit_tolerance = job.tolerance.mm() - known - rounding - SKYLINE_ACCURACY_MM;
+    let request = Fit {
+        shapes: Shapes::LinesOnly,
+        joints: Joints::OnPoints,
+        effort: EFFORT,
+        ..Fit::within(fit_tolerance)
+    };
     let pieces = match fit_in_space(&tips, Some(Plane::Zx), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
@@ -197,7 +207,11 @@ fn pass(
         start = piece.end;
     }
     if deviation_mm > job.tolerance.mm() {
-        return Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm, at: tips[0] });
+        return Err(Error::ToleranceNotReached {
+            tolerance_mm: job.tolerance.mm(),
+            deviation_mm,
+            at: tips[0],
+        });
     }
     Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation_mm }))
 }

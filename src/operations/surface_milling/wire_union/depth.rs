@@ -2,10 +2,14 @@
 //!
 //! # Method
 //! For a ball it is the certificate of every other path. For other shapes the depth is measured along the axis: how far the cutter
-//! would have to be lifted to touch the surface only. While the axis goes no farther than h from a place, the cutter stays within
-//! one whose flat is h larger with its tip at the least height of the way. So the height to which that larger cutter comes
-//! down over the place, less the least height, bounds the depth all along the way; what is not decided by that is halved,
-//! and the depth at the middle tells what cannot matter.
+//! would have to be lifted to touch the surface only. It is bounded on a piece of the path in two ways:
+//! 1. *By a disc*: while the axis goes no farther than h from a place, the cutter stays within one whose flat is h larger with its
+//!    tip at the least height of the way. The height to which that larger cutter comes down over the place, less the least
+//!    height, bounds the depth.
+//! 2. *By a chord*: where the tips that touch are proved to keep to the chord of those at the ends
+//!    ([`Contacts::is_within`]), the depth is at most that at an end, and what the proof leaves.
+//!
+//! What is not decided is halved; the depth at the middle tells what cannot matter.
 //!
 //! # Guarantees
 //! An upper bound over every point of every move, as computed and as written, exact to the gap but where the limit of
@@ -19,7 +23,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::super::{Error, Job};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::clearance::{Clearance, Penetration};
-use crate::geometry::contact::Contacts;
+use crate::geometry::contact::{Contact, Contacts};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::cutter::Cutter;
 use crate::geometry::surface::{BezierSurface, Patch};
@@ -150,13 +154,16 @@ impl<'a, P: Patch> Search<'a, P> {
         let mut open: Vec<Piece> = (0..n as usize).map(piece).collect();
         while let Some(piece) = open.pop() {
             self.budget.check()?;
-            let found = self.depth_at(piece.middle)?;
-            if found.is_some_and(|(depth, _)| depth > self.deepest.found_mm) {
-                (self.deepest.found_mm, self.deepest.at) = found.map_or((0.0, None), |(depth, at)| (depth, Some(at)));
-                self.deepest.bound_mm = self.deepest.bound_mm.max(self.deepest.found_mm);
+            let middle = self.contact(piece.middle)?;
+            if let Some(contact) = middle {
+                self.found(&contact, piece.middle);
             }
-            let bound = self.bound(&piece)?;
-            if bound <= self.deepest.bound_mm.max(self.deepest.found_mm + self.gap) || piece.level >= LEVELS {
+            let enough = self.deepest.bound_mm.max(self.deepest.found_mm + self.gap);
+            let mut bound = self.bound_by_disc(&piece)?;
+            if bound > enough {
+                bound = bound.min(self.bound_by_chord(&piece)?);
+            }
+            if bound <= enough || piece.level >= LEVELS {
                 self.deepest.bound_mm = self.deepest.bound_mm.max(bound);
             } else {
                 open.extend(piece.halves());
@@ -165,14 +172,36 @@ impl<'a, P: Patch> Search<'a, P> {
         Ok(())
     }
 
-    /// How deep the cutter is with its tip at a place, and where it would touch.
-    fn depth_at(&self, tip: Point3<f64>) -> Result<Option<(f64, Point3<f64>)>, Stopped> {
-        let contact = self.exact.drop(tip.xy().coords, None, self.budget)?;
-        Ok(contact.map(|contact| (contact.tip.z - tip.z, contact.point)))
+    fn contact(&self, tip: Point3<f64>) -> Result<Option<Contact>, Stopped> {
+        self.exact.drop(tip.xy().coords, None, self.budget)
     }
 
-    /// How deep the cutter is anywhere on a piece, at most; mm.
-    fn bound(&mut self, piece: &Piece) -> Result<f64, Stopped> {
+    /// Takes note of how deep the cutter is with its tip at a place over which it would touch at `contact`.
+    fn found(&mut self, contact: &Contact, tip: Point3<f64>) {
+        let depth = contact.tip.z - tip.z;
+        if depth > self.deepest.found_mm {
+            self.deepest.found_mm = depth;
+            self.deepest.at = Some(contact.point);
+        }
+    }
+
+    /// How deep the cutter is anywhere on a piece, at most, if the tips that touch are known to keep to their chord; mm.
+    fn bound_by_chord(&self, piece: &Piece) -> Result<f64, Stopped> {
+        let ends = [piece.middle - piece.half, piece.middle + piece.half];
+        let [Some(from), Some(to)] = [self.contact(ends[0])?, self.contact(ends[1])?] else {
+            return Ok(f64::INFINITY);
+        };
+        // Half of the gap pays for the chord, the other half for what lies between the ends and the deepest place found.
+        let height = 0.5 * self.gap;
+        if !self.exact.is_within(&from, &to, height) {
+            return Ok(f64::INFINITY);
+        }
+        let deeper = (from.tip.z + from.gap_mm - ends[0].z).max(to.tip.z + to.gap_mm - ends[1].z);
+        Ok((deeper + height).max(0.0))
+    }
+
+    /// How deep the cutter is anywhere on a piece, at most, by a cutter that holds it all along; mm.
+    fn bound_by_disc(&mut self, piece: &Piece) -> Result<f64, Stopped> {
         let lowest = piece.middle.z - piece.half.z.abs();
         let contacts = if piece.half.xy() == Vector2::zeros() {
             &self.exact

@@ -52,7 +52,8 @@ impl WireModel {
             let needed = (spaces as usize).saturating_add(1);
             return Err(Error::TooMuchWork { what: "wires", needed, limit });
         }
-        let outermost = |extent: f64, inward: f64| outermost(&profiles, extent, inward, width, accuracy, budget);
+        let outermost =
+            |extent: f64, inward: f64| outermost(&profiles, extent, inward, width, accuracy, budget);
         let (first, last) = (outermost(low, 1.0)?, outermost(high, -1.0)?);
         let (from, to, n) = (first.at, last.at, spaces as usize);
         let mut wires = vec![first];
@@ -83,7 +84,8 @@ fn outermost<P: Patch>(
     accuracy: Accuracy,
     budget: &Budget,
 ) -> Result<Wire, Error> {
-    let wide = |stretches: &[Stretch]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
+    let wide =
+        |stretches: &[Stretch]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
     let on_edge = profiles.stretches(extent + inward * INSET_MM.min(1e-3 * width), accuracy, budget)?;
     let at = extent + inward * TOUCH_MM.min(1e-3 * width);
     let inside = profiles.stretches(at, accuracy, budget)?;

@@ -11,6 +11,7 @@ pub mod cutter;
 pub mod deviation;
 pub mod element;
 pub mod interval;
+pub mod mesh;
 pub mod plane;
 pub mod plane_curve;
 pub mod profile;

@@ -8,12 +8,13 @@
 //!    quadratic curve in every view.
 //! 3. For each view and each class of motion one pen writes path data (`pen`): runs of lines are thinned within a
 //!    cone of directions, curves below the drawing's resolution become lines.
-//! 4. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same class
+//! 4. A surface lies under the strokes, as bands of heights (`relief`).
+//! 5. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same class
 //!    has already inked are left out (`ink`), on a finer and then coarser raster. The sheet says so.
 //!
 //! # Guarantees
 //! * Unless the sheet says that strokes are left out, no point of a move is drawn farther than 0.02 mm of paper from
-//!   where it belongs, and nothing else is drawn.
+//!   where it belongs, and nothing else is drawn; the relief of a surface is as true as its mesh.
 //! * A picture has at most some 3 MB, whatever it shows.
 //! * Same scene, same bytes. Texts reach the picture as text only.
 //!
@@ -33,6 +34,7 @@ mod layout;
 mod marks;
 mod number;
 mod pen;
+mod relief;
 #[cfg(test)]
 mod tests;
 pub mod text;
@@ -40,10 +42,13 @@ mod view;
 
 use nalgebra::Point3;
 
+use crate::geometry::mesh::Mesh;
+use crate::geometry::surface::Surface;
 use crate::toolpath::{Move, Toolpath};
 use class::Class;
 use layout::{Layout, SHEET_MM};
 use pen::Pen;
+use relief::Relief;
 use text::escape;
 use view::View;
 
@@ -57,9 +62,11 @@ pub struct Scene<'a> {
     pub drawing: &'a Drawing,
 }
 
-/// What is drawn beside the toolpath: polylines and points, mm.
+/// What is drawn beside the toolpath: a surface, polylines and points, mm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drawing {
+    /// What is shaded.
+    pub relief: Option<Mesh>,
     /// Wires of a surface.
     pub surface: Vec<Vec<Point3<f64>>>,
     /// Curves as they were designed.
@@ -75,8 +82,15 @@ impl Drawing {
         Self { surface, ..Self::default() }
     }
 
+    /// The surface shaded, under its wires.
+    pub fn of_relief(relief: &dyn Surface, surface: Vec<Vec<Point3<f64>>>) -> Self {
+        Self { relief: Some(Mesh::of(relief, relief::CELLS)), ..Self::of_surface(surface) }
+    }
+
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
-        self.surface.iter().chain(&self.curve).chain(&self.band).flatten().chain(&self.joints)
+        let shaded = self.relief.iter().flat_map(Mesh::points);
+        let lines = self.surface.iter().chain(&self.curve).chain(&self.band).flatten();
+        lines.chain(&self.joints).chain(shaded)
     }
 }
 
@@ -104,8 +118,16 @@ pub fn svg(scene: &Scene) -> String {
     match Layout::of(scene) {
         Ok(layout) => {
             let (paths, raster_mm) = draw(scene, &layout);
-            for (view, paths) in layout.views.iter().zip(&paths) {
+            let shaded = scene.drawing.relief.as_ref().map(|mesh| relief::draw(mesh, &layout));
+            let Relief { style, definitions, views: reliefs } = shaded.unwrap_or_default();
+            if !style.is_empty() {
+                out += &format!("<style>{style}</style>\n<defs>\n{definitions}</defs>\n");
+            }
+            for ((view, paths), relief) in layout.views.iter().zip(&paths).zip(&reliefs) {
                 out += &format!("<g class=\"view\" id=\"{}\">\n", view.id);
+                if !relief.is_empty() {
+                    out += &format!("<g class=\"relief\">\n{relief}</g>\n");
+                }
                 out += &axes::draw(view, &layout);
                 out += &strokes(paths);
                 out += &marks::draw(scene, view);
@@ -137,7 +159,7 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    let Drawing { surface, curve, band, joints } = scene.drawing;
+    let Drawing { relief: _, surface, curve, band, joints } = scene.drawing;
     for (class, wires) in [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve)] {
         for wire in wires {
             for (view, pens) in layout.views.iter().zip(&mut pens) {

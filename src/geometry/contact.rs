@@ -53,6 +53,12 @@ const PATCHES_TRIED: usize = 3;
 /// Parts are not halved below this part of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
 
+/// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known to the arithmetic.
+const GRAZING: f64 = 1e-12;
+
+/// The part of a surface that is large enough to be looked at as a whole.
+const SCALE_SHARE: f64 = 0.1;
+
 /// Sides whose ends are this near to each other are no edges: they close, or are a point.
 const CLOSED_MM: f64 = 1e-7;
 
@@ -72,6 +78,8 @@ pub struct Contacts<'a, P> {
     /// Whether the sides u = 0, u = nu, v = 0, v = nv are edges of the surface.
     edges: [bool; 4],
     smallest: f64,
+    /// What is large against the cutter or the surface, whichever is smaller, mm.
+    scale: f64,
 }
 
 /// A cutter that touches the surface from above.
@@ -111,7 +119,9 @@ impl<'a, P: Patch> Contacts<'a, P> {
         };
         let bends = surface.patches().iter().map(bend).collect();
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
-        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest })
+        let size = (tree.bounds().max - tree.bounds().min).xy().norm();
+        let scale = cutter.radius().min(SCALE_SHARE * size);
+        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, scale })
     }
 
     /// A box of the surface, mm.
@@ -173,7 +183,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
     /// The most that anything in a box can lift the tip along a track.
     fn lift_of_box(&self, bounds: &Bounds, track: &Track) -> f64 {
         let squared = squared_distance_in_plan(bounds, &track.center);
-        let most = self.cutter.radius() + track.reach;
+        let most = (1.0 - GRAZING) * self.cutter.radius() + track.reach;
         if squared > most * most {
             f64::NEG_INFINITY
         } else {

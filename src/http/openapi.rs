@@ -46,7 +46,7 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 26] = [
+const EXAMPLES: [(&str, &str, &str); 28] = [
     example!("/v1/arcs/fit", "arcs-fit", "contour"),
     example!("/v1/arcs/fit", "arcs-fit", "helix"),
     example!("/v1/arcs/fit", "arcs-fit", "probed-circle"),
@@ -58,6 +58,8 @@ const EXAMPLES: [(&str, &str, &str); 26] = [
     example!("/v1/curves/interpolate", "curves-interpolate", "profile"),
     example!("/v1/curves/interpolate", "curves-interpolate", "sine"),
     example!("/v1/curves/interpolate", "curves-interpolate", "spline"),
+    example!("/v1/surfaces/drop", "surfaces-drop", "bowl"),
+    example!("/v1/surfaces/drop", "surfaces-drop", "bull-nose"),
     example!("/v1/surfaces/model", "surfaces-model", "cylinder"),
     example!("/v1/surfaces/model", "surfaces-model", "ferguson"),
     example!("/v1/surfaces/model", "surfaces-model", "normal-sweep"),

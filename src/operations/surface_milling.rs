@@ -61,6 +61,7 @@ use crate::toolpath::{Move, PathError, Toolpath};
 pub use job::{
     Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Engine, Interpolation, Job, SectionPlane, Spacing,
 };
+use links::Proof;
 use outline::Outline;
 use passes::{Allowed, Seam};
 use planes::{ContactEngine, OffsetEngine, Slicer};
@@ -255,19 +256,25 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     let allowed = Allowed { tolerance: job.tolerance.mm() - gap, seam, chord_height_share };
     let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
     let deviation_max_mm = passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max);
-    let toolpath = links::join(job, &cutting, &passes, &contacts, budget)?;
+    let clearance = Clearance::new(&surface, job.offset_mm(), job.tool.radius_mm);
+    let proof = match job.tool.shape {
+        Shape::Ball => Proof::Certificate(&clearance),
+        Shape::Flat | Shape::BullNose { .. } => Proof::Contact(&contacts),
+    };
+    let toolpath = links::join(job, &cutting, &passes, &proof, budget)?;
     let penetration = match job.tool.shape {
-        Shape::Ball => {
-            let clearance = Clearance::new(&surface, job.offset_mm(), job.tool.radius_mm);
-            certify(&toolpath, job, &clearance, gap, budget)?
-        }
+        Shape::Ball => certify(&toolpath, job, &clearance, gap, budget)?,
         // Who is moved by so much cuts no deeper.
         Shape::Flat | Shape::BullNose { .. } => Penetration {
             bound_mm: job.allowance_mm + deviation_max_mm.max(links::TOLERANCE_SHARE * job.tolerance.mm()),
             ..Penetration::NONE
         },
     };
-    let rest = rest::largest(&contacts, budget)?;
+    let rest = match job.engine {
+        Engine::Contact => rest::largest(&contacts, budget)?,
+        // The ball can follow the surface everywhere.
+        Engine::OffsetSection => None,
+    };
     let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
     let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
     let scallop = scallop::height(job.tool.radius_mm, stepover_mm, &slopes);

@@ -6,7 +6,7 @@ use super::class::Class;
 use super::layout::{BORDER_MM, COLUMN_X_MM, Layout, SHEET_MM};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, SIZE_MM, TITLE_SIZE_MM, escape};
-use super::{Scene, marks};
+use super::{Scene, marks, relief};
 use crate::toolpath::measure::measure;
 use crate::toolpath::units::FeedRate;
 
@@ -83,6 +83,13 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
         if cuts.iter().any(|class| used.contains(class)) {
             entry(&|y| marks::arrow(middle(y), Vector2::x()), "direction of the cut");
         }
+    }
+    if let Some(mesh) = &scene.drawing.relief {
+        y += 1.4 * LEGEND_LINE_MM;
+        out += &line("", LEFT_MM, y, "height z of the surface, mm");
+        let (bar, height) = relief::legend(mesh.points(), [LEFT_MM, y + 1.2, WIDTH_MM]);
+        out += &bar;
+        y += 1.2 + height;
     }
     (out, y + 2.0 * LEGEND_LINE_MM)
 }

@@ -1,4 +1,5 @@
 mod reading;
+mod relief;
 
 use std::f64::consts::{PI, TAU};
 

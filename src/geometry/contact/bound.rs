@@ -186,9 +186,9 @@ impl Bowl {
         };
         let mut largest = free.largest(reach);
         // Where the place is on a side and the function falls from there for every t, that side holds the largest value.
-        for axis in 0..2 {
+        for (axis, at) in place.into_iter().enumerate() {
             let other = 1 - axis;
-            let inward = match place[axis] {
+            let inward = match at {
                 x if x <= 0.0 => 1.0,
                 x if x >= 1.0 => -1.0,
                 _ => continue,

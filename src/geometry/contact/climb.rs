@@ -74,12 +74,17 @@ impl<'a> Climb<'a> {
         jet.point.coords.xy() - self.track.center
     }
 
+    /// Whether the cutter touches with the tangent plane at the place that was looked at.
+    fn touches(&self, jet: &Jet) -> bool {
+        let limit = TOUCHING * self.cutter.radius();
+        self.tangent.is_some_and(|tangent| (self.off(jet) - tangent.place).norm_squared() <= limit * limit)
+    }
+
     /// The lift at the place that was looked at.
     pub(super) fn found(&self, jet: &Jet) -> Option<Found> {
         let found = |height, lower| Some(Found { height, jet: *jet, place: self.place, lower });
-        let touching = TOUCHING * self.cutter.radius();
         match (&self.tangent, &self.over) {
-            (Some(tangent), _) if (self.off(jet) - tangent.place).norm() <= touching => {
+            (Some(tangent), _) if self.touches(jet) => {
                 // At steep places the height over the surface point knows less.
                 let beside = tangent.gradient.dot(&(self.off(jet) - tangent.place));
                 found(jet.point.z - tangent.height - beside, *tangent)
@@ -104,13 +109,25 @@ impl<'a> Climb<'a> {
 
     /// Goes on to a better place of the unit square; whether there is one.
     pub(super) fn step(&mut self, jet: &Jet) -> bool {
-        let by_tangent = self.by_tangent(jet).filter(|next| self.is_inside(next));
+        if self.touches(jet) {
+            return false;
+        }
+        // Where a side holds it back, the surface's tangent plane has no say.
+        let is_held = self.over.as_ref().is_some_and(|over| self.is_held(jet, over));
+        let by_tangent =
+            (!is_held).then(|| self.by_tangent(jet)).flatten().filter(|next| self.is_inside(next));
         let next = by_tangent.or_else(|| self.by_lift(jet)).or_else(|| self.by_tangent(jet));
         let Some(next) = next else { return false };
         let next = next.map(|t| t.clamp(0.0, 1.0));
         let is_same = (0..2).all(|k| (next[k] - self.place[k]).abs() <= NO_STEP);
         self.place = next;
         !is_same
+    }
+
+    /// Whether the lift would go on growing beyond a side.
+    fn is_held(&self, jet: &Jet, over: &LowerPoint) -> bool {
+        let rise = [jet.du, jet.dv].map(|d| d.z - over.gradient.dot(&d.xy()));
+        (0..2).any(|k| is_blocked(self.place[k], rise[k]))
     }
 
     fn is_inside(&self, place: &[f64; 2]) -> bool {
@@ -143,11 +160,10 @@ impl<'a> Climb<'a> {
         let vv = fv.dot(&jet.dv.xy()) - rise(&jet.dvv);
         let det = uu * vv - uv * uv;
         let [u, v] = self.place;
-        let blocked = |t: f64, rise: f64| (t <= 0.0 && rise < 0.0) || (t >= 1.0 && rise > 0.0);
         let alone = |g: f64, n: f64| if n > 0.0 { g / n } else { g.signum() };
-        let step = if blocked(u, gu) {
-            [0.0, if blocked(v, gv) { 0.0 } else { alone(gv, vv) }]
-        } else if blocked(v, gv) {
+        let step = if is_blocked(u, gu) {
+            [0.0, if is_blocked(v, gv) { 0.0 } else { alone(gv, vv) }]
+        } else if is_blocked(v, gv) {
             [alone(gu, uu), 0.0]
         } else if uu > 0.0 && det > 0.0 {
             let free = [(vv * gu - uv * gv) / det, (uu * gv - uv * gu) / det];
@@ -173,4 +189,9 @@ impl<'a> Climb<'a> {
             free
         }
     }
+}
+
+/// Whether a function that rises by so much at a parameter has its largest value there.
+fn is_blocked(t: f64, rise: f64) -> bool {
+    (t <= 0.0 && rise < 0.0) || (t >= 1.0 && rise > 0.0)
 }

@@ -23,10 +23,13 @@ use crate::geometry::surface::patch::Patch;
 /// Tips this near to each other may be at any height: the wall between them is upright.
 pub const SHORTEST_STEP_MM: f64 = 1e-6;
 
-/// The distance at which positions are looked at where the surface is not found yet, in radii of the cutter.
+/// The cutter just grazes the surface from farther out, in parts of the radius.
+const GRAZING: f64 = 1e-6;
+
+/// The distance at which positions are looked at where the surface is not found yet, in parts of what is large.
 const SEARCH_STEP: f64 = 0.25;
 
-/// The first step of a section, in radii of the cutter.
+/// The first step of a section, in parts of what is large.
 const FIRST_STEP: f64 = 0.05;
 
 const GROWTH: f64 = 1.05;
@@ -128,9 +131,6 @@ impl<P: Patch> TipSections<'_, P> {
         let jet = self.contacts.surface.jet(u, v);
         let normal = jet.normal();
         let gradient = -normal.xy() / normal.z;
-        if !(normal.z > 0.0) && !(normal.z < 0.0) {
-            return None;
-        }
         let offset = if gradient.norm() > LEVEL_SLOPE || self.contacts.cutter.flat_radius() == 0.0 {
             self.contacts.cutter.tangent_point(gradient).place
         } else {
@@ -145,9 +145,9 @@ impl<P: Patch> Walk<'_, P> {
     fn all(&mut self) -> Result<(), SectionError> {
         let contacts = self.sections.contacts;
         let along = 1 - self.sections.axis;
-        let radius = contacts.cutter.radius();
+        let radius = (1.0 - GRAZING) * contacts.cutter.radius();
         let (low, high) = (contacts.bounds().min[along] - radius, contacts.bounds().max[along] + radius);
-        let search_step = (SEARCH_STEP * radius).max((high - low) / POINT_LIMIT as f64);
+        let search_step = (SEARCH_STEP * contacts.scale).max((high - low) / POINT_LIMIT as f64);
         let mut outside = low;
         for k in 0.. {
             if k % STEPS_BETWEEN_CHECKS == 0 {
@@ -155,7 +155,7 @@ impl<P: Patch> Walk<'_, P> {
             }
             let at = (outside + search_step).min(high);
             if let Some(found) = self.contact(at, None)? {
-                let first = self.last_counting(found, outside)?;
+                let first = self.last_counting(found, outside);
                 outside = self.follow(first, high)?;
             } else {
                 outside = at;
@@ -169,14 +169,16 @@ impl<P: Patch> Walk<'_, P> {
 
     /// Follows the tips from one that counts to the last; answers a position beyond it.
     fn follow(&mut self, first: Contact, high: f64) -> Result<f64, SectionError> {
-        let radius = self.sections.contacts.cutter.radius();
-        let longest = self.spacing.step_length_mm.min(radius);
+        let scale = self.sections.contacts.scale;
+        let longest = self.spacing.step_length_mm.min(scale);
         let mut points = vec![self.point(&first)];
         let mut here = first;
         let mut before = first;
-        let mut step = longest.min(FIRST_STEP * radius);
+        let mut step = longest.min(FIRST_STEP * scale);
         let (mut tries, mut failures) = (0usize, 0);
-        let beyond = loop {
+        // The section ends at `end`; what lies `beyond` does not count.
+        let (mut end, mut beyond) = (high, high);
+        while self.at(&here) < end {
             tries += 1;
             if tries.is_multiple_of(STEPS_BETWEEN_CHECKS) {
                 self.budget.check()?;
@@ -184,27 +186,27 @@ impl<P: Patch> Walk<'_, P> {
             if self.n_points + points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
             }
-            let to = (self.at(&here) + step).min(high);
-            let guess = self.expected(&before, &here, to);
-            let is_shortest = step <= SHORTEST_STEP_MM;
-            let next = match self.followed(to, guess) {
+            let to = (self.at(&here) + step).min(end);
+            let is_shortest = to - self.at(&here) <= SHORTEST_STEP_MM;
+            let next = match self.followed(to, self.expected(&before, &here, to)) {
                 Some(next) if self.is_joined(&here, &next) => Some(next),
                 // Mostly the step was too long for the chord.
                 Some(_) if !is_shortest && failures < FAILURES => None,
                 followed => match self.contact(to, Some(here.place))? {
                     Some(next) if is_shortest => Some(next),
                     Some(next) if is_higher(&next, &followed) && self.is_joined(&here, &next) => Some(next),
-                    None if is_shortest => break to,
-                    _ => None,
+                    Some(_) => None,
+                    None => {
+                        let last = self.last_counting(here, to);
+                        (end, beyond) = (self.at(&last), to);
+                        continue;
+                    }
                 },
             };
             match next {
                 Some(next) => {
                     points.push(self.point(&next));
                     (before, here) = (here, next);
-                    if to >= high {
-                        break high;
-                    }
                     step = (step * GROWTH).min(longest);
                     failures = 0;
                 }
@@ -213,7 +215,7 @@ impl<P: Patch> Walk<'_, P> {
                     failures += 1;
                 }
             }
-        };
+        }
         self.n_points += points.len();
         self.chains.push(points);
         Ok(beyond)
@@ -272,20 +274,20 @@ impl<P: Patch> Walk<'_, P> {
         !contact.is_rolling && (!is_level || self.sections.contacts.is_over(contact))
     }
 
-    /// The last contact that counts on the way from one to a position without.
-    fn last_counting(&self, mut counting: Contact, mut outside: f64) -> Result<Contact, Stopped> {
+    /// The last contact that counts on the way from one to a position without, as far as contacts can be followed.
+    fn last_counting(&self, mut counting: Contact, mut outside: f64) -> Contact {
         for _ in 0..HALVINGS {
             let at = self.at(&counting);
-            if (at - outside).abs() <= 1e-3 * SHORTEST_STEP_MM {
+            if (at - outside).abs() <= 1e-2 * SHORTEST_STEP_MM {
                 break;
             }
             let middle = 0.5 * (at + outside);
-            match self.contact(middle, Some(counting.place))? {
+            match self.followed(middle, counting.place) {
                 Some(contact) => counting = contact,
                 None => outside = middle,
             }
         }
-        Ok(counting)
+        counting
     }
 }
 

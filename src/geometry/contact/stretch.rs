@@ -26,7 +26,7 @@ const HALVING_LIMIT_SHORT: usize = 256;
 /// Halvings of a straight way.
 const LINK_HALVINGS: usize = 64;
 
-/// What is short, in radii of the cutter.
+/// What is short, in parts of what is large.
 const SHORT: f64 = 2e-3;
 
 /// Steps on one part.
@@ -55,7 +55,7 @@ impl<P: Patch> Contacts<'_, P> {
                 continue;
             }
             halvings += 1;
-            if halvings > LINK_HALVINGS || (to - from).norm() < SHORT * self.cutter.radius() {
+            if halvings > LINK_HALVINGS || (to - from).norm() < SHORT * self.scale {
                 return false;
             }
             open.extend([[middle, to], [from, middle]]);
@@ -76,7 +76,7 @@ impl<P: Patch> Contacts<'_, P> {
             level: Level { level: center.z + height, slope },
             guess,
             support: None,
-            halvings: if length < SHORT * self.cutter.radius() { HALVING_LIMIT_SHORT } else { HALVING_LIMIT },
+            halvings: if length < SHORT * self.scale { HALVING_LIMIT_SHORT } else { HALVING_LIMIT },
             is_below: true,
         };
         if let Some(middle) = self.near(look.track.center, guess) {
@@ -101,14 +101,14 @@ impl<P: Patch> Contacts<'_, P> {
         let step = [0, 1].map(|k| to.place[k] - from.place[k]);
         // Where the line meets joints of patches.
         let mut joints = vec![0.0, 1.0];
-        for k in 0..2 {
+        for (k, step) in step.into_iter().enumerate() {
             let [low, high] = [from.place[k].min(to.place[k]), from.place[k].max(to.place[k])];
             if (high.floor() - low.ceil()) as usize > JOINT_LIMIT {
                 return false;
             }
             let mut joint = low.floor() + 1.0;
             while joint < high {
-                joints.push((joint - from.place[k]) / step[k]);
+                joints.push((joint - from.place[k]) / step);
                 joint += 1.0;
             }
         }

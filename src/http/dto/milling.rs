@@ -13,7 +13,7 @@ use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::error::{ApiError, FieldCode};
+use crate::http::error::ApiError;
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
@@ -39,7 +39,7 @@ pub struct MillRequest {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
     #[serde(default)]
-    #[schema(default = "contact")]
+    #[schema(default = "offset_section")]
     engine: Engine,
     /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
     /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
@@ -67,13 +67,12 @@ pub enum Interpolation {
     Lines,
 }
 
-/// How the CL points are found. `contact`: the cutter comes down until it touches; any surface and any cutter. `offset_section`:
-/// sections of the offset surface (Ju), for balls and smooth surfaces without overhangs into which the ball fits.
+/// How the CL points are found. `offset_section`: sections of the offset surface (Ju), for balls and smooth surfaces without overhangs
+/// into which the ball fits.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
     #[default]
-    Contact,
     OffsetSection,
 }
 
@@ -120,19 +119,15 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        match engine {
-            Engine::Contact => tool.check(&root.field("tool"), &mut violations),
-            Engine::OffsetSection => tool.check_ball(&root.field("tool"), &mut violations),
+        match strategy {
+            Strategy::ClCartesian(_) => tool.check_ball(&root.field("tool"), &mut violations),
+            Strategy::WireUnion(_) => tool.check(&root.field("tool"), &mut violations),
         }
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         if let Some(sections) = &sections {
-            sections.check_others(&root, engine, boundary, &mut violations);
-        }
-        if sections.as_ref().is_some_and(Sections::is_by_scallop) && tool.is_flat() {
-            let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
-            violations.add(&root.field("strategy").field("scallop_height_mm"), FieldCode::Conflict, detail);
+            sections.check_boundary(&root.field("boundary"), boundary, &mut violations);
         }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
@@ -156,7 +151,6 @@ impl IntoJob for MillRequest {
             surface: surface.into(),
             tool: tool.into(),
             engine: match engine {
-                Engine::Contact => core::Engine::Contact,
                 Engine::OffsetSection => core::Engine::OffsetSection,
             },
             plane,

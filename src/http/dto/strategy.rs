@@ -93,13 +93,6 @@ pub struct Sections {
     pub direction: core::CutDirection,
 }
 
-impl Sections {
-    /// Whether the height left between passes says how far apart they are.
-    pub fn is_by_scallop(&self) -> bool {
-        matches!(self.spacing, core::Spacing::ScallopHeight(_))
-    }
-}
-
 /// Heights that may be left between passes, mm.
 const SCALLOP_HEIGHT: Range = Range { min: 1e-6, max: 1000.0 };
 

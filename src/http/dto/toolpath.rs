@@ -33,7 +33,7 @@ impl Warning {
 pub enum WarningCode {
     /// The end condition fell to the interpolating polynomial, for want of points.
     EndsReduced,
-    /// Patches leave a gap or meet in an edge: the offset of the surface has no sections.
+    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
     NotSmooth,
     /// The surface has a place without a normal, or one that could not be told from it.
     NoNormal,

@@ -9,7 +9,7 @@ use axum::response::Response;
 
 use crate::budget::Budget;
 use crate::geometry::surface::source::Source;
-use crate::geometry::wires::{self, Wire};
+use crate::geometry::wires;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -50,13 +50,14 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
             comments: vec![proved(&report)],
         }),
         nc: None,
-        drawing: Box::new(move || Drawing::of_surface(sketch(&job.surface))),
+        drawing: Box::new(move || drawing(&job.surface)),
     })
 }
 
-/// A few curves on the surface that was milled.
-fn sketch(surface: &Source) -> Vec<Wire> {
-    surface.surface().map(|surface| wires::sketch(&surface)).unwrap_or_default()
+/// The surface that was milled, shaded, with a few curves on it.
+fn drawing(surface: &Source) -> Drawing {
+    let draw = |surface| Drawing::of_relief(&surface, wires::sketch(&surface));
+    surface.surface().map(draw).unwrap_or_default()
 }
 
 /// The proved figures for a program's header, rounded up.

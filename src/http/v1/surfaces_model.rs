@@ -34,15 +34,19 @@ pub async fn model_surface(
 fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiError> {
     let ModelJob { job, with_patches, meta } = job;
     let model = surface_model::model(&job, budget)?;
-    // The wires that were asked for are the picture; else a few curves are.
-    let wires = model.wires.clone().unwrap_or_else(|| sketch(&model.surface));
+    // The wires that were asked for lie on the picture; else a few curves do.
+    let (surface, wires) = (model.surface.clone(), model.wires.clone());
+    let drawing = move || {
+        let wires = wires.clone().unwrap_or_else(|| sketch(&surface));
+        Drawing::of_relief(&surface, wires)
+    };
     Ok(Outcome {
         meta,
         warnings: model.warnings.iter().map(Warning::from).collect(),
         report: ModelReport::new(model, with_patches)?,
         cut: None,
         nc: None,
-        drawing: Box::new(move || Drawing::of_surface(wires.clone())),
+        drawing: Box::new(drawing),
     })
 }
 
@@ -54,7 +58,7 @@ impl From<&surface_model::Warning> for Warning {
             }
             surface_model::Warning::NotSmooth(fault) => Self {
                 code: WarningCode::NotSmooth,
-                detail: format!("{fault}: the engine `offset_section` cannot mill it"),
+                detail: format!("{fault}: it cannot be milled as it is"),
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,

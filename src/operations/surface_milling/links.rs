@@ -3,15 +3,17 @@
 use nalgebra::{Point3, Vector3};
 
 use super::passes::CutPass;
-use super::{CutDirection, Error, Job};
+use super::{CERTIFICATE_GAP, CutDirection, Error, Job};
 use crate::budget::Budget;
+use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::contact::Contacts;
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::surface::Patch;
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::{Builder, Role, Toolpath};
 
-/// The part of the tolerance by which a link may cut into the surface: passes end within the tolerance of it.
+/// The part of the tolerance by which a link of a cutter without a certificate may cut into the surface.
 pub(super) const TOLERANCE_SHARE: f64 = 0.9;
 
 /// The toolpath of `passes`, from the clearance plane over the first to that over the last.
@@ -19,7 +21,7 @@ pub(super) fn join(
     job: &Job,
     cutting: &Cutting,
     passes: &[CutPass],
-    contacts: &Contacts<impl Patch>,
+    proof: &Proof<impl Patch>,
     budget: &Budget,
 ) -> Result<Toolpath, Error> {
     let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
@@ -28,7 +30,8 @@ pub(super) fn join(
         builder.begin_pass(None);
         let link = Line { start: builder.at(), end: pass.start() };
         budget.check()?;
-        if k > 0 && is_linked(job, cutting, &link, contacts) {
+        let may_link = k > 0 && job.direction == CutDirection::Zigzag && is_quicker(cutting, &link);
+        if may_link && proof.clears(&link, job, budget)? {
             builder.line(link.end, cutting.feed_of(Role::Link), Role::Link)?;
         } else {
             rapid_to(&mut builder, at_height(link.start, cutting.retract_z_mm))?;
@@ -60,21 +63,42 @@ fn rapid_to(builder: &mut Builder, to: Point3<f64>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether a straight link is quicker than a retract, and proved not to cut into the surface by more than its share of the tolerance, as
-/// computed and as written.
-fn is_linked(job: &Job, cutting: &Cutting, link: &Line, contacts: &Contacts<impl Patch>) -> bool {
-    if job.direction == CutDirection::OneWay {
-        return false;
+/// What proves that a straight link does not cut into the surface.
+pub(super) enum Proof<'a, P> {
+    /// Of a ball, by the certificate of all moves.
+    Certificate(&'a Clearance<'a, P>),
+    /// Of any cutter, by direct contact.
+    Contact(&'a Contacts<'a, P>),
+}
+
+impl<P: Patch> Proof<'_, P> {
+    /// Whether a link is proved to keep within the tolerance of the surface, as computed and as written.
+    fn clears(&self, link: &Line, job: &Job, budget: &Budget) -> Result<bool, Error> {
+        match self {
+            Self::Certificate(clearance) => {
+                let gap = CERTIFICATE_GAP * job.tolerance.mm();
+                let mut deepest = Penetration::NONE;
+                let curve = Curve::Line(*link);
+                clearance.penetrate(&curve, 0.0, gap, &mut deepest, budget)?;
+                for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
+                    clearance.penetrate(&written.curve, written.slack_mm, gap, &mut deepest, budget)?;
+                }
+                Ok(deepest.bound_mm <= job.tolerance.mm() - gap)
+            }
+            Self::Contact(contacts) => {
+                let tip = |p: Point3<f64>| p - Vector3::z() * job.allowance_mm;
+                let height = TOLERANCE_SHARE * job.tolerance.mm() - job.resolution.step_mm();
+                Ok(height > 0.0 && contacts.is_clear(tip(link.start), tip(link.end), height))
+            }
+        }
     }
+}
+
+/// Whether a straight link is quicker than a retract.
+fn is_quicker(cutting: &Cutting, link: &Line) -> bool {
     let (up, down) = (cutting.retract_z_mm - link.start.z, cutting.retract_z_mm - link.end.z);
     let across = (link.end - link.start).xy().norm();
     let retract_min =
         (up + across) / cutting.rapid_feed.mm_per_min() + down / cutting.plunge_feed.mm_per_min();
-    if link.length() / cutting.link_feed.mm_per_min() > retract_min {
-        return false;
-    }
-    let tip = |p: Point3<f64>| p - Vector3::z() * job.allowance_mm;
-    let rounding = job.resolution.step_mm();
-    let height = TOLERANCE_SHARE * job.tolerance.mm() - rounding;
-    height > 0.0 && contacts.is_clear(tip(link.start), tip(link.end), height)
+    link.length() / cutting.link_feed.mm_per_min() <= retract_min
 }

@@ -164,7 +164,7 @@ pub fn distance(p: [f64; 2], [a, b]: Segment) -> f64 {
 }
 
 /// Path data of M, L, A, Q and h0.
-fn strokes(data: &str) -> Vec<Segment> {
+pub fn strokes(data: &str) -> Vec<Segment> {
     let mut segments = Vec::new();
     let mut at = [0.0; 2];
     for part in data.split_inclusive(|c: char| !"0123456789. -".contains(c)).collect::<Vec<_>>().windows(2) {

@@ -296,7 +296,8 @@ async fn beside_the_surface_there_is_no_tip_and_near_it_the_edge_is_touched() {
     for cutter in Cutter::all(5.0) {
         let drops = dropped(&app, &plate, cutter, &points).await;
         assert_eq!(drops[..3], [None; 3]);
-        assert_eq!(drops[6], drops[7]);
+        let heights = [6, 7].map(|k: usize| drops[k].expect("a tip").0[2]);
+        assert!((heights[0] - heights[1]).abs() < ACCURACY_MM, "{heights:?}");
         for drop in &drops[3..] {
             let (tip, contact) = drop.expect("a tip");
             let outside = [0, 1].map(|k| (tip[k].abs() - 10.0).max(0.0));

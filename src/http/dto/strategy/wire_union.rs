@@ -4,7 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::super::check::{Range, Violations};
-use super::super::milling::{Boundary, Engine};
+use super::super::milling::Boundary;
 use super::{Sections, check_count};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -45,24 +45,12 @@ impl WireUnion {
 }
 
 impl Sections {
-    /// Refuses what contradicts a wire union: it has no engine but its own, and its wires end on the edge.
-    pub fn check_others(
-        &self,
-        root: &Pointer,
-        engine: Engine,
-        boundary: Boundary,
-        violations: &mut Violations,
-    ) {
-        if !matches!(self.spacing, core::Spacing::WirePitch(_)) {
-            return;
-        }
-        if matches!(engine, Engine::OffsetSection) {
-            let detail = "`wire_union` has no sections of the offset";
-            violations.add(&root.field("engine"), FieldCode::Conflict, detail);
-        }
-        if matches!(boundary, Boundary::Inside | Boundary::Past) {
+    /// Refuses another boundary than that of a wire union, whose wires end on the edge.
+    pub fn check_boundary(&self, at: &Pointer, boundary: Boundary, violations: &mut Violations) {
+        let is_union = matches!(self.spacing, core::Spacing::WirePitch(_));
+        if is_union && matches!(boundary, Boundary::Inside | Boundary::Past) {
             let detail = "the wires of `wire_union` end on the edge of the surface";
-            violations.add(&root.field("boundary"), FieldCode::Conflict, detail);
+            violations.add(at, FieldCode::Conflict, detail);
         }
     }
 }

@@ -1,0 +1,115 @@
+//! A surface as triangles between points over a grid of parameters: what pictures shade.
+//!
+//! # Guarantees
+//! The grid takes the joints of patches in, where there are no more of them than cells. There are as many points for a
+//! large surface as for a small one.
+//!
+//! # Degenerate input
+//! At a pole triangles have no extent; a point whose triangles have none has no normal.
+//!
+//! # Cost
+//! O(cells).
+
+use nalgebra::{Point3, Vector3};
+
+use super::surface::Surface;
+
+/// Points on a surface, row after row, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Numbers of cells along u and v.
+    cells: [usize; 2],
+    points: Vec<Point3<f64>>,
+}
+
+impl Mesh {
+    /// The mesh of `surface` with at most `most` cells each way, which is at least 1.
+    pub fn of(surface: &dyn Surface, most: usize) -> Self {
+        let spans = surface.spans();
+        let cells = spans.map(|n| if n < most { n * (most / n) } else { most });
+        let at = |side: usize, k: usize| (spans[side] * k) as f64 / cells[side] as f64;
+        let row = |i: usize| (0..=cells[1]).map(move |j| surface.jet(at(0, i), at(1, j)).point);
+        Self { cells, points: (0..=cells[0]).flat_map(row).collect() }
+    }
+
+    /// The mesh through some of the points, with at most `most` cells each way; the sides stay.
+    pub fn thinned(&self, most: usize) -> Self {
+        let cells = self.cells.map(|n| n.min(most));
+        let at = |side: usize, k: usize| k * self.cells[side] / cells[side];
+        let row =
+            |i: usize| (0..=cells[1]).map(move |j| self.points[at(0, i) * (self.cells[1] + 1) + at(1, j)]);
+        Self { cells, points: (0..=cells[0]).flat_map(row).collect() }
+    }
+
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
+    }
+
+    /// Triangles as indices of points, all in the sense of u and v.
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> {
+        let [nu, nv] = self.cells;
+        (0..nu).flat_map(move |i| (0..nv).map(move |j| i * (nv + 1) + j)).flat_map(move |low| {
+            let high = low + nv + 1;
+            [[low, high, high + 1], [low, high + 1, low + 1]]
+        })
+    }
+
+    /// The unit normals at the points, turned upward; zero where there is none.
+    pub fn normals(&self) -> Vec<Vector3<f64>> {
+        let mut normals = vec![Vector3::zeros(); self.points.len()];
+        for triangle in self.triangles() {
+            let [a, b, c] = triangle.map(|k| self.points[k]);
+            let normal = (b - a).cross(&(c - a));
+            for k in triangle {
+                normals[k] += normal;
+            }
+        }
+        let upward = |normal: Vector3<f64>| if normal.z < 0.0 { -normal } else { normal };
+        normals.into_iter().map(|normal| normal.try_normalize(0.0).map_or(normal, upward)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::surface::{BezierSurface, BicubicPatch};
+
+    /// The plane z = x / 2 over 3 `n` by 3 mm.
+    fn slope(n: usize) -> BezierSurface {
+        BezierSurface::from_fn([n, 1], |i, _| BicubicPatch {
+            net: std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    let x = (3 * i + a) as f64;
+                    Vector3::new(x, b as f64, 0.5 * x)
+                })
+            }),
+        })
+    }
+
+    #[test]
+    fn joints_are_taken_in_and_cells_are_bounded() {
+        let mesh = Mesh::of(&slope(5), 12);
+        assert_eq!(mesh.cells, [10, 12]);
+        assert_eq!(mesh.triangles().count(), 240);
+        for joint in 0..=5 {
+            let at = 3.0 * f64::from(joint);
+            assert!(mesh.points().iter().any(|p| (p.x - at).abs() < 1e-12));
+        }
+        let coarse = mesh.thinned(4);
+        assert_eq!(coarse.cells, [4, 4]);
+        assert_eq!(coarse.points().first(), mesh.points().first());
+        assert_eq!(coarse.points().last(), mesh.points().last());
+        assert_eq!(Mesh::of(&slope(50), 12).cells, [12, 12]);
+    }
+
+    #[test]
+    fn normals_point_up_and_a_point_without_one_is_no_trap() {
+        let up = Vector3::new(-0.5, 0.0, 1.0).normalize();
+        for surface in [slope(2), slope(2).transposed()] {
+            let normals = Mesh::of(&surface, 8).normals();
+            assert!(normals.iter().all(|normal| (normal - up).norm() < 1e-12));
+        }
+        let point = BezierSurface::from_fn([1, 1], |_, _| BicubicPatch { net: [[Vector3::x(); 4]; 4] });
+        assert!(Mesh::of(&point, 4).normals().iter().all(|normal| *normal == Vector3::zeros()));
+    }
+}

@@ -1,0 +1,197 @@
+//! The relief of a surface: heights as bands of colour, in the plan with contours and light from the upper left, in the
+//! other views what the surface hides.
+//!
+//! # Method
+//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so that levels are as smooth as the
+//!    mesh is, and again where the light falls from one tone to the next (`tone`).
+//! 2. The plan shows for each band, from the lowest up, the area of all that is not below it, and then its tones: where
+//!    the surface lies over itself, the higher part covers the lower one.
+//! 3. An area is the border of its pieces (`border`): edges that two pieces share go, the rest is thinned as all lines are.
+//! 4. Front and left side show the area of all triangles, filled by height.
+//!
+//! # Guarantees
+//! The relief has at most some [`MAX_BYTES`]: where it grows beyond them, the mesh is made coarser.
+//!
+//! # Cost
+//! O(n log n) in the pieces, of which there are at most as many as triangles and [`MOST_CUTS`].
+
+mod bands;
+mod border;
+mod tone;
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::layout::Layout;
+use super::view::View;
+use crate::geometry::mesh::Mesh;
+use bands::Bands;
+pub use bands::legend;
+use border::Border;
+use tone::TONES;
+
+/// Cells of a mesh each way: a circle as large as a sheet is drawn within a tenth of a millimetre of paper.
+pub const CELLS: usize = 72;
+
+/// A relief beyond this is drawn from a coarser mesh.
+pub const MAX_BYTES: usize = 300_000;
+/// A mesh whose triangles are cut more often is too rough to be drawn as it is. A smooth surface has some 2000 cuts.
+const MOST_CUTS: usize = 6_000;
+
+/// Meshes and tones that are tried one after the other. The last always has its place.
+const DETAILS: [(usize, usize); 5] =
+    [(CELLS, TONES.len()), (36, TONES.len()), (18, TONES.len()), (18, 0), (9, 0)];
+
+/// The elements of a relief.
+#[derive(Debug, Clone, Default)]
+pub struct Relief {
+    /// Rules of the style sheet, and what fills refer to.
+    pub style: String,
+    pub definitions: String,
+    /// Of plan, front and left side.
+    pub views: [String; 3],
+}
+
+/// A corner of a piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Corner {
+    at: Point2<f64>,
+    /// mm of the part.
+    height: f64,
+    /// How much more light falls here than on a level place; below zero for less.
+    light: f64,
+}
+
+/// The relief of `mesh`.
+pub fn draw(mesh: &Mesh, layout: &Layout) -> Relief {
+    let bands = Bands::of(mesh.points());
+    let mut views = Default::default();
+    for (cells, tones) in DETAILS {
+        let mesh = mesh.thinned(cells);
+        let cuts: usize = mesh.triangles().map(|t| bands.cuts(t.map(|k| mesh.points()[k].z))).sum();
+        if cuts > MOST_CUTS {
+            continue;
+        }
+        let [plan, front, side] = &layout.views;
+        views = [shaded(&mesh, plan, &bands, tones), hidden(&mesh, front), hidden(&mesh, side)];
+        if views.iter().map(String::len).sum::<usize>() <= MAX_BYTES {
+            break;
+        }
+    }
+    let [_, front, side] = &layout.views;
+    Relief {
+        style: bands.style() + &tone::style() + &fill(front) + &fill(side),
+        definitions: bands.gradient(front, &gradient_id(front)) + &bands.gradient(side, &gradient_id(side)),
+        views,
+    }
+}
+
+fn gradient_id(view: &View) -> String {
+    format!("heights-{}", view.id)
+}
+
+/// The rule that fills what the surface hides in `view`.
+fn fill(view: &View) -> String {
+    format!(".plot .hidden-{}{{fill:url(#{});stroke:none}}", view.id, gradient_id(view))
+}
+
+/// One band of heights: its pieces, and those of them in each tone.
+#[derive(Debug, Clone, Default)]
+struct Slab {
+    border: Border,
+    tones: [Border; TONES.len()],
+}
+
+/// The surface from above, in bands and tones.
+fn shaded(mesh: &Mesh, view: &View, bands: &Bands, tones: usize) -> String {
+    let corner = |(p, normal): (&Point3<f64>, Vector3<f64>)| Corner {
+        at: view.project(p),
+        height: bands.snapped(p.z),
+        light: tone::light(&normal),
+    };
+    let corners: Vec<Corner> = mesh.points().iter().zip(mesh.normals()).map(corner).collect();
+    let mut slabs = vec![Slab::default(); bands.count()];
+    for triangle in mesh.triangles() {
+        let triangle = triangle.map(|k| corners[k]);
+        let sense = sense(triangle.map(|corner| corner.at));
+        bands.cut(&triangle, |band, piece| slabs[band].add(sense, piece, tones));
+    }
+    elements(slabs)
+}
+
+/// The slabs as elements, the lowest first.
+fn elements(slabs: Vec<Slab>) -> String {
+    let mut above = Border::default();
+    let mut out = Vec::new();
+    for (band, slab) in slabs.into_iter().enumerate().rev() {
+        above.merge(slab.border.settled());
+        above = above.settled();
+        let tones = slab.tones.into_iter().enumerate();
+        let tones: String = tones.map(|(k, border)| path(TONES[k].name, &border.settled().data())).collect();
+        out.push(path(&format!("contour h{band}"), &above.data()) + &tones);
+    }
+    out.into_iter().rev().collect()
+}
+
+/// What the surface hides from a view.
+fn hidden(mesh: &Mesh, view: &View) -> String {
+    let places: Vec<Point2<f64>> = mesh.points().iter().map(|p| view.project(p)).collect();
+    let mut border = Border::default();
+    for triangle in mesh.triangles() {
+        let triangle = triangle.map(|k| places[k]);
+        border.add(sense(triangle), triangle.into_iter());
+    }
+    path(&format!("hidden-{}", view.id), &border.settled().data())
+}
+
+fn path(class: &str, data: &str) -> String {
+    if data.is_empty() { String::new() } else { format!("<path class=\"{class}\" d=\"{data}\"/>\n") }
+}
+
+/// 1 where the corners turn as they do on paper seen from its front, else -1.
+fn sense([a, b, c]: [Point2<f64>; 3]) -> i32 {
+    if (b - a).perp(&(c - a)) < 0.0 { -1 } else { 1 }
+}
+
+impl Slab {
+    fn add(&mut self, sense: i32, piece: &[Corner], tones: usize) {
+        self.border.add(sense, places(piece));
+        for (tone, border) in TONES.iter().zip(&mut self.tones).take(tones) {
+            let part = tone.part_of(piece);
+            if !part.is_empty() {
+                border.add(sense, places(&part));
+            }
+        }
+    }
+}
+
+fn places(piece: &[Corner]) -> impl Iterator<Item = Point2<f64>> + Clone {
+    piece.iter().map(|corner| corner.at)
+}
+
+/// The parts of a convex piece where `value` is below and not below `level`.
+///
+/// A cut of an edge is the same from both of its sides, whichever piece asks.
+fn split(piece: &[Corner], level: f64, value: impl Fn(&Corner) -> f64) -> [Vec<Corner>; 2] {
+    let mut parts = [Vec::with_capacity(piece.len() + 1), Vec::with_capacity(piece.len() + 1)];
+    for (k, corner) in piece.iter().enumerate() {
+        let next = &piece[(k + 1) % piece.len()];
+        let [here, there] = [corner, next].map(|corner| value(corner) >= level);
+        parts[usize::from(here)].push(*corner);
+        if here != there {
+            let (low, high) = if here { (next, corner) } else { (corner, next) };
+            let cut = low.towards(high, (level - value(low)) / (value(high) - value(low)));
+            parts.iter_mut().for_each(|part| part.push(cut));
+        }
+    }
+    parts
+}
+
+impl Corner {
+    fn towards(&self, other: &Self, t: f64) -> Self {
+        Self {
+            at: self.at + (other.at - self.at) * t,
+            height: self.height + (other.height - self.height) * t,
+            light: self.light + (other.light - self.light) * t,
+        }
+    }
+}

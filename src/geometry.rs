@@ -16,6 +16,7 @@ pub mod plane;
 pub mod plane_curve;
 pub mod profile;
 pub mod section;
+pub mod skyline;
 pub mod solve;
 pub mod spline;
 pub mod surface;

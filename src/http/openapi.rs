@@ -46,7 +46,7 @@ macro_rules! example {
 }
 
 /// One folder for each operation.
-const EXAMPLES: [(&str, &str, &str); 27] = [
+const EXAMPLES: [(&str, &str, &str); 28] = [
     example!("/v1/arcs/fit", "arcs-fit", "contour"),
     example!("/v1/arcs/fit", "arcs-fit", "helix"),
     example!("/v1/arcs/fit", "arcs-fit", "probed-circle"),
@@ -70,6 +70,7 @@ const EXAMPLES: [(&str, &str, &str); 27] = [
     example!("/v1/surfaces/mill", "surfaces-mill", "die"),
     example!("/v1/surfaces/mill", "surfaces-mill", "freeform"),
     example!("/v1/surfaces/mill", "surfaces-mill", "one-pass"),
+    example!("/v1/surfaces/mill", "surfaces-mill", "wire-union"),
     example!("/v1/programs/write", "programs-write", "contour"),
     example!("/v1/programs/write", "programs-write", "inch-fanuc"),
     example!("/v1/programs/write", "programs-write", "one-line"),

@@ -41,6 +41,7 @@ mod passes;
 mod planes;
 mod rest;
 mod scallop;
+mod wire_union;
 
 use nalgebra::Point3;
 
@@ -112,6 +113,8 @@ pub enum Warning {
     ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
+    /// The path is one for roughing, and cuts this deep into the surface.
+    RoughingPathGouges { depth_mm: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -207,6 +210,9 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
 }
 
 fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    if let Spacing::WirePitch(pitch_mm) = job.spacing {
+        return wire_union::plan(&surface, job, pitch_mm, budget);
+    }
     let joints = match job.engine {
         Engine::OffsetSection => joints::examine(&surface, &job.surface.loose_joints(), budget)?,
         // Edges and gaps are touched like everything else.
@@ -234,7 +240,7 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     };
     let slicer = Slicer::new(&*engine, inside(&surface, job, budget)?);
     let stepover = match job.spacing {
-        Spacing::Stepover(mm) => mm,
+        Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
         Spacing::ScallopHeight(mm) => scallop::spacing(job.cutter().corner_radius(), mm, &slopes),
     };
     let planes = slicer.planes(job, stepover, budget)?;

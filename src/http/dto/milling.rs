@@ -119,10 +119,16 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        tool.check_ball(&root.field("tool"), &mut violations);
+        match strategy {
+            Strategy::ClCartesian(_) => tool.check_ball(&root.field("tool"), &mut violations),
+            Strategy::WireUnion(_) => tool.check(&root.field("tool"), &mut violations),
+        }
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
+        if let Some(sections) = &sections {
+            sections.check_boundary(&root.field("boundary"), boundary, &mut violations);
+        }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
         violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");

@@ -1,5 +1,7 @@
 //! Milling strategies as they are sent.
 
+pub mod wire_union;
+
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
@@ -9,23 +11,23 @@ use super::tagged;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
+use wire_union::WireUnion;
 
 /// How the surface is milled, told apart by `kind`.
 #[derive(Debug, ToSchema)]
 #[serde(untagged)]
 pub enum Strategy {
     ClCartesian(ClCartesian),
+    WireUnion(WireUnion),
 }
-
-/// Strategies of the contract that this version does not have.
-const LATER: [&str; 1] = ["wire_union"];
 
 impl<'de> Deserialize<'de> for Strategy {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let object = <&RawValue>::deserialize(deserializer)?;
         match tagged::kind_of::<D::Error>(object)?.as_str() {
             "cl_cartesian" => tagged::decode(object).map(Self::ClCartesian),
-            other => Err(tagged::unknown(other, &LATER, &["cl_cartesian"])),
+            "wire_union" => tagged::decode(object).map(Self::WireUnion),
+            other => Err(tagged::unknown(other, &[], &["cl_cartesian", "wire_union"])),
         }
     }
 }
@@ -103,14 +105,10 @@ impl Strategy {
         max_sections: usize,
         violations: &mut Violations,
     ) -> Option<Sections> {
-        let Self::ClCartesian(ClCartesian {
-            _kind: _,
-            plane,
-            stepover_mm,
-            scallop_height_mm,
-            direction,
-            trim,
-        }) = self;
+        let ClCartesian { _kind: _, plane, stepover_mm, scallop_height_mm, direction, trim } = match self {
+            Self::ClCartesian(cl_cartesian) => cl_cartesian,
+            Self::WireUnion(union) => return Some(union.convert(at, extent[1], max_sections, violations)),
+        };
         if !trim {
             let detail = "`trim: false` is refused: an untrimmed path may cut into the part";
             violations.add(&at.field("trim"), FieldCode::Unsupported, detail);

@@ -80,6 +80,13 @@ impl From<&surface_milling::Warning> for Warning {
                 detail: "no height left between passes is stated: the cutter is no ball, or cannot follow the surface everywhere"
                     .into(),
             },
+            surface_milling::Warning::RoughingPathGouges { depth_mm } => Self {
+                code: WarningCode::RoughingPathGouges,
+                detail: format!(
+                    "this path is for roughing: it cuts into the surface by up to {:.4} mm",
+                    rounded_up_mm(*depth_mm)
+                ),
+            },
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
                 detail: format!(

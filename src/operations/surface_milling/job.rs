@@ -50,6 +50,9 @@ pub enum Spacing {
     Stepover(f64),
     /// The largest height that may be left between passes, along the surface normal, mm.
     ScallopHeight(f64),
+    /// The largest distance of the wires of `wire_union`, mm: a method of its own, to which engine, plane, boundary, direction and
+    /// interpolation say nothing.
+    WirePitch(f64),
 }
 
 /// Where the passes end.

@@ -1,0 +1,123 @@
+//! The skyline of a surface over a plane of constant y: the largest z of their section over every x.
+//!
+//! # Method
+//! 1. Patches that the plane may meet are halved until on a part one parameter of the section follows from the other, v from
+//!    u say: S_y has one sign along v (`part`).
+//! 2. The section of a part runs between points that are found exactly, on the sides of the part. The second derivative of the
+//!    section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far it leaves their chord in height. Where that is too much
+//!    the part is halved.
+//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for becomes a [`Stretch`]
+//!    at the height of its top.
+//! 4. The upper envelope of the stretches of one section, or of several, is their skyline ([`union`]).
+//!
+//! # Guarantees
+//! Heights over x of the stretches and of the sections differ by at most [`Accuracy::height_mm`], at places that are at most
+//! [`Accuracy::width_mm`] apart; where the section is not upright they are the same places. The largest of several functions differs
+//! from the largest of others by no more than they differ, so the same holds for unions. Only slots between upright walls that are
+//! narrower than the width may be missing. The surface may be anything: creases, folds and overhangs need no care.
+//!
+//! # Degenerate input
+//! Where an edge of the surface grazes the plane, the section may begin or end as that of a plane at most `height_mm`
+//! from it would. A surface that lies upright in the plane itself has no section; that is an error where it takes too many parts.
+//!
+//! # Cost
+//! O(stretches), with some halvings for each; the envelope O(n log n + n m) for m stretches over one x.
+
+mod envelope;
+mod part;
+
+use nalgebra::{Point3, Vector2};
+
+use super::surface::{BezierSurface, Patch};
+use crate::budget::{Budget, Stopped};
+pub use envelope::{Skyline, union};
+
+/// Parts that are looked at for one plane; some hundred are usual.
+const PART_LIMIT: usize = 1_000_000;
+
+/// Parts between two looks at the budget.
+const PARTS_BETWEEN_CHECKS: usize = 256;
+
+/// A straight stretch of a section: points (x, z), mm, the first at the smaller x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    pub from: Vector2<f64>,
+    pub to: Vector2<f64>,
+}
+
+impl Stretch {
+    /// The height over a place between the ends, mm.
+    fn height(&self, x: f64) -> f64 {
+        let share = ((x - self.from.x) / (self.to.x - self.from.x)).clamp(0.0, 1.0);
+        self.from.y + share * (self.to.y - self.from.y)
+    }
+}
+
+/// How exact stretches are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// In height, mm.
+    pub height_mm: f64,
+    /// In place where the section is nearly upright, mm.
+    pub width_mm: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SkylineError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the section lies in the plane, or is lost in it, near {at}")]
+    Lost { at: Point3<f64> },
+}
+
+/// A surface made ready for its sections.
+pub struct Profiles<'a, P> {
+    surface: &'a BezierSurface<P>,
+    /// The least and the largest y of each patch, mm.
+    ranges: Vec<[f64; 2]>,
+}
+
+impl<'a, P: Patch> Profiles<'a, P> {
+    pub fn new(surface: &'a BezierSurface<P>) -> Self {
+        let range = |patch: &P| {
+            let bounds = patch.bounds();
+            [bounds.min.y, bounds.max.y]
+        };
+        Self { surface, ranges: surface.patches().iter().map(range).collect() }
+    }
+
+    /// The stretches of the section with the plane at `y` mm, in no particular order.
+    ///
+    /// # Errors
+    /// When the section is lost, or the budget stops.
+    pub fn stretches(
+        &self,
+        y: f64,
+        accuracy: Accuracy,
+        budget: &Budget,
+    ) -> Result<Vec<Stretch>, SkylineError> {
+        let met =
+            self.ranges.iter().zip(self.surface.patches()).filter(|([low, high], _)| *low <= y && y <= *high);
+        let mut open: Vec<P> = met.map(|(_, patch)| *patch).collect();
+        let mut stretches = Vec::new();
+        let mut parts = 0;
+        while let Some(patch) = open.pop() {
+            parts += 1;
+            if parts > PART_LIMIT {
+                return Err(SkylineError::Lost { at: Point3::from(patch.center()) });
+            }
+            if parts.is_multiple_of(PARTS_BETWEEN_CHECKS) {
+                budget.check()?;
+            }
+            match part::section(&patch, y, accuracy) {
+                part::Section::Missed => {}
+                part::Section::Met(stretch) => stretches.push(stretch),
+                part::Section::Unknown => open.extend(patch.split()),
+            }
+        }
+        Ok(stretches)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,252 @@
+//! Roughing along the union of a wire model with itself shifted by the radius of the cutter.
+//!
+//! # Method
+//! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch apart, the first
+//!    and the last on the extent of the surface. Of a surface that overhangs they are its highest sheet
+//!    ([`skyline`](crate::geometry::skyline)).
+//! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path passes at the
+//!    largest z that wire k or one of its neighbours has at the same x.
+//! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by lines.
+//! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the retract plane, plunge.
+//! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported (`depth`, and
+//!    [`clearance`](crate::geometry::clearance) for a ball).
+//!
+//! # Guarantees
+//! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the exact union, as far as
+//!   the skyline guarantees; it is at most the tolerance.
+//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface, along the axis for other shapes than balls, which
+//!   is no less. **The path gouges**: it has no offset in its own plane. On a slope of angle a along the wires a ball cuts
+//!   R (1 - cos a) deep. It is a roughing path, and answered with a warning.
+//!
+//! # Degenerate input
+//! Unions shorter than two steps of the resolution are left out: they would vanish in rounding.
+//!
+//! # Cost
+//! O(n log n) for n stretches of wires, and the certificate.
+//!
+//! # Differences from the paper
+//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that this protects from the wires on either
+//!   side while the diameter is at most twice the pitch. Here every wire nearer than or at the radius counts, and always one on
+//!   each side: that is the same for such diameters, and goes on for larger ones. Lengths count in the equal pitch that
+//!   is cut, which may be a little less than the one asked for.
+//! * For stock the paper calculates with a larger cutter. Here the shift is the radius and the stock, and the path is lifted by the
+//!   stock as well, so that level places keep it.
+//! * The points follow from the tolerance instead of a raster of 5 mm, and the path does not run in and out beside the part.
+//!
+//! # Reference
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining of
+//! Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4.
+
+mod depth;
+mod wires;
+
+use nalgebra::Point3;
+
+use super::passes::CutPass;
+use super::{CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning};
+use crate::budget::Budget;
+use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
+use crate::geometry::curve::{Curve, Line};
+use crate::geometry::plane::Plane;
+use crate::geometry::skyline::{Accuracy, Skyline, SkylineError, Stretch, union};
+use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::cutting::Cutting;
+use crate::toolpath::quantize::{Parabolas, round};
+use crate::toolpath::{PathError, Role, Toolpath};
+use wires::WireModel;
+
+/// The part of the tolerance that wires may take between their points: points are many and cheap, lines are few and dear.
+const HEIGHT_SHARE: f64 = 0.1;
+
+/// The part of the tolerance that upright walls may be out of place.
+const WIDTH_SHARE: f64 = 0.02;
+
+/// Lines of one job; as a program they are some thirty megabytes.
+const LINE_LIMIT: usize = 1_000_000;
+
+/// Looks at each point that the fewest lines are worth.
+const EFFORT: usize = 600;
+
+/// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is none.
+const LEAST_DEPTH_MM: f64 = 1e-8;
+
+/// How exactly a skyline is made of its stretches, mm.
+const SKYLINE_ACCURACY_MM: f64 = 2e-7;
+
+/// Wires at the radius are counted although their places are rounded; in pitches.
+const PITCH_ROUNDING: f64 = 1e-9;
+
+impl From<SkylineError> for Error {
+    fn from(error: SkylineError) -> Self {
+        match error {
+            SkylineError::Stopped(stopped) => Self::Stopped(stopped),
+            SkylineError::Lost { at } => Self::SectionLost { at },
+        }
+    }
+}
+
+/// Plans the path along the union.
+///
+/// # Errors
+/// One of [`Error`], but not that the path gouges.
+pub(super) fn plan<P: Patch>(
+    surface: &BezierSurface<P>,
+    job: &Job,
+    pitch_mm: f64,
+    budget: &Budget,
+) -> Result<Plan, Error> {
+    let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
+    let cutting = job.cutting.above(top)?;
+    let tolerance = job.tolerance.mm();
+    let accuracy = Accuracy { height_mm: HEIGHT_SHARE * tolerance, width_mm: WIDTH_SHARE * tolerance };
+    let model = WireModel::new(surface, pitch_mm, job.plane_limit, accuracy, budget)?;
+    let passes = passes(job, &model, accuracy, budget)?;
+    let toolpath = one_way(&cutting, &passes)?;
+    let gap = CERTIFICATE_GAP * tolerance;
+    let deepest = depth::deepest(surface, &toolpath, job, gap, budget)?;
+    let report = Report {
+        n_passes: passes.len(),
+        n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
+        stepover_mm: model.pitch_mm,
+        deviation_max_mm: passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max),
+        gouge_max_mm: if deepest.bound_mm > LEAST_DEPTH_MM { deepest.bound_mm } else { 0.0 },
+        gouge_at: deepest.at,
+        rest_sampled_max_mm: 0.0,
+        rest_at: None,
+        scallop_max_mm: None,
+        n_arcs: 0,
+        n_lines: passes.iter().map(|pass| pass.curves.len()).sum(),
+    };
+    let warnings = warnings(job, &report);
+    Ok(Plan { toolpath, report, cutting, warnings })
+}
+
+fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
+    let reduced = job.surface.reduced_ends().into_iter();
+    let mut warnings: Vec<Warning> =
+        reduced.map(|(direction, points)| Warning::EndsReduced { direction, points }).collect();
+    if report.gouge_max_mm > 0.0 {
+        warnings.push(Warning::RoughingPathGouges { depth_mm: report.gouge_max_mm });
+    }
+    warnings
+}
+
+/// How many wires on each side a path keeps above.
+fn neighbours(reach_mm: f64, pitch_mm: f64) -> usize {
+    ((reach_mm / pitch_mm + PITCH_ROUNDING).floor() as usize).max(1)
+}
+
+/// The passes over every wire.
+fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> Result<Vec<CutPass>, Error> {
+    let reach = neighbours(job.offset_mm(), model.pitch_mm);
+    let mut passes = Vec::new();
+    let mut n_lines = 0;
+    for k in 0..model.wires.len() {
+        budget.check()?;
+        budget.progress("wires", k, model.wires.len());
+        let last = k.saturating_add(reach).min(model.wires.len() - 1);
+        let near: Vec<Stretch> = model.wires[k.saturating_sub(reach)..=last]
+            .iter()
+            .flat_map(|wire| &wire.stretches)
+            .copied()
+            .collect();
+        for skyline in union(&near, accuracy.width_mm, budget)? {
+            let Some(pass) = pass(job, &skyline, model.wires[k].at, accuracy, budget)? else { continue };
+            n_lines += pass.curves.len();
+            if n_lines > LINE_LIMIT {
+                return Err(Error::TooMuchWork { what: "lines", needed: n_lines, limit: LINE_LIMIT });
+            }
+            passes.push(pass);
+        }
+    }
+    if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
+}
+
+/// The pass along a skyline in the plane at `y` mm; `None` where it would vanish in rounding.
+fn pass(
+    job: &Job,
+    skyline: &Skyline,
+    y: f64,
+    accuracy: Accuracy,
+    budget: &Budget,
+) -> Result<Option<CutPass>, Error> {
+    let step = job.resolution.step_mm();
+    let tips: Vec<Point3<f64>> =
+        skyline.iter().map(|point| Point3::new(point.x, y, point.y + job.allowance_mm)).collect();
+    let length: f64 = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    if length <= 2.0 * step {
+        return Ok(None);
+    }
+    let known = accuracy.height_mm.hypot(accuracy.width_mm) + SKYLINE_ACCURACY_MM;
+    // Rounding moves an end by half a step each way at most.
+    let rounding = 0.5 * 3f64.sqrt() * step;
+    let fit_tolerance = job.tolerance.mm() - known - rounding - SKYLINE_ACCURACY_MM;
+    let request = Fit {
+        shapes: Shapes::LinesOnly,
+        joints: Joints::OnPoints,
+        effort: EFFORT,
+        ..Fit::within(fit_tolerance)
+    };
+    let pieces = match fit_in_space(&tips, Some(Plane::Zx), &request, budget) {
+        Ok(pieces) => pieces,
+        Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
+        Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
+        Err(FitError::OnePlace) => return Ok(None),
+    };
+    let mut deviation_mm = 0.0f64;
+    let mut curves = Vec::with_capacity(pieces.len());
+    let mut start = 0;
+    for piece in pieces {
+        let off = tips[start..=piece.end].iter().map(|tip| piece.curve.distance_to(tip)).fold(0.0, f64::max);
+        let line = Line { start: piece.curve.start(), end: piece.curve.end() };
+        for part in divided(&line, job.step_length_mm) {
+            let written = round(&part, job.resolution, Parabolas::AsLines)?;
+            deviation_mm = deviation_mm.max(off + written.displacement_mm + known);
+            curves.push(part);
+        }
+        start = piece.end;
+    }
+    if deviation_mm > job.tolerance.mm() {
+        return Err(Error::ToleranceNotReached {
+            tolerance_mm: job.tolerance.mm(),
+            deviation_mm,
+            at: tips[0],
+        });
+    }
+    Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation_mm }))
+}
+
+/// The line in equal parts no longer than `longest_mm`.
+fn divided(line: &Line, longest_mm: Option<f64>) -> Vec<Curve> {
+    let n = longest_mm.map_or(1.0, |longest| (line.length() / longest - 1e-9).ceil().max(1.0));
+    let way = line.end - line.start;
+    let at = |k: f64| if k == n { line.end } else { line.start + way * (k / n) };
+    (0..n as usize).map(|k| Curve::Line(Line { start: at(k as f64), end: at(k as f64 + 1.0) })).collect()
+}
+
+/// The toolpath from the clearance plane over the first pass to that over the last.
+fn one_way(cutting: &Cutting, passes: &[CutPass]) -> Result<Toolpath, Error> {
+    let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
+    let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
+    for pass in passes {
+        builder.begin_pass(None);
+        for to in [
+            at_height(builder.at(), cutting.clearance_z_mm),
+            at_height(pass.start(), cutting.clearance_z_mm),
+            at_height(pass.start(), cutting.retract_z_mm),
+        ] {
+            if builder.at() != to {
+                builder.rapid(to)?;
+            }
+        }
+        builder.line(pass.start(), cutting.feed_of(Role::Plunge), Role::Plunge)?;
+        for curve in &pass.curves {
+            builder.line(curve.end(), cutting.feed, Role::Cut)?;
+        }
+    }
+    builder.rapid(at_height(builder.at(), cutting.clearance_z_mm))?;
+    Ok(builder.finish()?)
+}
+
+#[cfg(test)]
+mod tests;

@@ -15,8 +15,8 @@
 //! limit of work is reached; rounding comes on top. The surface may be anything: only control nets count.
 //!
 //! # Cost
-//! O(log m) for m parts; a point takes one to three microseconds where the contact is smooth, some hundred at edges under a
-//! flat end.
+//! O(log m) for m parts. On a wave of 9 x 9 points a ball of 10 mm takes some 4 us a point along lines, a flat end 10, points without
+//! a neighbour 3 to 20; where the cutter touches all around, as on the axis of a bowl, tens of milliseconds.
 //!
 //! # Differences from the papers
 //! Ju traces sections of the offset and Koo et al. unite shifted wires: neither sees what lies beside the
@@ -50,13 +50,13 @@ const HALVING_LIMIT: usize = 20_000;
 const FIRST_STEPS: usize = 5;
 const PATCHES_TRIED: usize = 3;
 
-/// Parts are not halved below this part of the coordinates: they are points to the arithmetic.
+/// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
 
 /// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known to the arithmetic.
 const GRAZING: f64 = 1e-12;
 
-/// The part of a surface that is large enough to be looked at as a whole.
+/// What is large against a surface, as a part of its diagonal in plan.
 const SCALE_SHARE: f64 = 0.1;
 
 /// Sides whose ends are this near to each other are no edges: they close, or are a point.
@@ -77,6 +77,7 @@ pub struct Contacts<'a, P> {
     bends: Vec<[f64; 3]>,
     /// Whether the sides u = 0, u = nu, v = 0, v = nv are edges of the surface.
     edges: [bool; 4],
+    /// Parts of this size are not halved, mm.
     smallest: f64,
     /// What is large against the cutter or the surface, whichever is smaller, mm.
     scale: f64,
@@ -171,7 +172,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
     pub fn touching(&self, [u, v]: [f64; 2]) -> Option<(Point3<f64>, Vector3<f64>, Point3<f64>)> {
         let jet = self.surface.jet(u, v);
         let normal = jet.normal().try_normalize(0.0)?;
-        let gradient = -normal.xy() / normal.z;
+        let gradient = jet.gradient();
         if !(normal.z > 0.0 && gradient.norm().is_finite()) {
             return None;
         }
@@ -397,14 +398,19 @@ impl Support {
 /// Which sides of a surface are edges: not those that are a point, and not those that close.
 fn edges(surface: &BezierSurface<impl Patch>) -> [bool; 4] {
     let [nu, nv] = surface.spans().map(|n| n as f64);
-    let along = |t: usize| t as f64 / SIDE_SAMPLES as f64;
-    let on_u = |u: f64| [0; SIDE_SAMPLES + 1].iter().enumerate().map(move |(k, _)| [u, along(k) * nv]);
-    let on_v = |v: f64| [0; SIDE_SAMPLES + 1].iter().enumerate().map(move |(k, _)| [along(k) * nu, v]);
-    let points = |places: &mut dyn Iterator<Item = [f64; 2]>| -> Vec<Point3<f64>> {
-        places.map(|[u, v]| surface.jet(u, v).point).collect()
+    let points = |place: &dyn Fn(f64) -> [f64; 2]| -> Vec<Point3<f64>> {
+        let point = |k: usize| {
+            let [u, v] = place(k as f64 / SIDE_SAMPLES as f64);
+            surface.jet(u, v).point
+        };
+        (0..=SIDE_SAMPLES).map(point).collect()
     };
-    let sides =
-        [points(&mut on_u(0.0)), points(&mut on_u(nu)), points(&mut on_v(0.0)), points(&mut on_v(nv))];
+    let sides = [
+        points(&|t| [0.0, t * nv]),
+        points(&|t| [nu, t * nv]),
+        points(&|t| [t * nu, 0.0]),
+        points(&|t| [t * nu, nv]),
+    ];
     let is_point = |side: &[Point3<f64>]| side.iter().all(|p| (p - side[0]).norm() < CLOSED_MM);
     let is_same =
         |a: &[Point3<f64>], b: &[Point3<f64>]| a.iter().zip(b).all(|(p, q)| (p - q).norm() < CLOSED_MM);

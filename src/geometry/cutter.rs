@@ -115,7 +115,8 @@ impl Cutter {
         ((self.corner - out) * (self.corner + out)).max(0.0).sqrt()
     }
 
-    fn slope(&self, distance: f64) -> f64 {
+    /// The slope of the lower side at a distance from the axis; it grows with the distance, and is infinite from the radius on.
+    pub fn slope(&self, distance: f64) -> f64 {
         let out = distance - self.flat;
         if out <= 0.0 { 0.0 } else { out / self.depth(out) }
     }

@@ -1,4 +1,4 @@
-//! Roots of functions of one number.
+//! Roots and largest values of functions of one number.
 
 /// Steps in the search for a root; it takes five to ten.
 const STEPS: usize = 60;
@@ -37,6 +37,23 @@ pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f6
     if above < -below { low } else { high }
 }
 
+/// Steps in the search for a largest value: to rounding.
+const SECTIONS: usize = 60;
+
+/// The largest value of a function in a range in which it has one top, by golden sections.
+pub fn largest_value([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    for _ in 0..SECTIONS {
+        let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        if f(a) < f(b) {
+            low = a;
+        } else {
+            high = b;
+        }
+    }
+    f(0.5 * (low + high))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +64,11 @@ mod tests {
         assert_eq!(falling_root([0.0, 1.0], |x| 2.0 - x), 1.0);
         assert_eq!(falling_root([3.0, 5.0], |x| 2.0 - x), 3.0);
         assert!((falling_root([-1.0, 1e9], |x| (0.5 - x).cbrt()) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn tops_are_found_inside_and_at_ends() {
+        assert!((largest_value([0.0, 4.0], |x| 3.0 - (x - 1.0).powi(2)) - 3.0).abs() < 1e-14);
+        assert!((largest_value([0.0, 4.0], |x| x) - 4.0).abs() < 1e-11);
     }
 }

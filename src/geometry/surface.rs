@@ -25,7 +25,7 @@ mod swept;
 pub use bezier::BezierSurface;
 pub use patch::{BicubicPatch, Patch, RationalPatch};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// A point of a surface with its derivatives to second order; mm per unit of parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +43,12 @@ impl Jet {
     pub fn normal(&self) -> Vector3<f64> {
         self.du.cross(&self.dv)
     }
+
+    /// The gradient of the height over the plan; not finite where the surface is upright or has no normal.
+    pub fn gradient(&self) -> Vector2<f64> {
+        let normal = self.normal();
+        -normal.xy() / normal.z
+    }
 }
 
 /// A surface that can be evaluated over the unit squares of its patches.
@@ -52,6 +58,34 @@ pub trait Surface: Sync {
 
     /// The jet at (u, v). Beyond the domain the outermost patch is continued.
     fn jet(&self, u: f64, v: f64) -> Jet;
+}
+
+/// Patches of a surface, by index ranges along u and v.
+#[derive(Debug, Clone, Copy)]
+pub struct PatchRange {
+    pub i: [usize; 2],
+    pub j: [usize; 2],
+}
+
+impl PatchRange {
+    pub fn all([nu, nv]: [usize; 2]) -> Self {
+        Self { i: [0, nu], j: [0, nv] }
+    }
+
+    /// The halves across the longer direction; `None` of a single patch.
+    pub fn halves(self) -> Option<[Self; 2]> {
+        let Self { i, j } = self;
+        let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
+        if rows == 1 && columns == 1 {
+            None
+        } else if rows >= columns {
+            let middle = i[0] + rows / 2;
+            Some([Self { i: [i[0], middle], j }, Self { i: [middle, i[1]], j }])
+        } else {
+            let middle = j[0] + columns / 2;
+            Some([Self { i, j: [j[0], middle] }, Self { i, j: [middle, j[1]] }])
+        }
+    }
 }
 
 /// The index of the unit span that holds `t`, of `n` spans.

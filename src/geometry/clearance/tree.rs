@@ -1,7 +1,7 @@
 //! A hierarchy of boxes over the patches of a surface.
 
 use crate::geometry::surface::patch::{Bounds, Patch};
-use crate::geometry::surface::{BezierSurface, Surface};
+use crate::geometry::surface::{BezierSurface, PatchRange, Surface};
 
 /// Index ranges of patches, halved until single, with the boxes of their control points.
 pub(super) struct PatchTree {
@@ -23,7 +23,7 @@ impl PatchTree {
     pub(super) fn new(surface: &BezierSurface<impl Patch>) -> Self {
         let [nu, nv] = surface.spans();
         let mut tree = Self { nodes: Vec::with_capacity(2 * nu * nv) };
-        tree.add(surface, [0, nu], [0, nv]);
+        tree.add(surface, PatchRange::all([nu, nv]));
         tree
     }
 
@@ -32,22 +32,18 @@ impl PatchTree {
         &self.nodes[self.nodes.len() - 1].bounds
     }
 
-    /// Adds the patches of two index ranges; answers the index of their node. The depth is the logarithm of
-    /// their number.
-    fn add(&mut self, surface: &BezierSurface<impl Patch>, i: [usize; 2], j: [usize; 2]) -> usize {
-        let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
-        let node = if rows == 1 && columns == 1 {
-            Node { bounds: surface.patch(i[0], j[0]).bounds(), content: Content::Patch(i[0], j[0]) }
-        } else {
-            let (first, second) = if rows >= columns {
-                let middle = i[0] + rows / 2;
-                (self.add(surface, [i[0], middle], j), self.add(surface, [middle, i[1]], j))
-            } else {
-                let middle = j[0] + columns / 2;
-                (self.add(surface, i, [j[0], middle]), self.add(surface, i, [middle, j[1]]))
-            };
-            let bounds = self.nodes[first].bounds.union(&self.nodes[second].bounds);
-            Node { bounds, content: Content::Halves(first, second) }
+    /// Adds the patches of a range; answers the index of their node. The depth is the logarithm of their number.
+    fn add(&mut self, surface: &BezierSurface<impl Patch>, range: PatchRange) -> usize {
+        let node = match range.halves() {
+            None => {
+                let (i, j) = (range.i[0], range.j[0]);
+                Node { bounds: surface.patch(i, j).bounds(), content: Content::Patch(i, j) }
+            }
+            Some(halves) => {
+                let [first, second] = halves.map(|half| self.add(surface, half));
+                let bounds = self.nodes[first].bounds.union(&self.nodes[second].bounds);
+                Node { bounds, content: Content::Halves(first, second) }
+            }
         };
         self.nodes.push(node);
         self.nodes.len() - 1

@@ -52,11 +52,10 @@ impl<'a> Climb<'a> {
     /// The jet at the place, and what the cutter has to do with it.
     pub(super) fn look(&mut self, patch: &impl Patch) -> Jet {
         let jet = patch.jet(self.place[0], self.place[1]);
-        let normal = jet.normal();
-        let gradient = -normal.xy() / normal.z;
-        let is_up = gradient.x.is_finite() && gradient.y.is_finite();
+        let gradient = jet.gradient();
+        let is_upright = !(gradient.x.is_finite() && gradient.y.is_finite());
         let is_level = gradient.norm() <= LEVEL_SLOPE && self.cutter.flat_radius() > 0.0;
-        self.tangent = (is_up && !is_level).then(|| self.cutter.tangent_point(gradient));
+        self.tangent = (!is_upright && !is_level).then(|| self.cutter.tangent_point(gradient));
         self.over = self.cutter.lower_point(self.off(&jet));
         jet
     }

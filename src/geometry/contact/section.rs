@@ -10,13 +10,14 @@
 //! an edge at which the surface ends, the section ends.
 //!
 //! # Cost
-//! O(points), with some five microseconds a point.
+//! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
+use crate::geometry::solve::largest_value;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
@@ -101,13 +102,10 @@ impl<P: Patch> TipSections<'_, P> {
                 extent = [extent[0].min(at), extent[1].max(at)];
             }
         }
-        let (nu_mm, nv_mm) = (nu as f64, nv as f64);
-        for (n, place) in [
-            (nu, Box::new(|t: f64| [t, 0.0]) as Box<dyn Fn(f64) -> [f64; 2]>),
-            (nu, Box::new(move |t: f64| [t, nv_mm])),
-            (nv, Box::new(|t: f64| [0.0, t])),
-            (nv, Box::new(move |t: f64| [nu_mm, t])),
-        ] {
+        let (last_u, last_v) = (nu as f64, nv as f64);
+        let sides: [(usize, &dyn Fn(f64) -> [f64; 2]); 4] =
+            [(nu, &|t| [t, 0.0]), (nu, &|t| [t, last_v]), (nv, &|t| [0.0, t]), (nv, &|t| [last_u, t])];
+        for (n, place) in sides {
             budget.check()?;
             let at = |t: f64| self.position(place(t));
             let step = 1.0 / SIDE_SAMPLES as f64;
@@ -117,7 +115,7 @@ impl<P: Patch> TipSections<'_, P> {
                 for (sense, end) in [(-1.0, 0), (1.0, 1)] {
                     let Some(value) = at(t) else { continue };
                     if sense * (value - extent[end]) > -1e-3 * self.contacts.cutter.radius() {
-                        let best = largest(range, |t| at(t).map_or(f64::NEG_INFINITY, |x| sense * x));
+                        let best = largest_value(range, |t| at(t).map_or(f64::NEG_INFINITY, |x| sense * x));
                         extent[end] = sense * best.max(sense * value).max(sense * extent[end]);
                     }
                 }
@@ -129,8 +127,7 @@ impl<P: Patch> TipSections<'_, P> {
     /// Where the axis of the cutter is, along the axis, when it touches the surface at a place with its tangent plane.
     fn position(&self, [u, v]: [f64; 2]) -> Option<f64> {
         let jet = self.contacts.surface.jet(u, v);
-        let normal = jet.normal();
-        let gradient = -normal.xy() / normal.z;
+        let gradient = jet.gradient();
         let offset = if gradient.norm() > LEVEL_SLOPE || self.contacts.cutter.flat_radius() == 0.0 {
             self.contacts.cutter.tangent_point(gradient).place
         } else {
@@ -321,18 +318,4 @@ impl<P: Patch> Contacts<'_, P> {
 /// Whether a contact is another than one that was followed.
 fn is_higher(contact: &Contact, followed: &Option<Contact>) -> bool {
     followed.is_none_or(|followed| contact.tip.z > followed.tip.z + 1e-8)
-}
-
-/// The largest value of a function over a range in which it has one top, by golden sections.
-fn largest([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    for _ in 0..60 {
-        let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        if f(a) < f(b) {
-            low = a;
-        } else {
-            high = b;
-        }
-    }
-    f(0.5 * (low + high))
 }

@@ -10,7 +10,7 @@
 //! # Guarantees
 //! What is confirmed holds for every position of the stretch, but for rounding.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::bound::{Level, Track};
 use super::climb::Climb;
@@ -35,6 +35,9 @@ const STEPS: usize = 2;
 /// Joints of patches between the contacts of a stretch; more are too many.
 const JOINT_LIMIT: usize = 6;
 
+/// How much nearer to the axis points are taken than they may leave their chord.
+const INWARD_SHARE: f64 = 1.01;
+
 impl<P: Patch> Contacts<'_, P> {
     /// Whether the tips between two contacts lie nowhere more than `height` mm above or below the chord of theirs. A `false` may
     /// mean that this is not known.
@@ -46,11 +49,11 @@ impl<P: Patch> Contacts<'_, P> {
     /// Whether the cutter may go straight from one place to another, with nothing that lifts its tip by more than `height` mm. A `false`
     /// may mean that this is not known.
     pub fn is_clear(&self, from: Point3<f64>, to: Point3<f64>, height: f64) -> bool {
+        let near = self.tree.parts[0].on_surface([0.5, 0.5]);
         let mut open = vec![[from, to]];
         let mut halvings = 0;
         while let Some([from, to]) = open.pop() {
             let middle = nalgebra::center(&from, &to);
-            let near = self.tree.parts[0].on_surface([0.5, 0.5]);
             if self.is_below([from, to], near, height) {
                 continue;
             }
@@ -95,52 +98,73 @@ impl<P: Patch> Contacts<'_, P> {
         self.is_above_by_line(from, to, height) || self.is_above_by_ends(from, to, height)
     }
 
-    /// By the line of parameters between the contacts.
+    /// By points of the surface on the line of parameters between the contacts, or, where the cutter is too steep there to say much,
+    /// on one as much nearer to its axis as the points may leave their chord.
     fn is_above_by_line(&self, from: &Contact, to: &Contact, height: f64) -> bool {
-        let [nu, nv] = self.surface.spans();
-        let step = [0, 1].map(|k| to.place[k] - from.place[k]);
-        // Where the line meets joints of patches.
-        let mut joints = vec![0.0, 1.0];
-        for (k, step) in step.into_iter().enumerate() {
-            let [low, high] = [from.place[k].min(to.place[k]), from.place[k].max(to.place[k])];
-            if (high.floor() - low.ceil()) as usize > JOINT_LIMIT {
-                return false;
-            }
-            let mut joint = low.floor() + 1.0;
-            while joint < high {
-                joints.push((joint - from.place[k]) / step);
-                joint += 1.0;
-            }
+        let tips = [from.tip, to.tip];
+        let Some(dip) = self.dip([from.place, to.place], tips, [0.0, 0.0]) else { return false };
+        if dip.depth <= height {
+            return true;
         }
-        joints.sort_by(f64::total_cmp);
-        let place = |t: f64| [0, 1].map(|k| from.place[k] + t * step[k]);
-        let lift = |t: f64| {
-            let [u, v] = place(t);
-            let axis = from.tip.xy() + (to.tip - from.tip).xy() * t;
-            let point = self.surface.jet(u, v).point;
-            point.z - self.cutter.height((point.xy() - axis).norm() * (1.0 - 1e-14))
-        };
-        let chord = |t: f64| from.tip.z + (to.tip.z - from.tip.z) * t;
-        let tilt = self.steepness(from).max(self.steepness(to));
-        joints.windows(2).all(|pair| {
-            let [from_t, to_t] = [pair[0], pair[1]];
-            let middle = place(0.5 * (from_t + to_t));
-            let [i, j] = [span_of(middle[0], nu), span_of(middle[1], nv)];
-            let [uu, uv, vv] = self.bends[i * nv + j];
-            let [du, dv] = step.map(|d| d.abs() * (to_t - from_t));
-            let bend = (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0;
-            // Lifts at joints are what they are; those at the ends are the tips themselves.
-            let dip = [from_t, to_t]
-                .map(|t| if t == 0.0 || t == 1.0 { 0.0 } else { (chord(t) - lift(t)).max(0.0) });
-            dip[0].max(dip[1]) + bend * tilt <= height
-        })
+        let nearer = |contact: &Contact| self.nearer_to_axis(contact, INWARD_SHARE * dip.bend);
+        let (Some(nearer_from), Some(nearer_to)) = (nearer(from), nearer(to)) else { return false };
+        let ends = [(nearer_from, from.tip), (nearer_to, to.tip)]
+            .map(|(place, tip)| tip.z - self.lift(place, tip.xy().coords));
+        self.dip([nearer_from, nearer_to], tips, ends).is_some_and(|dip| dip.depth <= height)
     }
 
-    /// How much the lift changes at most where a surface point near a contact is moved by a millimetre: as steep as the cutter is there,
-    /// with something for what lies beside it; a sharp rim is moved along the surface.
-    fn steepness(&self, contact: &Contact) -> f64 {
-        let slope = contact.slope;
-        1.1 * (1.0 + slope * slope).sqrt() + 0.1
+    /// How far below the chord of two tips the points of the surface on the line of parameters between two `places` lift the tip, at
+    /// most; at its ends they do so by `ends`, mm. `None` where the line crosses too many joints.
+    ///
+    /// A curve of points leaves its chord by `bend`. Points of the chord, seen from the axis, go straight on: there the height of the
+    /// cutter is convex, and their lift is no less than between the ends. It changes with the point no more than the cutter
+    /// is steep at the farthest place from the axis.
+    fn dip(&self, places: [[f64; 2]; 2], tips: [Point3<f64>; 2], ends: [f64; 2]) -> Option<Dip> {
+        let [nu, nv] = self.surface.spans();
+        let step = [0, 1].map(|k| places[1][k] - places[0][k]);
+        let place = |t: f64| [0, 1].map(|k| places[0][k] + t * step[k]);
+        let tip = |t: f64| tips[0] + (tips[1] - tips[0]) * t;
+        let end = |t: f64| {
+            let [u, v] = place(t);
+            let distance = (self.surface.jet(u, v).point - tip(t)).xy().norm();
+            let dip = match t {
+                0.0 => ends[0],
+                1.0 => ends[1],
+                _ => tip(t).z - self.lift(place(t), tip(t).xy().coords),
+            };
+            (distance, dip.max(0.0))
+        };
+        let mut dip = Dip { depth: 0.0, bend: 0.0 };
+        for pair in joints(places)?.windows(2) {
+            let [middle_u, middle_v] = place(0.5 * (pair[0] + pair[1]));
+            let [uu, uv, vv] = self.bends[span_of(middle_u, nu) * nv + span_of(middle_v, nv)];
+            let [du, dv] = step.map(|d| d.abs() * (pair[1] - pair[0]));
+            let bend = (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0;
+            let ends = [end(pair[0]), end(pair[1])];
+            let farthest = ends[0].0.max(ends[1].0) + bend;
+            let steepness = 1f64.hypot(self.cutter.slope(farthest));
+            let depth = ends[0].1.max(ends[1].1) + if bend > 0.0 { bend * steepness } else { 0.0 };
+            dip = Dip { depth: dip.depth.max(depth), bend: dip.bend.max(bend) };
+        }
+        Some(dip)
+    }
+
+    /// The height to which a place of the surface lifts the tip with the axis at `axis`; minus infinity where it is beside the cutter.
+    fn lift(&self, [u, v]: [f64; 2], axis: Vector2<f64>) -> f64 {
+        let point = self.surface.jet(u, v).point.coords;
+        point.z - self.cutter.height((point.xy() - axis).norm())
+    }
+
+    /// A place about `by` mm nearer to the axis than the contact.
+    fn nearer_to_axis(&self, contact: &Contact, by: f64) -> Option<[f64; 2]> {
+        let [u, v] = contact.place;
+        let jet = self.surface.jet(u, v);
+        let inward = (contact.tip - jet.point).xy().try_normalize(0.0)?;
+        let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+        let step = across.try_inverse()? * (inward * by);
+        let spans = self.surface.spans();
+        let place = [0, 1].map(|k| (contact.place[k] + step[k]).clamp(0.0, spans[k] as f64));
+        place.iter().all(|t| t.is_finite()).then_some(place)
     }
 
     /// By the contacts of both ends, each up to the middle.
@@ -151,6 +175,31 @@ impl<P: Patch> Contacts<'_, P> {
             lift >= middle.z - height
         })
     }
+}
+
+/// How far points of the surface stay below a chord.
+struct Dip {
+    depth: f64,
+    /// How far they leave their own chord, mm.
+    bend: f64,
+}
+
+/// Where a line of parameters meets joints of patches, and its ends, in fractions of it; `None` where there are too many.
+fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
+    let mut joints = vec![0.0, 1.0];
+    for k in 0..2 {
+        let [low, high] = [from[k].min(to[k]), from[k].max(to[k])];
+        if (high.floor() - low.ceil()) as usize > JOINT_LIMIT {
+            return None;
+        }
+        let mut joint = low.floor() + 1.0;
+        while joint < high {
+            joints.push((joint - from[k]) / (to[k] - from[k]));
+            joint += 1.0;
+        }
+    }
+    joints.sort_by(f64::total_cmp);
+    Some(joints)
 }
 
 /// A look at all parts that may lift the tip over the chord.

@@ -4,13 +4,13 @@ use nalgebra::Vector2;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
-use crate::geometry::surface::{BezierSurface, Surface};
+use crate::geometry::surface::{BezierSurface, PatchRange, Surface};
 
 /// Parts are about this part of the cutter's radius long, if that does not make too many.
 const PART_SIZE: f64 = 0.4;
 
 /// Parts of a surface with few patches.
-const PART_LIMIT: usize = 20000;
+const PART_LIMIT: usize = 20_000;
 
 /// Halvings of one patch in advance.
 const DEPTH_LIMIT: u32 = 14;
@@ -107,38 +107,28 @@ enum Content {
 impl<P: Patch> Tree<P> {
     /// Parts in which a cutter of `radius` mm sees little change.
     pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
-        let [nu, nv] = surface.spans();
         let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
         let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
         let mut tree = Self { nodes: Vec::new(), parts: Vec::new() };
-        tree.add_patches(surface, [0, nu], [0, nv], size, budget)?;
+        tree.add_patches(surface, PatchRange::all(surface.spans()), size, budget)?;
         Ok(tree)
     }
 
     fn add_patches(
         &mut self,
         surface: &BezierSurface<P>,
-        i: [usize; 2],
-        j: [usize; 2],
+        range: PatchRange,
         size: f64,
         budget: &Budget,
     ) -> Result<usize, Stopped> {
-        let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
-        if rows == 1 && columns == 1 {
+        let Some([first, second]) = range.halves() else {
             budget.check()?;
-            let start = [i[0] as f64, j[0] as f64];
-            let part = Part::new(*surface.patch(i[0], j[0]), start, [1.0, 1.0]);
+            let (i, j) = (range.i[0], range.j[0]);
+            let part = Part::new(*surface.patch(i, j), [i as f64, j as f64], [1.0, 1.0]);
             return Ok(self.add_part(part, size, DEPTH_LIMIT));
-        }
-        let (first, second) = if rows >= columns {
-            let middle = i[0] + rows / 2;
-            let first = self.add_patches(surface, [i[0], middle], j, size, budget)?;
-            (first, self.add_patches(surface, [middle, i[1]], j, size, budget)?)
-        } else {
-            let middle = j[0] + columns / 2;
-            let first = self.add_patches(surface, i, [j[0], middle], size, budget)?;
-            (first, self.add_patches(surface, i, [middle, j[1]], size, budget)?)
         };
+        let first = self.add_patches(surface, first, size, budget)?;
+        let second = self.add_patches(surface, second, size, budget)?;
         Ok(self.join(first, second))
     }
 

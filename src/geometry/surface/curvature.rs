@@ -11,13 +11,11 @@
 //! # Degenerate input
 //! Where the normal vanishes there is no curvature, and no bound.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use super::ball::Ball;
 use super::patch::{Bounds, DerivativeBounds};
 use super::{BezierSurface, Jet, Patch};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::best_first::BestFirst;
 
 /// Halvings in the search for the most concave place.
 const HALVINGS: usize = 50_000;
@@ -103,7 +101,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
     let size = (around.max - around.min).norm();
     let gap = GAP_FLAT / size.max(f64::MIN_POSITIVE);
     let mut search =
-        Search { found: f64::NEG_INFINITY, settled: f64::NEG_INFINITY, gap, open: BinaryHeap::new() };
+        Search { found: f64::NEG_INFINITY, settled: f64::NEG_INFINITY, gap, open: BestFirst::default() };
     for (k, patch) in surface.patches().iter().enumerate() {
         if k.is_multiple_of(256) {
             budget.check()?;
@@ -116,7 +114,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
         if k.is_multiple_of(1024) {
             budget.check()?;
         }
-        let Some(Bounded { bound, part }) = search.open.pop() else { return Ok(Some(search.settled)) };
+        let Some((bound, part)) = search.open.pop() else { return Ok(Some(search.settled)) };
         if bound <= search.enough() {
             return Ok(Some(bound.max(search.settled)));
         }
@@ -126,7 +124,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
             }
         }
     }
-    let open = search.open.pop().map_or(f64::NEG_INFINITY, |worst| worst.bound);
+    let open = search.open.pop().map_or(f64::NEG_INFINITY, |(bound, _)| bound);
     Ok(Some(open.max(search.settled)))
 }
 
@@ -135,7 +133,7 @@ struct Search<P> {
     found: f64,
     settled: f64,
     gap: f64,
-    open: BinaryHeap<Bounded<P>>,
+    open: BestFirst<P>,
 }
 
 impl<P: Patch> Search<P> {
@@ -159,38 +157,12 @@ impl<P: Patch> Search<P> {
             self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
             match bounds(&part.derivatives()) {
                 Some([_, bound]) if bound <= self.enough() => self.settled = self.settled.max(bound),
-                Some([_, bound]) => self.open.push(Bounded { bound, part }),
+                Some([_, bound]) => self.open.push(bound, part),
                 None if is_point => return Ok(false),
                 None => unbounded.extend(part.split()),
             }
         }
         Ok(true)
-    }
-}
-
-/// A part with the bound of its larger curvature; the largest bound comes first.
-struct Bounded<P> {
-    bound: f64,
-    part: P,
-}
-
-impl<P> PartialEq for Bounded<P> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl<P> Eq for Bounded<P> {}
-
-impl<P> PartialOrd for Bounded<P> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<P> Ord for Bounded<P> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound)
     }
 }
 

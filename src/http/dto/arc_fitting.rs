@@ -305,15 +305,9 @@ fn check_polyline(
     limits: &Limits,
     violations: &mut Violations,
 ) {
-    if polyline.len() > limits.curve_points {
-        let detail = format!("{} points; at most {} are allowed", polyline.len(), limits.curve_points);
-        violations.add(at, FieldCode::LimitExceeded, detail);
-        return;
-    }
     let least = if is_closed { 3 } else { 2 };
-    if polyline.len() < least {
-        let detail = format!("{} points; at least {least} are needed", polyline.len());
-        violations.add(at, FieldCode::TooFewPoints, detail);
+    if !violations.count_of_points(at, polyline.len(), least, limits.curve_points) {
+        return;
     }
     for (k, point) in polyline.iter().enumerate() {
         point.check_in(at, k, violations);

@@ -75,6 +75,21 @@ impl Violations {
         }
     }
 
+    /// Looks at how many points there are; whether it makes sense to look at the points themselves.
+    pub fn count_of_points(&mut self, at: &Pointer, count: usize, least: usize, most: usize) -> bool {
+        if count > most {
+            self.add(at, FieldCode::LimitExceeded, format!("{count} points; at most {most} are allowed"));
+        } else if count < least {
+            let is_one = if least == 1 { "is" } else { "are" };
+            self.add(
+                at,
+                FieldCode::TooFewPoints,
+                format!("{count} points; at least {least} {is_one} needed"),
+            );
+        }
+        count <= most
+    }
+
     /// Looks at a text of the user.
     pub fn text(&mut self, at: &Pointer, value: &str, max_characters: usize) {
         let characters = value.chars().count();

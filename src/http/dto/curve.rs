@@ -109,14 +109,8 @@ fn points_schema() -> Schema {
 
 /// Looks at the points that give a curve its size.
 fn check_points(at: &Pointer, points: &[PlanePoint], limits: &Limits, violations: &mut Violations) -> bool {
-    if points.len() > limits.curve_points {
-        let detail = format!("{} points; at most {} are allowed", points.len(), limits.curve_points);
-        violations.add(at, FieldCode::LimitExceeded, detail);
+    if !violations.count_of_points(at, points.len(), 2, limits.curve_points) {
         return false;
-    }
-    if points.len() < 2 {
-        let detail = format!("{} points; at least 2 are needed", points.len());
-        violations.add(at, FieldCode::TooFewPoints, detail);
     }
     for (k, point) in points.iter().enumerate() {
         point.check_in(at, k, violations);

@@ -13,7 +13,7 @@ use super::point::{Place, PlanePoint};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::error::{ApiError, FieldCode};
+use crate::http::error::ApiError;
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::cutter_location as core;
@@ -68,12 +68,7 @@ impl IntoJob for DropRequest {
 }
 
 fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations: &mut Violations) {
-    if points.is_empty() {
-        violations.add(at, FieldCode::TooFewPoints, "at least one point is needed");
-    }
-    if points.len() > limits.drop_points {
-        let detail = format!("{} points; at most {} are allowed", points.len(), limits.drop_points);
-        violations.add(at, FieldCode::LimitExceeded, detail);
+    if !violations.count_of_points(at, points.len(), 1, limits.drop_points) {
         return;
     }
     for (k, point) in points.iter().enumerate().filter(|(_, point)| !point.is_legal()) {

@@ -190,8 +190,8 @@ pub struct MillReport {
     /// Where it was found to be deepest; `null` where nothing was, or the bound is not that of a place.
     gouge_at: Option<Place>,
     /// What the cutter cannot reach at concave places, along the normal of the surface: the largest that was found among some
-    /// thousand places.
-    rest_sampled_max_mm: f64,
+    /// thousand places; `null` where it was not looked for: the engine `offset_section` takes no surface that the ball does not reach.
+    rest_sampled_max_mm: Option<f64>,
     /// Where that is.
     rest_at: Option<Place>,
     /// Proved: no more is left between passes, along the normal of the surface; but for the deviation, and for what

@@ -3,14 +3,13 @@
 use nalgebra::{Point3, Vector3};
 
 use super::passes::CutPass;
-use super::{CERTIFICATE_GAP, CutDirection, Error, Job};
+use super::{CERTIFICATE_GAP, CutDirection, Error, Job, certificate};
 use crate::budget::Budget;
 use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::contact::Contacts;
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::surface::Patch;
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::{Builder, Role, Toolpath};
 
 /// The part of the tolerance by which a link of a cutter without a certificate may cut into the surface.
@@ -79,10 +78,7 @@ impl<P: Patch> Proof<'_, P> {
                 let gap = CERTIFICATE_GAP * job.tolerance.mm();
                 let mut deepest = Penetration::NONE;
                 let curve = Curve::Line(*link);
-                clearance.penetrate(&curve, 0.0, gap, &mut deepest, budget)?;
-                for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
-                    clearance.penetrate(&written.curve, written.slack_mm, gap, &mut deepest, budget)?;
-                }
+                certificate::penetrate(&curve, clearance, job, gap, &mut deepest, budget)?;
                 Ok(deepest.bound_mm <= job.tolerance.mm() - gap)
             }
             Self::Contact(contacts) => {

@@ -125,6 +125,19 @@ impl Outline {
         Ok(parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect())
     }
 
+    /// Whether some of the line at the coordinate `at` along `axis` lies at least `margin` mm inside the sides.
+    pub(super) fn is_inside(&self, axis: usize, at: f64, margin: f64) -> bool {
+        let end = |along: f64| {
+            let mut end = Vector2::repeat(at);
+            end[1 - axis] = along;
+            end
+        };
+        let along = |corner: &Vector2<f64>| corner[1 - axis];
+        let low = self.corners.iter().map(along).fold(f64::INFINITY, f64::min);
+        let high = self.corners.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+        !self.free(end(low), end(high), margin + self.chord_height_mm).is_empty()
+    }
+
     /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm from every
     /// chord. What lies nearer to one chord is an interval, because that chord's neighbourhood is convex.
     fn free(&self, a: Vector2<f64>, b: Vector2<f64>, margin: f64) -> Vec<[f64; 2]> {
@@ -224,6 +237,9 @@ mod tests {
         let (first, last) = (part.points[0], part.points[part.points.len() - 1]);
         assert!((first.x - 2.0).abs() < 1e-6 && (last.x - 28.0).abs() < 1e-6, "{first} {last}");
         assert_eq!(part.chord_height_mm, 0.5);
+        for (at, is_inside) in [(1.99, false), (2.01, true), (6.0, true), (9.99, true), (10.01, false)] {
+            assert_eq!(outline().is_inside(1, at, 2.0), is_inside, "{at}");
+        }
         let edge = chain((0..=20).map(|k| Point3::new(f64::from(k), 1.0, 0.0)).collect());
         assert!(outline().clipped(&edge, 2.0, &Budget::unlimited()).unwrap().is_empty());
         // A long step over a notch: no point of it is near, and still it is left.

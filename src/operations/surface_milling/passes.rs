@@ -62,6 +62,11 @@ pub(super) struct Seam {
     pub(super) bend: f64,
 }
 
+impl Seam {
+    /// The CL curve is the exact one everywhere.
+    pub(super) const NONE: Self = Self { jump: 0.0, bend: 0.0 };
+}
+
 /// What every pass is held to, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Allowed {
@@ -83,10 +88,10 @@ pub(super) fn cut(
     budget: &Budget,
 ) -> Result<Vec<CutPass>, Error> {
     let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
-    let cut_one = |(k, plane): (usize, &PlaneAt)| {
+    let cut_one = |k: usize| -> Result<Vec<CutPass>, Error> {
         budget.check()?;
         let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
-        let passes = cut_plane(job, slicer, *plane, forward, allowed, budget)?;
+        let passes = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
         let count = |what, counter: &AtomicUsize, more: usize, limit| {
             let before = counter.fetch_add(more, Ordering::Relaxed);
             let needed = limit + 1;
@@ -97,11 +102,25 @@ pub(super) fn cut(
         budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
         Ok(passes)
     };
-    // In order, whichever thread was first: errors, too.
-    let passes: Vec<Result<Vec<CutPass>, Error>> = planes.par_iter().enumerate().map(cut_one).collect();
-    let passes: Result<Vec<_>, Error> = passes.into_iter().collect();
-    let passes: Vec<CutPass> = passes?.into_iter().flatten().collect();
+    let passes: Vec<CutPass> = in_order(planes.len(), cut_one)?.into_iter().flatten().collect();
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
+}
+
+/// What `make` makes of 0..n, in that order, or its first error, whichever thread was first. What comes after an error is not begun.
+fn in_order<T: Send, E: Send>(n: usize, make: impl Fn(usize) -> Result<T, E> + Sync) -> Result<Vec<T>, E> {
+    let first_error = AtomicUsize::new(usize::MAX);
+    let make_one = |k: usize| {
+        if k > first_error.load(Ordering::Relaxed) {
+            return None;
+        }
+        let made = make(k);
+        if made.is_err() {
+            first_error.fetch_min(k, Ordering::Relaxed);
+        }
+        Some(made)
+    };
+    let made: Vec<Option<Result<T, E>>> = (0..n).into_par_iter().map(make_one).collect();
+    made.into_iter().flatten().collect()
 }
 
 /// The passes of one plane, in the direction of travel.
@@ -248,4 +267,21 @@ fn deviation(
         deviation = deviation.max((grid.point(grid.round(&end)?) - end).norm());
     }
     Ok(deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_error_counts_and_what_follows_is_left() {
+        let begun = AtomicUsize::new(0);
+        let made = in_order(10_000, |k| {
+            begun.fetch_add(1, Ordering::Relaxed);
+            if k % 1000 == 700 { Err(k) } else { Ok(k) }
+        });
+        assert_eq!(made, Err(700));
+        assert!(begun.into_inner() < 10_000);
+        assert_eq!(in_order(5, Ok::<_, ()>), Ok(vec![0, 1, 2, 3, 4]));
+    }
 }

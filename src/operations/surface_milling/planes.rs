@@ -21,6 +21,9 @@ const PROBES: usize = 64;
 /// Halvings between a plane with sections and one without.
 const HALVINGS: usize = 40;
 
+/// Enough to know how long a section is.
+const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
+
 /// What finds the CL curves in a plane.
 pub(super) trait Engine: Sync {
     /// The first and the last plane that may hold some, mm.
@@ -54,12 +57,52 @@ pub(super) struct ContactEngine<'a, P> {
 
 impl<P: Patch> Engine for ContactEngine<'_, P> {
     fn extent(&self, budget: &Budget) -> Result<[f64; 2], SectionError> {
-        Ok(self.sections.extent(budget)?)
+        let [low, high] = self.sections.extent(budget)?;
+        let has_section = |at: f64| -> Result<bool, SectionError> {
+            Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?) > 0.0)
+        };
+        // What touches the cutter first may be another place than the one that reaches farthest.
+        let inset = TOUCH_MM.min(1e-3 * (high - low));
+        if has_section(low + inset)? && has_section(high - inset)? {
+            return Ok([low, high]);
+        }
+        Ok(extent_where([low, high], has_section)?.unwrap_or([low, high]))
     }
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
         Ok(raised(self.sections.chains(plane, spacing, budget)?, self.stock))
     }
+}
+
+/// Between which two planes from `low` to `high` something holds, as far as [`PROBES`] find it.
+fn extent_where<E>(
+    [low, high]: [f64; 2],
+    holds: impl Fn(f64) -> Result<bool, E>,
+) -> Result<Option<[f64; 2]>, E> {
+    let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
+    let mut found = Vec::new();
+    for k in 0..PROBES {
+        if holds(probe(k))? {
+            found.push(k);
+        }
+    }
+    let (Some(&first), Some(&last)) = (found.first(), found.last()) else { return Ok(None) };
+    let outside = [
+        if first == 0 { low } else { probe(first - 1) },
+        if last == PROBES - 1 { high } else { probe(last + 1) },
+    ];
+    let last_that_holds = |mut inside: f64, mut outside: f64| -> Result<f64, E> {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *if holds(middle)? { &mut inside } else { &mut outside } = middle;
+        }
+        Ok(inside)
+    };
+    Ok(Some([last_that_holds(probe(first), outside[0])?, last_that_holds(probe(last), outside[1])?]))
+}
+
+fn length(chains: &[Chain]) -> f64 {
+    chains.iter().map(Chain::length).sum()
 }
 
 fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
@@ -70,13 +113,15 @@ fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
 /// The sections of a job, as far as the cutter is to follow them.
 pub(super) struct Slicer<'a> {
     engine: &'a dyn Engine,
+    /// The index of the coordinate that is constant on a plane.
+    axis: usize,
     /// The outline with the distance that is to be kept from it, mm.
     inside: Option<(Outline, f64)>,
 }
 
 impl<'a> Slicer<'a> {
-    pub(super) fn new(engine: &'a dyn Engine, inside: Option<(Outline, f64)>) -> Self {
-        Self { engine, inside }
+    pub(super) fn new(engine: &'a dyn Engine, axis: usize, inside: Option<(Outline, f64)>) -> Self {
+        Self { engine, axis, inside }
     }
 
     pub(super) fn chains(
@@ -116,46 +161,12 @@ impl<'a> Slicer<'a> {
         Ok(std::iter::once(first).chain(inner).chain([last]).collect())
     }
 
-    /// The first and the last plane that has a section, mm.
+    /// The first and the last plane that may have a section, mm.
     fn extent(&self, budget: &Budget) -> Result<[f64; 2], Error> {
         let [low, high] = self.engine.extent(budget)?;
-        let width = high - low;
-        let reaches = |at: f64| Ok::<_, Error>(self.cut_length(at, budget)? > 0.0);
-        let inset = TOUCH_MM.min(1e-3 * width);
-        if self.inside.is_none() && reaches(low + inset)? && reaches(high - inset)? {
-            return Ok([low, high]);
-        }
-        let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
-        let mut with_section = Vec::new();
-        for k in 0..PROBES {
-            if self.cut_length(probe(k), budget)? > 0.0 {
-                with_section.push(k);
-            }
-        }
-        let (Some(&first), Some(&last)) = (with_section.first(), with_section.last()) else {
-            return Err(Error::NothingToCut);
-        };
-        let outside = [
-            if first == 0 { low } else { probe(first - 1) },
-            if last == PROBES - 1 { high } else { probe(last + 1) },
-        ];
-        Ok([
-            self.last_inside(probe(first), outside[0], budget)?,
-            self.last_inside(probe(last), outside[1], budget)?,
-        ])
-    }
-
-    /// The last plane with a section on the way from one that has one.
-    fn last_inside(&self, mut inside: f64, mut outside: f64, budget: &Budget) -> Result<f64, Error> {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            if self.cut_length(middle, budget)? > 0.0 {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        Ok(inside)
+        let Some((outline, margin)) = &self.inside else { return Ok([low, high]) };
+        let is_inside = |at: f64| Ok::<_, Error>(outline.is_inside(self.axis, at, *margin));
+        extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)
     }
 
     /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
@@ -172,7 +183,6 @@ impl<'a> Slicer<'a> {
 
     /// The length of the sections in the plane at `at` mm, roughly.
     fn cut_length(&self, at: f64, budget: &Budget) -> Result<f64, Error> {
-        let coarse = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
-        Ok(self.chains(PlaneAt::new(at), coarse, budget)?.iter().map(Chain::length).sum())
+        Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?))
     }
 }

@@ -23,18 +23,19 @@ const REACHED_MM: f64 = 1e-6;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rest {
     pub(super) height_mm: f64,
-    pub(super) at: Point3<f64>,
+    /// Where, if it is anything.
+    pub(super) at: Option<Point3<f64>>,
 }
 
-/// The most that is left at one of the places; `None` where all are reached.
-pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Result<Option<Rest>, Stopped> {
-    let mut largest: Option<Rest> = None;
+/// The most that is left at one of the places.
+pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Result<Rest, Stopped> {
+    let mut largest = Rest { height_mm: 0.0, at: None };
     for place in contacts.places(PLACES) {
         let Some((tip, normal, at)) = contacts.touching(place) else { continue };
         let Some(contact) = contacts.drop(tip.coords.xy(), Some(place), budget)? else { continue };
         let height_mm = (contact.tip.z - tip.z) * normal.z;
-        if height_mm > largest.map_or(REACHED_MM, |rest| rest.height_mm) {
-            largest = Some(Rest { height_mm, at });
+        if height_mm > largest.height_mm.max(REACHED_MM) {
+            largest = Rest { height_mm, at: Some(at) };
         }
     }
     Ok(largest)

@@ -43,7 +43,7 @@ mod wires;
 use nalgebra::Point3;
 
 use super::passes::CutPass;
-use super::{CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning};
+use super::{CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, data_warnings};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
@@ -111,7 +111,7 @@ pub(super) fn plan<P: Patch>(
         deviation_max_mm: passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max),
         gouge_max_mm: if deepest.bound_mm > LEAST_DEPTH_MM { deepest.bound_mm } else { 0.0 },
         gouge_at: deepest.at,
-        rest_sampled_max_mm: 0.0,
+        rest_sampled_max_mm: None,
         rest_at: None,
         scallop_max_mm: None,
         n_arcs: 0,
@@ -122,9 +122,7 @@ pub(super) fn plan<P: Patch>(
 }
 
 fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
-    let reduced = job.surface.reduced_ends().into_iter();
-    let mut warnings: Vec<Warning> =
-        reduced.map(|(direction, points)| Warning::EndsReduced { direction, points }).collect();
+    let mut warnings = data_warnings(job);
     if report.gouge_max_mm > 0.0 {
         warnings.push(Warning::RoughingPathGouges { depth_mm: report.gouge_max_mm });
     }

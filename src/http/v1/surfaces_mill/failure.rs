@@ -12,6 +12,8 @@ impl From<Error> for ApiError {
         match error {
             Error::Stopped(stopped) => stopped.into(),
             Error::Source(source) => source.into(),
+            Error::NoBall => Self::new(Code::InvalidRequest, detail)
+                .blaming(&root.field("tool").field("shape"), FieldCode::Unsupported),
             Error::NotSmooth(joint) => joint.into(),
             Error::NoWayPast => {
                 let at = root.field("boundary");
@@ -106,6 +108,7 @@ mod tests {
                 Code::InvalidRequest,
                 &["#/surface/knots_v"],
             ),
+            (Error::NoBall, Code::InvalidRequest, &["#/tool/shape"]),
             (Error::NotSmooth(NotSmooth::Edge { at, angle_deg: 45.0 }), Code::NotSmooth, &[]),
             (Error::NoWayPast, Code::NotSmooth, &["#/boundary"]),
             (

@@ -20,16 +20,16 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::super::{Error, Job};
+use super::super::{Error, Job, certificate};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::contact::{Contact, Contacts};
-use crate::geometry::curve::{Curve, Line};
+use crate::geometry::curve::Line;
 use crate::geometry::cutter::Cutter;
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::Toolpath;
 use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::tool::Shape;
-use crate::toolpath::{Move, Toolpath};
 
 /// The half length of the longest pieces that are looked at, in radii of the cutter.
 const LONGEST_SHARE: f64 = 0.5;
@@ -46,42 +46,12 @@ pub(super) fn deepest<P: Patch>(
     budget: &Budget,
 ) -> Result<Penetration, Error> {
     match job.tool.shape {
-        Shape::Ball => by_clearance(surface, toolpath, job, gap, budget),
+        Shape::Ball => {
+            let clearance = Clearance::new(surface, job.tool.radius_mm, job.tool.radius_mm);
+            certificate::deepest(certificate::curves(toolpath), &clearance, job, [gap, f64::INFINITY], budget)
+        }
         Shape::Flat | Shape::BullNose { .. } => by_contact(surface, toolpath, job, gap, budget),
     }
-}
-
-/// Every move that lies below `top` mm somewhere.
-fn moves_below(toolpath: &Toolpath, top: f64) -> impl Iterator<Item = Curve> {
-    let along = |step: &Move| match step {
-        Move::Rapid { line } => Some(Curve::Line(*line)),
-        Move::Feed { along, .. } => Some(*along),
-        Move::Dwell { .. } => None,
-    };
-    let is_below = move |curve: &Curve| curve.start().z < top || curve.end().z < top;
-    toolpath.moves().filter_map(along).filter(is_below)
-}
-
-fn by_clearance<P: Patch>(
-    surface: &BezierSurface<P>,
-    toolpath: &Toolpath,
-    job: &Job,
-    gap: f64,
-    budget: &Budget,
-) -> Result<Penetration, Error> {
-    let clearance = Clearance::new(surface, job.tool.radius_mm, job.tool.radius_mm);
-    let total = toolpath.moves().count();
-    let mut deepest = Penetration::NONE;
-    for (k, curve) in moves_below(toolpath, f64::INFINITY).enumerate() {
-        if k.is_multiple_of(64) {
-            budget.progress("certificate", k, total);
-        }
-        clearance.penetrate(&curve, 0.0, gap, &mut deepest, budget)?;
-        for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
-            clearance.penetrate(&written.curve, written.slack_mm, gap, &mut deepest, budget)?;
-        }
-    }
-    Ok(deepest)
 }
 
 fn by_contact<P: Patch>(
@@ -103,13 +73,14 @@ fn by_contact<P: Patch>(
     };
     // Rounding moves a path by less than its slack and a step each way.
     let top = search.exact.bounds().max.z + job.resolution.step_mm();
-    let total = toolpath.moves().count();
-    for (k, curve) in moves_below(toolpath, top).enumerate() {
+    let mut moves = certificate::curves(toolpath);
+    moves.retain(|curve| curve.start().z < top || curve.end().z < top);
+    for (k, curve) in moves.iter().enumerate() {
         if k.is_multiple_of(64) {
-            budget.progress("certificate", k, total);
+            budget.progress("certificate", k, moves.len());
         }
         search.line(&Line { start: curve.start(), end: curve.end() })?;
-        for written in quantize(&curve, job.resolution, Parabolas::AsLines)? {
+        for written in quantize(curve, job.resolution, Parabolas::AsLines)? {
             search.line(&Line { start: written.curve.start(), end: written.curve.end() })?;
         }
     }

@@ -1,0 +1,231 @@
+//! Passes along parallel planes, by either engine.
+
+use super::links::{self, Proof};
+use super::outline::Outline;
+use super::passes::{self, Allowed, Seam};
+use super::planes::{self, ContactEngine, OffsetEngine, Slicer};
+use super::{
+    Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, Spacing, TOP_ACCURACY_MM, Warning,
+    certificate, data_warnings, rest, scallop,
+};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::clearance::{Clearance, Penetration};
+use crate::geometry::contact::{Contacts, TipSections};
+use crate::geometry::curve::Curve;
+use crate::geometry::section::Sections;
+use crate::geometry::surface::joints::{self, Joints};
+use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
+use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::Toolpath;
+use crate::toolpath::tool::Shape;
+
+/// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
+/// falls only with the cube root of what is left. Points of direct contact are dearer.
+const SECTION_HEIGHT_SHARE: f64 = 0.03;
+const CONTACT_HEIGHT_SHARE: f64 = 0.06;
+
+/// The outline that a cutter stays inside of is known to this part of the tolerance.
+const OUTLINE_SHARE: f64 = 0.1;
+
+/// What an engine knows of a job.
+struct Found<'a, P> {
+    engine: &'a dyn planes::Engine,
+    /// Where the cutter touches; `None` by sections of the offset, which need no such search.
+    contacts: Option<&'a Contacts<'a, P>>,
+    slopes: Vec<Slope>,
+    /// Whether the slopes are all there are, and the cutter can follow them everywhere.
+    is_followed: bool,
+    seam: Seam,
+    chord_height_share: f64,
+}
+
+/// Plans the passes.
+///
+/// # Errors
+/// One of [`Error`]; no toolpath is returned with one.
+pub(super) fn plan<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    match job.engine {
+        Engine::OffsetSection => by_offset_section(surface, job, budget),
+        Engine::Contact => by_contact(surface, job, budget),
+    }
+}
+
+fn by_offset_section<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    if job.tool.shape != Shape::Ball {
+        return Err(Error::NoBall);
+    }
+    let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
+    let surface = prepared(surface, job)?;
+    let axis = job.plane.normal_axis();
+    let regularity = regularity::prove(&surface, job.offset_mm(), axis, budget)?;
+    let sections = Sections::new(&surface, job.offset_mm(), axis, &regularity, budget)?;
+    let slopes = regularity.slopes().to_vec();
+    let found = Found {
+        engine: &OffsetEngine { sections, rise: job.tool.radius_mm },
+        contacts: None,
+        seam: seam(&joints, job, &slopes),
+        slopes,
+        is_followed: true,
+        chord_height_share: SECTION_HEIGHT_SHARE,
+    };
+    plan_with(&surface, &found, job, budget)
+}
+
+fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let surface = prepared(surface, job)?;
+    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
+    let (slopes, is_followed) = match regularity(&surface, job, budget)? {
+        Some(regularity) => (regularity.slopes().to_vec(), true),
+        None => {
+            let (radius, axis) = (job.cutter().corner_radius(), job.plane.normal_axis());
+            (scallop::sampled_slopes(&surface, radius, axis, budget)?, false)
+        }
+    };
+    let sections = TipSections { contacts: &contacts, axis: job.plane.normal_axis() };
+    let found = Found {
+        engine: &ContactEngine { sections, stock: job.allowance_mm },
+        contacts: Some(&contacts),
+        // Edges and gaps are touched like everything else.
+        seam: Seam::NONE,
+        slopes,
+        is_followed,
+        chord_height_share: CONTACT_HEIGHT_SHARE,
+    };
+    plan_with(&surface, &found, job, budget)
+}
+
+/// The surface with its normal up, as far as the cutter's contact may go.
+fn prepared<P: Patch>(surface: BezierSurface<P>, job: &Job) -> Result<BezierSurface<P>, Error> {
+    let surface = surface.upward();
+    match job.boundary {
+        Boundary::Past => surface.continued(job.tool.radius_mm).ok_or(Error::NoWayPast),
+        Boundary::Inside | Boundary::On => Ok(surface),
+    }
+}
+
+/// The proof that the cutter can follow the surface everywhere, where it is a ball and there is one.
+fn regularity(
+    surface: &BezierSurface<impl Patch>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Option<Regularity>, Stopped> {
+    if job.tool.shape != Shape::Ball {
+        return Ok(None);
+    }
+    match regularity::prove(surface, job.offset_mm(), job.plane.normal_axis(), budget) {
+        Ok(regularity) => Ok(Some(regularity)),
+        Err(Irregular::Stopped(stopped)) => Err(stopped),
+        Err(Irregular::Overhang { .. } | Irregular::Folds { .. }) => Ok(None),
+    }
+}
+
+/// What joints that are smooth but for the rounding of their data do to the offset.
+fn seam(joints: &Joints, job: &Job, slopes: &[Slope]) -> Seam {
+    let least_share = slopes.iter().map(|slope| slope.share).fold(1.0, f64::min);
+    Seam { jump: joints.jump(job.offset_mm()), bend: joints.kink / (4.0 * least_share) }
+}
+
+fn plan_with<P: Patch>(
+    surface: &BezierSurface<P>,
+    found: &Found<P>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Plan, Error> {
+    let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
+    let cutting = job.cutting.above(top)?;
+    let slicer = Slicer::new(found.engine, job.plane.normal_axis(), inside(surface, job, budget)?);
+    let stepover = match job.spacing {
+        Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
+        Spacing::ScallopHeight(mm) => scallop::spacing(job.cutter().corner_radius(), mm, &found.slopes),
+    };
+    let planes = slicer.planes(job, stepover, budget)?;
+    let stepover_mm = (planes[1].at - planes[0].at).abs();
+
+    let gap = CERTIFICATE_GAP * job.tolerance.mm();
+    let allowed = Allowed {
+        tolerance: job.tolerance.mm() - gap,
+        seam: found.seam,
+        chord_height_share: found.chord_height_share,
+    };
+    let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
+    let deviation_max_mm = passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max);
+    let clearance = Clearance::new(surface, job.offset_mm(), job.tool.radius_mm);
+    let proof = match found.contacts {
+        Some(contacts) if job.tool.shape != Shape::Ball => Proof::Contact(contacts),
+        _ => Proof::Certificate(&clearance),
+    };
+    let toolpath = links::join(job, &cutting, &passes, &proof, budget)?;
+    let penetration = match proof {
+        Proof::Certificate(clearance) => certify(&toolpath, job, clearance, gap, budget)?,
+        // Who is moved by so much cuts no deeper.
+        Proof::Contact(_) => Penetration {
+            bound_mm: job.allowance_mm + deviation_max_mm.max(links::TOLERANCE_SHARE * job.tolerance.mm()),
+            ..Penetration::NONE
+        },
+    };
+    let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
+    let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
+    let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
+    let scallop = scallop::height(job.tool.radius_mm, stepover_mm, &found.slopes);
+    let report = Report {
+        n_passes: passes.len(),
+        n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
+        stepover_mm,
+        deviation_max_mm,
+        gouge_max_mm: (penetration.bound_mm - job.allowance_mm).max(0.0),
+        gouge_at: penetration.at.filter(|_| penetration.found_mm > job.allowance_mm),
+        scallop_max_mm: scallop.filter(|_| found.is_followed),
+        rest_sampled_max_mm: rest.map(|rest| rest.height_mm),
+        rest_at: rest.and_then(|rest| rest.at),
+        n_arcs,
+        n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
+    };
+    let warnings = warnings(job, &report, found.is_followed);
+    Ok(Plan { toolpath, report, cutting, warnings })
+}
+
+/// What keeps the cutter inside the outline, where it is to stay there.
+fn inside(
+    surface: &BezierSurface<impl Patch>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Option<(Outline, f64)>, Error> {
+    match job.boundary {
+        Boundary::Inside => {
+            let outline = Outline::new(surface, OUTLINE_SHARE * job.tolerance.mm(), budget)?;
+            Ok(Some((outline, job.tool.radius_mm)))
+        }
+        Boundary::On | Boundary::Past => Ok(None),
+    }
+}
+
+/// Proves how deep the ball cuts into the surface on any move, as computed and as written.
+fn certify(
+    toolpath: &Toolpath,
+    job: &Job,
+    clearance: &Clearance<impl Patch>,
+    gap: f64,
+    budget: &Budget,
+) -> Result<Penetration, Error> {
+    let tolerance_mm = job.tolerance.mm();
+    let moves = certificate::curves(toolpath);
+    let deepest = certificate::deepest(moves, clearance, job, [gap, tolerance_mm], budget)?;
+    match deepest.at {
+        Some(at) if deepest.found_mm > tolerance_mm => Err(Error::OffsetFolds { at }),
+        at if deepest.bound_mm > tolerance_mm => {
+            let at = at.unwrap_or(toolpath.start());
+            Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: deepest.bound_mm, at })
+        }
+        _ => Ok(deepest),
+    }
+}
+
+fn warnings(job: &Job, report: &Report, is_followed: bool) -> Vec<Warning> {
+    let mut warnings = data_warnings(job);
+    if !is_followed {
+        warnings.push(Warning::ScallopNotProved);
+    } else if report.scallop_max_mm.is_none() {
+        warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
+    }
+    warnings
+}

@@ -28,6 +28,8 @@ mod section;
 mod stretch;
 mod tree;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use nalgebra::{Point3, Vector2, Vector3};
 
 use super::best_first::BestFirst;
@@ -79,6 +81,8 @@ pub struct Contacts<'a, P> {
     edges: [bool; 4],
     /// Parts of this size are not halved, mm.
     smallest: f64,
+    /// Parts that were looked at so far.
+    looks: AtomicUsize,
     /// What is large against the cutter or the surface, whichever is smaller, mm.
     scale: f64,
 }
@@ -122,7 +126,13 @@ impl<'a, P: Patch> Contacts<'a, P> {
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
         let size = (tree.bounds().max - tree.bounds().min).xy().norm();
         let scale = cutter.radius().min(SCALE_SHARE * size);
-        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, scale })
+        let looks = AtomicUsize::new(0);
+        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, looks, scale })
+    }
+
+    /// How many parts were looked at so far, for whatever was asked: a measure of the work.
+    pub fn looks(&self) -> usize {
+        self.looks.load(Ordering::Relaxed)
     }
 
     /// A box of the surface, mm.
@@ -151,6 +161,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
         }
         self.tree.visit(&mut drop);
         drop.close(budget)?;
+        self.looks.fetch_add(drop.looks, Ordering::Relaxed);
         Ok(drop.contact())
     }
 
@@ -204,6 +215,8 @@ struct Drop<'a, 'b, P> {
     open: BestFirst<Part<P>>,
     /// What could not be proved to be lower.
     above: f64,
+    /// Parts that were looked at.
+    looks: usize,
 }
 
 impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
@@ -216,6 +229,7 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
     }
 
     fn visit(&mut self, part: &Part<P>, promise: f64) {
+        self.looks += 1;
         let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
         if highest > self.level() {
             self.open.push(highest, *part);
@@ -232,6 +246,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             best: None,
             open: BestFirst::default(),
             above: f64::NEG_INFINITY,
+            looks: 0,
         }
     }
 

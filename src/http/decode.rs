@@ -18,9 +18,6 @@ use super::pointer::Pointer;
 /// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
 const LATER_FIELDS: [&str; 1] = ["axis"];
 
-/// Values of the contract that this version does not know yet, each with the field it is a value of.
-const LATER_VALUES: [(&str, &[&str]); 1] = [("engine", &["contact"])];
-
 /// A member with a longer name than this is not pointed at, but the object it is in.
 const MAX_NAME_BYTES: usize = 200;
 
@@ -83,16 +80,9 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
         };
     }
     if let (Some(value), true) = (named, message.starts_with("unknown variant")) {
-        let later = LATER_VALUES
-            .iter()
-            .any(|(field, values)| at.as_str().ends_with(&format!("/{field}")) && values.contains(&value));
         let expected = message.split_once(", ").map_or("", |(_, expected)| expected);
-        return if later {
-            let detail = format!("`{value}` is not supported yet, {expected}");
-            FieldError::new(at, FieldCode::Unsupported, detail)
-        } else {
-            FieldError::new(at, FieldCode::UnknownValue, format!("`{value}` is unknown, {expected}"))
-        };
+        let detail = format!("`{value}` is unknown, {expected}");
+        return FieldError::new(at, FieldCode::UnknownValue, detail);
     }
     let code = if message.starts_with("invalid length") || message.starts_with("trailing characters") {
         FieldCode::WrongLength

@@ -177,6 +177,9 @@ impl From<SectionError> for Error {
             SectionError::TooManyPoints { limit } => {
                 Self::TooMuchWork { what: "CL points in one section", needed: limit + 1, limit }
             }
+            SectionError::TooManyLooks { limit } => {
+                Self::TooMuchWork { what: "looks at parts of the surface", needed: limit + 1, limit }
+            }
         }
     }
 }

@@ -21,7 +21,7 @@ pub(super) const STEPS: usize = 7;
 const LEVEL_SLOPE: f64 = 1e-12;
 
 /// A tangent point this near to its surface point touches it, in radii of the cutter.
-const TOUCHING: f64 = 1e-10;
+pub(super) const TOUCHING: f64 = 1e-10;
 
 /// Steps shorter than this, in parameters of the part, are none.
 const NO_STEP: f64 = 1e-15;

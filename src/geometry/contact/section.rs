@@ -3,8 +3,8 @@
 //! # Method
 //! The line is walked over the surface. Each position is taken from the one before by Newton's method alone; that nothing else lifts the
 //! cutter there is proved with the stretch between ([`Contacts::is_within`]), and where that fails the contact is looked for
-//! anew and the step halved. Where tips jump, at upright walls and where sheets end, the step shrinks to
-//! [`SHORTEST_STEP_MM`], and the chord is the wall.
+//! anew and the step shortened. Where tips jump, at upright walls and where sheets end, the step shrinks to
+//! [`SHORTEST_STEP_MM`], and the chord is the wall, if nothing stands higher.
 //!
 //! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface. Where it only hangs on
 //! an edge at which the surface ends, the section ends.
@@ -12,7 +12,7 @@
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
@@ -33,8 +33,20 @@ const SEARCH_STEP: f64 = 0.25;
 /// The first step of a section, in parts of what is large.
 const FIRST_STEP: f64 = 0.05;
 
+/// How steps grow near the longest that is possible, and far below it: after so many in a row.
 const GROWTH: f64 = 1.05;
+const GROWTH_FAR: f64 = 1.4;
+const FAR: usize = 8;
 const SHRINKAGE: f64 = 0.8;
+
+/// A contact is overtaken where another lifts the tip higher by this part of the chord height.
+const OVERTAKEN_SHARE: f64 = 0.01;
+
+/// Upright walls in a row before the section is lost.
+const WALL_LIMIT: usize = 8;
+
+/// Looks at parts of the surface for all sections of a job: some two minutes.
+const LOOK_LIMIT: usize = 100_000_000;
 
 /// Steps that are shortened before another contact than the one followed is looked for.
 const FAILURES: usize = 3;
@@ -47,6 +59,9 @@ const HALVINGS: usize = 60;
 
 /// Positions between two looks at the budget.
 const STEPS_BETWEEN_CHECKS: usize = 64;
+
+/// Tips that differ by more are not of the same contact, mm.
+const HIGHER_MM: f64 = 1e-8;
 
 /// The cutter stands level on a surface whose slope is less.
 const LEVEL_SLOPE: f64 = 1e-9;
@@ -86,6 +101,19 @@ impl<P: Patch> TipSections<'_, P> {
         let chain =
             |points| Chain { points, chord_height_mm: spacing.chord_height_mm + 2.0 * SHORTEST_STEP_MM };
         Ok(walk.chains.into_iter().filter(|points| points.len() >= 2).map(chain).collect())
+    }
+
+    /// The steps of one section, at least: none is longer than a radius, or than a tenth of the surface.
+    pub fn least_steps(&self) -> f64 {
+        let [low, high] = self.range();
+        (high - low) / self.contacts.scale
+    }
+
+    /// Between which positions along a line the cutter is over the surface, mm.
+    fn range(&self) -> [f64; 2] {
+        let along = 1 - self.axis;
+        let radius = (1.0 - GRAZING) * self.contacts.cutter.radius();
+        [self.contacts.bounds().min[along] - radius, self.contacts.bounds().max[along] + radius]
     }
 
     /// The least and the largest coordinate of positions along the axis that may count, mm: those whose cutter touches a side of the
@@ -141,9 +169,7 @@ impl<P: Patch> TipSections<'_, P> {
 impl<P: Patch> Walk<'_, P> {
     fn all(&mut self) -> Result<(), SectionError> {
         let contacts = self.sections.contacts;
-        let along = 1 - self.sections.axis;
-        let radius = (1.0 - GRAZING) * contacts.cutter.radius();
-        let (low, high) = (contacts.bounds().min[along] - radius, contacts.bounds().max[along] + radius);
+        let [low, high] = self.sections.range();
         let search_step = (SEARCH_STEP * contacts.scale).max((high - low) / POINT_LIMIT as f64);
         let mut outside = low;
         for k in 0.. {
@@ -152,7 +178,7 @@ impl<P: Patch> Walk<'_, P> {
             }
             let at = (outside + search_step).min(high);
             if let Some(found) = self.contact(at, None)? {
-                let first = self.last_counting(found, outside);
+                let first = self.last_counting(found, outside)?;
                 outside = self.follow(first, high)?;
             } else {
                 outside = at;
@@ -166,13 +192,14 @@ impl<P: Patch> Walk<'_, P> {
 
     /// Follows the tips from one that counts to the last; answers a position beyond it.
     fn follow(&mut self, first: Contact, high: f64) -> Result<f64, SectionError> {
-        let scale = self.sections.contacts.scale;
+        let contacts = self.sections.contacts;
+        let scale = contacts.scale;
         let longest = self.spacing.step_length_mm.min(scale);
         let mut points = vec![self.point(&first)];
         let mut here = first;
         let mut before = first;
         let mut step = longest.min(FIRST_STEP * scale);
-        let (mut tries, mut failures) = (0usize, 0);
+        let (mut tries, mut failures, mut successes, mut walls) = (0usize, 0, 0, 0);
         // The section ends at `end`; what lies `beyond` does not count.
         let (mut end, mut beyond) = (high, high);
         while self.at(&here) < end {
@@ -180,21 +207,34 @@ impl<P: Patch> Walk<'_, P> {
             if tries.is_multiple_of(STEPS_BETWEEN_CHECKS) {
                 self.budget.check()?;
             }
+            if contacts.looks() > LOOK_LIMIT {
+                return Err(SectionError::TooManyLooks { limit: LOOK_LIMIT });
+            }
             if self.n_points + points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
             }
             let to = (self.at(&here) + step).min(end);
-            let is_shortest = to - self.at(&here) <= SHORTEST_STEP_MM;
-            let next = match self.followed(to, self.expected(&before, &here, to)) {
-                Some(next) if self.is_joined(&here, &next) => Some(next),
+            let is_shortest = step <= SHORTEST_STEP_MM || to - self.at(&here) <= SHORTEST_STEP_MM;
+            let next = match self.next(&before, &here, to) {
+                Some(next) if !is_shortest && self.is_joined(&here, &next) => Some(next),
                 // Mostly the step was too long for the chord.
                 Some(_) if !is_shortest && failures < FAILURES => None,
                 followed => match self.contact(to, Some(here.place))? {
-                    Some(next) if is_shortest => Some(next),
+                    Some(next) if is_shortest => {
+                        if !self.is_joined(&here, &next) {
+                            walls += 1;
+                            if walls > WALL_LIMIT
+                                || !contacts.is_wall(&here, &next, self.spacing.chord_height_mm)
+                            {
+                                return Err(SectionError::Lost { at: here.tip });
+                            }
+                        }
+                        Some(next)
+                    }
                     Some(next) if is_higher(&next, &followed) && self.is_joined(&here, &next) => Some(next),
                     Some(_) => None,
                     None => {
-                        let last = self.last_counting(here, to);
+                        let last = self.last_counting(here, to)?;
                         (end, beyond) = (self.at(&last), to);
                         continue;
                     }
@@ -204,18 +244,33 @@ impl<P: Patch> Walk<'_, P> {
                 Some(next) => {
                     points.push(self.point(&next));
                     (before, here) = (here, next);
-                    step = (step * GROWTH).min(longest);
+                    successes += 1;
+                    step = (step * if successes > FAR { GROWTH_FAR } else { GROWTH }).min(longest);
                     failures = 0;
+                    walls = if is_shortest { walls } else { 0 };
                 }
                 None => {
                     step = (step * SHRINKAGE).max(SHORTEST_STEP_MM);
-                    failures += 1;
+                    (failures, successes) = (failures + 1, 0);
+                    if failures == FAILURES
+                        && let Some(higher) = self.higher(&here)?
+                    {
+                        points.push(self.point(&higher));
+                        (before, here) = (higher, higher);
+                    }
                 }
             }
         }
         self.n_points += points.len();
         self.chains.push(points);
         Ok(beyond)
+    }
+
+    /// The contact at the position of one that was followed, where another has come to lift the tip higher, within the chord height.
+    fn higher(&mut self, here: &Contact) -> Result<Option<Contact>, SectionError> {
+        let contact = self.contact(self.at(here), Some(here.place))?;
+        Ok(contact
+            .filter(|contact| contact.tip.z > here.tip.z + OVERTAKEN_SHARE * self.spacing.chord_height_mm))
     }
 
     fn is_joined(&self, from: &Contact, to: &Contact) -> bool {
@@ -254,6 +309,19 @@ impl<P: Patch> Walk<'_, P> {
             .map(|k| (here.place[k] + ratio * (here.place[k] - before.place[k])).clamp(0.0, spans[k] as f64))
     }
 
+    /// A contact on the way on that counts, without a proof: where it is expected, if the point that is touched now does not lift the
+    /// tip higher.
+    fn next(&self, before: &Contact, here: &Contact, to: f64) -> Option<Contact> {
+        let next = self.followed(to, self.expected(before, here, to));
+        let distance = (here.point.xy() - Point2::from(self.position(to))).norm();
+        let lift = here.point.z - self.sections.contacts.cutter.height(distance);
+        if next.is_none_or(|next| lift > next.tip.z + HIGHER_MM) {
+            self.followed(to, here.place)
+        } else {
+            next
+        }
+    }
+
     /// A contact near an expected one that counts, without a proof.
     fn followed(&self, to: f64, guess: [f64; 2]) -> Option<Contact> {
         let contact = self.sections.contacts.near(self.position(to), guess)?;
@@ -261,8 +329,15 @@ impl<P: Patch> Walk<'_, P> {
     }
 
     /// The contact at a position, if it counts.
-    fn contact(&self, at: f64, near: Option<[f64; 2]>) -> Result<Option<Contact>, Stopped> {
-        let contact = self.sections.contacts.drop(self.position(at), near, self.budget)?;
+    ///
+    /// # Errors
+    /// When the sections took too many looks, or the budget stops.
+    fn contact(&mut self, at: f64, near: Option<[f64; 2]>) -> Result<Option<Contact>, SectionError> {
+        let contacts = self.sections.contacts;
+        if contacts.looks() > LOOK_LIMIT {
+            return Err(SectionError::TooManyLooks { limit: LOOK_LIMIT });
+        }
+        let contact = contacts.drop(self.position(at), near, self.budget)?;
         Ok(contact.filter(|contact| self.counts(contact)))
     }
 
@@ -271,20 +346,35 @@ impl<P: Patch> Walk<'_, P> {
         !contact.is_rolling && (!is_level || self.sections.contacts.is_over(contact))
     }
 
-    /// The last contact that counts on the way from one to a position without, as far as contacts can be followed.
-    fn last_counting(&self, mut counting: Contact, mut outside: f64) -> Contact {
+    /// The last contact that counts on the way from one to a position without: mostly that which can be followed the farthest.
+    fn last_counting(&mut self, counting: Contact, outside: f64) -> Result<Contact, SectionError> {
+        let followed = self.last(counting, outside, |walk, at, near| Ok(walk.followed(at, near)))?;
+        let found = self.contact(self.at(&followed), Some(followed.place))?;
+        if found.is_some_and(|found| !is_higher(&found, &Some(followed))) {
+            return Ok(followed);
+        }
+        self.last(counting, outside, |walk, at, near| walk.contact(at, Some(near)))
+    }
+
+    /// The last contact from one on to a position without, by halving.
+    fn last(
+        &mut self,
+        mut counting: Contact,
+        mut outside: f64,
+        look: impl Fn(&mut Self, f64, [f64; 2]) -> Result<Option<Contact>, SectionError>,
+    ) -> Result<Contact, SectionError> {
         for _ in 0..HALVINGS {
             let at = self.at(&counting);
             if (at - outside).abs() <= 1e-2 * SHORTEST_STEP_MM {
                 break;
             }
             let middle = 0.5 * (at + outside);
-            match self.followed(middle, counting.place) {
+            match look(self, middle, counting.place)? {
                 Some(contact) => counting = contact,
                 None => outside = middle,
             }
         }
-        counting
+        Ok(counting)
     }
 }
 
@@ -317,5 +407,5 @@ impl<P: Patch> Contacts<'_, P> {
 
 /// Whether a contact is another than one that was followed.
 fn is_higher(contact: &Contact, followed: &Option<Contact>) -> bool {
-    followed.is_none_or(|followed| contact.tip.z > followed.tip.z + 1e-8)
+    followed.is_none_or(|followed| contact.tip.z > followed.tip.z + HIGHER_MM)
 }

@@ -10,24 +10,27 @@
 //! # Guarantees
 //! What is confirmed holds for every position of the stretch, but for rounding.
 
+use std::sync::atomic::Ordering;
+
 use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::bound::{Level, Track};
-use super::climb::Climb;
+use super::climb::{Climb, TOUCHING};
 use super::tree::{Part, Visitor};
 use super::{Contact, Contacts, Support};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Surface, span_of};
 
-/// Halvings of parts for one stretch; beyond that the stretch is too long. Where contacts change place, a short one needs many.
-const HALVING_LIMIT: usize = 4;
-const HALVING_LIMIT_SHORT: usize = 256;
+/// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long. Shorter ones may have as many
+/// more as they are shorter: where contacts change place, it is they that decide.
+const HALVINGS: f64 = 0.5;
+const HALVING_LIMITS: [f64; 2] = [4.0, 256.0];
 
 /// Halvings of a straight way.
 const LINK_HALVINGS: usize = 64;
 
-/// What is short, in parts of what is large.
-const SHORT: f64 = 2e-3;
+/// Pieces of a straight way are not halved below this part of what is large.
+const SHORTEST_PIECE: f64 = 2e-3;
 
 /// Steps on one part.
 const STEPS: usize = 2;
@@ -46,6 +49,13 @@ impl<P: Patch> Contacts<'_, P> {
         self.is_above(from, to, height) && self.is_below([from.tip, to.tip], guess, height)
     }
 
+    /// Whether no part lifts the tip, between two contacts, more than `height` mm over the higher of theirs.
+    pub(super) fn is_wall(&self, from: &Contact, to: &Contact, height: f64) -> bool {
+        let higher = if from.tip.z > to.tip.z { from } else { to };
+        let level = |tip: Point3<f64>| Point3::new(tip.x, tip.y, higher.tip.z);
+        self.is_below([level(from.tip), level(to.tip)], higher.place, height)
+    }
+
     /// Whether the cutter may go straight from one place to another, with nothing that lifts its tip by more than `height` mm. A `false`
     /// may mean that this is not known.
     pub fn is_clear(&self, from: Point3<f64>, to: Point3<f64>, height: f64) -> bool {
@@ -58,7 +68,7 @@ impl<P: Patch> Contacts<'_, P> {
                 continue;
             }
             halvings += 1;
-            if halvings > LINK_HALVINGS || (to - from).norm() < SHORT * self.scale {
+            if halvings > LINK_HALVINGS || (to - from).norm() < SHORTEST_PIECE * self.scale {
                 return false;
             }
             open.extend([[middle, to], [from, middle]]);
@@ -79,7 +89,8 @@ impl<P: Patch> Contacts<'_, P> {
             level: Level { level: center.z + height, slope },
             guess,
             support: None,
-            halvings: if length < SHORT * self.scale { HALVING_LIMIT_SHORT } else { HALVING_LIMIT },
+            halvings: (HALVINGS * self.scale / length).clamp(HALVING_LIMITS[0], HALVING_LIMITS[1]) as usize,
+            looks: 0,
             is_below: true,
         };
         if let Some(middle) = self.near(look.track.center, guess) {
@@ -90,6 +101,7 @@ impl<P: Patch> Contacts<'_, P> {
             look.support = look.support_at(middle.place);
         }
         self.tree.visit(&mut look);
+        self.looks.fetch_add(look.looks, Ordering::Relaxed);
         look.is_below
     }
 
@@ -106,7 +118,9 @@ impl<P: Patch> Contacts<'_, P> {
         if dip.depth <= height {
             return true;
         }
-        let nearer = |contact: &Contact| self.nearer_to_axis(contact, INWARD_SHARE * dip.bend);
+        let nearer = |contact: &Contact| {
+            self.nearer_to_axis(contact, INWARD_SHARE * dip.bend + 4.0 * TOUCHING * self.cutter.radius())
+        };
         let (Some(nearer_from), Some(nearer_to)) = (nearer(from), nearer(to)) else { return false };
         let ends = [(nearer_from, from.tip), (nearer_to, to.tip)]
             .map(|(place, tip)| tip.z - self.lift(place, tip.xy().coords));
@@ -211,6 +225,8 @@ struct Look<'a, 'b, P> {
     support: Option<Support>,
     /// Halvings that are left.
     halvings: usize,
+    /// Parts that were looked at.
+    looks: usize,
     is_below: bool,
 }
 
@@ -224,7 +240,8 @@ impl<P: Patch> Look<'_, '_, P> {
         climb.lower().map(|lower| Support::of(&self.contacts.cutter, &lower, &self.track))
     }
 
-    fn settles(&self, part: &Part<P>) -> bool {
+    fn settles(&mut self, part: &Part<P>) -> bool {
+        self.looks += 1;
         if let Some(support) = &self.support
             && support.excess(part, &self.track, &self.level) <= 0.0
         {

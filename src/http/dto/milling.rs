@@ -38,8 +38,9 @@ pub struct MillRequest {
     /// Upper bound for the distance of neighbouring CL points. Default: none but what the tolerance asks for.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
+    /// Of `cl_cartesian`.
     #[serde(default)]
-    #[schema(default = "offset_section")]
+    #[schema(default = "contact")]
     engine: Engine,
     /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
     /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
@@ -67,12 +68,14 @@ pub enum Interpolation {
     Lines,
 }
 
-/// How the CL points are found. `offset_section`: sections of the offset surface (Ju), for balls and smooth surfaces without overhangs
-/// into which the ball fits.
+/// How the CL points are found. `contact`: the cutter comes down until it touches; any cutter and any surface, seen from above, with its
+/// edges. `offset_section`: sections of the offset surface (Ju), for balls and smooth surfaces without overhangs into which the ball
+/// fits.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
     #[default]
+    Contact,
     OffsetSection,
 }
 
@@ -119,15 +122,20 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        match strategy {
-            Strategy::ClCartesian(_) => tool.check_ball(&root.field("tool"), &mut violations),
-            Strategy::WireUnion(_) => tool.check(&root.field("tool"), &mut violations),
+        match (&strategy, engine) {
+            (Strategy::ClCartesian(_), Engine::OffsetSection) => {
+                tool.check_ball(&root.field("tool"), &mut violations);
+            }
+            (Strategy::ClCartesian(_), Engine::Contact) | (Strategy::WireUnion(_), _) => {
+                tool.check(&root.field("tool"), &mut violations);
+            }
         }
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         if let Some(sections) = &sections {
             sections.check_boundary(&root.field("boundary"), boundary, &mut violations);
+            sections.check_scallops(&root.field("strategy"), &tool, &mut violations);
         }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
@@ -151,6 +159,7 @@ impl IntoJob for MillRequest {
             surface: surface.into(),
             tool: tool.into(),
             engine: match engine {
+                Engine::Contact => core::Engine::Contact,
                 Engine::OffsetSection => core::Engine::OffsetSection,
             },
             plane,

@@ -8,6 +8,7 @@ use utoipa::ToSchema;
 
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::tagged;
+use super::tool::Tool;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
@@ -150,6 +151,16 @@ impl Strategy {
                 Direction::Zigzag => core::CutDirection::Zigzag,
             },
         })
+    }
+}
+
+impl Sections {
+    /// Refuses a height of scallops where the cutter leaves none.
+    pub fn check_scallops(&self, at: &Pointer, tool: &Tool, violations: &mut Violations) {
+        if matches!(self.spacing, core::Spacing::ScallopHeight(_)) && tool.is_flat() {
+            let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
+            violations.add(&at.field("scallop_height_mm"), FieldCode::Conflict, detail);
+        }
     }
 }
 

@@ -54,6 +54,10 @@ impl Tool {
         self.check_numbers(at, violations);
     }
 
+    pub fn is_flat(&self) -> bool {
+        self.shape == Shape::Flat
+    }
+
     fn check_numbers(&self, at: &Pointer, violations: &mut Violations) {
         let Self { shape: _, diameter_mm, corner_radius_mm: _, number, length_offset } = *self;
         violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");

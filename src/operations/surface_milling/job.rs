@@ -37,9 +37,9 @@ impl SectionPlane {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Engine {
     /// Direct contact of the cutter with the surface.
+    #[default]
     Contact,
     /// Sections of the offset of the surface (Ju), for balls that can follow it everywhere.
-    #[default]
     OffsetSection,
 }
 

@@ -21,13 +21,22 @@ const PROBES: usize = 64;
 /// Halvings between a plane with sections and one without.
 const HALVINGS: usize = 40;
 
+/// Steps of one job. Jobs that need more are for cutters that are very small or very large against the surface.
+const STEP_LIMIT: usize = 1_000_000;
+
 /// Enough to know how long a section is.
 const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
 
 /// What finds the CL curves in a plane.
 pub(super) trait Engine: Sync {
-    /// The first and the last plane that may hold some, mm.
-    fn extent(&self, budget: &Budget) -> Result<[f64; 2], SectionError>;
+    /// Between which planes there may be some, mm.
+    fn reach(&self, budget: &Budget) -> Result<[f64; 2], SectionError>;
+
+    /// The first and the last plane within the reach that holds some, mm.
+    fn extent(&self, reach: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError>;
+
+    /// The steps of one section, at least; zero where that says nothing.
+    fn least_steps(&self) -> f64;
 
     /// The curves in a plane, of the tip.
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError>;
@@ -40,8 +49,16 @@ pub(super) struct OffsetEngine<'a> {
 }
 
 impl Engine for OffsetEngine<'_> {
-    fn extent(&self, _budget: &Budget) -> Result<[f64; 2], SectionError> {
+    fn reach(&self, _budget: &Budget) -> Result<[f64; 2], SectionError> {
         Ok(self.sections.extent())
+    }
+
+    fn extent(&self, reach: [f64; 2], _budget: &Budget) -> Result<[f64; 2], SectionError> {
+        Ok(reach)
+    }
+
+    fn least_steps(&self) -> f64 {
+        0.0
     }
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
@@ -56,8 +73,11 @@ pub(super) struct ContactEngine<'a, P> {
 }
 
 impl<P: Patch> Engine for ContactEngine<'_, P> {
-    fn extent(&self, budget: &Budget) -> Result<[f64; 2], SectionError> {
-        let [low, high] = self.sections.extent(budget)?;
+    fn reach(&self, budget: &Budget) -> Result<[f64; 2], SectionError> {
+        Ok(self.sections.extent(budget)?)
+    }
+
+    fn extent(&self, [low, high]: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
         let has_section = |at: f64| -> Result<bool, SectionError> {
             Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?) > 0.0)
         };
@@ -67,6 +87,10 @@ impl<P: Patch> Engine for ContactEngine<'_, P> {
             return Ok([low, high]);
         }
         Ok(extent_where([low, high], has_section)?.unwrap_or([low, high]))
+    }
+
+    fn least_steps(&self) -> f64 {
+        self.sections.least_steps()
     }
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
@@ -99,6 +123,12 @@ fn extent_where<E>(
         Ok(inside)
     };
     Ok(Some([last_that_holds(probe(first), outside[0])?, last_that_holds(probe(last), outside[1])?]))
+}
+
+/// The number of equal spaces, none larger than `stepover` mm; at least one.
+fn spaces([low, high]: [f64; 2], stepover: f64) -> f64 {
+    // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
+    ((high - low) / stepover - 1e-9).ceil().max(1.0)
 }
 
 fn length(chains: &[Chain]) -> f64 {
@@ -141,19 +171,23 @@ impl<'a> Slicer<'a> {
 
     /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
     pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
-        let [low, high] = self.extent(budget)?;
-        let width = high - low;
-        // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
-        let spaces = (width / stepover - 1e-9).ceil().max(1.0);
+        let reach = self.reach(budget)?;
+        let spaces = spaces(reach, stepover);
         let limit = job.plane_limit;
         if spaces >= limit as f64 {
-            return Err(Error::TooMuchWork {
-                what: "section planes",
-                needed: (spaces as usize).saturating_add(1),
-                limit,
-            });
+            let needed = (spaces as usize).saturating_add(1);
+            return Err(Error::TooMuchWork { what: "section planes", needed, limit });
         }
-        let n = spaces as usize;
+        let steps = (spaces + 1.0) * self.engine.least_steps();
+        if steps > STEP_LIMIT as f64 {
+            let what = "steps of the cutter's radius or a tenth of the surface";
+            return Err(Error::TooMuchWork { what, needed: steps as usize, limit: STEP_LIMIT });
+        }
+        let [low, high] = match self.inside {
+            Some(_) => reach,
+            None => self.engine.extent(reach, budget)?,
+        };
+        let (width, n) = (high - low, self::spaces([low, high], stepover) as usize);
         let first = self.outermost(low, 1.0, width, budget)?;
         let last = self.outermost(high, -1.0, width, budget)?;
         let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
@@ -161,9 +195,9 @@ impl<'a> Slicer<'a> {
         Ok(std::iter::once(first).chain(inner).chain([last]).collect())
     }
 
-    /// The first and the last plane that may have a section, mm.
-    fn extent(&self, budget: &Budget) -> Result<[f64; 2], Error> {
-        let [low, high] = self.engine.extent(budget)?;
+    /// Between which planes there may be sections that count, mm.
+    fn reach(&self, budget: &Budget) -> Result<[f64; 2], Error> {
+        let [low, high] = self.engine.reach(budget)?;
         let Some((outline, margin)) = &self.inside else { return Ok([low, high]) };
         let is_inside = |at: f64| Ok::<_, Error>(outline.is_inside(self.axis, at, *margin));
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)

@@ -25,6 +25,7 @@
 mod bound;
 mod climb;
 mod section;
+mod sides;
 mod stretch;
 mod tree;
 
@@ -68,7 +69,7 @@ const CLOSED_MM: f64 = 1e-7;
 const SIDE_SAMPLES: usize = 8;
 
 /// Normals that differ by more than this: the cutter rolls over an edge; radians.
-const ROLLING: f64 = 1e-7;
+const ROLLING: f64 = 1e-9;
 
 /// A surface and a cutter, made ready for the question where they touch.
 pub struct Contacts<'a, P> {

@@ -11,12 +11,12 @@
 //! O(n log m) for n points and m patches.
 
 use nalgebra::{Point2, Point3};
-use rayon::prelude::*;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::contact::{Contact, Contacts};
 use crate::geometry::surface::source::{AnySurface, Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::operations::sharing::in_order;
 use crate::toolpath::tool::Tool;
 
 /// Points that follow each other on one thread.
@@ -67,9 +67,9 @@ fn locate_on<P: Patch>(
     budget: &Budget,
 ) -> Result<Vec<Option<Location>>, Error> {
     let contacts = Contacts::new(surface, job.tool.cutter(), budget)?;
-    let groups: Result<Vec<_>, Stopped> =
-        job.points.par_chunks(GROUP).map(|points| locate_group(&contacts, points, budget)).collect();
-    Ok(groups?.into_iter().flatten().collect())
+    let groups: Vec<&[Point2<f64>]> = job.points.chunks(GROUP).collect();
+    let located = in_order(groups.len(), |k| locate_group(&contacts, groups[k], budget))?;
+    Ok(located.into_iter().flatten().collect())
 }
 
 fn locate_group<P: Patch>(

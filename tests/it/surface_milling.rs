@@ -1,5 +1,6 @@
 //! Surface milling, judged by evaluators of its own: dense samples, root finding and local minimisation.
 
+mod contact;
 mod cutter;
 mod jobs;
 mod kinds;
@@ -12,7 +13,7 @@ mod verdict;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::surface::point_grid::Ends;
 use toolpathd::operations::surface_milling::{
-    CutDirection, Error, Interpolation, Job, SectionPlane, Spacing, plan,
+    CutDirection, Engine, Error, Interpolation, Job, SectionPlane, Spacing, plan,
 };
 use toolpathd::toolpath::units::Tolerance;
 
@@ -87,7 +88,8 @@ fn a_trough_tighter_than_the_ball_is_refused_where_it_is_tightest() {
     let surface = heights(9, [-4.0, 4.0], Ends::NotAKnot, |x, _| 0.4 * x * x);
     for plane in PLANES {
         for direction in [CutDirection::Zigzag, CutDirection::OneWay] {
-            let job = Job { plane, direction, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
+            let engine = Engine::OffsetSection;
+            let job = Job { plane, direction, engine, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
             let refused = plan(&job, &Budget::unlimited());
             let Err(Error::OffsetFolds { at }) = refused else { panic!("{refused:?}") };
             assert!(at.x.abs() < 0.65 && at.y.abs() <= 4.0 && at.z.abs() < 0.2, "{at}");

@@ -219,6 +219,42 @@ impl Bowl {
         if at_corner && falls_both(reach) && falls_both(-reach) {
             largest = largest.min(own.largest(reach));
         }
+        // Nearly flat, the function has its largest value far outside the square.
+        if largest > 0.0 { largest.min(self.in_square(own, place, reach)) } else { largest }
+    }
+
+    /// The largest value of `own` without its downward bend, and this, over the square about `place`: convex in t, it is at an end.
+    fn in_square(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
+        let at = |t: f64| {
+            let g = [0, 1].map(|k| self.g[k] + t * self.with[k]);
+            own.constant + t * own.linear + t * t * own.square.max(0.0) + self.largest_in_square(g, place)
+        };
+        if reach == 0.0 { at(0.0) } else { at(reach).max(at(-reach)) }
+    }
+
+    /// The largest value of g . x - x N x / 2 for x from -place to 1 - place.
+    fn largest_in_square(&self, g: [f64; 2], place: [f64; 2]) -> f64 {
+        let (low, high) = (place.map(|t| -t), place.map(|t| 1.0 - t));
+        let value = |x: [f64; 2]| {
+            let bent = self.n.m11 * x[0] * x[0] + 2.0 * self.n.m12 * x[0] * x[1] + self.n.m22 * x[1] * x[1];
+            g[0] * x[0] + g[1] * x[1] - 0.5 * bent
+        };
+        let free = self.n.determinant().recip();
+        let free =
+            [free * (self.n.m22 * g[0] - self.n.m12 * g[1]), free * (self.n.m11 * g[1] - self.n.m12 * g[0])];
+        if (0..2).all(|k| (low[k]..=high[k]).contains(&free[k])) {
+            return value(free);
+        }
+        let mut largest = f64::NEG_INFINITY;
+        for axis in 0..2 {
+            let other = 1 - axis;
+            for side in [low[axis], high[axis]] {
+                let mut x = [side; 2];
+                x[other] = (g[other] - self.n.m12 * side) / self.n[(other, other)];
+                x[other] = x[other].clamp(low[other], high[other]);
+                largest = largest.max(value(x));
+            }
+        }
         largest
     }
 }

@@ -14,10 +14,10 @@
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
+use super::sides::{Sides, position};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
-use crate::geometry::solve::largest_value;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
@@ -63,16 +63,15 @@ const STEPS_BETWEEN_CHECKS: usize = 64;
 /// Tips that differ by more are not of the same contact, mm.
 const HIGHER_MM: f64 = 1e-8;
 
-/// The cutter stands level on a surface whose slope is less.
+/// The cutter stands level where its slope is less.
 const LEVEL_SLOPE: f64 = 1e-9;
 
-/// Places along a side between which its extreme is looked for.
-const SIDE_SAMPLES: usize = 24;
-
-/// The tips over lines at right angles to `axis` (0 is x, 1 is y).
+/// The tips over lines at right angles to an axis.
 pub struct TipSections<'a, P> {
-    pub contacts: &'a Contacts<'a, P>,
-    pub axis: usize,
+    contacts: &'a Contacts<'a, P>,
+    /// 0 is x, 1 is y.
+    axis: usize,
+    sides: Sides,
 }
 
 /// A walk along one line.
@@ -85,7 +84,15 @@ struct Walk<'a, P> {
     n_points: usize,
 }
 
-impl<P: Patch> TipSections<'_, P> {
+impl<'a, P: Patch> TipSections<'a, P> {
+    /// Over lines at right angles to `axis` (0 is x, 1 is y).
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn new(contacts: &'a Contacts<'a, P>, axis: usize, budget: &Budget) -> Result<Self, Stopped> {
+        Ok(Self { contacts, axis, sides: Sides::new(contacts, axis, budget)? })
+    }
+
     /// The sections over `plane`, in the sense of the growing coordinate.
     ///
     /// # Errors
@@ -118,51 +125,15 @@ impl<P: Patch> TipSections<'_, P> {
 
     /// The least and the largest coordinate of positions along the axis that may count, mm: those whose cutter touches a side of the
     /// surface with its tangent plane, or any part of it at the middle.
-    ///
-    /// # Errors
-    /// Only the budget's stop.
-    pub fn extent(&self, budget: &Budget) -> Result<[f64; 2], Stopped> {
-        let surface = self.contacts.surface;
-        let [nu, nv] = surface.spans();
+    pub fn extent(&self) -> [f64; 2] {
+        let contacts = self.contacts;
+        let middles =
+            contacts.tree.parts.iter().filter_map(|part| position(contacts, part.on_surface([0.5, 0.5])));
         let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
-        for part in &self.contacts.tree.parts {
-            if let Some(at) = self.position(part.on_surface([0.5, 0.5])) {
-                extent = [extent[0].min(at), extent[1].max(at)];
-            }
+        for at in self.sides.positions().copied().chain(middles) {
+            extent = [extent[0].min(at[self.axis]), extent[1].max(at[self.axis])];
         }
-        let (last_u, last_v) = (nu as f64, nv as f64);
-        let sides: [(usize, &dyn Fn(f64) -> [f64; 2]); 4] =
-            [(nu, &|t| [t, 0.0]), (nu, &|t| [t, last_v]), (nv, &|t| [0.0, t]), (nv, &|t| [last_u, t])];
-        for (n, place) in sides {
-            budget.check()?;
-            let at = |t: f64| self.position(place(t));
-            let step = 1.0 / SIDE_SAMPLES as f64;
-            for k in 0..=n * SIDE_SAMPLES {
-                let t = k as f64 * step;
-                let range = [(t - step).max(0.0), (t + step).min(n as f64)];
-                for (sense, end) in [(-1.0, 0), (1.0, 1)] {
-                    let Some(value) = at(t) else { continue };
-                    if sense * (value - extent[end]) > -1e-3 * self.contacts.cutter.radius() {
-                        let best = largest_value(range, |t| at(t).map_or(f64::NEG_INFINITY, |x| sense * x));
-                        extent[end] = sense * best.max(sense * value).max(sense * extent[end]);
-                    }
-                }
-            }
-        }
-        Ok(extent)
-    }
-
-    /// Where the axis of the cutter is, along the axis, when it touches the surface at a place with its tangent plane.
-    fn position(&self, [u, v]: [f64; 2]) -> Option<f64> {
-        let jet = self.contacts.surface.jet(u, v);
-        let gradient = jet.gradient();
-        let offset = if gradient.norm() > LEVEL_SLOPE || self.contacts.cutter.flat_radius() == 0.0 {
-            self.contacts.cutter.tangent_point(gradient).place
-        } else {
-            Vector2::zeros()
-        };
-        let at = jet.point[self.axis] - offset[self.axis];
-        at.is_finite().then_some(at)
+        extent
     }
 }
 
@@ -171,12 +142,18 @@ impl<P: Patch> Walk<'_, P> {
         let contacts = self.sections.contacts;
         let [low, high] = self.sections.range();
         let search_step = (SEARCH_STEP * contacts.scale).max((high - low) / POINT_LIMIT as f64);
+        // Sections that are shorter than a step lie between two sides.
+        let crossings = self.sections.sides.crossings(self.sections.axis, self.plane.traced_at);
+        let mut between: Vec<f64> =
+            crossings.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).rev().collect();
         let mut outside = low;
         for k in 0.. {
             if k % STEPS_BETWEEN_CHECKS == 0 {
                 self.budget.check()?;
             }
-            let at = (outside + search_step).min(high);
+            while between.pop_if(|next| *next <= outside).is_some() {}
+            let step = outside + search_step;
+            let at = between.pop_if(|next| *next < step).unwrap_or(step).min(high);
             if let Some(found) = self.contact(at, None)? {
                 let first = self.last_counting(found, outside)?;
                 outside = self.follow(first, high)?;
@@ -229,6 +206,7 @@ impl<P: Patch> Walk<'_, P> {
                                 return Err(SectionError::Lost { at: here.tip });
                             }
                         }
+                        self.climb(&mut points, &next);
                         Some(next)
                     }
                     Some(next) if is_higher(&next, &followed) && self.is_joined(&here, &next) => Some(next),
@@ -275,6 +253,9 @@ impl<P: Patch> Walk<'_, P> {
 
     fn is_joined(&self, from: &Contact, to: &Contact) -> bool {
         let way = to.tip - from.tip;
+        if way.norm() > self.spacing.step_length_mm {
+            return false;
+        }
         let (across, rise) = (way.xy().norm(), way.z);
         let height = self.spacing.chord_height_mm;
         // Vertical heights are larger than distances where the chord is steep and long enough.
@@ -283,10 +264,21 @@ impl<P: Patch> Walk<'_, P> {
         self.sections.contacts.is_within(from, to, vertical)
     }
 
-    /// The tip as a point of the pass.
+    /// Adds points on the way up or down a wall, no farther apart than the step length.
+    fn climb(&self, points: &mut Vec<Point3<f64>>, to: &Contact) {
+        let (from, to) = (points[points.len() - 1], self.point(to));
+        let steps = ((to - from).norm() / self.spacing.step_length_mm).ceil().min(POINT_LIMIT as f64);
+        points.extend((1..steps as usize).map(|k| from + (to - from) * (k as f64 / steps)));
+    }
+
+    /// The tip as a point of the pass, whose plane may lie a little beside that over which it was found.
     fn point(&self, contact: &Contact) -> Point3<f64> {
+        let axis = self.sections.axis;
         let mut point = contact.tip;
-        point[self.sections.axis] = self.plane.at;
+        point[axis] = self.plane.at;
+        let out = (contact.point - contact.tip).xy();
+        let rise = contact.slope * out[axis] / out.norm() * (self.plane.at - self.plane.traced_at);
+        point.z += if rise.is_finite() { rise } else { 0.0 };
         point
     }
 

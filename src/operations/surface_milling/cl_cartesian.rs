@@ -81,7 +81,7 @@ fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -
             (scallop::sampled_slopes(&surface, radius, axis, budget)?, false)
         }
     };
-    let sections = TipSections { contacts: &contacts, axis: job.plane.normal_axis() };
+    let sections = TipSections::new(&contacts, job.plane.normal_axis(), budget)?;
     let found = Found {
         engine: &ContactEngine { sections, stock: job.allowance_mm },
         contacts: Some(&contacts),

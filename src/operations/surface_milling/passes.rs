@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Point3;
-use rayon::prelude::*;
 
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
@@ -11,6 +10,7 @@ use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
+use crate::operations::sharing::in_order;
 use crate::toolpath::PathError;
 use crate::toolpath::quantize::{Grid, Parabolas, round};
 
@@ -90,7 +90,7 @@ pub(super) fn cut(
     let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let cut_one = |k: usize| -> Result<Vec<CutPass>, Error> {
         budget.check()?;
-        let forward = job.direction == CutDirection::OneWay || k % 2 == 0;
+        let forward = job.direction == CutDirection::OneWay || k.is_multiple_of(2);
         let passes = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
         let count = |what, counter: &AtomicUsize, more: usize, limit| {
             let before = counter.fetch_add(more, Ordering::Relaxed);
@@ -104,23 +104,6 @@ pub(super) fn cut(
     };
     let passes: Vec<CutPass> = in_order(planes.len(), cut_one)?.into_iter().flatten().collect();
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
-}
-
-/// What `make` makes of 0..n, in that order, or its first error, whichever thread was first. What comes after an error is not begun.
-fn in_order<T: Send, E: Send>(n: usize, make: impl Fn(usize) -> Result<T, E> + Sync) -> Result<Vec<T>, E> {
-    let first_error = AtomicUsize::new(usize::MAX);
-    let make_one = |k: usize| {
-        if k > first_error.load(Ordering::Relaxed) {
-            return None;
-        }
-        let made = make(k);
-        if made.is_err() {
-            first_error.fetch_min(k, Ordering::Relaxed);
-        }
-        Some(made)
-    };
-    let made: Vec<Option<Result<T, E>>> = (0..n).into_par_iter().map(make_one).collect();
-    made.into_iter().flatten().collect()
 }
 
 /// The passes of one plane, in the direction of travel.
@@ -267,21 +250,4 @@ fn deviation(
         deviation = deviation.max((grid.point(grid.round(&end)?) - end).norm());
     }
     Ok(deviation)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_error_counts_and_what_follows_is_left() {
-        let begun = AtomicUsize::new(0);
-        let made = in_order(10_000, |k| {
-            begun.fetch_add(1, Ordering::Relaxed);
-            if k % 1000 == 700 { Err(k) } else { Ok(k) }
-        });
-        assert_eq!(made, Err(700));
-        assert!(begun.into_inner() < 10_000);
-        assert_eq!(in_order(5, Ok::<_, ()>), Ok(vec![0, 1, 2, 3, 4]));
-    }
 }

@@ -30,7 +30,7 @@ const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64
 /// What finds the CL curves in a plane.
 pub(super) trait Engine: Sync {
     /// Between which planes there may be some, mm.
-    fn reach(&self, budget: &Budget) -> Result<[f64; 2], SectionError>;
+    fn reach(&self) -> [f64; 2];
 
     /// The first and the last plane within the reach that holds some, mm.
     fn extent(&self, reach: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError>;
@@ -49,8 +49,8 @@ pub(super) struct OffsetEngine<'a> {
 }
 
 impl Engine for OffsetEngine<'_> {
-    fn reach(&self, _budget: &Budget) -> Result<[f64; 2], SectionError> {
-        Ok(self.sections.extent())
+    fn reach(&self) -> [f64; 2] {
+        self.sections.extent()
     }
 
     fn extent(&self, reach: [f64; 2], _budget: &Budget) -> Result<[f64; 2], SectionError> {
@@ -73,8 +73,8 @@ pub(super) struct ContactEngine<'a, P> {
 }
 
 impl<P: Patch> Engine for ContactEngine<'_, P> {
-    fn reach(&self, budget: &Budget) -> Result<[f64; 2], SectionError> {
-        Ok(self.sections.extent(budget)?)
+    fn reach(&self) -> [f64; 2] {
+        self.sections.extent()
     }
 
     fn extent(&self, [low, high]: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
@@ -171,7 +171,7 @@ impl<'a> Slicer<'a> {
 
     /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
     pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
-        let reach = self.reach(budget)?;
+        let reach = self.reach()?;
         let spaces = spaces(reach, stepover);
         let limit = job.plane_limit;
         if spaces >= limit as f64 {
@@ -196,8 +196,8 @@ impl<'a> Slicer<'a> {
     }
 
     /// Between which planes there may be sections that count, mm.
-    fn reach(&self, budget: &Budget) -> Result<[f64; 2], Error> {
-        let [low, high] = self.engine.reach(budget)?;
+    fn reach(&self) -> Result<[f64; 2], Error> {
+        let [low, high] = self.engine.reach();
         let Some((outline, margin)) = &self.inside else { return Ok([low, high]) };
         let is_inside = |at: f64| Ok::<_, Error>(outline.is_inside(self.axis, at, *margin));
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)

@@ -111,6 +111,7 @@ async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_prob
     let address = server.address;
     let mut folding: Value = serde_json::from_str(DIE).expect("JSON");
     folding["tool"]["diameter_mm"] = 500.into();
+    folding["engine"] = "offset_section".into();
     let folding = folding.to_string();
     let (_, events) = aside(move || events(&mut ask(address, &folding))).await;
     let [(name, problem)] = events.as_slice() else { panic!("{events:?}") };

@@ -89,7 +89,7 @@ async fn a_model_is_a_picture_but_no_program() {
 }
 
 #[tokio::test]
-async fn edges_and_poles_are_told_of_and_not_milled() {
+async fn edges_and_poles_are_told_of_and_have_no_offset() {
     let app = app(&["--workers", "1"]);
     let row = |i: usize, z: f64| json!([[10 * i, 0, z], [10 * i, 20, z]]);
     let roof = json!({
@@ -98,10 +98,15 @@ async fn edges_and_poles_are_told_of_and_not_milled() {
     });
     let model = post(&app, MODEL, with(CYLINDER, "/surface", roof.clone()), &[]).await.json();
     assert_eq!(model["warnings"][0]["code"], "not_smooth");
-    let refused = post(&app, MILL, with(BEZIER_PATCHES, "/surface", roof), &[]).await;
+    let mut body = parsed(BEZIER_PATCHES);
+    body["engine"] = json!("offset_section");
+    let body = body.to_string();
+    let milled = post(&app, MILL, with(BEZIER_PATCHES, "/surface", roof.clone()), &[]).await;
+    assert_eq!(milled.status, 200, "{}", milled.text());
+    let refused = post(&app, MILL, with(&body, "/surface", roof), &[]).await;
     assert_eq!((refused.status.as_u16(), refused.code().as_str()), (422, "not_smooth"));
     assert_eq!(refused.problem()["place"][0], 10.0);
-    let apart = with(BEZIER_PATCHES, "/surface/patches/1/0/0/2/1", json!(20.5));
+    let apart = with(&body, "/surface/patches/1/0/0/2/1", json!(20.5));
     let refused = post(&app, MILL, apart, &[]).await;
     assert_eq!(refused.violations(), [("patches_apart".to_owned(), "#/surface/patches/1/0".to_owned())]);
     let mut pole = parsed(CYLINDER);

@@ -89,7 +89,7 @@ async fn examples_have_wires_in_every_direction() {
 }
 
 #[tokio::test]
-async fn sharp_corners_are_edges_that_are_told_of_and_not_milled() {
+async fn sharp_corners_are_edges_that_are_told_of_and_have_no_offset() {
     let app = app(&["--workers", "1"]);
     for (surface, place) in [
         (parallel("l(0,0) l(20,0) l(40,9)", "l(0,0) l(30,0)"), [20.0, 0.0, 0.0]),
@@ -106,6 +106,10 @@ async fn sharp_corners_are_edges_that_are_told_of_and_not_milled() {
         assert_eq!(model["warnings"][0]["code"], "not_smooth", "{surface}");
         let mut body = parsed(BEZIER_PATCHES);
         body["surface"] = surface;
+        body["boundary"] = json!("on");
+        let milled = post(&app, MILL, body.to_string(), &[]).await;
+        assert_eq!(milled.status, 200, "{}", milled.text());
+        body["engine"] = json!("offset_section");
         let refused = post(&app, MILL, body.to_string(), &[]).await;
         assert_eq!((refused.status.as_u16(), refused.code().as_str()), (422, "not_smooth"));
         let found = numbers(&refused.problem()["place"]);

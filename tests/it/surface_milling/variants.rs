@@ -3,7 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
 use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Report, SectionPlane, Spacing};
+use toolpathd::operations::surface_milling::{
+    CutDirection, Engine, Error, Job, Report, SectionPlane, Spacing,
+};
 
 use super::jobs::{PLANES, die, grid_of, heights, job, points};
 use super::spline::Spline;
@@ -133,7 +135,7 @@ fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) ->
     let mut counts = [0, 0];
     for seed in seeds {
         let mut noise = Noise(seed);
-        let mut noisy = job.clone();
+        let mut noisy = Job { engine: Engine::OffsetSection, ..job.clone() };
         for point in points(&mut noisy) {
             for k in 0..3 {
                 point[k] += amplitude_mm * noise.next();

@@ -1,0 +1,180 @@
+//! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense points of closed forms.
+
+use nalgebra::Point3;
+use toolpathd::budget::Budget;
+use toolpathd::geometry::surface::nurbs::Nurbs;
+use toolpathd::geometry::surface::point_grid::Ends;
+use toolpathd::geometry::surface::source::Source;
+use toolpathd::operations::surface_milling::{
+    Boundary, Engine, Error, Job, Plan, SectionPlane, Spacing, plan,
+};
+use toolpathd::toolpath::tool::{Shape, Tool};
+
+use super::jobs::{PLANES, die, freeform, grid_of, heights, job};
+use super::motion::{Kind, Motion, planned, written};
+use super::spline::Spline;
+
+/// Distance of the points of a surface that are looked at, and of the places along a path, mm.
+const POINTS_MM: f64 = 0.05;
+const PATH_MM: f64 = 0.1;
+
+/// The cutters of one radius.
+fn cutters(radius_mm: f64) -> [Tool; 3] {
+    let corner_radius_mm = 0.3 * radius_mm;
+    [Shape::Ball, Shape::Flat, Shape::BullNose { corner_radius_mm }]
+        .map(|shape| Tool { shape, ..Tool::ball(radius_mm) })
+}
+
+/// How deep a point is in a cutter with its shank, by its distance from the axis and its height over the tip; negative outside.
+fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
+    let corner = match tool.shape {
+        Shape::Ball => tool.radius_mm,
+        Shape::Flat => 0.0,
+        Shape::BullNose { corner_radius_mm } => corner_radius_mm,
+    };
+    let flat = tool.radius_mm - corner;
+    let side = tool.radius_mm - r;
+    if z >= corner {
+        if r <= flat { side.min(z) } else { side }
+    } else if r <= flat {
+        z
+    } else {
+        corner - (r - flat).hypot(corner - z)
+    }
+}
+
+/// Points of a surface over a square, rows apart by [`POINTS_MM`] in x.
+struct Dense {
+    rows: Vec<(f64, Vec<Point3<f64>>)>,
+}
+
+impl Dense {
+    fn of([from, to]: [f64; 2], height: impl Fn(f64, f64) -> f64) -> Self {
+        let n = ((to - from) / POINTS_MM).ceil() as usize;
+        let node = |k: usize| from + (to - from) * k as f64 / n as f64;
+        let row = |i: usize| {
+            let x = node(i);
+            (x, (0..=n).map(|j| Point3::new(x, node(j), height(x, node(j)))).collect())
+        };
+        Self { rows: (0..=n).map(row).collect() }
+    }
+
+    /// The depth of the deepest point in a cutter with its tip at a place.
+    fn deepest(&self, tool: &Tool, tip: Point3<f64>) -> f64 {
+        let near = self.rows.iter().filter(|row| (row.0 - tip.x).abs() <= tool.radius_mm + POINTS_MM);
+        let depth_of = |p: &Point3<f64>| depth(tool, (p - tip).xy().norm(), p.z - tip.z);
+        near.flat_map(|row| &row.1).map(depth_of).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// Plans a job, and holds its path against the points: it cuts nowhere deeper than it says, and its cuts are never off the surface.
+fn follow(job: &Job, dense: &Dense) -> Plan {
+    let plan = plan(job, &Budget::unlimited()).unwrap();
+    let report = &plan.report;
+    assert!(report.deviation_max_mm <= job.tolerance.mm() && report.gouge_max_mm <= job.tolerance.mm());
+    let computed = planned(&plan).into_iter().flatten();
+    let written = written(job, &plan);
+    let written =
+        written.iter().flat_map(|(kind, motion)| motion.extremes().into_iter().map(|motion| (*kind, motion)));
+    for (kind, motion) in computed.chain(written) {
+        let steps = (motion.length() / PATH_MM).ceil().max(1.0);
+        for k in 0..=steps as usize {
+            let tip = motion.at(k as f64 / steps);
+            let deepest = dense.deepest(&job.tool, tip);
+            assert!(deepest <= report.gouge_max_mm + 1e-6, "{:?} {kind:?} {tip}: {deepest} deep", job.tool);
+            let touches = kind != Kind::Cut || deepest >= -(report.deviation_max_mm + POINTS_MM);
+            assert!(touches, "{:?} {tip}: {deepest} off the surface", job.tool);
+        }
+    }
+    plan
+}
+
+#[test]
+fn a_trough_that_is_too_tight_is_cut_without_a_gouge_in_both_planes() {
+    let trough = |x: f64, _: f64| 0.4 * x * x;
+    let surface = heights(9, [-4.0, 4.0], Ends::NotAKnot, trough);
+    let dense = Dense::of([-4.0, 4.0], trough);
+    for plane in PLANES {
+        for tool in cutters(2.5) {
+            let job = Job { plane, tool, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
+            let refused = plan(&Job { engine: Engine::OffsetSection, ..job.clone() }, &Budget::unlimited());
+            match tool.shape {
+                Shape::Ball => assert!(matches!(refused, Err(Error::OffsetFolds { .. })), "{refused:?}"),
+                Shape::Flat | Shape::BullNose { .. } => assert_eq!(refused, Err(Error::NoBall)),
+            }
+            let plan = follow(&job, &dense);
+            // In the middle the cutter hangs on both sides: at 0.625 a ball, at 2.5 a flat end. No plane of constant x need be there.
+            let lowest = planned(&plan)
+                .into_iter()
+                .flatten()
+                .filter(|(kind, _)| *kind == Kind::Cut && plane == SectionPlane::Zx)
+                .flat_map(|(_, motion)| (0..=100).map(move |k| motion.at(f64::from(k) / 100.0)))
+                .filter(|tip| tip.y.abs() < 3.5)
+                .map(|tip| tip.z)
+                .reduce(f64::min);
+            let rest = plan.report.rest_sampled_max_mm.unwrap();
+            let (lowest_range, rest_range) = match tool.shape {
+                Shape::Ball => (0.614..0.636, 0.5..0.63),
+                Shape::Flat => (2.489..2.511, 2.0..2.51),
+                Shape::BullNose { .. } => (0.7..2.489, 0.5..2.5),
+            };
+            assert!(rest_range.contains(&rest), "{tool:?} {rest}");
+            assert!(lowest.is_none_or(|lowest| lowest_range.contains(&lowest)), "{tool:?} {lowest:?}");
+        }
+    }
+}
+
+#[test]
+fn a_roof_is_cut_over_its_edge() {
+    let row = |x: f64, z: f64| [0.0, 12.0].map(|y| Point3::new(x, y, z)).to_vec();
+    let roof = Source::Nurbs(Nurbs {
+        degree: [1, 1],
+        knots: [vec![0.0, 0.0, 1.0, 2.0, 2.0], vec![0.0, 0.0, 1.0, 1.0]],
+        control_points: vec![row(0.0, 0.0), row(6.0, 4.0), row(12.0, 0.0)],
+        weights: None,
+    });
+    let dense = Dense::of([0.0, 12.0], |x, _| 4.0 - 4.0 * (x - 6.0).abs() / 6.0);
+    for plane in PLANES {
+        for tool in cutters(1.5) {
+            let grid = heights(3, [0.0, 12.0], Ends::Natural, |_, _| 0.0);
+            let job = Job { plane, tool, surface: roof.clone(), ..job(grid, 3.0, 1.1, 0.01, 3) };
+            follow(&job, &dense);
+        }
+    }
+}
+
+#[test]
+fn bumps_and_a_die_are_cut_by_any_cutter() {
+    for plane in PLANES {
+        let bumps = freeform(plane, Default::default());
+        let spline = Spline::through(grid_of(&bumps));
+        // The grid is even: parameters go with x and y.
+        let dense = Dense::of([0.0, 12.0], |x, y| spline.jet([x / 3.0, y / 3.0]).point.z);
+        for boundary in [Boundary::Inside, Boundary::On] {
+            for tool in cutters(1.0) {
+                follow(&Job { tool, boundary, ..bumps.clone() }, &dense);
+            }
+        }
+    }
+    let die = die(PLANES[0], Default::default());
+    let spline = Spline::through(grid_of(&die));
+    let dense = Dense::of([0.0, 80.0], |x, y| spline.jet([x / 10.0, y / 10.0]).point.z);
+    for tool in &cutters(5.0)[1..] {
+        let spacing = Spacing::Stepover(16.0);
+        follow(&Job { tool: *tool, spacing, ..die.clone() }, &dense);
+    }
+}
+
+#[test]
+fn a_cutter_larger_than_the_part_rests_on_its_top() {
+    let hill = |x: f64, y: f64| -0.05 * (x * x + y * y);
+    let surface = heights(5, [-4.0, 4.0], Ends::NotAKnot, hill);
+    let dense = Dense::of([-4.0, 4.0], hill);
+    for tool in cutters(40.0) {
+        let plan = follow(&Job { tool, ..job(surface.clone(), 80.0, 9.0, 0.01, 3) }, &dense);
+        let highest = planned(&plan).into_iter().flatten().filter(|(kind, _)| *kind == Kind::Cut);
+        let highest =
+            highest.map(|(_, motion): (_, Motion)| motion.at(0.5).z).fold(f64::NEG_INFINITY, f64::max);
+        assert!(highest <= 0.011, "{highest}");
+    }
+}

@@ -24,34 +24,25 @@
 
 mod bound;
 mod climb;
+mod drop;
 mod section;
 mod sides;
 mod stretch;
+mod support;
 mod tree;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::best_first::BestFirst;
-use super::cutter::{Cutter, LowerPoint};
+use super::cutter::Cutter;
 use super::surface::patch::{Bounds, Patch};
-use super::surface::{BezierSurface, Jet, Surface, span_of};
+use super::surface::{BezierSurface, Surface};
 use crate::budget::{Budget, Stopped};
-use bound::{Level, Track};
-use climb::{Climb, Found};
+use bound::Track;
+use drop::{Best, Drop};
 pub use section::{SHORTEST_STEP_MM, TipSections};
-use tree::{Part, Tree, Visitor, squared_distance_in_plan};
-
-/// A tip is proved to be this exact, mm.
-const ACCURACY_MM: f64 = 1e-9;
-
-/// Parts that are halved for one question; beyond that the bound at hand is taken.
-const HALVING_LIMIT: usize = 20_000;
-
-/// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
-const FIRST_STEPS: usize = 5;
-const PATCHES_TRIED: usize = 3;
+use tree::{Tree, squared_distance_in_plan};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
@@ -103,15 +94,6 @@ pub struct Contact {
     pub slope: f64,
     /// Whether the cutter hangs on an edge where the surface ends, and turned from its normal.
     pub is_rolling: bool,
-}
-
-/// The best contact known while others are looked for.
-#[derive(Debug, Clone, Copy)]
-struct Best {
-    height: f64,
-    jet: Jet,
-    place: [f64; 2],
-    lower: LowerPoint,
 }
 
 impl<'a, P: Patch> Contacts<'a, P> {
@@ -205,168 +187,6 @@ impl<'a, P: Patch> Contacts<'a, P> {
     }
 }
 
-/// A search for the contact at one place.
-struct Drop<'a, 'b, P> {
-    contacts: &'b Contacts<'a, P>,
-    track: Track,
-    /// Where the contact is expected.
-    guess: Option<[f64; 2]>,
-    best: Option<Best>,
-    /// Parts that may lift the tip higher, with how high.
-    open: BestFirst<Part<P>>,
-    /// What could not be proved to be lower.
-    above: f64,
-    /// Parts that were looked at.
-    looks: usize,
-}
-
-impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
-    fn promise(&self, bounds: &Bounds) -> f64 {
-        self.contacts.lift_of_box(bounds, &self.track)
-    }
-
-    fn is_settled(&self, promise: f64) -> bool {
-        promise <= self.level()
-    }
-
-    fn visit(&mut self, part: &Part<P>, promise: f64) {
-        self.looks += 1;
-        let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
-        if highest > self.level() {
-            self.open.push(highest, *part);
-        }
-    }
-}
-
-impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
-    fn new(contacts: &'b Contacts<'a, P>, at: Vector2<f64>, guess: Option<[f64; 2]>) -> Self {
-        Self {
-            contacts,
-            track: Track::point(at),
-            guess,
-            best: None,
-            open: BestFirst::default(),
-            above: f64::NEG_INFINITY,
-            looks: 0,
-        }
-    }
-
-    /// What is no higher does not matter.
-    fn level(&self) -> f64 {
-        self.best.map_or(f64::NEG_INFINITY, |best| best.height + ACCURACY_MM)
-    }
-
-    /// Looks first where the contact is expected, and goes on over joints of patches.
-    fn try_at(&mut self, mut place: [f64; 2]) {
-        let spans = self.contacts.surface.spans();
-        let mut patch = [0, 1].map(|k| span_of(place[k], spans[k]));
-        for _ in 0..PATCHES_TRIED {
-            place = self.climb_patch(patch, place);
-            let next = [0, 1].map(|k| match place[k] - patch[k] as f64 {
-                t if t <= 0.0 => patch[k].saturating_sub(1),
-                t if t >= 1.0 => (patch[k] + 1).min(spans[k] - 1),
-                _ => patch[k],
-            });
-            if next == patch {
-                break;
-            }
-            patch = next;
-        }
-    }
-
-    /// Climbs one patch; answers where it ends.
-    fn climb_patch(&mut self, [i, j]: [usize; 2], place: [f64; 2]) -> [f64; 2] {
-        let patch = self.contacts.surface.patch(i, j);
-        let start = [i as f64, j as f64];
-        let own = [0, 1].map(|k| (place[k] - start[k]).clamp(0.0, 1.0));
-        let (contacts, track) = (self.contacts, self.track);
-        let mut climb = Climb::new(&contacts.cutter, &track, own);
-        for _ in 0..FIRST_STEPS {
-            let jet = climb.look(patch);
-            self.raise(climb.found(&jet), start, [1.0, 1.0]);
-            if !climb.step(&jet) {
-                break;
-            }
-        }
-        [0, 1].map(|k| start[k] + climb.place()[k])
-    }
-
-    fn raise(&mut self, found: Option<Found>, start: [f64; 2], scale: [f64; 2]) {
-        if let Some(Found { height, jet, place, lower }) = found
-            && self.best.is_none_or(|best| height > best.height)
-        {
-            let place = [0, 1].map(|k| start[k] + scale[k] * place[k]);
-            self.best = Some(Best { height, jet, place, lower });
-            self.guess = Some(place);
-        }
-    }
-
-    /// Halves what may lift the tip higher, the most promising first, until nothing is left.
-    fn close(&mut self, budget: &Budget) -> Result<(), Stopped> {
-        for halvings in 1.. {
-            let Some((highest, part)) = self.open.pop() else { return Ok(()) };
-            if highest <= self.level() {
-                return Ok(());
-            }
-            if part.size() <= self.contacts.smallest || halvings > HALVING_LIMIT {
-                self.above = highest;
-                return Ok(());
-            }
-            if halvings.is_multiple_of(64) {
-                budget.check()?;
-            }
-            for half in part.halves() {
-                let promise = self.promise(&half.bounds);
-                if !self.is_settled(promise) {
-                    self.visit(&half, promise);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the best.
-    fn highest(&mut self, part: &Part<P>) -> f64 {
-        if let Some(best) = &self.best {
-            let support = Support::of(&self.contacts.cutter, &best.lower, &self.track);
-            let level = Level { level: best.height, slope: 0.0 };
-            let highest = best.height + support.excess(part, &self.track, &level);
-            if highest <= self.level() {
-                return highest;
-            }
-        }
-        let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
-        let (contacts, track) = (self.contacts, self.track);
-        let mut climb = Climb::new(&contacts.cutter, &track, start);
-        let mut highest = f64::INFINITY;
-        for _ in 0..climb::STEPS {
-            let jet = climb.look(&part.patch);
-            self.raise(climb.found(&jet), part.start, part.scale);
-            let least = self.best.map_or(jet.point.z, |best| best.height);
-            let level = Level { level: least, slope: 0.0 };
-            highest = highest.min(least + climb.excess(part, &jet, &level));
-            if highest <= self.level() || !climb.step(&jet) {
-                break;
-            }
-        }
-        highest
-    }
-
-    fn contact(&self) -> Option<Contact> {
-        let best = self.best.as_ref()?;
-        let at = self.track.center;
-        let gap_mm = (self.above - best.height).max(ACCURACY_MM);
-        Some(Contact {
-            tip: Point3::new(at.x, at.y, best.height),
-            point: best.jet.point,
-            place: best.place,
-            gap_mm,
-            slope: best.lower.slope(),
-            is_rolling: self.contacts.is_rolling(best),
-        })
-    }
-}
-
 impl<P: Patch> Contacts<'_, P> {
     /// Whether a contact lies on an edge of the surface and is none of its tangent plane.
     fn is_rolling(&self, best: &Best) -> bool {
@@ -379,35 +199,6 @@ impl<P: Patch> Contacts<'_, P> {
         let Some(normal) = best.jet.normal().try_normalize(0.0) else { return true };
         let cutter = Vector3::new(-best.lower.gradient.x, -best.lower.gradient.y, 1.0).normalize();
         normal.cross(&cutter).norm() > ROLLING
-    }
-}
-
-/// What the contact known says of other parts: its tangent plane, and the paraboloid about it.
-struct Support {
-    /// Where the cutter touches in plan, mm.
-    at: Vector2<f64>,
-    height: f64,
-    gradient: Vector2<f64>,
-    round: f64,
-}
-
-impl Support {
-    fn of(cutter: &Cutter, lower: &LowerPoint, track: &Track) -> Self {
-        Self {
-            at: track.center + lower.place,
-            height: lower.height,
-            gradient: lower.gradient,
-            round: cutter.support_forms(lower, f64::NEG_INFINITY)[0].norm(),
-        }
-    }
-
-    /// By how much a part lifts the tip above a level, at most, mm.
-    fn excess<P: Patch>(&self, part: &Part<P>, track: &Track, level: &Level) -> f64 {
-        let tilted = |p: Vector3<f64>| p.z - self.gradient.dot(&(p.xy() - self.at));
-        let highest = part.patch.control_points().map(tilted).fold(f64::NEG_INFINITY, f64::max);
-        let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
-        let distance = (squared_distance_in_plan(&part.bounds, &self.at).sqrt() - track.reach).max(0.0);
-        highest - self.height + along - 0.5 * self.round * distance * distance - level.level
     }
 }
 

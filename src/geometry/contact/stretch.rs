@@ -16,8 +16,9 @@ use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::bound::{Level, Track};
 use super::climb::{Climb, TOUCHING};
+use super::support::Support;
 use super::tree::{Part, Visitor};
-use super::{Contact, Contacts, Support};
+use super::{Contact, Contacts};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Surface, span_of};
 

@@ -1,0 +1,195 @@
+//! The search for the contact at one place: Newton's method for the best, and the proof that nothing lifts the tip higher.
+
+use nalgebra::{Point3, Vector2};
+
+use super::bound::{Level, Track};
+use super::climb::{self, Climb, Found};
+use super::support::Support;
+use super::tree::{Part, Visitor};
+use super::{Contact, Contacts};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::best_first::BestFirst;
+use crate::geometry::cutter::LowerPoint;
+use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::{Jet, Surface, span_of};
+
+/// A tip is proved to be this exact, mm.
+const ACCURACY_MM: f64 = 1e-9;
+
+/// Parts that are halved for one question; beyond that the bound at hand is taken.
+const HALVING_LIMIT: usize = 20_000;
+
+/// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
+const FIRST_STEPS: usize = 5;
+const PATCHES_TRIED: usize = 3;
+
+/// The best contact known while others are looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Best {
+    pub(super) height: f64,
+    pub(super) jet: Jet,
+    pub(super) place: [f64; 2],
+    pub(super) lower: LowerPoint,
+}
+
+/// A search for the contact at one place.
+pub(super) struct Drop<'a, 'b, P> {
+    contacts: &'b Contacts<'a, P>,
+    track: Track,
+    /// Where the contact is expected.
+    guess: Option<[f64; 2]>,
+    best: Option<Best>,
+    /// Parts that may lift the tip higher, with how high.
+    open: BestFirst<Part<P>>,
+    /// What could not be proved to be lower.
+    above: f64,
+    /// Parts that were looked at.
+    pub(super) looks: usize,
+}
+
+impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
+    fn promise(&self, bounds: &Bounds) -> f64 {
+        self.contacts.lift_of_box(bounds, &self.track)
+    }
+
+    fn is_settled(&self, promise: f64) -> bool {
+        promise <= self.level()
+    }
+
+    fn visit(&mut self, part: &Part<P>, promise: f64) {
+        self.looks += 1;
+        let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
+        if highest > self.level() {
+            self.open.push(highest, *part);
+        }
+    }
+}
+
+impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
+    pub(super) fn new(contacts: &'b Contacts<'a, P>, at: Vector2<f64>, guess: Option<[f64; 2]>) -> Self {
+        Self {
+            contacts,
+            track: Track::point(at),
+            guess,
+            best: None,
+            open: BestFirst::default(),
+            above: f64::NEG_INFINITY,
+            looks: 0,
+        }
+    }
+
+    /// What is no higher does not matter.
+    fn level(&self) -> f64 {
+        self.best.map_or(f64::NEG_INFINITY, |best| best.height + ACCURACY_MM)
+    }
+
+    /// Looks first where the contact is expected, and goes on over joints of patches.
+    pub(super) fn try_at(&mut self, mut place: [f64; 2]) {
+        let spans = self.contacts.surface.spans();
+        let mut patch = [0, 1].map(|k| span_of(place[k], spans[k]));
+        for _ in 0..PATCHES_TRIED {
+            place = self.climb_patch(patch, place);
+            let next = [0, 1].map(|k| match place[k] - patch[k] as f64 {
+                t if t <= 0.0 => patch[k].saturating_sub(1),
+                t if t >= 1.0 => (patch[k] + 1).min(spans[k] - 1),
+                _ => patch[k],
+            });
+            if next == patch {
+                break;
+            }
+            patch = next;
+        }
+    }
+
+    /// Climbs one patch; answers where it ends.
+    fn climb_patch(&mut self, [i, j]: [usize; 2], place: [f64; 2]) -> [f64; 2] {
+        let patch = self.contacts.surface.patch(i, j);
+        let start = [i as f64, j as f64];
+        let own = [0, 1].map(|k| (place[k] - start[k]).clamp(0.0, 1.0));
+        let (contacts, track) = (self.contacts, self.track);
+        let mut climb = Climb::new(&contacts.cutter, &track, own);
+        for _ in 0..FIRST_STEPS {
+            let jet = climb.look(patch);
+            self.raise(climb.found(&jet), start, [1.0, 1.0]);
+            if !climb.step(&jet) {
+                break;
+            }
+        }
+        [0, 1].map(|k| start[k] + climb.place()[k])
+    }
+
+    fn raise(&mut self, found: Option<Found>, start: [f64; 2], scale: [f64; 2]) {
+        if let Some(Found { height, jet, place, lower }) = found
+            && self.best.is_none_or(|best| height > best.height)
+        {
+            let place = [0, 1].map(|k| start[k] + scale[k] * place[k]);
+            self.best = Some(Best { height, jet, place, lower });
+            self.guess = Some(place);
+        }
+    }
+
+    /// Halves what may lift the tip higher, the most promising first, until nothing is left.
+    pub(super) fn close(&mut self, budget: &Budget) -> Result<(), Stopped> {
+        for halvings in 1.. {
+            let Some((highest, part)) = self.open.pop() else { return Ok(()) };
+            if highest <= self.level() {
+                return Ok(());
+            }
+            if part.size() <= self.contacts.smallest || halvings > HALVING_LIMIT {
+                self.above = highest;
+                return Ok(());
+            }
+            if halvings.is_multiple_of(64) {
+                budget.check()?;
+            }
+            for half in part.halves() {
+                let promise = self.promise(&half.bounds);
+                if !self.is_settled(promise) {
+                    self.visit(&half, promise);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the best.
+    fn highest(&mut self, part: &Part<P>) -> f64 {
+        if let Some(best) = &self.best {
+            let support = Support::of(&self.contacts.cutter, &best.lower, &self.track);
+            let level = Level { level: best.height, slope: 0.0 };
+            let highest = best.height + support.excess(part, &self.track, &level);
+            if highest <= self.level() {
+                return highest;
+            }
+        }
+        let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
+        let (contacts, track) = (self.contacts, self.track);
+        let mut climb = Climb::new(&contacts.cutter, &track, start);
+        let mut highest = f64::INFINITY;
+        for _ in 0..climb::STEPS {
+            let jet = climb.look(&part.patch);
+            self.raise(climb.found(&jet), part.start, part.scale);
+            let least = self.best.map_or(jet.point.z, |best| best.height);
+            let level = Level { level: least, slope: 0.0 };
+            highest = highest.min(least + climb.excess(part, &jet, &level));
+            if highest <= self.level() || !climb.step(&jet) {
+                break;
+            }
+        }
+        highest
+    }
+
+    pub(super) fn contact(&self) -> Option<Contact> {
+        let best = self.best.as_ref()?;
+        let at = self.track.center;
+        let gap_mm = (self.above - best.height).max(ACCURACY_MM);
+        Some(Contact {
+            tip: Point3::new(at.x, at.y, best.height),
+            point: best.jet.point,
+            place: best.place,
+            gap_mm,
+            slope: best.lower.slope(),
+            is_rolling: self.contacts.is_rolling(best),
+        })
+    }
+}

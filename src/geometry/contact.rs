@@ -30,6 +30,7 @@ mod sides;
 mod stretch;
 mod support;
 mod tree;
+mod walk;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -41,7 +42,7 @@ use super::surface::{BezierSurface, Surface};
 use crate::budget::{Budget, Stopped};
 use bound::Track;
 use drop::{Best, Drop};
-pub use section::{SHORTEST_STEP_MM, TipSections};
+pub use section::TipSections;
 use tree::{Tree, squared_distance_in_plan};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.

@@ -1,16 +1,19 @@
-//! Finishing a surface with a ball cutter along parallel plane sections (CL-Cartesian machining).
+//! Finishing a surface along parallel plane sections (CL-Cartesian machining), by direct contact or by sections of the offset; and
+//! roughing along unions of wires (`wire_union`).
 //!
 //! # Method
-//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), proved to be smooth
-//!    ([`joints`]), and continued past its edges where the cutter is to run past them.
-//! 2. Its normal is proved to point up and its offset, by the radius and the stock to be left, not to fold
-//!    ([`regularity`]). From the same proof come the heights that passes leave between them (`scallop`).
-//! 3. `planes`: equally spaced planes cut the offset; where the cutter is to stay inside the `outline`, what comes
-//!    nearer to it is cut off. `passes`: each section, lowered by the radius (Ju eq. 1), is a curve of CL points, and
-//!    is joined by arcs and lines (Ju, section 4).
+//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), and continued past its edges where the cutter is to
+//!    run past them.
+//! 2. *By contact*: the tip follows where the cutter, larger by the stock to be left, touches from above
+//!    ([`contact`](crate::geometry::contact)). *By sections of the offset*: the surface is proved to be smooth
+//!    ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the radius and the stock, not to fold
+//!    ([`regularity`](crate::geometry::surface::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). From
+//!    that proof, where there is one, come the heights that passes leave between them (`scallop`).
+//! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
+//!    off. `passes`: the CL points of each section are joined by arcs and lines (Ju, section 4).
 //! 4. `links`: one way or zigzag, the passes are joined by links, or by retract, rapid and plunge.
-//! 5. Every move, as computed and as it will be written, is certified against the surface
-//!    ([`clearance`](crate::geometry::clearance)).
+//! 5. Of a ball every move, as computed and as it will be written, is certified against the surface (`certificate`). Other cutters cut no
+//!    deeper than their path deviates.
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the

@@ -16,8 +16,8 @@ use crate::geometry::section::Sections;
 use crate::geometry::surface::joints::{self, Joints};
 use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
-use crate::toolpath::Toolpath;
 use crate::toolpath::tool::Shape;
+use crate::toolpath::{Move, Role, Toolpath};
 
 /// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
 /// falls only with the cube root of what is left. Points of direct contact are dearer.
@@ -158,10 +158,11 @@ fn plan_with<P: Patch>(
     let penetration = match proof {
         Proof::Certificate(clearance) => certify(&toolpath, job, clearance, gap, budget)?,
         // Who is moved by so much cuts no deeper.
-        Proof::Contact(_) => Penetration {
-            bound_mm: job.allowance_mm + deviation_max_mm.max(links::TOLERANCE_SHARE * job.tolerance.mm()),
-            ..Penetration::NONE
-        },
+        Proof::Contact(_) => {
+            let has_links = toolpath.moves().any(|m| matches!(m, Move::Feed { role: Role::Link, .. }));
+            let of_links = if has_links { links::TOLERANCE_SHARE * job.tolerance.mm() } else { 0.0 };
+            Penetration { bound_mm: job.allowance_mm + deviation_max_mm.max(of_links), ..Penetration::NONE }
+        }
     };
     let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
     let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
@@ -211,7 +212,9 @@ fn certify(
     let moves = certificate::curves(toolpath);
     let deepest = certificate::deepest(moves, clearance, job, [gap, tolerance_mm], budget)?;
     match deepest.at {
-        Some(at) if deepest.found_mm > tolerance_mm => Err(Error::OffsetFolds { at }),
+        Some(at) if deepest.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
+            Err(Error::OffsetFolds { at })
+        }
         at if deepest.bound_mm > tolerance_mm => {
             let at = at.unwrap_or(toolpath.start());
             Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: deepest.bound_mm, at })

@@ -5,7 +5,7 @@
 
 Both get the same surface: z = 10 sin(pi x / 40) cos(pi y / 40) over 80 x 80 mm, interpolated through 9 x 9 points. The patches come from
 the service's /v1/surfaces/model; OpenCAMLib gets triangles whose corners lie on them. The judge of both is `Reference`, which knows the
-control nets and shares no code with either. Start the service with `--workers 1` and RAYON_NUM_THREADS=1 in its environment to measure one
+control nets and shares no code with either. Start the service as `taskset -c 0 toolpathd --workers 1` to measure one
 thread; OpenCAMLib is told to take one. NumPy and OpenCAMLib are installed into --venv when this Python lacks them.
 """
 

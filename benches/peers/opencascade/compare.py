@@ -7,7 +7,7 @@ The surface is z = 10 sin(pi x / 40) cos(pi y / 40) over 80 x 80 mm, interpolate
 10 mm is round, so the ball's centre runs on sections of the offset surface, whole. Open CASCADE makes these by GeomAPI_IntSS of a
 Geom_OffsetSurface and planes, and by BRepAlgoAPI_Section of an offset face; the service mills with the same planes, and what it answers is a
 path of arcs and lines within its tolerance. The judge knows the control nets: a point of the centre's path is off by its distance from the
-surface less the radius. Start the service with `--workers 1` and RAYON_NUM_THREADS=1 in its environment to measure one thread.
+surface less the radius. Start the service as `taskset -c 0 toolpathd --workers 1` to measure one thread.
 NumPy and cadquery-ocp are installed into --venv when this Python lacks them.
 """
 

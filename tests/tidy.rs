@@ -28,6 +28,7 @@ const OUTSIDE: &[&str] = &[
     "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
     "utoipa",
 ];
+
 /// What can be read in one sitting.
 const LONGEST_FILE: usize = 420;
 

@@ -6,7 +6,8 @@ use axum::extract::State;
 use axum::response::Response;
 
 use crate::budget::Budget;
-use crate::geometry::wires::{self, sketch};
+use crate::geometry::surface::source::Source;
+use crate::geometry::wires::{self, Wire};
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -43,8 +44,9 @@ fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport>, ApiError
     })
 }
 
-fn sketched(surface: &crate::geometry::surface::source::Source) -> Vec<wires::Wire> {
-    surface.surface().map(|surface| sketch(&surface)).unwrap_or_default()
+/// A few curves on the surface.
+fn sketched(surface: &Source) -> Vec<Wire> {
+    surface.surface().map(|surface| wires::sketch(&surface)).unwrap_or_default()
 }
 
 impl From<Error> for ApiError {

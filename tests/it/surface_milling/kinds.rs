@@ -88,18 +88,20 @@ fn sections_across_a_cylinder_are_its_arcs_and_along_it_lines() {
         across.report
     );
 
-    let along = plan(&job(cylinder(), SectionPlane::Yz, 4.0), &Budget::unlimited()).unwrap();
-    assert_eq!((along.report.n_arcs, along.report.n_lines), (0, along.report.n_passes));
-    for (kind, motion) in planned(&along).into_iter().flatten() {
-        if let (Kind::Cut, Motion::Straight { from, to }) = (kind, motion) {
-            for p in [from, to] {
-                assert!((p.x.hypot(p.z + BALL) - RADIUS - BALL).abs() < 1e-9, "{p}");
+    // By contact, an end of a section is looked for by halving.
+    for (engine, straight_mm, end_mm) in [(Engine::OffsetSection, 1e-9, 1e-9), (Engine::Contact, 1e-8, 1e-6)]
+    {
+        let job = Job { engine, ..job(cylinder(), SectionPlane::Yz, 4.0) };
+        let along = plan(&job, &Budget::unlimited()).unwrap();
+        assert_eq!((along.report.n_arcs, along.report.n_lines), (0, along.report.n_passes));
+        for (kind, motion) in planned(&along).into_iter().flatten() {
+            if let (Kind::Cut, Motion::Straight { from, to }) = (kind, motion) {
+                for p in [from, to] {
+                    assert!((p.x.hypot(p.z + BALL) - RADIUS - BALL).abs() < 1e-9, "{p}");
+                }
+                let way = to - from;
+                assert!(way.xz().norm() < straight_mm && (way.y.abs() - 30.0).abs() < end_mm, "{from} {to}");
             }
-            // Where a section ends is known to a millionth.
-            assert!(
-                (to - from).xz().norm() < 1e-8 && ((to - from).y.abs() - 30.0).abs() < 1e-6,
-                "{from} {to}"
-            );
         }
     }
 }

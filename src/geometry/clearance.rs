@@ -66,6 +66,12 @@ pub struct Penetration {
 
 impl Penetration {
     pub const NONE: Penetration = Penetration { bound_mm: 0.0, found_mm: 0.0, at: None };
+
+    /// The deepest of this and of `other`.
+    pub fn or_deeper(self, other: Self) -> Self {
+        let deeper = if other.found_mm > self.found_mm { other } else { self };
+        Self { bound_mm: self.bound_mm.max(other.bound_mm), ..deeper }
+    }
 }
 
 /// A surface made ready for the question how deep a ball cutter cuts into it.

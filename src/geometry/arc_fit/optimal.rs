@@ -25,6 +25,9 @@ pub struct Node {
 /// Failures after which the fan is asked first.
 const PATIENCE: usize = 8;
 
+/// Looks at points that take as long as the fan takes for one.
+const LOOKS_OF_FAN: usize = 8;
+
 const NOWHERE: usize = usize::MAX;
 
 /// What a search came to.
@@ -122,11 +125,13 @@ impl Search<'_> {
                 }
                 let mut is_open = true;
                 while let Some(index) = worth.next_if(|index| *index < to.index) {
+                    self.looks += LOOKS_OF_FAN;
                     is_open &= self.fan.take(self.points.flat[index]);
                 }
                 if std::mem::take(&mut has_failed) {
                     // What no element to there passed, none to any later point does.
                     for k in witnesses.points().filter(|k| (from.index + 1..to.index).contains(k)) {
+                        self.looks += LOOKS_OF_FAN;
                         is_open &= self.fan.take(self.points.flat[k]);
                     }
                 }

@@ -23,7 +23,7 @@
 use nalgebra::Point3;
 
 use super::curvature;
-use super::{BezierSurface, Patch, Surface};
+use super::{BezierSurface, Jet, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 
 /// Why a surface cannot be followed by the cutter.
@@ -96,6 +96,12 @@ const DEPTH_LIMIT: u32 = 42;
 /// square of the share, so they are overestimated by no more than a tenth.
 const SHARPNESS: f64 = 0.95;
 
+/// Where a slope is neither as steep nor as hollow as others on the surface this will do: nothing is left there that is as high.
+const SHARPNESS_ELSEWHERE: f64 = 0.85;
+
+/// Places of a patch, each way, at which the steepest and the most hollow are looked for.
+const SAMPLES: usize = 3;
+
 /// Halvings of one patch for the sake of sharp slopes alone.
 const SHARP_DEPTH: u32 = 14;
 
@@ -114,7 +120,8 @@ pub fn prove(
     axis: usize,
     budget: &Budget,
 ) -> Result<Regularity, Irregular> {
-    let mut proof = Proof { radius, axis, boxes: 0, slopes: [None; SLOPE_CLASSES], budget };
+    let worst = worst_slope(surface, radius, axis, budget)?;
+    let mut proof = Proof { radius, axis, worst, boxes: 0, slopes: [None; SLOPE_CLASSES], budget };
     let mut section_curvatures = Vec::with_capacity(surface.patches().len());
     for patch in surface.patches() {
         match proof.of_patch(patch) {
@@ -156,9 +163,40 @@ fn tightest(
     Ok(Irregular::Folds { at: worst.1 })
 }
 
+/// The least share and the largest concavity that are seen, at whatever places.
+fn worst_slope(
+    surface: &BezierSurface<impl Patch>,
+    radius: f64,
+    axis: usize,
+    budget: &Budget,
+) -> Result<Slope, Stopped> {
+    let mut worst = Slope { share: 1.0, concavity: 0.0 };
+    let at = |k: usize| k as f64 / (SAMPLES - 1) as f64;
+    for patch in surface.patches() {
+        budget.check()?;
+        for k in 0..SAMPLES * SAMPLES {
+            let jet = patch.jet(at(k / SAMPLES), at(k % SAMPLES));
+            worst.share = worst.share.min(share_at(&jet, axis));
+            let concave = curvature::most_concave_at(&jet);
+            let margin = 1.0 - radius * concave;
+            if margin > 0.0 {
+                worst.concavity = worst.concavity.max(concave / margin);
+            }
+        }
+    }
+    Ok(worst)
+}
+
+/// The share of a slope: the length of the part of the unit normal in the plane.
+fn share_at(jet: &Jet, axis: usize) -> f64 {
+    let normal = jet.normal();
+    (1.0 - (normal[axis] / normal.norm()).powi(2)).sqrt()
+}
+
 struct Proof<'a> {
     radius: f64,
     axis: usize,
+    worst: Slope,
     /// Boxes examined so far.
     boxes: usize,
     /// The least share and the largest concavity of each class of shares.
@@ -178,7 +216,7 @@ impl Proof<'_> {
                 self.budget.check()?;
             }
             let may_halve = depth < DEPTH_LIMIT && self.boxes < limit;
-            match examine(&part, self.radius, self.axis) {
+            match self.examine(&part) {
                 Finding::Followed(followed) if followed.is_sharp || depth >= SHARP_DEPTH || !may_halve => {
                     bound = bound.max(followed.section_curvature);
                     self.note(followed.slope);
@@ -217,43 +255,48 @@ enum Finding {
     Folds,
 }
 
-fn examine(part: &impl Patch, radius: f64, axis: usize) -> Finding {
-    let derivatives = part.derivatives();
-    let cross = derivatives.normal();
-    let length = cross.center.norm();
-    let at_center = part.jet(0.5, 0.5);
-    let normal_at_center = at_center.normal();
-    if normal_at_center.z <= 0.0 {
-        return Finding::Overhang;
+impl Proof<'_> {
+    fn examine(&self, part: &impl Patch) -> Finding {
+        let Self { radius, axis, worst, .. } = *self;
+        let derivatives = part.derivatives();
+        let cross = derivatives.normal();
+        let length = cross.center.norm();
+        let at_center = part.jet(0.5, 0.5);
+        let normal_at_center = at_center.normal();
+        if normal_at_center.z <= 0.0 {
+            return Finding::Overhang;
+        }
+        if cross.center.z <= cross.radius {
+            return Finding::Undecided(Doubt::Normal);
+        }
+        let Some([low, high]) = curvature::bounds(&derivatives) else {
+            return Finding::Undecided(Doubt::Curvature);
+        };
+        let true_high = curvature::most_concave_at(&at_center);
+        if radius * true_high >= 1.0 {
+            return Finding::Folds;
+        }
+        let margin = 1.0 - radius * high;
+        if margin < 0.5 * (1.0 - radius * true_high) || margin <= 0.0 {
+            return Finding::Undecided(Doubt::Curvature);
+        }
+        // The section's curvature is the normal curvature of the offset over the part of the normal in the plane.
+        let mut in_plane = cross.center;
+        in_plane[axis] = 0.0;
+        let share = (in_plane.norm() - cross.radius) / (length + cross.radius);
+        if share <= 0.0 {
+            return Finding::Undecided(Doubt::Normal);
+        }
+        let offset_curvature = (high / margin).abs().max((low / (1.0 - radius * low)).abs());
+        let concavity = (high / margin).max(0.0);
+        let is_worst = share < worst.share || concavity > worst.concavity;
+        let sharpness = if is_worst { SHARPNESS } else { SHARPNESS_ELSEWHERE };
+        Finding::Followed(Followed {
+            section_curvature: offset_curvature / share,
+            slope: Slope { share, concavity },
+            is_sharp: share >= sharpness * share_at(&at_center, axis),
+        })
     }
-    if cross.center.z <= cross.radius {
-        return Finding::Undecided(Doubt::Normal);
-    }
-    let Some([low, high]) = curvature::bounds(&derivatives) else {
-        return Finding::Undecided(Doubt::Curvature);
-    };
-    let true_high = curvature::most_concave_at(&at_center);
-    if radius * true_high >= 1.0 {
-        return Finding::Folds;
-    }
-    let margin = 1.0 - radius * high;
-    if margin < 0.5 * (1.0 - radius * true_high) || margin <= 0.0 {
-        return Finding::Undecided(Doubt::Curvature);
-    }
-    // The section's curvature is the normal curvature of the offset over the part of the normal in the plane.
-    let mut in_plane = cross.center;
-    in_plane[axis] = 0.0;
-    let share = (in_plane.norm() - cross.radius) / (length + cross.radius);
-    if share <= 0.0 {
-        return Finding::Undecided(Doubt::Normal);
-    }
-    let offset_curvature = (high / margin).abs().max((low / (1.0 - radius * low)).abs());
-    let true_share = (1.0 - (normal_at_center[axis] / normal_at_center.norm()).powi(2)).sqrt();
-    Finding::Followed(Followed {
-        section_curvature: offset_curvature / share,
-        slope: Slope { share, concavity: (high / margin).max(0.0) },
-        is_sharp: share >= SHARPNESS * true_share,
-    })
 }
 
 #[cfg(test)]

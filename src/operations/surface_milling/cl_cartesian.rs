@@ -13,7 +13,7 @@ use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::contact::{Contacts, TipSections};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::Sections;
-use crate::geometry::surface::joints::{self, Joints};
+use crate::geometry::surface::joints::{self, Joints, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::tool::Shape;
@@ -37,6 +37,16 @@ struct Found<'a, P> {
     is_followed: bool,
     seam: Seam,
     chord_height_share: f64,
+    depth: Depth,
+}
+
+/// How deep passes may cut into the surface.
+#[derive(Clone, Copy, PartialEq)]
+enum Depth {
+    /// The tolerance.
+    Tolerance,
+    /// As they deviate, and no deeper: or else something is in their way that they know nothing of.
+    Deviation,
 }
 
 /// Plans the passes.
@@ -56,42 +66,74 @@ fn by_offset_section<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Bu
     }
     let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
     let surface = prepared(surface, job)?;
+    let regularity = regularity::prove(&surface, job.offset_mm(), job.plane.normal_axis(), budget)?;
+    let offset = Offset { regularity: &regularity, seam: seam(&joints, job, regularity.slopes()) };
+    by_sections(&surface, &offset, None, job, budget)
+}
+
+/// By the contacts of the cutter. Where a ball is proved to fit the surface everywhere, it touches with its tangent plane, and passes
+/// are sections of the offset, unless the certificate finds that something else is in their way.
+fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let joints = match joints::examine(&surface, &job.surface.loose_joints(), budget) {
+        Err(NotSmooth::Stopped(stopped)) => return Err(stopped.into()),
+        joints => joints.ok(),
+    };
+    let surface = prepared(surface, job)?;
+    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
+    let regularity = regularity(&surface, job, budget)?;
+    if let (Some(regularity), Some(joints)) = (&regularity, joints) {
+        let offset = Offset { regularity, seam: seam(&joints, job, regularity.slopes()) };
+        if CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= offset.seam.bend * job.tool.radius_mm {
+            match by_sections(&surface, &offset, Some(&contacts), job, budget) {
+                Err(Error::ToleranceNotReached { .. } | Error::SectionLost { .. }) => {}
+                planned => return planned,
+            }
+        }
+    }
     let axis = job.plane.normal_axis();
-    let regularity = regularity::prove(&surface, job.offset_mm(), axis, budget)?;
-    let sections = Sections::new(&surface, job.offset_mm(), axis, &regularity, budget)?;
-    let slopes = regularity.slopes().to_vec();
+    let sections = TipSections::new(&contacts, axis, budget)?;
     let found = Found {
-        engine: &OffsetEngine { sections, rise: job.tool.radius_mm },
-        contacts: None,
-        seam: seam(&joints, job, &slopes),
-        slopes,
-        is_followed: true,
-        chord_height_share: SECTION_HEIGHT_SHARE,
+        engine: &ContactEngine { sections, stock: job.allowance_mm },
+        contacts: Some(&contacts),
+        is_followed: regularity.is_some(),
+        slopes: match regularity {
+            Some(regularity) => regularity.slopes().to_vec(),
+            None => scallop::sampled_slopes(&surface, job.cutter().corner_radius(), axis, budget)?,
+        },
+        // Edges and gaps are touched like everything else.
+        seam: Seam::NONE,
+        chord_height_share: CONTACT_HEIGHT_SHARE,
+        depth: Depth::Tolerance,
     };
     plan_with(&surface, &found, job, budget)
 }
 
-fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
-    let surface = prepared(surface, job)?;
-    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
-    let (slopes, is_followed) = match regularity(&surface, job, budget)? {
-        Some(regularity) => (regularity.slopes().to_vec(), true),
-        None => {
-            let (radius, axis) = (job.cutter().corner_radius(), job.plane.normal_axis());
-            (scallop::sampled_slopes(&surface, radius, axis, budget)?, false)
-        }
-    };
-    let sections = TipSections::new(&contacts, job.plane.normal_axis(), budget)?;
+/// The offset of a surface that a ball can follow everywhere.
+struct Offset<'a> {
+    regularity: &'a Regularity,
+    seam: Seam,
+}
+
+/// By sections of the offset; with `contacts`, these are what they stand for.
+fn by_sections<P: Patch>(
+    surface: &BezierSurface<P>,
+    offset: &Offset,
+    contacts: Option<&Contacts<P>>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Plan, Error> {
+    let Offset { regularity, seam } = *offset;
+    let sections = Sections::new(surface, job.offset_mm(), job.plane.normal_axis(), regularity, budget)?;
     let found = Found {
-        engine: &ContactEngine { sections, stock: job.allowance_mm },
-        contacts: Some(&contacts),
-        // Edges and gaps are touched like everything else.
-        seam: Seam::NONE,
-        slopes,
-        is_followed,
-        chord_height_share: CONTACT_HEIGHT_SHARE,
+        engine: &OffsetEngine { sections, rise: job.tool.radius_mm },
+        contacts,
+        slopes: regularity.slopes().to_vec(),
+        is_followed: true,
+        seam,
+        chord_height_share: SECTION_HEIGHT_SHARE,
+        depth: if contacts.is_some() { Depth::Deviation } else { Depth::Tolerance },
     };
-    plan_with(&surface, &found, job, budget)
+    plan_with(surface, &found, job, budget)
 }
 
 /// The surface with its normal up, as far as the cutter's contact may go.
@@ -156,7 +198,13 @@ fn plan_with<P: Patch>(
     };
     let toolpath = links::join(job, &cutting, &passes, &proof, budget)?;
     let penetration = match proof {
-        Proof::Certificate(clearance) => certify(&toolpath, job, clearance, gap, budget)?,
+        Proof::Certificate(clearance) => {
+            let depth_mm = match found.depth {
+                Depth::Tolerance => job.tolerance.mm(),
+                Depth::Deviation => deviation_max_mm + gap + job.resolution.step_mm(),
+            };
+            certify(&toolpath, job, clearance, [gap, depth_mm], budget)?
+        }
         // Who is moved by so much cuts no deeper.
         Proof::Contact(_) => {
             let has_links = toolpath.moves().any(|m| matches!(m, Move::Feed { role: Role::Link, .. }));
@@ -200,27 +248,32 @@ fn inside(
     }
 }
 
-/// Proves how deep the ball cuts into the surface on any move, as computed and as written.
+/// Proves how deep the ball cuts into the surface on any move, as computed and as written: within the tolerance, and within
+/// `depth_mm` on the passes.
 fn certify(
     toolpath: &Toolpath,
     job: &Job,
     clearance: &Clearance<impl Patch>,
-    gap: f64,
+    [gap, depth_mm]: [f64; 2],
     budget: &Budget,
 ) -> Result<Penetration, Error> {
     let tolerance_mm = job.tolerance.mm();
-    let moves = certificate::curves(toolpath);
-    let deepest = certificate::deepest(moves, clearance, job, [gap, tolerance_mm], budget)?;
-    match deepest.at {
-        Some(at) if deepest.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
-            Err(Error::OffsetFolds { at })
+    let [between, of_passes] = certificate::curves_between_and_of_passes(toolpath);
+    let mut deepest = Penetration::NONE;
+    for (moves, most) in [(of_passes, depth_mm.min(tolerance_mm)), (between, tolerance_mm)] {
+        let own = certificate::deepest(&moves, clearance, job, [gap, tolerance_mm], budget)?;
+        match own.at {
+            Some(at) if own.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
+                return Err(Error::OffsetFolds { at });
+            }
+            at if own.bound_mm > most => {
+                let at = at.unwrap_or(toolpath.start());
+                return Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: own.bound_mm, at });
+            }
+            _ => deepest = deepest.or_deeper(own),
         }
-        at if deepest.bound_mm > tolerance_mm => {
-            let at = at.unwrap_or(toolpath.start());
-            Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: deepest.bound_mm, at })
-        }
-        _ => Ok(deepest),
     }
+    Ok(deepest)
 }
 
 fn warnings(job: &Job, report: &Report, is_followed: bool) -> Vec<Warning> {

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
-use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
+use crate::geometry::arc_fit::{Fit, FitError, Joints, Method, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
@@ -22,12 +22,6 @@ const CURVE_LIMIT: usize = 1_000_000;
 
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
-
-/// Looks at each point that the fewest arcs are worth: on exact points, growing has mostly found them already.
-const EFFORT: usize = 600;
-
-/// Looks at the points of one pass that the fewest arcs are worth.
-const EFFORT_A_PASS: usize = 500_000;
 
 /// How exactly a tip lies on its section, mm.
 const ACCURACY_MM: f64 = 2e-10;
@@ -188,9 +182,9 @@ fn fit(
         on
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
-    // The points are exact: elements meet on them.
-    let effort = EFFORT.min(EFFORT_A_PASS / flat.len());
-    let request = Fit { shapes, joints: Joints::OnPoints, effort, ..Fit::within(fit_tolerance) };
+    // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a search for the fewest.
+    let request =
+        Fit { shapes, method: Method::Greedy, joints: Joints::OnPoints, ..Fit::within(fit_tolerance) };
     let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),

@@ -48,7 +48,13 @@ pub(super) fn deepest<P: Patch>(
     match job.tool.shape {
         Shape::Ball => {
             let clearance = Clearance::new(surface, job.tool.radius_mm, job.tool.radius_mm);
-            certificate::deepest(certificate::curves(toolpath), &clearance, job, [gap, f64::INFINITY], budget)
+            certificate::deepest(
+                &certificate::curves(toolpath),
+                &clearance,
+                job,
+                [gap, f64::INFINITY],
+                budget,
+            )
         }
         Shape::Flat | Shape::BullNose { .. } => by_contact(surface, toolpath, job, gap, budget),
     }

@@ -41,9 +41,10 @@ enum End {
     Error(Error),
 }
 
-/// The deepest penetration on any of the moves, as computed and as written, to within `gap` mm; what is deeper than `enough` mm ends
-/// the search.
+/// The deepest penetration on any of the moves, as computed and as written, to within `gap` mm, or that which is `known`, if it is
+/// deeper; what is deeper than `enough` mm ends the search.
 pub(super) fn deepest(
+    known: Penetration,
     moves: &[Curve],
     clearance: &Clearance<impl Patch>,
     job: &Job,
@@ -54,7 +55,7 @@ pub(super) fn deepest(
     let done = AtomicUsize::new(0);
     let of_row = |k: usize| {
         budget.progress("certificate", done.fetch_add(1, Ordering::Relaxed), rows.len());
-        let mut deepest = Penetration::NONE;
+        let mut deepest = known;
         for curve in rows[k] {
             penetrate(curve, clearance, job, gap, &mut deepest, budget).map_err(End::Error)?;
             if deepest.found_mm > enough {
@@ -64,7 +65,7 @@ pub(super) fn deepest(
         Ok(deepest)
     };
     match in_order(rows.len(), of_row) {
-        Ok(of_rows) => Ok(of_rows.into_iter().fold(Penetration::NONE, Penetration::or_deeper)),
+        Ok(of_rows) => Ok(of_rows.into_iter().fold(known, Penetration::or_deeper)),
         Err(End::Deep(deepest)) => Ok(deepest),
         Err(End::Error(error)) => Err(error),
     }

@@ -261,16 +261,16 @@ fn certify(
     let [between, of_passes] = certificate::curves_between_and_of_passes(toolpath);
     let mut deepest = Penetration::NONE;
     for (moves, most) in [(of_passes, depth_mm.min(tolerance_mm)), (between, tolerance_mm)] {
-        let own = certificate::deepest(&moves, clearance, job, [gap, tolerance_mm], budget)?;
-        match own.at {
-            Some(at) if own.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
+        deepest = certificate::deepest(deepest, &moves, clearance, job, [gap, tolerance_mm], budget)?;
+        match deepest.at {
+            Some(at) if deepest.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
                 return Err(Error::OffsetFolds { at });
             }
-            at if own.bound_mm > most => {
+            at if deepest.bound_mm > most => {
                 let at = at.unwrap_or(toolpath.start());
-                return Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: own.bound_mm, at });
+                return Err(Error::ToleranceNotReached { tolerance_mm, deviation_mm: deepest.bound_mm, at });
             }
-            _ => deepest = deepest.or_deeper(own),
+            _ => {}
         }
     }
     Ok(deepest)

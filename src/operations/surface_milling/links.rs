@@ -76,10 +76,12 @@ impl<P: Patch> Proof<'_, P> {
         match self {
             Self::Certificate(clearance) => {
                 let gap = CERTIFICATE_GAP * job.tolerance.mm();
-                let mut deepest = Penetration::NONE;
+                // How deep does not matter, as long as it is no deeper than this.
+                let most = job.tolerance.mm() - gap;
+                let mut deepest = Penetration { bound_mm: most, ..Penetration::NONE };
                 let curve = Curve::Line(*link);
                 certificate::penetrate(&curve, clearance, job, gap, &mut deepest, budget)?;
-                Ok(deepest.bound_mm <= job.tolerance.mm() - gap)
+                Ok(deepest.bound_mm <= most)
             }
             Self::Contact(contacts) => {
                 let tip = |p: Point3<f64>| p - Vector3::z() * job.allowance_mm;

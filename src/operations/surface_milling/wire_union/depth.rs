@@ -49,6 +49,7 @@ pub(super) fn deepest<P: Patch>(
         Shape::Ball => {
             let clearance = Clearance::new(surface, job.tool.radius_mm, job.tool.radius_mm);
             certificate::deepest(
+                Penetration::NONE,
                 &certificate::curves(toolpath),
                 &clearance,
                 job,

@@ -1,8 +1,9 @@
 //! Where a cutter that comes down at given places touches a surface.
 //!
 //! # Method
-//! Direct contact ([`contact`](crate::geometry::contact)), each point with the one before as a first guess. Points are shared out
-//! to threads in groups whose size does not depend on these.
+//! Direct contact ([`contact`](crate::geometry::contact)), each point with the one before as a first guess: in the order in which they
+//! were given, or to and fro along strips, whichever is the shorter way. Points are shared out to threads in groups whose size
+//! does not depend on these.
 //!
 //! # Guarantees
 //! Tips are proved to within [`Location::gap_mm`].
@@ -21,6 +22,10 @@ use crate::toolpath::tool::Tool;
 
 /// Points that follow each other on one thread.
 const GROUP: usize = 256;
+
+/// The square of the number of strips over the number of points: the way up and down n points in a square is the shortest with the
+/// root of n/3 strips.
+const STRIPS_SQUARED: f64 = 1.0 / 3.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -67,19 +72,56 @@ fn locate_on<P: Patch>(
     budget: &Budget,
 ) -> Result<Vec<Option<Location>>, Error> {
     let contacts = Contacts::new(surface, job.tool.cutter(), budget)?;
-    let groups: Vec<&[Point2<f64>]> = job.points.chunks(GROUP).collect();
-    let located = in_order(groups.len(), |k| locate_group(&contacts, groups[k], budget))?;
-    Ok(located.into_iter().flatten().collect())
+    let order = order(&job.points);
+    let groups: Vec<&[usize]> = order.chunks(GROUP).collect();
+    let of_group = |k: usize| locate_group(&contacts, groups[k].iter().map(|&k| job.points[k]), budget);
+    let located = in_order(groups.len(), of_group)?;
+    let mut locations = vec![None; job.points.len()];
+    for (k, location) in order.into_iter().zip(located.into_iter().flatten()) {
+        locations[k] = location;
+    }
+    Ok(locations)
+}
+
+/// The points in an order in which neighbours are near to each other.
+fn order(points: &[Point2<f64>]) -> Vec<usize> {
+    let along_strips = to_and_fro(points);
+    let given: Vec<usize> = (0..points.len()).collect();
+    let length = |order: &[usize]| -> f64 {
+        order.windows(2).map(|pair| (points[pair[1]] - points[pair[0]]).norm()).sum()
+    };
+    if length(&along_strips) < length(&given) { along_strips } else { given }
+}
+
+/// The points along strips of y, up and down in turn.
+fn to_and_fro(points: &[Point2<f64>]) -> Vec<usize> {
+    let (low, high) = points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.x), high.max(p.x)));
+    let strips = (points.len() as f64 * STRIPS_SQUARED).sqrt().ceil();
+    // One strip where all x are the same.
+    let strip = |p: &Point2<f64>| ((p.x - low) / (high - low) * strips).max(0.0) as usize;
+    let key = |k: usize| {
+        let p = &points[k];
+        let strip = strip(p);
+        (strip, if strip.is_multiple_of(2) { p.y } else { -p.y })
+    };
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| {
+        let ((strip_a, y_a), (strip_b, y_b)) = (key(a), key(b));
+        strip_a.cmp(&strip_b).then(y_a.total_cmp(&y_b))
+    });
+    order
 }
 
 fn locate_group<P: Patch>(
     contacts: &Contacts<P>,
-    points: &[Point2<f64>],
+    points: impl Iterator<Item = Point2<f64>>,
     budget: &Budget,
 ) -> Result<Vec<Option<Location>>, Stopped> {
     budget.check()?;
     let mut before: Option<Contact> = None;
-    let mut locations = Vec::with_capacity(points.len());
+    let mut locations = Vec::with_capacity(GROUP);
     for point in points {
         let near = before.filter(|contact| (contact.tip.xy() - point).norm() <= contacts.cutter().radius());
         let found = contacts.drop(point.coords, near.map(|contact| contact.place), budget)?;

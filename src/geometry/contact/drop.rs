@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector2};
 use super::bound::{Level, Track};
 use super::climb::{self, Climb, Found};
 use super::support::Support;
-use super::tree::{Part, Visitor};
+use super::tree::{Cover, Part, Visitor};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
@@ -39,6 +39,8 @@ pub(super) struct Drop<'a, 'b, P> {
     /// Where the contact is expected.
     guess: Option<[f64; 2]>,
     best: Option<Best>,
+    /// What the best says of other parts.
+    support: Option<Support>,
     /// Parts that may lift the tip higher, with how high.
     open: BestFirst<Part<P>>,
     /// What could not be proved to be lower.
@@ -52,6 +54,11 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
         self.contacts.lift_of_box(bounds, &self.track)
     }
 
+    fn is_beneath(&self, cover: &Cover) -> bool {
+        let Some(support) = &self.support else { return false };
+        support.excess_under(cover, &self.track, &self.flat_level()) <= ACCURACY_MM
+    }
+
     fn is_settled(&self, promise: f64) -> bool {
         promise <= self.level()
     }
@@ -59,6 +66,7 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
     fn visit(&mut self, part: &Part<P>, promise: f64) {
         self.looks += 1;
         let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
+        self.renew_support();
         if highest > self.level() {
             self.open.push(highest, *part);
         }
@@ -72,6 +80,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             track: Track::point(at),
             guess,
             best: None,
+            support: None,
             open: BestFirst::default(),
             above: f64::NEG_INFINITY,
             looks: 0,
@@ -99,6 +108,19 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             }
             patch = next;
         }
+        self.renew_support();
+    }
+
+    /// What the best says of other parts, once it stands.
+    fn renew_support(&mut self) {
+        if let (None, Some(best)) = (&self.support, &self.best) {
+            self.support = Some(Support::of(&self.contacts.cutter, &best.lower, &self.track));
+        }
+    }
+
+    /// The height of the best.
+    fn flat_level(&self) -> Level {
+        Level { level: self.best.map_or(f64::NEG_INFINITY, |best| best.height), slope: 0.0 }
     }
 
     /// Climbs one patch; answers where it ends.
@@ -124,6 +146,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         {
             let place = [0, 1].map(|k| start[k] + scale[k] * place[k]);
             self.best = Some(Best { height, jet, place, lower });
+            self.support = None;
             self.guess = Some(place);
         }
     }
@@ -154,10 +177,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
 
     /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the best.
     fn highest(&mut self, part: &Part<P>) -> f64 {
-        if let Some(best) = &self.best {
-            let support = Support::of(&self.contacts.cutter, &best.lower, &self.track);
-            let level = Level { level: best.height, slope: 0.0 };
-            let highest = best.height + support.excess(part, &self.track, &level);
+        if let (Some(best), Some(support)) = (&self.best, &self.support) {
+            let highest = best.height + support.excess(part, &self.track, &self.flat_level());
             if highest <= self.level() {
                 return highest;
             }

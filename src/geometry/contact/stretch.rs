@@ -17,7 +17,7 @@ use nalgebra::{Matrix2, Point3, Vector2};
 use super::bound::{Level, Track};
 use super::climb::{Climb, TOUCHING};
 use super::support::Support;
-use super::tree::{Part, Visitor};
+use super::tree::{Cover, Part, Visitor};
 use super::{Contact, Contacts};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Surface, span_of};
@@ -265,6 +265,12 @@ impl<P: Patch> Look<'_, '_, P> {
 impl<P: Patch> Visitor<P> for Look<'_, '_, P> {
     fn promise(&self, bounds: &Bounds) -> f64 {
         self.contacts.lift_of_box(bounds, &self.track)
+    }
+
+    fn is_beneath(&self, cover: &Cover) -> bool {
+        self.support
+            .as_ref()
+            .is_some_and(|support| support.excess_under(cover, &self.track, &self.level) <= 0.0)
     }
 
     fn is_settled(&self, promise: f64) -> bool {

@@ -3,9 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::bound::{Level, Track};
-use super::tree::{Part, squared_distance_in_plan};
+use super::tree::{Cover, Part, squared_distance_in_plan};
 use crate::geometry::cutter::{Cutter, LowerPoint};
-use crate::geometry::surface::patch::Patch;
+use crate::geometry::surface::patch::{Bounds, Patch};
 
 /// What the contact known says of other parts: its tangent plane, and the paraboloid about it.
 #[derive(Debug, Clone, Copy)]
@@ -30,9 +30,22 @@ impl Support {
     /// By how much a part lifts the tip above a level, at most, mm.
     pub(super) fn excess<P: Patch>(&self, part: &Part<P>, track: &Track, level: &Level) -> f64 {
         let tilted = |p: Vector3<f64>| p.z - self.gradient.dot(&(p.xy() - self.at));
-        let highest = part.patch.control_points().map(tilted).fold(f64::NEG_INFINITY, f64::max);
+        let higher = |highest: f64, height: f64| if height > highest { height } else { highest };
+        let highest = part.patch.control_points().map(tilted).fold(f64::NEG_INFINITY, higher);
+        self.excess_of(highest, &part.bounds, track, level)
+    }
+
+    /// By how much anything under a cover does so.
+    pub(super) fn excess_under(&self, cover: &Cover, track: &Track, level: &Level) -> f64 {
+        self.excess_of(cover.highest_over(&self.gradient, &self.at), &cover.bounds, track, level)
+    }
+
+    /// What is in a box, no higher than `highest` over the tangent plane.
+    fn excess_of(&self, highest: f64, bounds: &Bounds, track: &Track, level: &Level) -> f64 {
         let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
-        let distance = (squared_distance_in_plan(&part.bounds, &self.at).sqrt() - track.reach).max(0.0);
-        highest - self.height + along - 0.5 * self.round * distance * distance - level.level
+        let squared = squared_distance_in_plan(bounds, &self.at);
+        let squared =
+            if track.reach > 0.0 { (squared.sqrt() - track.reach).max(0.0).powi(2) } else { squared };
+        highest - self.height + along - 0.5 * self.round * squared - level.level
     }
 }

@@ -1,6 +1,6 @@
 //! The parts that a surface is looked at in: small patches with what is known of each, under a hierarchy of boxes.
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
@@ -11,6 +11,9 @@ const PART_SIZE: f64 = 0.4;
 
 /// Parts of a surface with few patches.
 const PART_LIMIT: usize = 20_000;
+
+/// Steeper parts are under level covers.
+const STEEPEST_COVER: f64 = 1e3;
 
 /// Halvings of one patch in advance.
 const DEPTH_LIMIT: u32 = 14;
@@ -87,14 +90,50 @@ impl<P: Patch> Part<P> {
     }
 }
 
-/// The parts with the boxes over them.
+/// A box, and a plane over all that is in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cover {
+    pub(super) bounds: Bounds,
+    /// Of the plane.
+    gradient: Vector2<f64>,
+    /// Of the plane over the centre of the box, mm.
+    height: f64,
+}
+
+impl Cover {
+    fn of<P: Patch>(part: &Part<P>) -> Self {
+        let gradient = part.patch.jet(0.5, 0.5).gradient();
+        let gradient = if gradient.norm() < STEEPEST_COVER { gradient } else { Vector2::zeros() };
+        let center = part.lengths.center;
+        let over = |p: Vector3<f64>| p.z - gradient.dot(&(p.xy() - center));
+        let height = part.patch.control_points().map(over).fold(f64::NEG_INFINITY, f64::max);
+        Self { bounds: part.bounds, gradient, height }
+    }
+
+    fn joined(&self, other: &Self) -> Self {
+        let bounds = self.bounds.union(&other.bounds);
+        let gradient = 0.5 * (self.gradient + other.gradient);
+        let center = (0.5 * (bounds.min + bounds.max)).xy();
+        let height = self.highest_over(&gradient, &center).max(other.highest_over(&gradient, &center));
+        Self { bounds, gradient, height }
+    }
+
+    /// How far anything under the cover lies above the plane through `at` with a gradient, at most, and zero there; mm.
+    pub(super) fn highest_over(&self, gradient: &Vector2<f64>, at: &Vector2<f64>) -> f64 {
+        let center = (0.5 * (self.bounds.min + self.bounds.max)).xy();
+        let half = (0.5 * (self.bounds.max - self.bounds.min)).xy();
+        self.height - gradient.dot(&(center - at)) + (self.gradient - gradient).abs().dot(&half)
+    }
+}
+
+/// The parts with the covers over them.
 pub(super) struct Tree<P> {
     nodes: Vec<Node>,
     pub(super) parts: Vec<Part<P>>,
 }
 
 struct Node {
-    bounds: Bounds,
+    cover: Cover,
     content: Content,
 }
 
@@ -135,7 +174,7 @@ impl<P: Patch> Tree<P> {
     fn add_part(&mut self, part: Part<P>, size: f64, depth: u32) -> usize {
         let [along_u, along_v] = part.patch.extents();
         if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
-            self.nodes.push(Node { bounds: part.bounds, content: Content::Part(self.parts.len()) });
+            self.nodes.push(Node { cover: Cover::of(&part), content: Content::Part(self.parts.len()) });
             self.parts.push(part);
             return self.nodes.len() - 1;
         }
@@ -144,14 +183,14 @@ impl<P: Patch> Tree<P> {
     }
 
     fn join(&mut self, first: usize, second: usize) -> usize {
-        let bounds = self.nodes[first].bounds.union(&self.nodes[second].bounds);
-        self.nodes.push(Node { bounds, content: Content::Halves(first, second) });
+        let cover = self.nodes[first].cover.joined(&self.nodes[second].cover);
+        self.nodes.push(Node { cover, content: Content::Halves(first, second) });
         self.nodes.len() - 1
     }
 
     /// The box of the whole surface.
     pub(super) fn bounds(&self) -> &Bounds {
-        &self.nodes[self.nodes.len() - 1].bounds
+        &self.nodes[self.nodes.len() - 1].cover.bounds
     }
 
     /// Shows the visitor the parts that may matter to it, the more promising half first.
@@ -166,9 +205,16 @@ impl<P: Patch> Tree<P> {
             match self.nodes[k].content {
                 Content::Part(part) => visitor.visit(&self.parts[part], promise),
                 Content::Halves(first, second) => {
-                    let [a, b] =
-                        [first, second].map(|half| (half, visitor.promise(&self.nodes[half].bounds)));
-                    stack.extend(if a.1 > b.1 { [b, a] } else { [a, b] });
+                    let promise = |half: usize| {
+                        let cover = &self.nodes[half].cover;
+                        if visitor.is_beneath(cover) {
+                            f64::NEG_INFINITY
+                        } else {
+                            visitor.promise(&cover.bounds)
+                        }
+                    };
+                    let (a, b) = (promise(first), promise(second));
+                    stack.extend(if a > b { [(second, b), (first, a)] } else { [(first, a), (second, b)] });
                 }
             }
         }
@@ -179,6 +225,9 @@ impl<P: Patch> Tree<P> {
 pub(super) trait Visitor<P> {
     /// The most that may be found in a box.
     fn promise(&self, bounds: &Bounds) -> f64;
+
+    /// Whether nothing under a cover matters.
+    fn is_beneath(&self, cover: &Cover) -> bool;
 
     /// Whether so much no longer matters.
     fn is_settled(&self, promise: f64) -> bool;

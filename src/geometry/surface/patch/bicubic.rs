@@ -71,7 +71,7 @@ impl Patch for BicubicPatch {
     }
 
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>> {
-        self.net.iter().flatten().copied()
+        self.net.as_flattened().iter().copied()
     }
 
     fn corners(&self) -> [Vector3<f64>; 4] {

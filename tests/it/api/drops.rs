@@ -11,7 +11,7 @@ use super::support::{app, post};
 const DROP: &str = "/v1/surfaces/drop";
 
 /// How far tips may be from closed forms, and contacts from surface and cutter, mm.
-const ACCURACY_MM: f64 = 1e-6;
+const ACCURACY_MM: f64 = 1e-7;
 
 /// A cutter by what its underside is: a disc of radius `flat`, and a quarter of a circle of radius `corner` around it.
 #[derive(Debug, Clone, Copy)]
@@ -297,7 +297,7 @@ async fn beside_the_surface_there_is_no_tip_and_near_it_the_edge_is_touched() {
         let drops = dropped(&app, &plate, cutter, &points).await;
         assert_eq!(drops[..3], [None; 3]);
         let heights = [6, 7].map(|k: usize| drops[k].expect("a tip").0[2]);
-        assert!((heights[0] - heights[1]).abs() < ACCURACY_MM, "{heights:?}");
+        assert!((heights[0] - heights[1]).abs() < 3e-9, "{heights:?}");
         for drop in &drops[3..] {
             let (tip, contact) = drop.expect("a tip");
             let outside = [0, 1].map(|k| (tip[k].abs() - 10.0).max(0.0));

@@ -165,7 +165,7 @@ pub struct Fit {
     pub measure: Measure,
     /// The last point is the first again: it may be one full turn.
     pub is_closed: bool,
-    /// Looks at points, for each of them, after which a search ends with the best that is known.
+    /// Looks at points, for each of them, after which a search ends with the best that is known: what has grown, if it is zero.
     pub effort: usize,
 }
 
@@ -288,8 +288,10 @@ fn joined(
     let (flat, rule) = (points.flat, request.rule());
     let on =
         |index: usize| Node { index, at: if index == 0 { start.unwrap_or(flat[0]) } else { flat[index] } };
-    let greedy: Vec<Node> = greedy::joints(points, on(0).at, &rule, budget)?.into_iter().map(on).collect();
-    if request.method == Method::Greedy || greedy.len() == 2 {
+    let one_by_one = if request.method == Method::Greedy { greedy::ONE_BY_ONE } else { greedy::FAST };
+    let grown = greedy::joints(points, on(0).at, &rule, one_by_one, budget)?;
+    let greedy: Vec<Node> = grown.into_iter().map(on).collect();
+    if request.method == Method::Greedy || request.effort == 0 || greedy.len() == 2 {
         return Ok(greedy);
     }
     let is_on_points = on(0).at == flat[0];

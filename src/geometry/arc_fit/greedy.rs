@@ -1,7 +1,7 @@
 //! Elements that each grow as far as they can: Ju's method.
 //!
 //! An element takes in one point after another until the first that it cannot (along lines, [`STRIDE`] at a time, then one by
-//! one: these are programs, of which there is much); from [`LONG`] points on, growth is tried at
+//! one: these are programs, of which there is much); from some number of points on, growth is tried at
 //! doubling lengths, then by halving, which may end later than the first failure, never earlier.
 
 use nalgebra::Vector2;
@@ -10,14 +10,21 @@ use super::Measure;
 use super::span::{Points, Rule, Span, Witnesses};
 use crate::budget::{Budget, Stopped};
 
-const LONG: usize = 512;
+/// Points that Ju's method takes in one by one, for lengths at which it is usable.
+pub const ONE_BY_ONE: usize = 512;
+
+/// The same where growing is but a way to few elements.
+pub const FAST: usize = 16;
+
 const STRIDE: usize = 4;
 
-/// The points at which elements meet, from the first to the last; the first element starts at `from`.
+/// The points at which elements meet, from the first to the last; the first element starts at `from`, and each takes in `one_by_one`
+/// points before it grows faster.
 pub fn joints(
     points: Points,
     from: Vector2<f64>,
     rule: &Rule,
+    one_by_one: usize,
     budget: &Budget,
 ) -> Result<Vec<usize>, Stopped> {
     let last = points.flat.len() - 1;
@@ -26,7 +33,7 @@ pub fn joints(
     while start < last {
         budget.check()?;
         let from = if start == 0 { from } else { points.flat[start] };
-        start = longest(points, start, from, rule, budget)?;
+        start = longest(points, start, from, rule, one_by_one, budget)?;
         joints.push(start);
     }
     Ok(joints)
@@ -38,6 +45,7 @@ fn longest(
     start: usize,
     from: Vector2<f64>,
     rule: &Rule,
+    one_by_one: usize,
     budget: &Budget,
 ) -> Result<usize, Stopped> {
     let last = points.flat.len() - 1;
@@ -46,10 +54,10 @@ fn longest(
         |end: usize| Span { from, ..Span::of(points, start, end) }.find(rule, &mut witnesses).is_some();
     let mut good = start + 1;
     let stride = if rule.measure == Measure::Polyline { STRIDE } else { 1 };
-    while good + stride < last && good - start < LONG && stride > 1 && fits(good + stride) {
+    while good + stride < last && good - start < one_by_one && stride > 1 && fits(good + stride) {
         good += stride;
     }
-    while good < last && good - start < LONG {
+    while good < last && good - start < one_by_one {
         if !fits(good + 1) {
             return Ok(good);
         }

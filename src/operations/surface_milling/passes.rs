@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
-use crate::geometry::arc_fit::{Fit, FitError, Joints, Method, Shapes, fit_in_space};
+use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
@@ -183,8 +183,7 @@ fn fit(
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a search for the fewest.
-    let request =
-        Fit { shapes, method: Method::Greedy, joints: Joints::OnPoints, ..Fit::within(fit_tolerance) };
+    let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
     let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),

@@ -1,26 +1,35 @@
-//! Times of the steps of surface milling over growing sizes; all on one thread.
+//! Times of the steps of surface milling over growing sizes; milling and drops on as many threads as there are.
 //!
 //! `cargo bench --bench surface_milling`
 
 use std::f64::consts::PI;
 use std::hint::black_box;
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use nalgebra::Point3;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use nalgebra::{Point2, Point3};
 use toolpathd::budget::Budget;
 use toolpathd::geometry::clearance::{Clearance, Penetration};
+use toolpathd::geometry::contact::{Contacts, TipSections};
 use toolpathd::geometry::curve::Curve;
+use toolpathd::geometry::cutter::Cutter;
+use toolpathd::geometry::section::{PlaneAt, Sections, Spacing};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd::geometry::surface::regularity::prove;
 use toolpathd::geometry::surface::source::Source;
+use toolpathd::operations::cutter_location;
 use toolpathd::operations::surface_milling::{Job, plan};
 use toolpathd::toolpath::Move;
-use toolpathd::toolpath::tool::Tool;
+use toolpathd::toolpath::tool::{Shape, Tool};
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
 /// n x n points of z = 10 sin(pi x/40) cos(pi y/40) at 5 mm.
 fn grid(n: usize) -> PointGrid {
+    grid_at(5.0, n)
+}
+
+fn grid_at(pitch: f64, n: usize) -> PointGrid {
     let height = |x: f64, y: f64| 10.0 * (PI * x / 40.0).sin() * (PI * y / 40.0).cos();
-    let at = |i: usize| 5.0 * i as f64;
+    let at = |i: usize| pitch * i as f64;
     let points =
         (0..n).map(|i| (0..n).map(|j| Point3::new(at(i), at(j), height(at(i), at(j)))).collect()).collect();
     PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }
@@ -64,6 +73,88 @@ fn mill(c: &mut Criterion) {
     group.finish();
 }
 
+/// Twenty sections, spread over the grid, without the arcs.
+fn sections(c: &mut Criterion) {
+    let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
+    let spacing = Spacing { chord_height_mm: 3e-4, step_length_mm: f64::INFINITY };
+    let mut group = c.benchmark_group("sections");
+    group.sample_size(10);
+    for n in [15, 30, 60] {
+        let surface = grid(n).surface().unwrap();
+        let planes: Vec<PlaneAt> =
+            (0..20).map(|k| PlaneAt::new(5.0 * (n - 1) as f64 * (f64::from(k) + 0.4) / 20.0)).collect();
+        let regularity = prove(&surface, radius, axis, &budget).unwrap();
+        let of_offset = Sections::new(&surface, radius, axis, &regularity, &budget).unwrap();
+        group.bench_function(BenchmarkId::new("of the offset", n), |b| {
+            b.iter(|| {
+                planes
+                    .iter()
+                    .map(|plane| of_offset.chains(*plane, spacing, &budget).unwrap().len())
+                    .sum::<usize>()
+            });
+        });
+        let contacts = Contacts::new(&surface, Cutter::ball(radius), &budget).unwrap();
+        let of_tips = TipSections::new(&contacts, axis, &budget).unwrap();
+        group.bench_function(BenchmarkId::new("by contact", n), |b| {
+            b.iter(|| {
+                planes
+                    .iter()
+                    .map(|plane| of_tips.chains(*plane, spacing, &budget).unwrap().len())
+                    .sum::<usize>()
+            });
+        });
+    }
+    group.finish();
+}
+
+/// What `benches/peers/opencascade` has Open CASCADE do: 100 sections of the offset through 9 x 9 points at 10 mm, with all that
+/// it takes from the points on.
+fn sections_of_peer(c: &mut Criterion) {
+    let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
+    let planes: Vec<PlaneAt> =
+        (0..100).map(|k| PlaneAt::new(0.5607 + (79.4393 - 0.5607) * f64::from(k) / 99.0)).collect();
+    let mut group = c.benchmark_group("100 sections through 9 x 9 points");
+    for chord_height_mm in [3e-4, 1e-5] {
+        let spacing = Spacing { chord_height_mm, step_length_mm: f64::INFINITY };
+        group.bench_function(BenchmarkId::from_parameter(chord_height_mm), |b| {
+            b.iter(|| {
+                let surface = grid_at(10.0, 9).surface().unwrap();
+                let regularity = prove(&surface, radius, axis, &budget).unwrap();
+                let sections = Sections::new(&surface, radius, axis, &regularity, &budget).unwrap();
+                let points = |plane: &PlaneAt| -> usize {
+                    sections.chains(*plane, spacing, &budget).unwrap().iter().map(|c| c.points.len()).sum()
+                };
+                planes.iter().map(points).sum::<usize>()
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Cutters dropped all over a grid of 30 x 30 points.
+fn drop(c: &mut Criterion) {
+    let mut group = c.benchmark_group("drop");
+    group.sample_size(10);
+    for (name, shape) in [
+        ("ball", Shape::Ball),
+        ("bull nose", Shape::BullNose { corner_radius_mm: 1.0 }),
+        ("flat", Shape::Flat),
+    ] {
+        for count in [1_000u32, 4_000, 16_000] {
+            let at = |k: u32, step: f64| 145.0 * (f64::from(k) * step).fract();
+            let points =
+                (0..count).map(|k| Point2::new(at(k, 0.754_877_666), at(k, 0.569_840_291))).collect();
+            let tool = Tool { shape, ..Tool::ball(5.0) };
+            let job = cutter_location::Job { surface: Source::PointGrid(grid(30)), tool, points };
+            group.throughput(Throughput::Elements(count.into()));
+            group.bench_function(BenchmarkId::new(name, count), |b| {
+                b.iter(|| cutter_location::locate(&job, &Budget::unlimited()).unwrap());
+            });
+        }
+    }
+    group.finish();
+}
+
 fn certify(c: &mut Criterion) {
     let mut group = c.benchmark_group("certificate");
     group.sample_size(10);
@@ -93,5 +184,5 @@ fn certify(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, fit, mill, certify);
+criterion_group!(benches, fit, mill, sections, sections_of_peer, drop, certify);
 criterion_main!(benches);

@@ -41,33 +41,52 @@ enum End {
     Error(Error),
 }
 
-/// The deepest penetration on any of the moves, as computed and as written, to within `gap` mm, or that which is `known`, if it is
-/// deeper; what is deeper than `enough` mm ends the search.
-pub(super) fn deepest(
-    known: Penetration,
-    moves: &[Curve],
-    clearance: &Clearance<impl Patch>,
-    job: &Job,
-    [gap, enough]: [f64; 2],
-    budget: &Budget,
-) -> Result<Penetration, Error> {
-    let rows: Vec<&[Curve]> = moves.chunks(MOVES_IN_A_ROW).collect();
-    let done = AtomicUsize::new(0);
-    let of_row = |k: usize| {
-        budget.progress("certificate", done.fetch_add(1, Ordering::Relaxed), rows.len());
+/// A search for the deepest penetration, and how far it has come.
+pub(super) struct Search<'a, P> {
+    clearance: &'a Clearance<'a, P>,
+    job: &'a Job,
+    gap: f64,
+    enough: f64,
+    /// Moves, done and in all.
+    done: AtomicUsize,
+    total: usize,
+    budget: &'a Budget,
+}
+
+impl<'a, P: Patch> Search<'a, P> {
+    /// Over `total` moves, to within `gap` mm; what is deeper than `enough` mm ends it.
+    pub(super) fn new(
+        clearance: &'a Clearance<'a, P>,
+        job: &'a Job,
+        [gap, enough]: [f64; 2],
+        total: usize,
+        budget: &'a Budget,
+    ) -> Self {
+        Self { clearance, job, gap, enough, done: AtomicUsize::new(0), total, budget }
+    }
+
+    /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if it is deeper.
+    pub(super) fn deepest(&self, known: Penetration, moves: &[Curve]) -> Result<Penetration, Error> {
+        let rows: Vec<&[Curve]> = moves.chunks(MOVES_IN_A_ROW).collect();
+        match in_order(rows.len(), |k| self.of_row(known, rows[k])) {
+            Ok(of_rows) => Ok(of_rows.into_iter().fold(known, Penetration::or_deeper)),
+            Err(End::Deep(deepest)) => Ok(deepest),
+            Err(End::Error(error)) => Err(error),
+        }
+    }
+
+    fn of_row(&self, known: Penetration, row: &[Curve]) -> Result<Penetration, End> {
+        let done = self.done.fetch_add(row.len(), Ordering::Relaxed);
+        self.budget.progress("certificate", done, self.total);
         let mut deepest = known;
-        for curve in rows[k] {
-            penetrate(curve, clearance, job, gap, &mut deepest, budget).map_err(End::Error)?;
-            if deepest.found_mm > enough {
+        for curve in row {
+            penetrate(curve, self.clearance, self.job, self.gap, &mut deepest, self.budget)
+                .map_err(End::Error)?;
+            if deepest.found_mm > self.enough {
                 return Err(End::Deep(deepest));
             }
         }
         Ok(deepest)
-    };
-    match in_order(rows.len(), of_row) {
-        Ok(of_rows) => Ok(of_rows.into_iter().fold(known, Penetration::or_deeper)),
-        Err(End::Deep(deepest)) => Ok(deepest),
-        Err(End::Error(error)) => Err(error),
     }
 }
 

@@ -209,7 +209,7 @@ fn plan_with<P: Patch>(
         Proof::Contact(_) => {
             let has_links = toolpath.moves().any(|m| matches!(m, Move::Feed { role: Role::Link, .. }));
             let of_links = if has_links { links::TOLERANCE_SHARE * job.tolerance.mm() } else { 0.0 };
-            Penetration { bound_mm: job.allowance_mm + deviation_max_mm.max(of_links), ..Penetration::NONE }
+            Penetration { bound_mm: deviation_max_mm.max(of_links), ..Penetration::NONE }
         }
     };
     let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
@@ -259,9 +259,11 @@ fn certify(
 ) -> Result<Penetration, Error> {
     let tolerance_mm = job.tolerance.mm();
     let [between, of_passes] = certificate::curves_between_and_of_passes(toolpath);
+    let n_moves = between.len() + of_passes.len();
+    let search = certificate::Search::new(clearance, job, [gap, tolerance_mm], n_moves, budget);
     let mut deepest = Penetration::NONE;
     for (moves, most) in [(of_passes, depth_mm.min(tolerance_mm)), (between, tolerance_mm)] {
-        deepest = certificate::deepest(deepest, &moves, clearance, job, [gap, tolerance_mm], budget)?;
+        deepest = search.deepest(deepest, &moves)?;
         match deepest.at {
             Some(at) if deepest.found_mm > tolerance_mm && job.engine == Engine::OffsetSection => {
                 return Err(Error::OffsetFolds { at });

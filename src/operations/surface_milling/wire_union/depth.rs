@@ -48,14 +48,9 @@ pub(super) fn deepest<P: Patch>(
     match job.tool.shape {
         Shape::Ball => {
             let clearance = Clearance::new(surface, job.tool.radius_mm, job.tool.radius_mm);
-            certificate::deepest(
-                Penetration::NONE,
-                &certificate::curves(toolpath),
-                &clearance,
-                job,
-                [gap, f64::INFINITY],
-                budget,
-            )
+            let moves = certificate::curves(toolpath);
+            let search = certificate::Search::new(&clearance, job, [gap, f64::INFINITY], moves.len(), budget);
+            search.deepest(Penetration::NONE, &moves)
         }
         Shape::Flat | Shape::BullNose { .. } => by_contact(surface, toolpath, job, gap, budget),
     }

@@ -4,10 +4,10 @@
 //! With the cutter's axis at a, a surface point P within its radius R lifts the tip to P_z - h(|P - a|), h the height of the
 //! cutter's lower side over its tip ([`Cutter`]). The tip's height is the largest lift over all of the surface: an upper
 //! envelope, so that folds of the offset, loops, sharp edges, overhangs and boundaries need no care of their own.
-//! 1. The surface is kept in small parts under a hierarchy of boxes (`tree`).
+//! 1. The surface is kept in small parts under a hierarchy of boxes, each with a plane over what is in it (`tree`).
 //! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane touches the cutter over the
 //!    axis, which knows no steep slopes, or within the square for the lift itself, which knows edges and corners.
-//! 3. That no other place lifts more is proved part by part: by boxes, by the tangent plane of the contact known with the
+//! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the contact known with the
 //!    paraboloid that supports the cutter, or by a concave quadratic bound (`bound`). What that does not decide is halved.
 //!
 //! # Guarantees
@@ -15,8 +15,8 @@
 //! limit of work is reached; rounding comes on top. The surface may be anything: only control nets count.
 //!
 //! # Cost
-//! O(log m) for m parts. On a wave of 9 x 9 points a ball of 10 mm takes some 4 us a point along lines, a flat end 10, points without
-//! a neighbour 3 to 20; where the cutter touches all around, as on the axis of a bowl, tens of milliseconds.
+//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes some 3 us a point along lines, without a
+//! neighbour 10 and 20; where the cutter touches all around, as on the axis of a bowl, tens of milliseconds.
 //!
 //! # Differences from the papers
 //! Ju traces sections of the offset and Koo et al. unite shifted wires: neither sees what lies beside the

@@ -7,8 +7,9 @@
 //! 2. *By contact*: the tip follows where the cutter, larger by the stock to be left, touches from above
 //!    ([`contact`](crate::geometry::contact)). *By sections of the offset*: the surface is proved to be smooth
 //!    ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the radius and the stock, not to fold
-//!    ([`regularity`](crate::geometry::surface::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). From
-//!    that proof, where there is one, come the heights that passes leave between them (`scallop`).
+//!    ([`regularity`](crate::geometry::surface::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). Where
+//!    that proof is there and the certificate bears it out, passes by contact of a ball are made so too. From it come the heights that
+//!    passes leave between them (`scallop`).
 //! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
 //!    off. `passes`: the CL points of each section are joined by arcs and lines (Ju, section 4).
 //! 4. `links`: one way or zigzag, the passes are joined by links, or by retract, rapid and plunge.

@@ -7,7 +7,8 @@
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
 //!
-//! otherwise it is halved, as it is for a while where the steepness across the planes is only roughly known, across the direction in which its tangents change more. A centre that violates a
+//! otherwise it is halved across the direction in which its tangents change more. So it is for a while where the steepness across the
+//! planes is only roughly known, and more so where it may be the steepest or the most hollow. A centre that violates a
 //! condition is the place of the answer `Overhang`; so is a box that is still undecided at the limits of depth
 //! and number: there the condition fails, or holds by less than could be proved. `Folds` names the most concave
 //! place that is found on the whole surface.

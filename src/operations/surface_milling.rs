@@ -20,8 +20,8 @@
 //! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the
 //!   resolution) and the exact CL curves, and is at most the tolerance.
 //! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; of a ball it is found
-//!   without knowledge of how the path was made, of other cutters it follows from the deviation and the proof of links. Into the stock to be left they enter by the tolerance at most; a
-//!   path that would cut deeper is refused as folded.
+//!   without knowledge of how the path was made, of other cutters it follows from the deviation and the proof of links. Into the
+//!   stock to be left they enter by the tolerance at most; a path that would cut deeper is refused.
 //! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the deviation,
 //!   and for what lies so near to an edge that the way to the next pass would leave the surface.
 //!

@@ -60,6 +60,9 @@ const CLOSED_MM: f64 = 1e-7;
 /// Places along a side that are compared.
 const SIDE_SAMPLES: usize = 8;
 
+/// Parts that are halved for one question; beyond that the bound at hand is taken.
+const HALVING_LIMIT: usize = 20_000;
+
 /// Normals that differ by more than this: the cutter rolls over an edge; radians.
 const ROLLING: f64 = 1e-9;
 
@@ -139,12 +142,23 @@ impl<'a, P: Patch> Contacts<'a, P> {
         near: Option<[f64; 2]>,
         budget: &Budget,
     ) -> Result<Option<Contact>, Stopped> {
+        self.drop_within(at, near, HALVING_LIMIT, budget)
+    }
+
+    /// The same with so many halvings of parts at most; what they leave open is in [`Contact::gap_mm`].
+    fn drop_within(
+        &self,
+        at: Vector2<f64>,
+        near: Option<[f64; 2]>,
+        halvings: usize,
+        budget: &Budget,
+    ) -> Result<Option<Contact>, Stopped> {
         let mut drop = Drop::new(self, at, near);
         if let Some(place) = near {
             drop.try_at(place);
         }
         self.tree.visit(&mut drop);
-        drop.close(budget)?;
+        drop.close(halvings, budget)?;
         self.looks.fetch_add(drop.looks, Ordering::Relaxed);
         Ok(drop.contact())
     }

@@ -16,9 +16,6 @@ use crate::geometry::surface::{Jet, Surface, span_of};
 /// A tip is proved to be this exact, mm.
 const ACCURACY_MM: f64 = 1e-9;
 
-/// Parts that are halved for one question; beyond that the bound at hand is taken.
-const HALVING_LIMIT: usize = 20_000;
-
 /// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
 const FIRST_STEPS: usize = 5;
 const PATCHES_TRIED: usize = 3;
@@ -45,7 +42,7 @@ pub(super) struct Drop<'a, 'b, P> {
     open: BestFirst<Part<P>>,
     /// What could not be proved to be lower.
     above: f64,
-    /// Parts that were looked at.
+    /// Parts that were looked at, and steps on them.
     pub(super) looks: usize,
 }
 
@@ -151,14 +148,14 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// Halves what may lift the tip higher, the most promising first, until nothing is left.
-    pub(super) fn close(&mut self, budget: &Budget) -> Result<(), Stopped> {
+    /// Halves what may lift the tip higher, the most promising first, until nothing is left or so many are halved.
+    pub(super) fn close(&mut self, most: usize, budget: &Budget) -> Result<(), Stopped> {
         for halvings in 1.. {
             let Some((highest, part)) = self.open.pop() else { return Ok(()) };
             if highest <= self.level() {
                 return Ok(());
             }
-            if part.size() <= self.contacts.smallest || halvings > HALVING_LIMIT {
+            if part.size() <= self.contacts.smallest || halvings > most {
                 self.above = highest;
                 return Ok(());
             }
@@ -188,6 +185,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         let mut climb = Climb::new(&contacts.cutter, &track, start);
         let mut highest = f64::INFINITY;
         for _ in 0..climb::STEPS {
+            self.looks += 1;
             let jet = climb.look(&part.patch);
             self.raise(climb.found(&jet), part.start, part.scale);
             let least = self.best.map_or(jet.point.z, |best| best.height);

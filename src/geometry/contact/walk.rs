@@ -13,7 +13,7 @@ use crate::geometry::surface::patch::Patch;
 pub const SHORTEST_STEP_MM: f64 = 1e-6;
 
 /// The distance at which positions are looked at where the surface is not found yet, in parts of what is large.
-const SEARCH_STEP: f64 = 0.25;
+const SEARCH_STEP: f64 = 0.05;
 
 /// The first step of a section, in parts of what is large.
 const FIRST_STEP: f64 = 0.05;
@@ -30,8 +30,12 @@ const OVERTAKEN_SHARE: f64 = 0.01;
 /// Upright walls in a row before the section is lost.
 const WALL_LIMIT: usize = 8;
 
-/// Looks at parts of the surface for all sections of a job: some two minutes.
-const LOOK_LIMIT: usize = 100_000_000;
+/// Looks at parts of the surface for all sections of a job: some fifteen seconds of one core where they are dear, and three times what a
+/// flat end takes for a hundred metres of path.
+const LOOK_LIMIT: usize = 30_000_000;
+
+/// Halvings of parts for one position: what lies between positions is proved, so that nobody need know one any better.
+const HALVINGS_OF_PARTS: usize = 200;
 
 /// Steps that are shortened before another contact than the one followed is looked for.
 const FAILURES: usize = 3;
@@ -318,7 +322,7 @@ impl<'a, P: Patch> Walk<'a, P> {
         if contacts.looks() > LOOK_LIMIT {
             return Err(SectionError::TooManyLooks { limit: LOOK_LIMIT });
         }
-        let contact = contacts.drop(self.position(at), near, self.budget)?;
+        let contact = contacts.drop_within(self.position(at), near, HALVINGS_OF_PARTS, self.budget)?;
         Ok(contact.filter(|contact| self.counts(contact)))
     }
 

@@ -18,8 +18,8 @@ const STRAIGHT_SHARE: f64 = 0.9;
 /// left out.
 const PROBES: usize = 64;
 
-/// Halvings between a plane with sections and one without.
-const HALVINGS: usize = 40;
+/// Halvings between a plane with sections and one without: to a ten-millionth of the distance of two probes.
+const HALVINGS: usize = 24;
 
 /// Steps of one job. Jobs that need more are for cutters that are very small or very large against the surface.
 const STEP_LIMIT: usize = 1_000_000;

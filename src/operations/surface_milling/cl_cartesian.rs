@@ -80,12 +80,13 @@ fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -
     };
     let surface = prepared(surface, job)?;
     let contacts = Contacts::new(&surface, job.cutter(), budget)?;
-    let regularity = regularity(&surface, job, budget)?;
-    if let (Some(regularity), Some(joints)) = (&regularity, joints) {
-        let offset = Offset { regularity, seam: seam(&joints, job, regularity.slopes()) };
+    let mut regularity = regularity(&surface, job, budget)?;
+    if let (Some(proof), Some(joints)) = (&regularity, joints) {
+        let offset = Offset { regularity: proof, seam: seam(&joints, job, proof.slopes()) };
         if CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= offset.seam.bend * job.tool.radius_mm {
             match by_sections(&surface, &offset, Some(&contacts), job, budget) {
-                Err(Error::ToleranceNotReached { .. } | Error::SectionLost { .. }) => {}
+                // The ball fits near each place, and yet something is in its way.
+                Err(Error::ToleranceNotReached { .. } | Error::SectionLost { .. }) => regularity = None,
                 planned => return planned,
             }
         }

@@ -23,6 +23,12 @@ const LEVEL_SLOPE: f64 = 1e-12;
 /// A tangent point this near to its surface point touches it, in radii of the cutter.
 pub(super) const TOUCHING: f64 = 1e-10;
 
+/// Slopes that are less are rounding: nothing is held by them.
+const HELD_SLOPE: f64 = 1e-12;
+
+/// Places that are no farther outside, in parameters of the part, are on the side.
+const ON_SIDE: f64 = 1e-12;
+
 /// Steps shorter than this, in parameters of the part, are none.
 const NO_STEP: f64 = 1e-15;
 
@@ -125,12 +131,14 @@ impl<'a> Climb<'a> {
 
     /// Whether the lift would go on growing beyond a side.
     fn is_held(&self, jet: &Jet, over: &LowerPoint) -> bool {
-        let rise = [jet.du, jet.dv].map(|d| d.z - over.gradient.dot(&d.xy()));
-        (0..2).any(|k| is_blocked(self.place[k], rise[k]))
+        [jet.du, jet.dv].iter().zip(self.place).any(|(d, t)| {
+            let rise = d.z - over.gradient.dot(&d.xy());
+            is_blocked(t, rise) && rise.abs() > HELD_SLOPE * d.norm()
+        })
     }
 
     fn is_inside(&self, place: &[f64; 2]) -> bool {
-        place.iter().all(|t| (0.0..=1.0).contains(t))
+        place.iter().all(|t| (-ON_SIDE..=1.0 + ON_SIDE).contains(t))
     }
 
     /// Newton's step for the tangent point to lie over the surface point.

@@ -154,6 +154,8 @@ impl<'a, P: Patch> Walk<'a, P> {
         let mut walls = 0;
         // The section ends at `end`; what lies `beyond` does not count.
         let (mut end, mut beyond) = (high, high);
+        // Whether a contact counts may not be known to the arithmetic: who does not find the end again looks ever farther before it.
+        let mut retreat = SHORTEST_STEP_MM;
         for tries in 1usize.. {
             if self.at(&here) >= end {
                 break;
@@ -189,7 +191,10 @@ impl<'a, P: Patch> Walk<'a, P> {
                         (before, here) = (higher, higher);
                     }
                 }
-                Step::Last(last) => (end, beyond) = (self.at(&last), to),
+                Step::Last(last) => {
+                    (end, beyond) = (self.at(&last).min(end - retreat), to);
+                    retreat *= 2.0;
+                }
             }
         }
         self.n_points += points.len();

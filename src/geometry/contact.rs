@@ -43,7 +43,7 @@ use crate::budget::{Budget, Stopped};
 use bound::Track;
 use drop::{Best, Drop};
 pub use section::TipSections;
-use tree::{Tree, squared_distance_in_plan};
+use tree::{Part, Tree, squared_distance_in_plan};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
@@ -62,6 +62,9 @@ const SIDE_SAMPLES: usize = 8;
 
 /// Parts that are halved for one question; beyond that the bound at hand is taken.
 const HALVING_LIMIT: usize = 20_000;
+
+/// Parameters this near to those of an edge are on it: a tip is as high there to the arithmetic.
+const ON_EDGE: f64 = 1e-8;
 
 /// Normals that differ by more than this: the cutter rolls over an edge; radians.
 const ROLLING: f64 = 1e-9;
@@ -117,9 +120,9 @@ impl<'a, P: Patch> Contacts<'a, P> {
         Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, looks, scale })
     }
 
-    /// How many parts were looked at so far, for whatever was asked: a measure of the work.
+    /// How many parts were looked at so far, for whatever was asked, as if they were bicubic: a measure of the work.
     pub fn looks(&self) -> usize {
-        self.looks.load(Ordering::Relaxed)
+        self.looks.load(Ordering::Relaxed).saturating_mul(P::WORK)
     }
 
     /// A box of the surface, mm.
@@ -203,11 +206,29 @@ impl<'a, P: Patch> Contacts<'a, P> {
 }
 
 impl<P: Patch> Contacts<'_, P> {
+    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it: parts that lie along the side of
+    /// the cutter are beside it by less than their boxes know. Infinite where boxes say as much.
+    fn lift_of_part(&self, part: &Part<P>, track: &Track) -> f64 {
+        let outward = part.lengths.center - track.center;
+        let distance = outward.norm();
+        if distance + part.lengths.half_diagonal + track.reach < self.cutter.radius() {
+            return f64::INFINITY;
+        }
+        let beyond = |p: Vector3<f64>| outward.dot(&(p.xy() - track.center));
+        let nearest = part.patch.control_points().map(beyond).fold(f64::INFINITY, f64::min) / distance;
+        let nearest = nearest - track.reach * outward.dot(&track.way).abs() / distance;
+        if nearest > (1.0 - GRAZING) * self.cutter.radius() {
+            f64::NEG_INFINITY
+        } else {
+            part.bounds.max.z - self.cutter.height(nearest)
+        }
+    }
+
     /// Whether a contact lies on an edge of the surface and is none of its tangent plane.
     fn is_rolling(&self, best: &Best) -> bool {
         let [nu, nv] = self.surface.spans().map(|n| n as f64);
         let [u, v] = best.place;
-        let on = [u <= 0.0, u >= nu, v <= 0.0, v >= nv];
+        let on = [u <= ON_EDGE, u >= nu - ON_EDGE, v <= ON_EDGE, v >= nv - ON_EDGE];
         if !on.iter().zip(&self.edges).any(|(on, edge)| *on && *edge) {
             return false;
         }

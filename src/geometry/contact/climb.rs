@@ -6,11 +6,12 @@
 //! for sharp rims, too. *By the lift*: the gradient of z - h in the square of the part; it knows sides and corners, but a rim that is
 //! sharp has no gradient. The first is taken as long as it stays inside, the second at sides.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bound::{Level, Touch, Track};
 use super::tree::Part;
 use crate::geometry::cutter::{Cutter, LowerPoint};
+use crate::geometry::solve::falling_root;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 
@@ -61,9 +62,48 @@ impl<'a> Climb<'a> {
         let gradient = jet.gradient();
         let is_upright = !(gradient.x.is_finite() && gradient.y.is_finite());
         let is_level = gradient.norm() <= LEVEL_SLOPE && self.cutter.flat_radius() > 0.0;
-        self.tangent = (!is_upright && !is_level).then(|| self.cutter.tangent_point(gradient));
+        self.tangent = self
+            .on_rim(&jet)
+            .or_else(|| (!is_upright && !is_level).then(|| self.cutter.tangent_point(gradient)));
         self.over = self.cutter.lower_point(self.off(&jet));
         jet
+    }
+
+    /// The point of a sharp rim that a side of the part crosses at the place, rising outwards, with the gradient that keeps the side
+    /// beneath the plane through it.
+    fn on_rim(&self, jet: &Jet) -> Option<LowerPoint> {
+        let off = self.off(jet);
+        let radius = self.cutter.radius();
+        if !self.is_sharp() || (off.norm() - radius).abs() > TOUCHING * radius {
+            return None;
+        }
+        let along = self.side(jet)?;
+        let outward = off.normalize();
+        let slope = along.z / outward.dot(&along.xy());
+        (slope > LEVEL_SLOPE && slope.is_finite()).then(|| self.cutter.tangent_point(outward * slope))
+    }
+
+    /// The derivative along the side that the place lies on; `None` within the part, and in its corners.
+    fn side(&self, jet: &Jet) -> Option<Vector3<f64>> {
+        let [on_u, on_v] = self.place.map(|t| t <= 0.0 || t >= 1.0);
+        if on_u == on_v { None } else { Some(if on_u { jet.dv } else { jet.du }) }
+    }
+
+    fn is_sharp(&self) -> bool {
+        self.cutter.corner_radius() == 0.0
+    }
+
+    /// The last place under a sharp rim on the straight way to `next`, where that lies beyond it; `next` otherwise.
+    fn under_rim(&self, patch: &impl Patch, next: [f64; 2]) -> [f64; 2] {
+        let place = |t: f64| [0, 1].map(|k| self.place[k] + t * (next[k] - self.place[k]));
+        let beyond = |t: f64| {
+            let [u, v] = place(t);
+            self.off(&patch.jet(u, v)).norm() - self.cutter.radius()
+        };
+        if !self.is_sharp() || self.over.is_none() || beyond(1.0) <= 0.0 {
+            return next;
+        }
+        place(falling_root([0.0, 1.0], |t| -beyond(t)))
     }
 
     pub(super) fn place(&self) -> [f64; 2] {
@@ -113,7 +153,7 @@ impl<'a> Climb<'a> {
     }
 
     /// Goes on to a better place of the unit square; whether there is one.
-    pub(super) fn step(&mut self, jet: &Jet) -> bool {
+    pub(super) fn step(&mut self, patch: &impl Patch, jet: &Jet) -> bool {
         if self.touches(jet) {
             return false;
         }
@@ -123,7 +163,10 @@ impl<'a> Climb<'a> {
             (!is_held).then(|| self.by_tangent(jet)).flatten().filter(|next| self.is_inside(next));
         let next = by_tangent.or_else(|| self.by_lift(jet)).or_else(|| self.by_tangent(jet));
         let Some(next) = next else { return false };
-        let next = next.map(|t| t.clamp(0.0, 1.0));
+        let mut next = next.map(|t| t.clamp(0.0, 1.0));
+        if (0..2).any(|k| next[k] == self.place[k]) {
+            next = self.under_rim(patch, next);
+        }
         let is_same = (0..2).all(|k| (next[k] - self.place[k]).abs() <= NO_STEP);
         self.place = next;
         !is_same

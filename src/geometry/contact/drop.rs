@@ -130,7 +130,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         for _ in 0..FIRST_STEPS {
             let jet = climb.look(patch);
             self.raise(climb.found(&jet), start, [1.0, 1.0]);
-            if !climb.step(&jet) {
+            if !climb.step(patch, &jet) {
                 break;
             }
         }
@@ -180,22 +180,41 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
                 return highest;
             }
         }
+        let highest = self.contacts.lift_of_part(part, &self.track);
+        if highest <= self.level() {
+            return highest;
+        }
         let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
+        let (under, is_found) = self.climb_part(part, start);
+        // Whoever starts beside the cutter may never get under it.
+        let under = if is_found || under <= self.level() {
+            under
+        } else {
+            under.min(self.climb_part(part, part.nearest_corner(&self.track.center)).0)
+        };
+        highest.min(under)
+    }
+
+    /// Climbs a part from a place in its own parameters: the most that it can lift the tip, as seen on the way, and whether any place
+    /// of the way lifts it.
+    fn climb_part(&mut self, part: &Part<P>, start: [f64; 2]) -> (f64, bool) {
         let (contacts, track) = (self.contacts, self.track);
         let mut climb = Climb::new(&contacts.cutter, &track, start);
-        let mut highest = f64::INFINITY;
+        let (mut highest, mut is_found) = (f64::INFINITY, false);
         for _ in 0..climb::STEPS {
             self.looks += 1;
             let jet = climb.look(&part.patch);
-            self.raise(climb.found(&jet), part.start, part.scale);
+            let found = climb.found(&jet);
+            is_found |= found.is_some();
+            self.raise(found, part.start, part.scale);
             let least = self.best.map_or(jet.point.z, |best| best.height);
             let level = Level { level: least, slope: 0.0 };
             highest = highest.min(least + climb.excess(part, &jet, &level));
-            if highest <= self.level() || !climb.step(&jet) {
+            if highest <= self.level() || !climb.step(&part.patch, &jet) {
                 break;
             }
         }
-        highest
+        (highest, is_found)
     }
 
     pub(super) fn contact(&self) -> Option<Contact> {

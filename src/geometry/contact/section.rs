@@ -4,7 +4,8 @@
 //! The line is walked over the surface. Each position is taken from the one before by Newton's method alone; that nothing else lifts the
 //! cutter there is proved with the stretch between ([`Contacts::is_within`]), and where that fails the contact is looked for
 //! anew and the step shortened. Where tips jump, at upright walls and where sheets end, the step shrinks to
-//! a millionth of a millimetre, and the chord is the wall, if nothing stands higher.
+//! a millionth of a millimetre, and the chord is the wall, if nothing stands higher. Where that is not known either, the section
+//! breaks off and goes on behind the step.
 //!
 //! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface. Where it only hangs on
 //! an edge at which the surface ends, the section ends.

@@ -25,7 +25,7 @@ use crate::geometry::surface::{Surface, span_of};
 /// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long. Shorter ones may have as many
 /// more as they are shorter: where contacts change place, it is they that decide.
 const HALVINGS: f64 = 0.5;
-const HALVING_LIMITS: [f64; 2] = [4.0, 256.0];
+const HALVING_LIMITS: [f64; 2] = [4.0, 2048.0];
 
 /// Halvings of a straight way.
 const LINK_HALVINGS: usize = 64;
@@ -248,13 +248,16 @@ impl<P: Patch> Look<'_, '_, P> {
         {
             return true;
         }
+        if self.is_settled(self.contacts.lift_of_part(part, &self.track)) {
+            return true;
+        }
         let mut climb = Climb::new(&self.contacts.cutter, &self.track, part.nearest(self.guess));
         for _ in 0..STEPS {
             let jet = climb.look(&part.patch);
             if climb.excess(part, &jet, &self.level) <= 0.0 {
                 return true;
             }
-            if !climb.step(&jet) {
+            if !climb.step(&part.patch, &jet) {
                 break;
             }
         }

@@ -80,6 +80,14 @@ impl<P: Patch> Part<P> {
         std::array::from_fn(|k| ((place[k] - self.start[k]) / self.scale[k]).clamp(0.0, 1.0))
     }
 
+    /// The corner of the part that is nearest to a place in plan.
+    pub(super) fn nearest_corner(&self, place: &Vector2<f64>) -> [f64; 2] {
+        let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
+        let distances = self.patch.corners().map(|corner| (corner.xy() - place).norm_squared());
+        let nearest = (0..4).min_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+        corners[nearest.unwrap_or(0)]
+    }
+
     /// Parameters of the surface of a place of the part.
     pub(super) fn on_surface(&self, place: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|k| self.start[k] + self.scale[k] * place[k])

@@ -27,8 +27,9 @@ const SHRINKAGE: f64 = 0.8;
 /// A contact is overtaken where another lifts the tip higher by this part of the chord height.
 const OVERTAKEN_SHARE: f64 = 0.01;
 
-/// Upright walls in a row before the section is lost.
-const WALL_LIMIT: usize = 8;
+/// Upright walls in a row before the section is lost, and places at which it is broken.
+const WALL_LIMIT: usize = 64;
+const BREAK_LIMIT: usize = 8;
 
 /// Looks at parts of the surface for all sections of a job: some fifteen seconds of one core where they are dear, and three times what a
 /// flat end takes for a hundred metres of path.
@@ -36,6 +37,9 @@ const LOOK_LIMIT: usize = 30_000_000;
 
 /// Halvings of parts for one position: what lies between positions is proved, so that nobody need know one any better.
 const HALVINGS_OF_PARTS: usize = 200;
+
+/// And where no step could be made with that.
+const HALVINGS_AT_LAST: usize = 4_000;
 
 /// Steps that are shortened before another contact than the one followed is looked for.
 const FAILURES: usize = 3;
@@ -71,6 +75,8 @@ enum Step {
     Joined(Contact),
     /// The tips jump.
     Wall(Contact),
+    /// What is between is not known: the section goes on behind it.
+    Break(Contact),
     TooLong,
     /// The section ends on the way, at this contact.
     Last(Contact),
@@ -151,7 +157,7 @@ impl<'a, P: Patch> Walk<'a, P> {
         let mut points = vec![self.point(&first)];
         let (mut before, mut here) = (first, first);
         let mut pace = Pace::new(self.sections.contacts.scale, self.spacing.step_length_mm);
-        let mut walls = 0;
+        let (mut walls, mut breaks) = (0, 0);
         // The section ends at `end`; what lies `beyond` does not count.
         let (mut end, mut beyond) = (high, high);
         // Whether a contact counts may not be known to the arithmetic: who does not find the end again looks ever farther before it.
@@ -169,7 +175,7 @@ impl<'a, P: Patch> Walk<'a, P> {
                 Step::Joined(next) => {
                     points.push(self.point(&next));
                     (before, here) = (here, next);
-                    walls = 0;
+                    (walls, breaks) = (0, 0);
                     pace.quicken();
                 }
                 Step::Wall(next) => {
@@ -181,6 +187,14 @@ impl<'a, P: Patch> Walk<'a, P> {
                     points.push(self.point(&next));
                     (before, here) = (here, next);
                     pace.quicken();
+                }
+                Step::Break(next) => {
+                    breaks += 1;
+                    if breaks > BREAK_LIMIT {
+                        return Err(SectionError::Lost { at: here.tip });
+                    }
+                    self.finish(std::mem::replace(&mut points, vec![self.point(&next)]));
+                    (before, here) = (next, next);
                 }
                 Step::TooLong => {
                     pace.slow();
@@ -197,9 +211,13 @@ impl<'a, P: Patch> Walk<'a, P> {
                 }
             }
         }
+        self.finish(points);
+        Ok(beyond)
+    }
+
+    fn finish(&mut self, points: Vec<Point3<f64>>) {
         self.n_points += points.len();
         self.chains.push(points);
-        Ok(beyond)
     }
 
     fn check_limits(&self, n_points: usize) -> Result<(), SectionError> {
@@ -227,7 +245,8 @@ impl<'a, P: Patch> Walk<'a, P> {
                 return Ok(Step::TooLong);
             }
         }
-        let Some(next) = self.contact(to, Some(here.place))? else {
+        let halvings = if is_shortest { HALVINGS_AT_LAST } else { HALVINGS_OF_PARTS };
+        let Some(next) = self.contact_within(to, Some(here.place), halvings)? else {
             return Ok(Step::Last(self.last_counting(*here, to)?));
         };
         let is_new = is_shortest || is_higher(&next, &followed);
@@ -238,7 +257,7 @@ impl<'a, P: Patch> Walk<'a, P> {
         } else if self.sections.contacts.is_wall(here, &next, self.spacing.chord_height_mm) {
             Ok(Step::Wall(next))
         } else {
-            Err(SectionError::Lost { at: here.tip })
+            Ok(Step::Break(next))
         }
     }
 
@@ -323,11 +342,21 @@ impl<'a, P: Patch> Walk<'a, P> {
     /// # Errors
     /// When the sections took too many looks, or the budget stops.
     fn contact(&mut self, at: f64, near: Option<[f64; 2]>) -> Result<Option<Contact>, SectionError> {
+        self.contact_within(at, near, HALVINGS_OF_PARTS)
+    }
+
+    /// The same with so many halvings of parts.
+    fn contact_within(
+        &mut self,
+        at: f64,
+        near: Option<[f64; 2]>,
+        halvings: usize,
+    ) -> Result<Option<Contact>, SectionError> {
         let contacts = self.sections.contacts;
         if contacts.looks() > LOOK_LIMIT {
             return Err(SectionError::TooManyLooks { limit: LOOK_LIMIT });
         }
-        let contact = contacts.drop_within(self.position(at), near, HALVINGS_OF_PARTS, self.budget)?;
+        let contact = contacts.drop_within(self.position(at), near, halvings, self.budget)?;
         Ok(contact.filter(|contact| self.counts(contact)))
     }
 

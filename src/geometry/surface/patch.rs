@@ -17,6 +17,9 @@ use super::ball::Ball;
 
 /// A patch over the unit square whose every point is a convex combination of its control points; mm.
 pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
+    /// How many bicubic patches are as dear to look at and to halve.
+    const WORK: usize;
+
     /// The jet at (u, v) of the unit square, and of the patch continued beyond it.
     fn jet(&self, u: f64, v: f64) -> Jet;
 

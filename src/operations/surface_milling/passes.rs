@@ -29,6 +29,9 @@ const ACCURACY_MM: f64 = 2e-10;
 /// Rounding of a distance in parts of the coordinates.
 const ROUNDING: f64 = 1e-14;
 
+/// Arcs that leave a chord by so many times as much as the section does are none of the section.
+const BULGE: f64 = 20.0;
+
 /// Refinements of one section before the tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
 
@@ -184,22 +187,42 @@ fn fit(
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a search for the fewest.
     let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
-    let pieces = match fit_in_space(&flat, Some(plane), &request, budget) {
-        Ok(pieces) => pieces,
-        Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
-        Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
-        Err(FitError::OnePlace) => return Err(Error::NothingToCut),
-    };
-    let mut pass =
-        CutPass { curves: Vec::with_capacity(pieces.len()), n_points: tips.len(), deviation_mm: 0.0 };
-    let mut start = 0;
-    for piece in pieces {
-        let deviation = deviation(job, &piece.curve, &tips[start..=piece.end], chain.chord_height_mm, seam)?;
-        pass.deviation_mm = pass.deviation_mm.max(deviation);
-        pass.curves.push(piece.curve);
-        start = piece.end;
+    let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation_mm: 0.0 };
+    // Ranges of points that are open, the first on top.
+    let mut open = vec![[0, tips.len() - 1]];
+    while let Some([first, last]) = open.pop() {
+        let pieces = match fit_in_space(&flat[first..=last], Some(plane), &request, budget) {
+            Ok(pieces) => pieces,
+            Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
+            Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
+            Err(FitError::OnePlace) => continue,
+        };
+        let mut start = first;
+        for piece in pieces {
+            let end = first + piece.end;
+            if let Some(wall) = wall_under_arc(&piece.curve, &tips[start..=end], chain.chord_height_mm) {
+                let wall = start + wall;
+                open.extend([[end, last], [wall + 1, end], [wall, wall + 1], [start, wall]]);
+                open.retain(|[first, last]| first < last);
+                break;
+            }
+            let deviation = deviation(job, &piece.curve, &tips[start..=end], chain.chord_height_mm, seam)?;
+            pass.deviation_mm = pass.deviation_mm.max(deviation);
+            pass.curves.push(piece.curve);
+            start = end;
+        }
     }
-    Ok(pass)
+    if pass.curves.is_empty() { Err(Error::NothingToCut) } else { Ok(pass) }
+}
+
+/// The longest chord of the tips, where an arc leaves it by more than the section may: an upright wall, or as good as one, that knows no
+/// points between its ends.
+fn wall_under_arc(curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Option<usize> {
+    let Curve::Arc(arc) = curve else { return None };
+    let chord = |k: &usize| (tips[k + 1] - tips[*k]).norm();
+    let longest = (0..tips.len() - 1).max_by(|a, b| chord(a).total_cmp(&chord(b)))?;
+    let is_wall = chord_height(chord(&longest), 1.0 / arc.radius()) > BULGE * section_height;
+    (is_wall && tips.len() > 2).then_some(longest)
 }
 
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as

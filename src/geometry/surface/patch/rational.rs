@@ -113,6 +113,8 @@ impl<const N: usize> RationalPatch<N> {
 }
 
 impl<const N: usize> Patch for RationalPatch<N> {
+    const WORK: usize = 3 * N * N / 16;
+
     fn jet(&self, u: f64, v: f64) -> Jet {
         let jet = self.homogeneous_jet(u, v);
         let [point, du, dv, duu, duv, dvv] = jet.map(|h| h.xyz());

@@ -119,10 +119,13 @@ impl<'a> Climb<'a> {
         jet.point.coords.xy() - self.track.center
     }
 
-    /// Whether the cutter touches with the tangent plane at the place that was looked at.
+    /// Whether the cutter touches with the tangent plane at the place that was looked at: to rounding, along that plane too.
     fn touches(&self, jet: &Jet) -> bool {
         let limit = TOUCHING * self.cutter.radius();
-        self.tangent.is_some_and(|tangent| (self.off(jet) - tangent.place).norm_squared() <= limit * limit)
+        self.tangent.is_some_and(|tangent| {
+            let steepness = 1.0 + tangent.slope() * tangent.slope();
+            (self.off(jet) - tangent.place).norm_squared() * steepness <= limit * limit
+        })
     }
 
     /// The lift at the place that was looked at.

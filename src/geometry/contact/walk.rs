@@ -24,6 +24,9 @@ const GROWTH_FAR: f64 = 1.4;
 const FAR: usize = 8;
 const SHRINKAGE: f64 = 0.8;
 
+/// How retreats from an end that is not found again grow.
+const RETREAT_GROWTH: f64 = 8.0;
+
 /// A contact is overtaken where another lifts the tip higher by this part of the chord height.
 const OVERTAKEN_SHARE: f64 = 0.01;
 
@@ -78,8 +81,8 @@ enum Step {
     /// What is between is not known: the section goes on behind it.
     Break(Contact),
     TooLong,
-    /// The section ends on the way, at this contact.
-    Last(Contact),
+    /// The contact there does not count: the section ends on the way.
+    Outside,
 }
 
 /// How long steps are.
@@ -205,9 +208,13 @@ impl<'a, P: Patch> Walk<'a, P> {
                         (before, here) = (higher, higher);
                     }
                 }
-                Step::Last(last) => {
-                    (end, beyond) = (self.at(&last).min(end - retreat), to);
-                    retreat *= 2.0;
+                Step::Outside if to < end || end == high => {
+                    let last = self.last_counting(here, to)?;
+                    (end, beyond) = (self.at(&last), to);
+                }
+                Step::Outside => {
+                    (end, beyond) = (end - retreat, to);
+                    retreat *= RETREAT_GROWTH;
                 }
             }
         }
@@ -247,7 +254,7 @@ impl<'a, P: Patch> Walk<'a, P> {
         }
         let halvings = if is_shortest { HALVINGS_AT_LAST } else { HALVINGS_OF_PARTS };
         let Some(next) = self.contact_within(to, Some(here.place), halvings)? else {
-            return Ok(Step::Last(self.last_counting(*here, to)?));
+            return Ok(Step::Outside);
         };
         let is_new = is_shortest || is_higher(&next, &followed);
         if is_new && self.is_joined(here, &next) {

@@ -85,8 +85,10 @@ fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -
         let offset = Offset { regularity: proof, seam: seam(&joints, job, proof.slopes()) };
         if CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= offset.seam.bend * job.tool.radius_mm {
             match by_sections(&surface, &offset, Some(&contacts), job, budget) {
-                // The ball fits near each place, and yet something is in its way.
-                Err(Error::ToleranceNotReached { .. } | Error::SectionLost { .. }) => regularity = None,
+                // The ball fits near each place, and yet something is in its way, or a wall as good as upright has sections without end.
+                Err(
+                    Error::ToleranceNotReached { .. } | Error::SectionLost { .. } | Error::TooMuchWork { .. },
+                ) => regularity = None,
                 planned => return planned,
             }
         }

@@ -113,7 +113,7 @@ impl<const N: usize> RationalPatch<N> {
 }
 
 impl<const N: usize> Patch for RationalPatch<N> {
-    const WORK: usize = 3 * N * N / 16;
+    const WORK: usize = N * N / 10;
 
     fn jet(&self, u: f64, v: f64) -> Jet {
         let jet = self.homogeneous_jet(u, v);
@@ -169,9 +169,13 @@ impl<const N: usize> Patch for RationalPatch<N> {
 
     fn continued(&self, reach: f64) -> Option<Self> {
         let p = self.degree[0];
-        // Straight on in space as well: a combination of two points and their weights lies on their line.
+        let side = (0..=self.degree[1]).map(|b| (self.net[p][b], self.net[p - 1][b]));
+        // Straight on in space as well: a combination of two points and their weights lies on their line. As many more of the points
+        // of the side leave the direction as it is, and let no weight grow: it would shorten the way.
+        let growth = side.map(|(last, before)| 1.0 - before.w / last.w).fold(f64::NEG_INFINITY, f64::max);
         let patch = Self::from_fn(self.degree, |a, b| {
-            self.net[p][b] + (self.net[p][b] - self.net[p - 1][b]) * (reach * a as f64)
+            let last = self.net[p][b];
+            last + (last * (1.0 - growth) - self.net[p - 1][b]) * (reach * a as f64)
         });
         let largest = patch.entries().map(|h| h.w).fold(0.0, f64::max);
         patch.entries().all(|h| h.w > LEAST_WEIGHT * largest).then_some(patch)

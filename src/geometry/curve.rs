@@ -71,6 +71,15 @@ impl Curve {
         }
     }
 
+    /// The point of the curve that is nearest to `p`; for a helix one as near as [`distance_to`](Self::distance_to) says.
+    pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
+        match self {
+            Curve::Line(line) => line.nearest_to(p),
+            Curve::Arc(arc) => arc.nearest_to(p),
+            Curve::Parabola(parabola) => parabola.at(parabola.nearest(p)),
+        }
+    }
+
     /// The largest value over the curve of the coordinate along `direction` (a vector of any length), mm.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         match self {

@@ -40,6 +40,7 @@
 
 mod certificate;
 mod cl_cartesian;
+mod deviation;
 mod job;
 mod links;
 mod outline;

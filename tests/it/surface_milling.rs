@@ -6,6 +6,7 @@ mod jobs;
 mod kinds;
 mod motion;
 mod section;
+mod sharpness;
 mod spline;
 mod variants;
 mod verdict;

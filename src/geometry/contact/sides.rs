@@ -14,6 +14,9 @@ const SAMPLES: usize = 24;
 /// The cutter stands level on a surface whose slope is less.
 const LEVEL_SLOPE: f64 = 1e-9;
 
+/// A surface is upright where its normal of unit length rises by less.
+const UPRIGHT: f64 = 1e-9;
+
 /// Positions of the axis in plan over the four sides, in their order; gaps where the surface has no normal.
 pub(super) struct Sides {
     positions: Vec<Vec<Option<Vector2<f64>>>>,
@@ -84,7 +87,10 @@ fn along(n: usize, position: impl Fn(f64) -> Option<Vector2<f64>>, axis: usize) 
 pub(super) fn position<P: Patch>(contacts: &Contacts<P>, [u, v]: [f64; 2]) -> Option<Vector2<f64>> {
     let jet = contacts.surface.jet(u, v);
     let gradient = jet.gradient();
-    let offset = if gradient.norm() > LEVEL_SLOPE || contacts.cutter.flat_radius() == 0.0 {
+    let normal = jet.normal().normalize();
+    let offset = if normal.z.abs() < UPRIGHT {
+        -normal.xy().normalize() * contacts.cutter.radius()
+    } else if gradient.norm() > LEVEL_SLOPE || contacts.cutter.flat_radius() == 0.0 {
         contacts.cutter.tangent_point(gradient).place
     } else {
         Vector2::zeros()

@@ -62,6 +62,9 @@ const HIGHER_MM: f64 = 1e-8;
 /// The cutter stands level where its slope is less.
 const LEVEL_SLOPE: f64 = 1e-9;
 
+/// Where the cutter touches steeper, the tip is as near to its plane by a move to the side.
+const STEEPEST_RISE: f64 = 10.0;
+
 /// A walk along one line.
 pub(super) struct Walk<'a, P> {
     sections: &'a TipSections<'a, P>,
@@ -302,7 +305,7 @@ impl<'a, P: Patch> Walk<'a, P> {
         point[axis] = self.plane.at;
         let out = (contact.point - contact.tip).xy();
         let rise = contact.slope * out[axis] / out.norm() * (self.plane.at - self.plane.traced_at);
-        point.z += if rise.is_finite() { rise } else { 0.0 };
+        point.z += if contact.slope < STEEPEST_RISE && rise.is_finite() { rise } else { 0.0 };
         point
     }
 

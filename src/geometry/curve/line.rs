@@ -27,10 +27,15 @@ impl Line {
 
     /// Distance from `p` to the segment, mm.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
+        (p - self.nearest_to(p)).norm()
+    }
+
+    /// The point of the segment that is nearest to `p`.
+    pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
         let along = self.end - self.start;
         let squared = along.norm_squared();
         let t = if squared > 0.0 { ((p - self.start).dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        (p - self.point_at(t)).norm()
+        self.point_at(t)
     }
 
     /// The largest coordinate along `direction` over the segment.

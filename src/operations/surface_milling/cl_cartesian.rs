@@ -1,5 +1,6 @@
 //! Passes along parallel planes, by either engine.
 
+use super::deviation::Deviation;
 use super::links::{self, Proof};
 use super::outline::Outline;
 use super::passes::{self, Allowed, Seam};
@@ -16,8 +17,8 @@ use crate::geometry::section::Sections;
 use crate::geometry::surface::joints::{self, Joints, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::Toolpath;
 use crate::toolpath::tool::Shape;
-use crate::toolpath::{Move, Role, Toolpath};
 
 /// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
 /// falls only with the cube root of what is left. Points of direct contact are dearer.
@@ -193,13 +194,14 @@ fn plan_with<P: Patch>(
         chord_height_share: found.chord_height_share,
     };
     let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
-    let deviation_max_mm = passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max);
+    let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));
+    let deviation_max_mm = deviation.bound_mm;
     let clearance = Clearance::new(surface, job.offset_mm(), job.tool.radius_mm);
     let proof = match found.contacts {
         Some(contacts) if job.tool.shape != Shape::Ball => Proof::Contact(contacts),
         _ => Proof::Certificate(&clearance),
     };
-    let toolpath = links::join(job, &cutting, &passes, &proof, budget)?;
+    let (toolpath, depth_of_links_mm) = links::join(job, &cutting, &passes, &proof, budget)?;
     let penetration = match proof {
         Proof::Certificate(clearance) => {
             let depth_mm = match found.depth {
@@ -208,11 +210,9 @@ fn plan_with<P: Patch>(
             };
             certify(&toolpath, job, clearance, [gap, depth_mm], budget)?
         }
-        // Who is moved by so much cuts no deeper.
+        // Who is moved down by so much cuts no deeper.
         Proof::Contact(_) => {
-            let has_links = toolpath.moves().any(|m| matches!(m, Move::Feed { role: Role::Link, .. }));
-            let of_links = if has_links { links::TOLERANCE_SHARE * job.tolerance.mm() } else { 0.0 };
-            Penetration { bound_mm: deviation_max_mm.max(of_links), ..Penetration::NONE }
+            Penetration { bound_mm: deviation.depth_mm.max(depth_of_links_mm), ..Penetration::NONE }
         }
     };
     let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;

@@ -13,16 +13,21 @@ use crate::toolpath::cutting::Cutting;
 use crate::toolpath::{Builder, Role, Toolpath};
 
 /// The part of the tolerance by which a link of a cutter without a certificate may cut into the surface.
-pub(super) const TOLERANCE_SHARE: f64 = 0.9;
+const TOLERANCE_SHARE: f64 = 0.9;
 
-/// The toolpath of `passes`, from the clearance plane over the first to that over the last.
+/// Its depth is proved to one of so many halves of that.
+const DEPTHS: i32 = 12;
+
+/// The toolpath of `passes`, from the clearance plane over the first to that over the last, and how deep links cut at most as far as
+/// they were proved one by one, mm.
 pub(super) fn join(
     job: &Job,
     cutting: &Cutting,
     passes: &[CutPass],
     proof: &Proof<impl Patch>,
     budget: &Budget,
-) -> Result<Toolpath, Error> {
+) -> Result<(Toolpath, f64), Error> {
+    let mut depth_mm = 0.0f64;
     let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
     let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
     for (k, pass) in passes.iter().enumerate() {
@@ -30,7 +35,9 @@ pub(super) fn join(
         let link = Line { start: builder.at(), end: pass.start() };
         budget.check()?;
         let may_link = k > 0 && job.direction == CutDirection::Zigzag && is_quicker(cutting, &link);
-        if may_link && proof.clears(&link, job, budget)? {
+        let depth = if may_link { proof.depth(&link, job, budget)? } else { None };
+        if let Some(depth) = depth {
+            depth_mm = depth_mm.max(depth);
             builder.line(link.end, cutting.feed_of(Role::Link), Role::Link)?;
         } else {
             rapid_to(&mut builder, at_height(link.start, cutting.retract_z_mm))?;
@@ -52,7 +59,7 @@ pub(super) fn join(
     }
     let last = builder.at();
     rapid_to(&mut builder, at_height(last, cutting.clearance_z_mm))?;
-    Ok(builder.finish()?)
+    Ok((builder.finish()?, depth_mm))
 }
 
 fn rapid_to(builder: &mut Builder, to: Point3<f64>) -> Result<(), Error> {
@@ -71,8 +78,9 @@ pub(super) enum Proof<'a, P> {
 }
 
 impl<P: Patch> Proof<'_, P> {
-    /// Whether a link is proved to keep within the tolerance of the surface, as computed and as written.
-    fn clears(&self, link: &Line, job: &Job, budget: &Budget) -> Result<bool, Error> {
+    /// How deep a link cuts at most, as computed and as written, mm, where that is proved to be within the tolerance; zero where the
+    /// certificate says it.
+    fn depth(&self, link: &Line, job: &Job, budget: &Budget) -> Result<Option<f64>, Error> {
         match self {
             Self::Certificate(clearance) => {
                 let gap = CERTIFICATE_GAP * job.tolerance.mm();
@@ -81,12 +89,19 @@ impl<P: Patch> Proof<'_, P> {
                 let mut deepest = Penetration { bound_mm: most, ..Penetration::NONE };
                 let curve = Curve::Line(*link);
                 certificate::penetrate(&curve, clearance, job, gap, &mut deepest, budget)?;
-                Ok(deepest.bound_mm <= most)
+                Ok((deepest.bound_mm <= most).then_some(0.0))
             }
             Self::Contact(contacts) => {
                 let tip = |p: Point3<f64>| p - Vector3::z() * job.allowance_mm;
-                let height = TOLERANCE_SHARE * job.tolerance.mm() - job.resolution.step_mm();
-                Ok(height > 0.0 && contacts.is_clear(tip(link.start), tip(link.end), height))
+                let step = job.resolution.step_mm();
+                let most = TOLERANCE_SHARE * job.tolerance.mm() - step;
+                let is_clear = |height: &f64| contacts.is_clear(tip(link.start), tip(link.end), *height);
+                // Few links that cut deep can be proved to cut less.
+                if !(most > 0.0 && is_clear(&most)) {
+                    return Ok(None);
+                }
+                let less = (1..DEPTHS).map(|k| most * 0.5f64.powi(k)).take_while(is_clear).last();
+                Ok(Some(less.unwrap_or(most) + step))
             }
         }
     }

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Point3;
 
+use super::deviation::{self, Deviation};
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
@@ -12,7 +13,7 @@ use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
 use crate::toolpath::PathError;
-use crate::toolpath::quantize::{Grid, Parabolas, round};
+use crate::toolpath::tool::Shape;
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -23,11 +24,9 @@ const CURVE_LIMIT: usize = 1_000_000;
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
 
-/// How exactly a tip lies on its section, mm.
-const ACCURACY_MM: f64 = 2e-10;
-
-/// Rounding of a distance in parts of the coordinates.
-const ROUNDING: f64 = 1e-14;
+/// What is nearly straight deviates by less than is stated of it: its chords are made shorter so many times, by so much.
+const SHARPENINGS: usize = 3;
+const SHARPENED_BY: f64 = 0.3;
 
 /// Arcs that leave a chord by so many times as much as the section does are none of the section.
 const BULGE: f64 = 20.0;
@@ -40,8 +39,8 @@ const REFINEMENT_LIMIT: usize = 12;
 pub(super) struct CutPass {
     pub(super) curves: Vec<Curve>,
     pub(super) n_points: usize,
-    /// Proved distance between the exact CL curve and the curves, as computed and as written, mm.
-    pub(super) deviation_mm: f64,
+    /// From the exact CL curve.
+    pub(super) deviation: Deviation,
 }
 
 impl CutPass {
@@ -123,29 +122,37 @@ fn cut_plane(
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
+    // The certificate knows the depth of a ball.
+    let with_depth = job.tool.shape != Shape::Ball;
     // What is shorter would vanish in rounding.
     let shortest = 2.0 * job.resolution.step_mm();
-    let mut worst = (0.0, Point3::origin());
-    for _ in 0..REFINEMENT_LIMIT {
+    let mut worst = (Deviation::NONE, Point3::origin());
+    for tries in 0..REFINEMENT_LIMIT {
         let mut chains = slicer.chains(plane, spacing, budget)?;
         chains.retain(|chain| chain.length() > shortest);
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
             chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam, budget)).collect();
         let passes = passes?;
-        worst = (0.0, Point3::origin());
+        worst = (Deviation::NONE, Point3::origin());
         for pass in &passes {
-            if pass.deviation_mm > worst.0 {
-                worst = (pass.deviation_mm, pass.start());
+            if pass.deviation.bound_mm > worst.0.bound_mm {
+                worst.1 = pass.start();
             }
+            worst.0 = worst.0.or_more(&pass.deviation);
         }
-        if worst.0 <= tolerance {
+        let too_much = worst.0.bound_mm - tolerance;
+        if too_much > 0.0 {
+            fit_tolerance = (fit_tolerance - 1.1 * too_much).max(0.5 * fit_tolerance);
+            spacing.chord_height_mm *= 0.5;
+        } else if tries < SHARPENINGS && !worst.0.is_sharp(job.resolution.step_mm(), with_depth) {
+            spacing.chord_height_mm *= SHARPENED_BY;
+        } else {
             return Ok(passes);
         }
-        fit_tolerance = (fit_tolerance - 1.1 * (worst.0 - tolerance)).max(0.5 * fit_tolerance);
-        spacing.chord_height_mm *= 0.5;
     }
-    Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm: worst.0, at: worst.1 })
+    let deviation_mm = worst.0.bound_mm;
+    Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm, at: worst.1 })
 }
 
 /// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they start.
@@ -187,7 +194,7 @@ fn fit(
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a search for the fewest.
     let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
-    let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation_mm: 0.0 };
+    let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation: Deviation::NONE };
     // Ranges of points that are open, the first on top.
     let mut open = vec![[0, tips.len() - 1]];
     while let Some([first, last]) = open.pop() {
@@ -206,8 +213,9 @@ fn fit(
                 open.retain(|[first, last]| first < last);
                 break;
             }
-            let deviation = deviation(job, &piece.curve, &tips[start..=end], chain.chord_height_mm, seam)?;
-            pass.deviation_mm = pass.deviation_mm.max(deviation);
+            let deviation =
+                deviation::of(job, &piece.curve, &tips[start..=end], chain.chord_height_mm, seam)?;
+            pass.deviation = pass.deviation.or_more(&deviation);
             pass.curves.push(piece.curve);
             start = end;
         }
@@ -223,47 +231,4 @@ fn wall_under_arc(curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> O
     let longest = (0..tips.len() - 1).max_by(|a, b| chord(a).total_cmp(&chord(b)))?;
     let is_wall = chord_height(chord(&longest), 1.0 / arc.radius()) > BULGE * section_height;
     (is_wall && tips.len() > 2).then_some(longest)
-}
-
-/// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
-/// written.
-///
-/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam` adds. A
-/// point of the chord is as far from a line as its ends, and from an arc, which lies as far away as the tips at
-/// most, by the height of the chord under that arc more. Ends correspond to ends, and arcs go round their centres
-/// as the tips do, so the nearest points of a path that stays in so narrow a band run over all of the other: the
-/// bound holds both ways. What is written in several pieces is bounded by its displacement from `curve`.
-fn deviation(
-    job: &Job,
-    curve: &Curve,
-    tips: &[Point3<f64>],
-    section_height: f64,
-    seam: Seam,
-) -> Result<f64, Error> {
-    let chord = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
-    let section_height = section_height + seam.jump + seam.bend * chord;
-    let bound = |curve: &Curve| {
-        let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
-        let under = |radius: f64| chord_height(chord, 1.0 / (radius - farthest).max(0.0));
-        let arc_height = match curve {
-            Curve::Line(_) => 0.0,
-            Curve::Arc(arc) => under(arc.radius()),
-            Curve::Parabola(parabola) => under(1.0 / parabola.largest_curvature()),
-        };
-        farthest + arc_height + section_height + ACCURACY_MM + ROUNDING * tips[0].coords.amax()
-    };
-    let computed = bound(curve);
-    let rounded = round(curve, job.resolution, Parabolas::AsLines)?;
-    let written = match &rounded.curves[..] {
-        // The element vanishes on the grid; what remains is its length, and half a step each way.
-        [] => curve.length() + job.resolution.step_mm(),
-        [only] => bound(&only.curve) + only.slack_mm,
-        _ => computed + rounded.displacement_mm,
-    };
-    let grid = Grid::new(job.resolution);
-    let mut deviation = computed.max(written);
-    for end in [tips[0], tips[tips.len() - 1]] {
-        deviation = deviation.max((grid.point(grid.round(&end)?) - end).norm());
-    }
-    Ok(deviation)
 }

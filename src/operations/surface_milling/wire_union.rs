@@ -42,6 +42,7 @@ mod wires;
 
 use nalgebra::Point3;
 
+use super::deviation::Deviation;
 use super::passes::CutPass;
 use super::{CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, data_warnings};
 use crate::budget::Budget;
@@ -108,7 +109,7 @@ pub(super) fn plan<P: Patch>(
         n_passes: passes.len(),
         n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
         stepover_mm: model.pitch_mm,
-        deviation_max_mm: passes.iter().map(|pass| pass.deviation_mm).fold(0.0, f64::max),
+        deviation_max_mm: passes.iter().map(|pass| pass.deviation.bound_mm).fold(0.0, f64::max),
         gouge_max_mm: if deepest.bound_mm > LEAST_DEPTH_MM { deepest.bound_mm } else { 0.0 },
         gouge_at: deepest.at,
         rest_sampled_max_mm: None,
@@ -211,7 +212,8 @@ fn pass(
             at: tips[0],
         });
     }
-    Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation_mm }))
+    let deviation = Deviation::within(deviation_mm);
+    Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation }))
 }
 
 /// The line in equal parts no longer than `longest_mm`.

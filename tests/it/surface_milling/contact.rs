@@ -1,5 +1,8 @@
 //! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense points of closed forms.
 
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::surface::nurbs::Nurbs;
@@ -57,6 +60,15 @@ impl Dense {
             (x, (0..=n).map(|j| Point3::new(x, node(j), height(x, node(j)))).collect())
         };
         Self { rows: (0..=n).map(row).collect() }
+    }
+
+    /// Of any points, in rows as wide as they are apart.
+    fn of_points(points: impl Iterator<Item = Point3<f64>>) -> Self {
+        let mut rows = BTreeMap::new();
+        for point in points {
+            rows.entry((point.x / POINTS_MM).round() as i64).or_insert_with(Vec::new).push(point);
+        }
+        Self { rows: rows.into_iter().map(|(k, points)| (k as f64 * POINTS_MM, points)).collect() }
     }
 
     /// The depth of the deepest point in a cutter with its tip at a place.
@@ -139,6 +151,90 @@ fn a_roof_is_cut_over_its_edge() {
             let grid = heights(3, [0.0, 12.0], Ends::Natural, |_, _| 0.0);
             let job = Job { plane, tool, surface: roof.clone(), ..job(grid, 3.0, 1.1, 0.01, 3) };
             follow(&job, &dense);
+        }
+    }
+}
+
+/// How high the tips of all cuts are, from the lowest to the highest.
+fn heights_of_cuts(plan: &Plan) -> [f64; 2] {
+    let cuts = planned(plan).into_iter().flatten().filter(|(kind, _)| *kind == Kind::Cut);
+    let tips = cuts.flat_map(|(_, motion)| (0..=100).map(move |k| motion.at(f64::from(k) / 100.0).z));
+    tips.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
+}
+
+#[test]
+fn walls_and_sheets_over_one_another_are_cut_as_they_are_seen_from_above() {
+    let wall = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
+    let overhang = [[0.0, 0.0], [7.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
+    for profile in [wall, overhang] {
+        let sheet = Source::Nurbs(Nurbs {
+            degree: [1, 1],
+            knots: [vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0], vec![0.0, 0.0, 1.0, 1.0]],
+            control_points: profile.map(|[x, z]| [0.0, 9.0].map(|y| Point3::new(x, y, z)).to_vec()).to_vec(),
+            weights: None,
+        });
+        let steps = (9.0 / POINTS_MM) as usize;
+        let along = |k: usize| k as f64 / steps as f64;
+        let places = (0..3).flat_map(|piece| (0..=steps).map(move |k| (piece, k)));
+        let places = places.map(|(piece, k)| {
+            let ([x, z], [to_x, to_z]) = (profile[piece], profile[piece + 1]);
+            (x + (to_x - x) * along(k), z + (to_z - z) * along(k))
+        });
+        let dense = Dense::of_points(
+            places.flat_map(|(x, z)| (0..=steps).map(move |j| Point3::new(x, 9.0 * along(j), z))),
+        );
+        for plane in PLANES {
+            for tool in cutters(1.5) {
+                let grid = heights(3, [0.0, 9.0], Ends::Natural, |_, _| 0.0);
+                let job = Job { plane, tool, surface: sheet.clone(), ..job(grid, 3.0, 1.1, 0.01, 3) };
+                let [low, high] = heights_of_cuts(&follow(&job, &dense));
+                assert!(low.abs() < 0.011 && (high - 5.0).abs() < 0.011, "{tool:?} {low} to {high}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_half_sphere_is_cut_down_to_its_upright_rim() {
+    let radius = 3.2;
+    let circle = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]];
+    let circle = [circle, circle.map(|p| p.map(|x| -x))].concat();
+    let circle: Vec<[f64; 2]> =
+        circle.into_iter().enumerate().filter(|(k, _)| *k != 5).map(|(_, p)| p).collect();
+    let rise = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let weight = |k: usize| if k % 2 == 1 { FRAC_1_SQRT_2 } else { 1.0 };
+    let point = |[x, y]: [f64; 2], [out, up]: [f64; 2]| Point3::new(x * out, y * out, up) * radius;
+    let dome = Source::Nurbs(Nurbs {
+        degree: [2, 2],
+        knots: [
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+        ],
+        control_points: circle.iter().map(|p| rise.map(|q| point(*p, q)).to_vec()).collect(),
+        weights: Some((0..9).map(|i| (0..3).map(|j| weight(i) * weight(j)).collect()).collect()),
+    });
+    let steps = (PI * radius / POINTS_MM) as usize;
+    let angle = |k: usize| PI * k as f64 / steps as f64;
+    let dense = Dense::of_points((0..=steps).flat_map(|i| {
+        (0..=2 * steps).map(move |j| {
+            let (out, up) = ((0.5 * angle(i)).cos(), (0.5 * angle(i)).sin());
+            point([angle(j).cos(), angle(j).sin()], [out, up])
+        })
+    }));
+    for radius_mm in [1.5, 12.5] {
+        for tool in cutters(radius_mm) {
+            let grid = heights(3, [0.0, 9.0], Ends::Natural, |_, _| 0.0);
+            let job = Job { tool, surface: dome.clone(), ..job(grid, 3.0, 2.3, 0.01, 3) };
+            let [low, high] = heights_of_cuts(&follow(&job, &dense));
+            let lowest = match tool.shape {
+                Shape::Ball => -radius_mm,
+                Shape::Flat => 0.0,
+                Shape::BullNose { corner_radius_mm } => -corner_radius_mm,
+            };
+            assert!(
+                (lowest - 0.011..lowest + 0.2).contains(&low) && high < radius + 0.011,
+                "{tool:?} {low} to {high}"
+            );
         }
     }
 }

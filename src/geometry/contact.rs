@@ -8,7 +8,8 @@
 //! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane touches the cutter over the
 //!    axis, which knows no steep slopes, or within the square for the lift itself, which knows edges and corners.
 //! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the contact known with the
-//!    paraboloid that supports the cutter, or by a concave quadratic bound (`bound`). What that does not decide is halved.
+//!    paraboloid that supports the cutter, by the side of the cutter for parts along it, or by a concave quadratic bound (`bound`). What
+//!    that does not decide is halved.
 //!
 //! # Guarantees
 //! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm but where the

@@ -50,6 +50,44 @@ fn a_plane_is_touched_as_the_closed_form_says() {
     }
 }
 
+/// The largest value of a linear function in a disc of a radius about a place, and the square from 0 to 10.
+fn highest_in_disc(gradient: Vector2<f64>, at: Vector2<f64>, radius: f64) -> Option<f64> {
+    let is_in = |p: &Vector2<f64>| {
+        (p - at).norm() <= radius + 1e-12 && p.iter().all(|x| (-1e-12..=10.0 + 1e-12).contains(x))
+    };
+    let mut candidates = vec![at + gradient.normalize() * radius];
+    for axis in 0..2 {
+        for side in [0.0, 10.0] {
+            let half = (radius * radius - (side - at[axis]).powi(2)).sqrt();
+            for other in [at[1 - axis] - half, at[1 - axis] + half, 0.0, 10.0] {
+                let mut p = Vector2::repeat(side);
+                p[1 - axis] = other;
+                candidates.push(p);
+            }
+        }
+    }
+    candidates.iter().filter(|p| is_in(p)).map(|p| gradient.dot(p)).reduce(f64::max)
+}
+
+#[test]
+fn a_flat_end_touches_edges_and_corners_with_its_rim() {
+    for gradient in [[0.5, 0.0], [0.3, -0.8], [4.0, 3.0], [-0.02, 0.01]].map(Vector2::from) {
+        let plane = graph([0.0, 0.0], [10.0, 10.0], |x, y| gradient.dot(&Vector2::new(x, y)));
+        let budget = Budget::unlimited();
+        let contacts = Contacts::new(&plane, Cutter::bull_nose(2.0, 0.0), &budget).unwrap();
+        for k in 0..31 * 31 {
+            let at = Vector2::new(-2.43 + 0.493 * f64::from(k % 31), -2.37 + 0.487 * f64::from(k / 31));
+            let found = contacts.drop(at, None, &budget).unwrap();
+            let expected = highest_in_disc(gradient, at, 2.0);
+            let is_right = match (found, expected) {
+                (Some(found), Some(expected)) => (found.tip.z - expected).abs() < 1e-8,
+                (found, expected) => found.is_none() && expected.is_none(),
+            };
+            assert!(is_right, "{at} {gradient}: {found:?} {expected:?}");
+        }
+    }
+}
+
 #[test]
 fn a_bowl_that_is_too_tight_holds_the_cutter_up() {
     let bowl = graph([-4.0, -4.0], [4.0, 4.0], |x, y| 0.4 * (x * x + y * y));

@@ -26,6 +26,8 @@
 mod bound;
 mod climb;
 mod drop;
+mod over;
+mod pace;
 mod section;
 mod sides;
 mod stretch;

@@ -13,14 +13,12 @@
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
 
-use nalgebra::Vector3;
-
+use super::Contacts;
+use super::pace::SHORTEST_STEP_MM;
 use super::sides::{Sides, position};
-use super::walk::{SHORTEST_STEP_MM, Walk};
-use super::{Contact, Contacts};
+use super::walk::Walk;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
-use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
 /// The cutter just grazes the surface from farther out, in parts of the radius.
@@ -84,32 +82,5 @@ impl<'a, P: Patch> TipSections<'a, P> {
             extent = [extent[0].min(at[self.axis]), extent[1].max(at[self.axis])];
         }
         extent
-    }
-}
-
-impl<P: Patch> Contacts<'_, P> {
-    /// Whether the axis of a cutter that stands level is over the surface, and not beyond its edges.
-    pub(super) fn is_over(&self, contact: &Contact) -> bool {
-        let at = contact.tip.xy();
-        let [nu, nv] = self.surface.spans().map(|n| n as f64);
-        let mut place = contact.place;
-        // Gauss and Newton know no sides: the last step says whether the place is outside.
-        for _ in 0..20 {
-            let jet = self.surface.jet(place[0], place[1]);
-            let across = nalgebra::Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
-            let Some(inverse) = across.try_inverse() else { return true };
-            let step = inverse * (at.coords - jet.point.coords.xy());
-            if step.norm() < 1e-12 {
-                return true;
-            }
-            let next = [place[0] + step.x, place[1] + step.y];
-            let inside = [next[0].clamp(0.0, nu), next[1].clamp(0.0, nv)];
-            if inside == place {
-                return false;
-            }
-            place = inside;
-        }
-        let jet: Vector3<f64> = self.surface.jet(place[0], place[1]).point.coords;
-        (at.coords - jet.xy()).norm() <= 1e-9
     }
 }

@@ -3,26 +3,15 @@
 use nalgebra::{Point2, Point3, Vector2};
 
 use super::Contact;
+use super::pace::{Pace, SHORTEST_STEP_MM};
 use super::section::TipSections;
 use crate::budget::Budget;
 use crate::geometry::section::{PlaneAt, SectionError, Spacing};
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
-/// Tips this near to each other may be at any height: the wall between them is upright.
-pub const SHORTEST_STEP_MM: f64 = 1e-6;
-
 /// The distance at which positions are looked at where the surface is not found yet, in parts of what is large.
 const SEARCH_STEP: f64 = 0.05;
-
-/// The first step of a section, in parts of what is large.
-const FIRST_STEP: f64 = 0.05;
-
-/// How steps grow near the longest that is possible, and far below it: after so many in a row.
-const GROWTH: f64 = 1.05;
-const GROWTH_FAR: f64 = 1.4;
-const FAR: usize = 8;
-const SHRINKAGE: f64 = 0.8;
 
 /// How retreats from an end that is not found again grow.
 const RETREAT_GROWTH: f64 = 8.0;
@@ -86,36 +75,6 @@ enum Step {
     TooLong,
     /// The contact there does not count: the section ends on the way.
     Outside,
-}
-
-/// How long steps are.
-struct Pace {
-    step: f64,
-    longest: f64,
-    /// Failures and successes in a row.
-    failures: usize,
-    successes: usize,
-}
-
-impl Pace {
-    fn new(scale: f64, step_length: f64) -> Self {
-        let longest = step_length.min(scale);
-        Self { step: longest.min(FIRST_STEP * scale), longest, failures: 0, successes: 0 }
-    }
-
-    fn is_shortest(&self) -> bool {
-        self.step <= SHORTEST_STEP_MM
-    }
-
-    fn quicken(&mut self) {
-        (self.failures, self.successes) = (0, self.successes + 1);
-        self.step = (self.step * if self.successes > FAR { GROWTH_FAR } else { GROWTH }).min(self.longest);
-    }
-
-    fn slow(&mut self) {
-        (self.failures, self.successes) = (self.failures + 1, 0);
-        self.step = (self.step * SHRINKAGE).max(SHORTEST_STEP_MM);
-    }
 }
 
 impl<'a, P: Patch> Walk<'a, P> {

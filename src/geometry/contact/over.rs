@@ -1,0 +1,83 @@
+//! Whether the axis of a cutter is over the surface: where it stands level, it counts only there.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::tree::{Cover, Part, Visitor};
+use super::{Contact, Contacts};
+use crate::geometry::surface::patch::{Bounds, Patch};
+
+/// Steps of Newton's method on one part.
+const STEPS: usize = 10;
+
+/// A place this near to the axis in plan is under it, mm.
+const UNDER_MM: f64 = 1e-9;
+
+/// Halvings of one part that may be under the axis.
+const HALVINGS: usize = 32;
+
+impl<P: Patch> Contacts<'_, P> {
+    /// Whether the axis of a cutter that stands level is over the surface, and not beyond its edges.
+    pub(super) fn is_over(&self, contact: &Contact) -> bool {
+        let mut over = Over { at: contact.tip.xy().coords, is_found: false };
+        self.tree.visit(&mut over);
+        over.is_found
+    }
+}
+
+/// A search for a place of the surface.
+struct Over {
+    at: Vector2<f64>,
+    is_found: bool,
+}
+
+impl Over {
+    fn may_be_in(&self, bounds: &Bounds) -> bool {
+        (0..2).all(|k| (bounds.min[k] - UNDER_MM..=bounds.max[k] + UNDER_MM).contains(&self.at[k]))
+    }
+
+    /// Whether Newton's method finds a place of the part under the axis.
+    fn is_under<P: Patch>(&self, part: &Part<P>) -> bool {
+        let mut place = [0.5, 0.5];
+        for _ in 0..STEPS {
+            let jet = part.patch.jet(place[0], place[1]);
+            let off = self.at - jet.point.coords.xy();
+            if off.norm() <= UNDER_MM {
+                return true;
+            }
+            let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+            let Some(step) = across.try_inverse().map(|inverse| inverse * off) else { return false };
+            let next = [0, 1].map(|k| (place[k] + step[k]).clamp(0.0, 1.0));
+            if next == place {
+                return false;
+            }
+            place = next;
+        }
+        false
+    }
+}
+
+impl<P: Patch> Visitor<P> for Over {
+    fn promise(&self, bounds: &Bounds) -> f64 {
+        if self.may_be_in(bounds) { 1.0 } else { -1.0 }
+    }
+
+    fn is_beneath(&self, _cover: &Cover) -> bool {
+        false
+    }
+
+    fn is_settled(&self, promise: f64) -> bool {
+        self.is_found || promise < 0.0
+    }
+
+    fn visit(&mut self, part: &Part<P>, _promise: f64) {
+        let mut open = vec![*part];
+        for _ in 0..HALVINGS {
+            let Some(part) = open.pop() else { return };
+            if self.is_under(&part) {
+                self.is_found = true;
+                return;
+            }
+            open.extend(part.halves().into_iter().filter(|half| self.may_be_in(&half.bounds)));
+        }
+    }
+}

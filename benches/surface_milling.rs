@@ -12,7 +12,7 @@ use toolpathd::geometry::clearance::{Clearance, Penetration};
 use toolpathd::geometry::contact::{Contacts, TipSections};
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::cutter::Cutter;
-use toolpathd::geometry::section::{PlaneAt, Sections, Spacing};
+use toolpathd::geometry::section::{Chain, PlaneAt, SectionError, Sections, Spacing};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 use toolpathd::geometry::surface::regularity::prove;
 use toolpathd::geometry::surface::source::Source;
@@ -73,6 +73,11 @@ fn mill(c: &mut Criterion) {
     group.finish();
 }
 
+/// The points of all sections.
+fn count(planes: &[PlaneAt], chains: impl Fn(PlaneAt) -> Result<Vec<Chain>, SectionError>) -> usize {
+    planes.iter().flat_map(|plane| chains(*plane).unwrap()).map(|chain| chain.points.len()).sum()
+}
+
 /// Twenty sections, spread over the grid, without the arcs.
 fn sections(c: &mut Criterion) {
     let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
@@ -86,22 +91,12 @@ fn sections(c: &mut Criterion) {
         let regularity = prove(&surface, radius, axis, &budget).unwrap();
         let of_offset = Sections::new(&surface, radius, axis, &regularity, &budget).unwrap();
         group.bench_function(BenchmarkId::new("of the offset", n), |b| {
-            b.iter(|| {
-                planes
-                    .iter()
-                    .map(|plane| of_offset.chains(*plane, spacing, &budget).unwrap().len())
-                    .sum::<usize>()
-            });
+            b.iter(|| count(&planes, |plane| of_offset.chains(plane, spacing, &budget)));
         });
         let contacts = Contacts::new(&surface, Cutter::ball(radius), &budget).unwrap();
         let of_tips = TipSections::new(&contacts, axis, &budget).unwrap();
         group.bench_function(BenchmarkId::new("by contact", n), |b| {
-            b.iter(|| {
-                planes
-                    .iter()
-                    .map(|plane| of_tips.chains(*plane, spacing, &budget).unwrap().len())
-                    .sum::<usize>()
-            });
+            b.iter(|| count(&planes, |plane| of_tips.chains(plane, spacing, &budget)));
         });
     }
     group.finish();
@@ -121,10 +116,7 @@ fn sections_of_peer(c: &mut Criterion) {
                 let surface = grid_at(10.0, 9).surface().unwrap();
                 let regularity = prove(&surface, radius, axis, &budget).unwrap();
                 let sections = Sections::new(&surface, radius, axis, &regularity, &budget).unwrap();
-                let points = |plane: &PlaneAt| -> usize {
-                    sections.chains(*plane, spacing, &budget).unwrap().iter().map(|c| c.points.len()).sum()
-                };
-                planes.iter().map(points).sum::<usize>()
+                count(&planes, |plane| sections.chains(plane, spacing, &budget))
             });
         });
     }

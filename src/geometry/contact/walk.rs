@@ -54,6 +54,9 @@ const LEVEL_SLOPE: f64 = 1e-9;
 /// Where the cutter touches steeper, the tip is as near to its plane by a move to the side.
 const STEEPEST_RISE: f64 = 10.0;
 
+/// Contacts this near to the border of the flat, in parts of its radius, are its own: how steep they are is not known to the arithmetic.
+const ON_RIM: f64 = 1e-6;
+
 /// A walk along one line.
 pub(super) struct Walk<'a, P> {
     sections: &'a TipSections<'a, P>,
@@ -330,8 +333,10 @@ impl<'a, P: Patch> Walk<'a, P> {
     }
 
     fn counts(&self, contact: &Contact) -> bool {
-        let is_level = contact.slope <= LEVEL_SLOPE && self.sections.contacts.cutter.flat_radius() > 0.0;
-        !contact.is_rolling && (!is_level || self.sections.contacts.is_over(contact))
+        let contacts = self.sections.contacts;
+        let off = (contact.point - contact.tip).xy().norm();
+        let is_level = contact.slope <= LEVEL_SLOPE && off < (1.0 - ON_RIM) * contacts.cutter.flat_radius();
+        !contact.is_rolling && (!is_level || contacts.is_over(contact))
     }
 
     /// The last contact that counts on the way from one to a position without: mostly that which can be followed the farthest.

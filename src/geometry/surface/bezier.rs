@@ -103,28 +103,13 @@ impl<P: Patch> BezierSurface<P> {
         let places = (0..=nv * SIDE_SAMPLES).map(|k| k as f64 / SIDE_SAMPLES as f64);
         let shortest = places.map(|v| self.jet(nu as f64, v).du.norm()).fold(f64::INFINITY, f64::min);
         // What lies between the samples may be a little shorter.
-        let mut reach = 1.1 * by / shortest;
+        let reach = 1.1 * by / shortest;
         if !reach.is_finite() {
             return None;
         }
-        // Growing weights shorten the way; a longer reach makes up for it where there is one.
-        for _ in 0..8 {
-            let side: Option<Vec<P>> = (0..nv).map(|j| self.patch(nu - 1, j).continued(reach)).collect();
-            let side = side?;
-            let length = |p: &P| {
-                let [from_low, from_high, to_low, to_high] = p.corners();
-                (to_low - from_low).norm().min((to_high - from_high).norm())
-            };
-            let least = side.iter().map(length).fold(f64::INFINITY, f64::min);
-            if least >= by {
-                return Some(Self::from_fn(
-                    [nu + 1, nv],
-                    |i, j| if i < nu { *self.patch(i, j) } else { side[j] },
-                ));
-            }
-            reach *= 1.1 * by / least;
-        }
-        None
+        let side: Option<Vec<P>> = (0..nv).map(|j| self.patch(nu - 1, j).continued(reach)).collect();
+        let side = side?;
+        Some(Self::from_fn([nu + 1, nv], |i, j| if i < nu { *self.patch(i, j) } else { side[j] }))
     }
 
     /// The same surface with its domain turned by a quarter: the side of the largest v comes to that of the largest u.

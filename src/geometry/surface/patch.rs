@@ -44,8 +44,8 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
     /// The same patch with its unit square turned by a quarter: the side v = 1 comes to u = 1.
     fn turned(&self) -> Self;
 
-    /// The patch that joins this one at u = 1 and runs straight on along the tangents there, `reach` times as far as
-    /// they are long. `None` where a rational patch would reach beyond infinity.
+    /// The patch that joins this one at u = 1 and runs straight on along the tangents there, at least `reach` times as
+    /// far as they are long. `None` where a rational patch would reach beyond infinity.
     fn continued(&self, reach: f64) -> Option<Self>;
 
     /// Sets that hold every derivative over the unit square.

@@ -1,9 +1,9 @@
 //! Passes along parallel planes, by either engine.
 
-use super::deviation::Deviation;
+use super::deviation::{Deviation, Seam};
 use super::links::{self, Proof};
 use super::outline::Outline;
-use super::passes::{self, Allowed, Seam};
+use super::passes::{self, Allowed};
 use super::planes::{self, ContactEngine, OffsetEngine, Slicer};
 use super::{
     Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, Spacing, TOP_ACCURACY_MM, Warning,

@@ -2,7 +2,6 @@
 
 use nalgebra::Point3;
 
-use super::passes::Seam;
 use super::{Error, Job};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::chord_height;
@@ -19,6 +18,20 @@ const ABOVE: f64 = 1e-3;
 
 /// A bound is sharp within this factor of what was found and so many steps of the last decimal.
 const SHARP: [f64; 2] = [2.0, 1.5];
+
+/// What the exact CL curve may do where patches join that are smooth but for the rounding of their data.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seam {
+    /// It jumps by this at most, mm.
+    pub(super) jump: f64,
+    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which it bends.
+    pub(super) bend: f64,
+}
+
+impl Seam {
+    /// The CL curve is the exact one everywhere.
+    pub(super) const NONE: Self = Self { jump: 0.0, bend: 0.0 };
+}
 
 /// The distance between the exact CL curve and curves that stand for it, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]

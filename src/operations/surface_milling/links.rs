@@ -15,7 +15,7 @@ use crate::toolpath::{Builder, Role, Toolpath};
 /// The part of the tolerance by which a link of a cutter without a certificate may cut into the surface.
 const TOLERANCE_SHARE: f64 = 0.9;
 
-/// Its depth is proved to one of so many halves of that.
+/// Its depth is proved to that, halved fewer times than so many.
 const DEPTHS: i32 = 12;
 
 /// The toolpath of `passes`, from the clearance plane over the first to that over the last, and how deep links cut at most as far as
@@ -95,13 +95,21 @@ impl<P: Patch> Proof<'_, P> {
                 let tip = |p: Point3<f64>| p - Vector3::z() * job.allowance_mm;
                 let step = job.resolution.step_mm();
                 let most = TOLERANCE_SHARE * job.tolerance.mm() - step;
-                let is_clear = |height: &f64| contacts.is_clear(tip(link.start), tip(link.end), *height);
-                // Few links that cut deep can be proved to cut less.
-                if !(most > 0.0 && is_clear(&most)) {
+                let depth = |halves: i32| most * 0.5f64.powi(halves);
+                let is_clear = |halves: i32| contacts.is_clear(tip(link.start), tip(link.end), depth(halves));
+                if !(most > 0.0 && is_clear(0)) {
                     return Ok(None);
                 }
-                let less = (1..DEPTHS).map(|k| most * 0.5f64.powi(k)).take_while(is_clear).last();
-                Ok(Some(less.unwrap_or(most) + step))
+                let (mut clear, mut open) = (0, DEPTHS);
+                while open - clear > 1 {
+                    let middle = (clear + open) / 2;
+                    if is_clear(middle) {
+                        clear = middle;
+                    } else {
+                        open = middle;
+                    }
+                }
+                Ok(Some(depth(clear) + step))
             }
         }
     }

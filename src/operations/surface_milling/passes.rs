@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Point3;
 
-use super::deviation::{self, Deviation};
+use super::deviation::{self, Deviation, Seam};
 use super::planes::Slicer;
 use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
@@ -47,20 +47,6 @@ impl CutPass {
     pub(super) fn start(&self) -> Point3<f64> {
         self.curves[0].start()
     }
-}
-
-/// What the exact CL curve may do where patches join that are smooth but for the rounding of their data.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Seam {
-    /// It jumps by this at most, mm.
-    pub(super) jump: f64,
-    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which it bends.
-    pub(super) bend: f64,
-}
-
-impl Seam {
-    /// The CL curve is the exact one everywhere.
-    pub(super) const NONE: Self = Self { jump: 0.0, bend: 0.0 };
 }
 
 /// What every pass is held to, mm.

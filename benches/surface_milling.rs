@@ -8,10 +8,10 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Point2, Point3};
 use toolpathd::budget::Budget;
-use toolpathd::geometry::clearance::{Clearance, Penetration};
 use toolpathd::geometry::contact::{Contacts, TipSections};
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::cutter::Cutter;
+use toolpathd::geometry::gouge::{GougeProof, Penetration};
 use toolpathd::geometry::section::{Chain, PlaneAt, SectionError, Sections, Spacing};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 use toolpathd::geometry::surface::regularity::prove;
@@ -163,11 +163,11 @@ fn certify(c: &mut Criterion) {
     for share in [4, 2, 1] {
         let part = &curves[..curves.len() / share];
         group.bench_with_input(BenchmarkId::from_parameter(part.len()), part, |b, part| {
-            let clearance = Clearance::new(&surface, job.tool.radius_mm, job.tool.radius_mm);
+            let proof = GougeProof::new(&surface, &job.tool.cutter(), 0.0);
             b.iter(|| {
                 let mut deepest = Penetration::NONE;
                 for curve in part {
-                    clearance.penetrate(curve, 0.0, 1e-4, &mut deepest, &Budget::unlimited()).unwrap();
+                    proof.penetrate(curve, 0.0, 1e-4, &mut deepest, &Budget::unlimited()).unwrap();
                 }
                 deepest
             });

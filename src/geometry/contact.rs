@@ -8,11 +8,11 @@
 //! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane touches the cutter over the
 //!    axis, which knows no steep slopes, or within the square for the lift itself, which knows edges and corners.
 //! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the contact known with the
-//!    paraboloid that supports the cutter, by the side of the cutter for parts along it, or by a concave quadratic bound (`bound`). What
-//!    that does not decide is halved.
+//!    paraboloid that supports the cutter, by the side of the cutter for parts along it, by a concave quadratic bound (`bound`), or by
+//!    round bodies about the cutter (`round`, `side`). What that does not decide is halved.
 //!
 //! # Guarantees
-//! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm but where the
+//! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm (or the accuracy asked for) but where the
 //! limit of work is reached; rounding comes on top. The surface may be anything: only control nets count.
 //!
 //! # Cost
@@ -27,26 +27,25 @@ mod bound;
 mod climb;
 mod drop;
 mod over;
-mod pace;
+mod round;
 mod section;
+mod side;
 mod sides;
 mod stretch;
 mod support;
+mod trace;
 mod tree;
-mod walk;
-
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Point3, Vector2, Vector3};
 
 use super::cutter::Cutter;
 use super::surface::patch::{Bounds, Patch};
-use super::surface::{BezierSurface, Surface};
+use super::surface::{BezierSurface, Surface, span_of};
 use crate::budget::{Budget, Stopped};
 use bound::Track;
 use drop::{Best, Drop};
 pub use section::TipSections;
-use tree::{Part, Tree, squared_distance_in_plan};
+use tree::{Part, Tree};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
@@ -69,6 +68,9 @@ const HALVING_LIMIT: usize = 20_000;
 /// Parameters this near to those of an edge are on it: a tip is as high there to the arithmetic.
 const ON_EDGE: f64 = 1e-8;
 
+/// And so are places this near to it, which may be far apart in parameters where a side is a point.
+const ON_EDGE_MM: f64 = 1e-8;
+
 /// Normals that differ by more than this: the cutter rolls over an edge; radians.
 const ROLLING: f64 = 1e-9;
 
@@ -83,8 +85,6 @@ pub struct Contacts<'a, P> {
     edges: [bool; 4],
     /// Parts of this size are not halved, mm.
     smallest: f64,
-    /// Parts that were looked at so far.
-    looks: AtomicUsize,
     /// What is large against the cutter or the surface, whichever is smaller, mm.
     scale: f64,
 }
@@ -106,26 +106,25 @@ pub struct Contact {
     pub is_rolling: bool,
 }
 
+/// A cutter or a surface whose slope is less counts as level: rounding of a height alone can make a contact this steep.
+const LEVEL_SLOPE: f64 = 1e-6;
+
+/// A tip is proved to be this exact, mm.
+const ACCURACY_MM: f64 = 1e-9;
+
+/// Halvings of a patch for bounds of its second derivatives.
+const BEND_HALVINGS: u32 = 6;
+
 impl<'a, P: Patch> Contacts<'a, P> {
     /// # Errors
     /// Only the budget's stop.
     pub fn new(surface: &'a BezierSurface<P>, cutter: Cutter, budget: &Budget) -> Result<Self, Stopped> {
         let tree = Tree::new(surface, cutter.radius(), budget)?;
-        let bend = |patch: &P| {
-            let derivatives = patch.derivatives();
-            [derivatives.duu, derivatives.duv, derivatives.dvv].map(|ball| ball.reach())
-        };
-        let bends = surface.patches().iter().map(bend).collect();
+        let bends = surface.patches().iter().map(|patch| stretch::bends(patch, BEND_HALVINGS)).collect();
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
         let size = (tree.bounds().max - tree.bounds().min).xy().norm();
         let scale = cutter.radius().min(SCALE_SHARE * size);
-        let looks = AtomicUsize::new(0);
-        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, looks, scale })
-    }
-
-    /// How many parts were looked at so far, for whatever was asked, as if they were bicubic: a measure of the work.
-    pub fn looks(&self) -> usize {
-        self.looks.load(Ordering::Relaxed).saturating_mul(P::WORK)
+        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, scale })
     }
 
     /// A box of the surface, mm.
@@ -148,30 +147,37 @@ impl<'a, P: Patch> Contacts<'a, P> {
         near: Option<[f64; 2]>,
         budget: &Budget,
     ) -> Result<Option<Contact>, Stopped> {
-        self.drop_within(at, near, HALVING_LIMIT, budget)
+        self.drop_within(ACCURACY_MM, at, near, budget)
     }
 
-    /// The same with so many halvings of parts at most; what they leave open is in [`Contact::gap_mm`].
-    fn drop_within(
+    /// As [`Self::drop`], with the tip proved to within `accuracy` mm. A larger accuracy is faster where contacts are nearly equally high.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn drop_within(
         &self,
+        accuracy: f64,
         at: Vector2<f64>,
         near: Option<[f64; 2]>,
-        halvings: usize,
         budget: &Budget,
     ) -> Result<Option<Contact>, Stopped> {
-        let mut drop = Drop::new(self, at, near);
+        let mut drop = Drop::new(self, at, near, accuracy);
         if let Some(place) = near {
             drop.try_at(place);
         }
         self.tree.visit(&mut drop);
-        drop.close(halvings, budget)?;
-        self.looks.fetch_add(drop.looks, Ordering::Relaxed);
+        drop.close(HALVING_LIMIT, budget)?;
+        // A contact on an edge may be as high to the accuracy, and not quite so, as one beside it.
+        match drop.contact() {
+            Some(contact) if contact.is_rolling => drop.try_at(contact.place),
+            _ => {}
+        }
         Ok(drop.contact())
     }
 
     /// A contact that Newton's method finds from parameters near it: other places may lift the cutter more. `None` where it finds none.
     pub fn near(&self, at: Vector2<f64>, place: [f64; 2]) -> Option<Contact> {
-        let mut drop = Drop::new(self, at, Some(place));
+        let mut drop = Drop::new(self, at, Some(place), ACCURACY_MM);
         drop.try_at(place);
         drop.contact().map(|contact| Contact { gap_mm: f64::INFINITY, ..contact })
     }
@@ -198,47 +204,96 @@ impl<'a, P: Patch> Contacts<'a, P> {
 
     /// The most that anything in a box can lift the tip along a track.
     fn lift_of_box(&self, bounds: &Bounds, track: &Track) -> f64 {
-        let squared = squared_distance_in_plan(bounds, &track.center);
-        let most = (1.0 - GRAZING) * self.cutter.radius() + track.reach;
+        let squared = track.squared_distance(bounds, &track.center);
+        let most = (1.0 - GRAZING) * self.cutter.radius();
         if squared > most * most {
             f64::NEG_INFINITY
         } else {
-            bounds.max.z - self.cutter.height(squared.sqrt() - track.reach)
+            bounds.max.z - self.cutter.height(squared.sqrt())
         }
     }
 }
 
 impl<P: Patch> Contacts<'_, P> {
-    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it: parts that lie along the side of
-    /// the cutter are beside it by less than their boxes know. Infinite where boxes say as much.
+    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it, or at right angles to a steep
+    /// part: parts that lie along the side of the cutter are beside it by less than their boxes know. Infinite where boxes say as much.
     fn lift_of_part(&self, part: &Part<P>, track: &Track) -> f64 {
-        let outward = part.lengths.center - track.center;
+        let from = track.nearest(&part.center);
+        let outward = part.center - from;
         let distance = outward.norm();
-        if distance + part.lengths.half_diagonal + track.reach < self.cutter.radius() {
+        let is_under = distance + part.half_diagonal < self.cutter.radius();
+        if is_under && part.facing.is_none() {
             return f64::INFINITY;
         }
-        let beyond = |p: Vector3<f64>| outward.dot(&(p.xy() - track.center));
-        let nearest = part.patch.control_points().map(beyond).fold(f64::INFINITY, f64::min) / distance;
-        let nearest = nearest - track.reach * outward.dot(&track.way).abs() / distance;
-        if nearest > (1.0 - GRAZING) * self.cutter.radius() {
-            f64::NEG_INFINITY
-        } else {
-            part.bounds.max.z - self.cutter.height(nearest)
+        let seen_along = |direction: Vector2<f64>| {
+            let ahead = |p: Vector3<f64>| direction.dot(&(p.xy() - track.center));
+            let nearest = part.patch.control_points().map(ahead).fold(f64::INFINITY, f64::min);
+            let nearest = nearest - track.reach * direction.dot(&track.way).abs();
+            if nearest > (1.0 - GRAZING) * self.cutter.radius() {
+                f64::NEG_INFINITY
+            } else {
+                part.bounds.max.z - self.cutter.height(nearest)
+            }
+        };
+        let along_line = if is_under { f64::INFINITY } else { seen_along(outward / distance) };
+        match part.facing {
+            Some(facing) if along_line > f64::NEG_INFINITY => {
+                let sense = if facing.dot(&outward) < 0.0 { -1.0 } else { 1.0 };
+                along_line.min(seen_along(facing * sense))
+            }
+            _ => along_line,
         }
+    }
+
+    /// A contact with a smaller slope may be that of a cutter on level ground. Its slope is then an error of the drop: such a point of a
+    /// rounded corner lies higher than the flat by less than the accuracy.
+    fn level_slope(&self) -> f64 {
+        let [flat, corner] = [self.cutter.flat_radius(), self.cutter.corner_radius()];
+        if flat > 0.0 && corner > 0.0 {
+            LEVEL_SLOPE.max(2.0 * (2.0 * ACCURACY_MM / corner).sqrt())
+        } else {
+            LEVEL_SLOPE
+        }
+    }
+
+    /// Whether the surface is level at a place, on any patch that meets there.
+    fn is_level_at(&self, [u, v]: [f64; 2]) -> bool {
+        patches_at([u, v], self.surface.spans()).any(|[i, j]| {
+            let jet = self.surface.patch(i, j).jet(u - i as f64, v - j as f64);
+            jet.gradient().norm() <= LEVEL_SLOPE
+        })
     }
 
     /// Whether a contact lies on an edge of the surface and is none of its tangent plane.
     fn is_rolling(&self, best: &Best) -> bool {
         let [nu, nv] = self.surface.spans().map(|n| n as f64);
         let [u, v] = best.place;
-        let on = [u <= ON_EDGE, u >= nu - ON_EDGE, v <= ON_EDGE, v >= nv - ON_EDGE];
+        let is_on = |to_edge: f64, derivative: &Vector3<f64>| {
+            to_edge <= ON_EDGE || to_edge * derivative.norm() <= ON_EDGE_MM
+        };
+        let (du, dv) = (&best.jet.du, &best.jet.dv);
+        let on = [is_on(u, du), is_on(nu - u, du), is_on(v, dv), is_on(nv - v, dv)];
         if !on.iter().zip(&self.edges).any(|(on, edge)| *on && *edge) {
             return false;
         }
-        let Some(normal) = best.jet.normal().try_normalize(0.0) else { return true };
         let cutter = Vector3::new(-best.lower.gradient.x, -best.lower.gradient.y, 1.0).normalize();
-        normal.cross(&cutter).norm() > ROLLING
+        // Any patch that meets there may be the one that is touched.
+        let is_turned = |[i, j]: [usize; 2]| {
+            let jet = self.surface.patch(i, j).jet(u - i as f64, v - j as f64);
+            let normal = jet.normal().try_normalize(0.0);
+            normal.is_none_or(|normal| normal.cross(&cutter).norm() > ROLLING)
+        };
+        patches_at(best.place, self.surface.spans()).all(is_turned)
     }
+}
+
+/// The indices of the patches that meet at the parameters (u, v), of nu x nv patches.
+fn patches_at([u, v]: [f64; 2], [nu, nv]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    let at = |t: f64, n: usize| {
+        let span = span_of(t, n);
+        [if span as f64 == t { span.saturating_sub(1) } else { span }, span]
+    };
+    at(u, nu).into_iter().flat_map(move |i| at(v, nv).map(|j| [i, j]))
 }
 
 /// Which sides of a surface are edges: not those that are a point, and not those that close.

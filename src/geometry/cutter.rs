@@ -42,6 +42,16 @@ impl LowerPoint {
     pub fn slope(&self) -> f64 {
         self.slope
     }
+
+    /// The distance from the axis, mm.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// The direction from the axis, of unit length.
+    pub fn away(&self) -> Vector2<f64> {
+        self.away
+    }
 }
 
 /// A quadratic form of the plane by its values along a direction and across; 1/mm.

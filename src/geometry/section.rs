@@ -64,8 +64,6 @@ pub enum SectionError {
     Lost { at: Point3<f64> },
     #[error("one section needs more than {limit} points")]
     TooManyPoints { limit: usize },
-    #[error("the sections need more than {limit} looks at parts of the surface")]
-    TooManyLooks { limit: usize },
 }
 
 /// One connected section: points of the offset surface, from boundary to boundary.

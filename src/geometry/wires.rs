@@ -253,9 +253,7 @@ impl From<SectionError> for WireError {
         match error {
             SectionError::Stopped(stopped) => Self::Stopped(stopped),
             SectionError::Lost { at } => Self::SectionLost { at },
-            SectionError::TooManyPoints { limit } | SectionError::TooManyLooks { limit } => {
-                Self::TooManyPoints { limit }
-            }
+            SectionError::TooManyPoints { limit } => Self::TooManyPoints { limit },
         }
     }
 }

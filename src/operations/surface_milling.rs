@@ -13,14 +13,13 @@
 //! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
 //!    off. `passes`: the CL points of each section are joined by arcs and lines (Ju, section 4).
 //! 4. `links`: one way or zigzag, the passes are joined by links, or by retract, rapid and plunge.
-//! 5. Of a ball every move, as computed and as it will be written, is certified against the surface (`certificate`). Other cutters cut no
-//!    deeper than their path deviates.
+//! 5. Every move of every cutter, as computed and as it will be written, is certified against the surface (`certificate`).
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the
 //!   resolution) and the exact CL curves, and is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; of a ball it is found
-//!   without knowledge of how the path was made, of other cutters it follows from the deviation and the proof of links. Into the
+//! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; it is found
+//!   without knowledge of how the path was made. Into the
 //!   stock to be left they enter by the tolerance at most; a path that would cut deeper is refused.
 //! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the deviation,
 //!   and for what lies so near to an edge that the way to the next pass would leave the surface.
@@ -106,6 +105,8 @@ pub enum Warning {
     ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
+    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does not go there.
+    ShortPiecesLeftOut { count: usize, longest_mm: f64 },
     /// The path is one for roughing, and cuts this deep into the surface.
     RoughingPathGouges { depth_mm: f64 },
 }
@@ -181,9 +182,6 @@ impl From<SectionError> for Error {
             SectionError::Lost { at } => Self::SectionLost { at },
             SectionError::TooManyPoints { limit } => {
                 Self::TooMuchWork { what: "CL points in one section", needed: limit + 1, limit }
-            }
-            SectionError::TooManyLooks { limit } => {
-                Self::TooMuchWork { what: "looks at parts of the surface", needed: limit + 1, limit }
             }
         }
     }

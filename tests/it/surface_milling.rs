@@ -1,6 +1,8 @@
 //! Surface milling, judged by evaluators of its own: dense samples, root finding and local minimisation.
 
+mod blocks;
 mod contact;
+mod corruption;
 mod cutter;
 mod jobs;
 mod kinds;

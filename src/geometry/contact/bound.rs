@@ -11,17 +11,18 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::tree::Part;
+use super::tree::{Bends, Part};
 use crate::geometry::cutter::{Cutter, Form, LowerPoint};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::Ball;
-use crate::geometry::surface::patch::Patch;
+use crate::geometry::surface::patch::{Bounds, Patch};
 
 /// The part of the least curvature that pays for what is not known of how it changes with the way.
 const SHARE_FOR_DOUBT: f64 = 0.2;
 
-/// A form is definite where its least value is this part of its largest.
-const LEAST_SHARE: f64 = 1e-6;
+/// A form is definite where its least value is this part of its largest: the smaller part for lifts that are level along a line, as those
+/// of swept and turned surfaces, the larger where the form must make up for doubt.
+const LEAST_SHARES: [f64; 2] = [1e-13, 1e-6];
 
 /// Positions of the axis: `center` + t `way`, |t| <= `reach`.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +36,28 @@ pub(super) struct Track {
 impl Track {
     pub(super) fn point(center: Vector2<f64>) -> Self {
         Self { center, way: Vector2::zeros(), reach: 0.0 }
+    }
+
+    /// The positions from one to another.
+    pub(super) fn between(from: Vector2<f64>, to: Vector2<f64>) -> Self {
+        let length = (to - from).norm();
+        let way = if length > 0.0 { (to - from) / length } else { Vector2::zeros() };
+        Self { center: 0.5 * (from + to), way, reach: 0.5 * length }
+    }
+
+    /// The position nearest to a place.
+    pub(super) fn nearest(&self, place: &Vector2<f64>) -> Vector2<f64> {
+        self.center + self.way * self.way.dot(&(place - self.center)).clamp(-self.reach, self.reach)
+    }
+
+    /// The squared distance in plan between a box and `at` moved along with the axis, at least, mm^2; exact along x and y.
+    pub(super) fn squared_distance(&self, bounds: &Bounds, at: &Vector2<f64>) -> f64 {
+        let beyond = |k: usize| {
+            let half = self.way[k].abs() * self.reach;
+            (bounds.min[k] - at[k] - half).max(at[k] - half - bounds.max[k]).max(0.0)
+        };
+        let (x, y) = (beyond(0), beyond(1));
+        x * x + y * y
     }
 }
 
@@ -66,6 +89,7 @@ impl Quadratic {
 /// A place of a part and a point of the cutter that may touch there.
 pub(super) struct Touch<'a, P> {
     pub(super) part: &'a Part<P>,
+    pub(super) bends: &'a Bends,
     pub(super) place: [f64; 2],
     pub(super) jet: &'a Jet,
     pub(super) lower: LowerPoint,
@@ -74,30 +98,37 @@ pub(super) struct Touch<'a, P> {
 impl<P: Patch> Touch<'_, P> {
     /// By how much the part lifts the tip above `level`, at most, mm; infinite where that is not known.
     pub(super) fn excess(&self, cutter: &Cutter, track: &Track, level: &Level) -> f64 {
-        let from_touch = self.part.lengths.center - track.center - self.lower.place;
-        let width = self.part.lengths.half_diagonal + track.reach;
+        let from_touch = self.part.center - track.center - self.lower.place;
+        let width = self.part.half_diagonal + track.reach;
         let least = self.lower.away_of(&from_touch) - width;
         let forms = cutter.support_forms(&self.lower, least);
         let mut lowest = f64::INFINITY;
         for form in &forms {
-            let excess = self.excess_by(form, &from_touch, width, track, level);
-            lowest = lowest.min(excess);
-            if lowest <= 0.0 {
-                break;
+            for share in LEAST_SHARES {
+                let (excess, is_definite) = self.excess_by(form, share, &from_touch, width, track, level);
+                lowest = lowest.min(excess);
+                if lowest <= 0.0 {
+                    return lowest;
+                }
+                if is_definite {
+                    break;
+                }
             }
         }
         lowest
     }
 
+    /// The same by one form that is made definite by a share, and whether it was clearly so before.
     fn excess_by(
         &self,
         form: &Form,
+        least_share: f64,
         from_touch: &Vector2<f64>,
         width: f64,
         track: &Track,
         level: &Level,
-    ) -> f64 {
-        let derivatives = &self.part.derivatives;
+    ) -> (f64, bool) {
+        let Bends { derivatives, first, second: by } = self.bends;
         let norm = form.norm();
         let gradient = &self.lower.gradient;
         // The tangent plane's gradient over the part: at the centre, and how it changes.
@@ -111,8 +142,8 @@ impl<P: Patch> Touch<'_, P> {
         let (cu, cv) = (derivatives.du.center.xy(), derivatives.dv.center.xy());
         let (ru, rv) = (derivatives.du.radius, derivatives.dv.radius);
         let (fu, fv) = (form.times(&cu), form.times(&cv));
-        let [nu, nv] = self.part.lengths.first;
-        let [by_u, by_both, by_v] = self.part.lengths.second;
+        let [nu, nv] = *first;
+        let [by_u, by_both, by_v] = *by;
         let (uu, duu) = second(&derivatives.duu, by_u);
         let (uv, duv) = second(&derivatives.duv, by_both);
         let (vv, dvv) = second(&derivatives.dvv, by_v);
@@ -121,10 +152,11 @@ impl<P: Patch> Touch<'_, P> {
         let mut n_vv = fv.dot(&cv) - vv - dvv - norm * rv * (2.0 * nv + rv) - doubt_uv;
         let n_uv = fu.dot(&cv) - uv;
         // What is not concave is bounded by what is, and by how much less it bends over the part.
-        let (lacking, least) = lacking_curvature(n_uu, n_uv, n_vv);
+        let (lacking, least) = lacking_curvature([n_uu, n_uv, n_vv], least_share);
         if !lacking.is_finite() {
-            return f64::INFINITY;
+            return (f64::INFINITY, true);
         }
+        let is_definite = lacking == 0.0 && least > LEAST_SHARES[1] * (n_uu + n_vv);
         n_uu += lacking;
         n_vv += lacking;
         // How the gradient by the parameters changes with the way.
@@ -147,27 +179,37 @@ impl<P: Patch> Touch<'_, P> {
             linear: slope.dot(&track.way) - level.slope,
             square: doubt_square - 0.5 * track.way.dot(&form.times(&track.way)),
         };
-        let bowl = Bowl { n: Matrix2::new(n_uu, n_uv, n_uv, n_vv), g, with: [with_u, with_v] };
-        bowl.added(own, self.place, track.reach)
+        let bowl = Bowl {
+            n: Matrix2::new(n_uu, n_uv, n_uv, n_vv),
+            least,
+            is_level: !is_definite,
+            g,
+            with: [with_u, with_v],
+        };
+        (bowl.added(own, self.place, track.reach), is_definite)
     }
 }
 
 /// What makes a symmetric form definite, if it is added to both squares, zero where it is so; and the least value for a unit vector
 /// then.
-fn lacking_curvature(n_uu: f64, n_uv: f64, n_vv: f64) -> (f64, f64) {
+fn lacking_curvature([n_uu, n_uv, n_vv]: [f64; 3], least_share: f64) -> (f64, f64) {
     let half = 0.5 * (n_uu - n_vv);
     let least = 0.5 * (n_uu + n_vv) - (half * half + n_uv * n_uv).sqrt();
     let size = n_uu.abs() + n_vv.abs() + n_uv.abs();
-    if least > LEAST_SHARE * size {
+    if least > least_share * size {
         (0.0, least)
     } else {
-        (2.0 * LEAST_SHARE * size - least, 2.0 * LEAST_SHARE * size)
+        (2.0 * least_share * size - least, 2.0 * least_share * size)
     }
 }
 
 /// The function (g + t with) . x - x N x / 2.
 struct Bowl {
     n: Matrix2<f64>,
+    /// The least value of N for a unit vector.
+    least: f64,
+    /// Whether that is so little that N has no inverse to the arithmetic.
+    is_level: bool,
     g: [f64; 2],
     with: [f64; 2],
 }
@@ -175,6 +217,9 @@ struct Bowl {
 impl Bowl {
     /// The largest value of `own` and this over the square about `place`, for |t| <= reach.
     fn added(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
+        if self.is_level {
+            return self.in_square(own, place, reach);
+        }
         let det = self.n.determinant();
         let inverse = Matrix2::new(self.n.m22, -self.n.m12, -self.n.m12, self.n.m11) / det;
         let (g, with) = (Vector2::from(self.g), Vector2::from(self.with));
@@ -242,19 +287,22 @@ impl Bowl {
         let free = self.n.determinant().recip();
         let free =
             [free * (self.n.m22 * g[0] - self.n.m12 * g[1]), free * (self.n.m11 * g[1] - self.n.m12 * g[0])];
-        if (0..2).all(|k| (low[k]..=high[k]).contains(&free[k])) {
+        if !self.is_level && (0..2).all(|k| (low[k]..=high[k]).contains(&free[k])) {
             return value(free);
         }
         let mut largest = f64::NEG_INFINITY;
         for axis in 0..2 {
             let other = 1 - axis;
             for side in [low[axis], high[axis]] {
-                let mut x = [side; 2];
-                x[other] = (g[other] - self.n.m12 * side) / self.n[(other, other)];
-                x[other] = x[other].clamp(low[other], high[other]);
-                largest = largest.max(value(x));
+                let top = (g[other] - self.n.m12 * side) / self.n[(other, other)];
+                for along in [low[other], high[other], top.clamp(low[other], high[other])] {
+                    let mut x = [side; 2];
+                    x[other] = along;
+                    largest = largest.max(value(x));
+                }
             }
         }
-        largest
+        // From a place within, the way to a side along which N is least costs no more than this.
+        if self.is_level { largest + self.least } else { largest }
     }
 }

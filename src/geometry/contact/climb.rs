@@ -9,7 +9,7 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bound::{Level, Touch, Track};
-use super::tree::Part;
+use super::tree::{Bends, Part};
 use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::solve::falling_root;
 use crate::geometry::surface::Jet;
@@ -27,6 +27,9 @@ pub(super) const TOUCHING: f64 = 1e-10;
 /// Slopes that are less are rounding: nothing is held by them.
 const HELD_SLOPE: f64 = 1e-12;
 
+/// A lift that bends less than this part of the other way is level along a line: the step is across that line.
+const LEVEL_SHARE: f64 = 1e-9;
+
 /// Places that are no farther outside, in parameters of the part, are on the side.
 const ON_SIDE: f64 = 1e-12;
 
@@ -41,6 +44,7 @@ pub(super) struct Found {
     pub(super) lower: LowerPoint,
 }
 
+#[derive(Clone, Copy)]
 pub(super) struct Climb<'a> {
     cutter: &'a Cutter,
     track: &'a Track,
@@ -143,10 +147,10 @@ impl<'a> Climb<'a> {
     }
 
     /// By how much the part lifts the tip above `level`, at most, as seen from the place that was looked at.
-    pub(super) fn excess<P: Patch>(&self, part: &Part<P>, jet: &Jet, level: &Level) -> f64 {
+    pub(super) fn excess<P: Patch>(&self, part: &Part<P>, bends: &Bends, jet: &Jet, level: &Level) -> f64 {
         let mut excess = f64::INFINITY;
         for lower in [self.tangent, self.over].into_iter().flatten() {
-            let touch = Touch { part, place: self.place, jet, lower };
+            let touch = Touch { part, bends, place: self.place, jet, lower };
             excess = excess.min(touch.excess(self.cutter, self.track, level));
             if excess <= 0.0 {
                 break;
@@ -165,7 +169,7 @@ impl<'a> Climb<'a> {
         let by_tangent =
             (!is_held).then(|| self.by_tangent(jet)).flatten().filter(|next| self.is_inside(next));
         let next = by_tangent.or_else(|| self.by_lift(jet)).or_else(|| self.by_tangent(jet));
-        let Some(next) = next else { return false };
+        let Some(next) = next.or_else(|| self.uphill(jet)) else { return false };
         let mut next = next.map(|t| t.clamp(0.0, 1.0));
         if (0..2).any(|k| next[k] == self.place[k]) {
             next = self.under_rim(patch, next);
@@ -218,13 +222,25 @@ impl<'a> Climb<'a> {
             [0.0, if is_blocked(v, gv) { 0.0 } else { alone(gv, vv) }]
         } else if is_blocked(v, gv) {
             [alone(gu, uu), 0.0]
-        } else if uu > 0.0 && det > 0.0 {
+        } else if uu > 0.0 && det > LEVEL_SHARE * uu * vv {
             let free = [(vv * gu - uv * gv) / det, (uu * gv - uv * gu) / det];
             self.within(free, [gu, gv], [uu, uv, vv])
+        } else if uu > 0.0 && uu >= vv {
+            [gu / uu, 0.0]
+        } else if vv > 0.0 {
+            [0.0, gv / vv]
         } else {
             return None;
         };
         let next = [u + step[0], v + step[1]];
+        next.iter().all(|t| t.is_finite()).then_some(next)
+    }
+
+    /// The corner towards which the lift rises: where it does not bend down, it is largest at a side.
+    fn uphill(&self, jet: &Jet) -> Option<[f64; 2]> {
+        let over = self.over.as_ref()?;
+        let rises = [jet.du, jet.dv].map(|d| d.z - over.gradient.dot(&d.xy()));
+        let next = [0, 1].map(|k| self.place[k] + if rises[k] == 0.0 { 0.0 } else { rises[k].signum() });
         next.iter().all(|t| t.is_finite()).then_some(next)
     }
 

@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector2};
 
 use super::bound::{Level, Track};
 use super::climb::{self, Climb, Found};
+use super::round::RoundBodies;
 use super::support::Support;
 use super::tree::{Cover, Part, Visitor};
 use super::{Contact, Contacts};
@@ -12,9 +13,6 @@ use crate::geometry::best_first::BestFirst;
 use crate::geometry::cutter::LowerPoint;
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Jet, Surface, span_of};
-
-/// A tip is proved to be this exact, mm.
-const ACCURACY_MM: f64 = 1e-9;
 
 /// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
 const FIRST_STEPS: usize = 5;
@@ -33,17 +31,18 @@ pub(super) struct Best {
 pub(super) struct Drop<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
     track: Track,
+    /// The tip is proved to be this exact, mm.
+    accuracy: f64,
     /// Where the contact is expected.
     guess: Option<[f64; 2]>,
     best: Option<Best>,
     /// What the best says of other parts.
     support: Option<Support>,
+    round: Option<RoundBodies>,
     /// Parts that may lift the tip higher, with how high.
     open: BestFirst<Part<P>>,
     /// What could not be proved to be lower.
     above: f64,
-    /// Parts that were looked at, and steps on them.
-    pub(super) looks: usize,
 }
 
 impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
@@ -53,7 +52,7 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
 
     fn is_beneath(&self, cover: &Cover) -> bool {
         let Some(support) = &self.support else { return false };
-        support.excess_under(cover, &self.track, &self.flat_level()) <= ACCURACY_MM
+        support.excess_under(cover, &self.track, &self.flat_level()) <= self.accuracy
     }
 
     fn is_settled(&self, promise: f64) -> bool {
@@ -61,7 +60,6 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
     }
 
     fn visit(&mut self, part: &Part<P>, promise: f64) {
-        self.looks += 1;
         let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
         self.renew_support();
         if highest > self.level() {
@@ -71,22 +69,28 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
 }
 
 impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
-    pub(super) fn new(contacts: &'b Contacts<'a, P>, at: Vector2<f64>, guess: Option<[f64; 2]>) -> Self {
+    pub(super) fn new(
+        contacts: &'b Contacts<'a, P>,
+        at: Vector2<f64>,
+        guess: Option<[f64; 2]>,
+        accuracy: f64,
+    ) -> Self {
         Self {
             contacts,
             track: Track::point(at),
+            accuracy,
             guess,
             best: None,
             support: None,
+            round: None,
             open: BestFirst::default(),
             above: f64::NEG_INFINITY,
-            looks: 0,
         }
     }
 
     /// What is no higher does not matter.
     fn level(&self) -> f64 {
-        self.best.map_or(f64::NEG_INFINITY, |best| best.height + ACCURACY_MM)
+        self.best.map_or(f64::NEG_INFINITY, |best| best.height + self.accuracy)
     }
 
     /// Looks first where the contact is expected, and goes on over joints of patches.
@@ -112,6 +116,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
     fn renew_support(&mut self) {
         if let (None, Some(best)) = (&self.support, &self.best) {
             self.support = Some(Support::of(&self.contacts.cutter, &best.lower, &self.track));
+            self.round = Some(RoundBodies::around(&self.contacts.cutter, &best.lower, &best.jet));
         }
     }
 
@@ -184,6 +189,10 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         if highest <= self.level() {
             return highest;
         }
+        let level = Level { level: self.level(), slope: 0.0 };
+        if self.round.is_some_and(|round| round.keep_below(part, &self.track, &level)) {
+            return level.level;
+        }
         let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
         let (under, is_found) = self.climb_part(part, start);
         // Whoever starts beside the cutter may never get under it.
@@ -199,28 +208,42 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
     /// of the way lifts it.
     fn climb_part(&mut self, part: &Part<P>, start: [f64; 2]) -> (f64, bool) {
         let (contacts, track) = (self.contacts, self.track);
+        let bends = part.bends();
         let mut climb = Climb::new(&contacts.cutter, &track, start);
         let (mut highest, mut is_found) = (f64::INFINITY, false);
-        for _ in 0..climb::STEPS {
-            self.looks += 1;
+        for k in 1..=climb::STEPS {
             let jet = climb.look(&part.patch);
             let found = climb.found(&jet);
             is_found |= found.is_some();
             self.raise(found, part.start, part.scale);
             let least = self.best.map_or(jet.point.z, |best| best.height);
             let level = Level { level: least, slope: 0.0 };
-            highest = highest.min(least + climb.excess(part, &jet, &level));
-            if highest <= self.level() || !climb.step(&part.patch, &jet) {
+            let seen_from = |climb: &Climb| least + climb.excess(part, &bends, &jet, &level);
+            // The first place and the last say most.
+            if k == 1 {
+                highest = seen_from(&climb);
+                if highest <= self.level() {
+                    break;
+                }
+            }
+            let looked = climb;
+            if k == climb::STEPS || !climb.step(&part.patch, &jet) {
+                highest = highest.min(seen_from(&looked));
                 break;
             }
         }
         (highest, is_found)
     }
 
+    #[cfg(test)]
+    pub(super) fn best(&self) -> Option<Best> {
+        self.best
+    }
+
     pub(super) fn contact(&self) -> Option<Contact> {
         let best = self.best.as_ref()?;
         let at = self.track.center;
-        let gap_mm = (self.above - best.height).max(ACCURACY_MM);
+        let gap_mm = (self.above - best.height).max(self.accuracy);
         Some(Contact {
             tip: Point3::new(at.x, at.y, best.height),
             point: best.jet.point,

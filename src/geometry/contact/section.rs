@@ -1,11 +1,8 @@
 //! Tips along a line of positions: what a pass follows, with a proved distance from what lies between.
 //!
 //! # Method
-//! The line is walked over the surface. Each position is taken from the one before by Newton's method alone; that nothing else lifts the
-//! cutter there is proved with the stretch between ([`Contacts::is_within`]), and where that fails the contact is looked for
-//! anew and the step shortened. Where tips jump, at upright walls and where sheets end, the step shrinks to
-//! a millionth of a millimetre, and the chord is the wall, if nothing stands higher. Where that is not known either, the section
-//! breaks off and goes on behind the step.
+//! The line is bisected (`trace`) into chords that the tips are proved to keep to ([`Contacts::stretch`]), upright walls, and
+//! stretches without a section.
 //!
 //! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface. Where it only hangs on
 //! an edge at which the surface ends, the section ends.
@@ -13,16 +10,23 @@
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
 
+use nalgebra::Point3;
+
 use super::Contacts;
-use super::pace::SHORTEST_STEP_MM;
 use super::sides::{Sides, position};
-use super::walk::Walk;
+use super::trace::{Trace, WALL_MM};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
 use crate::geometry::surface::patch::Patch;
 
 /// The cutter just grazes the surface from farther out, in parts of the radius.
 const GRAZING: f64 = 1e-6;
+
+/// Sections beside a plane are looked for so far from it, in parts of the cutter's radius.
+const BESIDE: f64 = 4e-6;
+
+/// Sections, and how far beside their plane they were found, mm.
+type Found = (Vec<Vec<Point3<f64>>>, f64);
 
 /// The tips over lines at right angles to an axis.
 pub struct TipSections<'a, P> {
@@ -51,17 +55,45 @@ impl<'a, P: Patch> TipSections<'a, P> {
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let mut walk = Walk::new(self, plane, spacing, budget);
-        walk.all()?;
-        let chain =
-            |points| Chain { points, chord_height_mm: spacing.chord_height_mm + 2.0 * SHORTEST_STEP_MM };
-        Ok(walk.chains.into_iter().filter(|points| points.len() >= 2).map(chain).collect())
+        let (found, beside) = self.found(plane, spacing, budget)?;
+        let chord_height_mm = spacing.chord_height_mm + 2.0 * WALL_MM + beside;
+        let chain = |points| Chain { points, chord_height_mm };
+        Ok(found.into_iter().map(chain).collect())
     }
 
-    /// The steps of one section, at least: none is longer than a radius, or than a tenth of the surface.
-    pub fn least_steps(&self) -> f64 {
-        let [low, high] = self.range();
-        (high - low) / self.contacts.scale
+    /// The sections, and how far beside the plane they were found, mm. Over a plane in which the cutter only grazes a wall, rounding tells
+    /// on which side of it the cutter is: the lower of the two sections beside it is taken.
+    fn found(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Found, SectionError> {
+        let mut trace = Trace::new(self, plane, spacing, budget);
+        if trace.all()? {
+            return Ok((trace.chains, 0.0));
+        }
+        let beside = BESIDE * self.contacts.cutter.radius();
+        let mut lowest: Option<(f64, Vec<Vec<Point3<f64>>>)> = None;
+        for by in [beside, -beside] {
+            let mut trace =
+                Trace::new(self, PlaneAt { traced_at: plane.traced_at + by, ..plane }, spacing, budget);
+            let is_all = trace.all()?;
+            let height = trace.chains.iter().flatten().map(|point| point.z).fold(f64::INFINITY, f64::min);
+            if is_all && !trace.chains.is_empty() && lowest.as_ref().is_none_or(|(least, _)| height < *least)
+            {
+                lowest = Some((height, trace.chains));
+            }
+        }
+        if let Some((_, chains)) = lowest {
+            return Ok((chains, beside));
+        }
+        let mut trace = Trace::new(self, plane, spacing, budget);
+        trace.all_jumps()?;
+        Ok((trace.chains, 0.0))
+    }
+
+    /// Whether there is any section over `plane`.
+    ///
+    /// # Errors
+    /// As for [`Self::chains`].
+    pub fn has_any(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<bool, SectionError> {
+        Trace::new(self, plane, spacing, budget).has_any()
     }
 
     /// Between which positions along a line the cutter is over the surface, mm.

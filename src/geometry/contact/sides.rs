@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::Contacts;
+use super::{Contacts, LEVEL_SLOPE};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::largest_place;
 use crate::geometry::surface::Surface;
@@ -10,9 +10,6 @@ use crate::geometry::surface::patch::Patch;
 
 /// Places along a side of a patch at which positions are looked at. What bends more than once between two of them is not seen.
 const SAMPLES: usize = 24;
-
-/// The cutter stands level on a surface whose slope is less.
-const LEVEL_SLOPE: f64 = 1e-9;
 
 /// A surface is upright where its normal of unit length rises by less.
 const UPRIGHT: f64 = 1e-9;

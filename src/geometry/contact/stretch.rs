@@ -10,28 +10,22 @@
 //! # Guarantees
 //! What is confirmed holds for every position of the stretch, but for rounding.
 
-use std::sync::atomic::Ordering;
-
 use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::bound::{Level, Track};
 use super::climb::{Climb, TOUCHING};
+use super::round::RoundBodies;
 use super::support::Support;
 use super::tree::{Cover, Part, Visitor};
-use super::{Contact, Contacts};
+use super::{Contact, Contacts, patches_at};
+use crate::geometry::cutter::LowerPoint;
 use crate::geometry::surface::patch::{Bounds, Patch};
-use crate::geometry::surface::{Surface, span_of};
+use crate::geometry::surface::{Jet, Surface, span_of};
 
 /// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long. Shorter ones may have as many
 /// more as they are shorter: where contacts change place, it is they that decide.
 const HALVINGS: f64 = 0.5;
 const HALVING_LIMITS: [f64; 2] = [4.0, 2048.0];
-
-/// Halvings of a straight way.
-const LINK_HALVINGS: usize = 64;
-
-/// Pieces of a straight way are not halved below this part of what is large.
-const SHORTEST_PIECE: f64 = 2e-3;
 
 /// Steps on one part.
 const STEPS: usize = 2;
@@ -39,59 +33,61 @@ const STEPS: usize = 2;
 /// Joints of patches between the contacts of a stretch; more are too many.
 const JOINT_LIMIT: usize = 6;
 
+/// A bound of a second derivative is loose if it exceeds `LOOSE` times the value in the middle of the patch by more than `LOOSE_SHARE` of
+/// the size of the patch.
+const LOOSE: f64 = 1.5;
+const LOOSE_SHARE: f64 = 0.01;
+
 /// How much nearer to the axis points are taken than they may leave their chord.
 const INWARD_SHARE: f64 = 1.01;
 
+/// What of that must be left where the surface bends.
+const ENOUGH_INWARD: f64 = 0.995;
+
+/// Where the tips of a stretch lie by their chord.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stretch {
+    /// Near it, from both sides.
+    Within,
+    /// Perhaps too far below it.
+    Lower,
+    /// Not too far below it, perhaps too far above.
+    Higher,
+}
+
 impl<P: Patch> Contacts<'_, P> {
-    /// Whether the tips between two contacts lie nowhere more than `height` mm above or below the chord of theirs. A `false` may
-    /// mean that this is not known.
-    pub fn is_within(&self, from: &Contact, to: &Contact, height: f64) -> bool {
+    /// Compares the tips between two contacts with the chord of theirs: they may lie `below` mm under it and `above` mm over it.
+    pub(super) fn stretch(&self, from: &Contact, to: &Contact, [below, above]: [f64; 2]) -> Stretch {
         let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
-        self.is_above(from, to, height) && self.is_below([from.tip, to.tip], guess, height)
-    }
-
-    /// Whether no part lifts the tip, between two contacts, more than `height` mm over the higher of theirs.
-    pub(super) fn is_wall(&self, from: &Contact, to: &Contact, height: f64) -> bool {
-        let higher = if from.tip.z > to.tip.z { from } else { to };
-        let level = |tip: Point3<f64>| Point3::new(tip.x, tip.y, higher.tip.z);
-        self.is_below([level(from.tip), level(to.tip)], higher.place, height)
-    }
-
-    /// Whether the cutter may go straight from one place to another, with nothing that lifts its tip by more than `height` mm. A `false`
-    /// may mean that this is not known.
-    pub fn is_clear(&self, from: Point3<f64>, to: Point3<f64>, height: f64) -> bool {
-        let near = self.tree.parts[0].on_surface([0.5, 0.5]);
-        let mut open = vec![[from, to]];
-        let mut halvings = 0;
-        while let Some([from, to]) = open.pop() {
-            let middle = nalgebra::center(&from, &to);
-            if self.is_below([from, to], near, height) {
-                continue;
-            }
-            halvings += 1;
-            if halvings > LINK_HALVINGS || (to - from).norm() < SHORTEST_PIECE * self.scale {
-                return false;
-            }
-            open.extend([[middle, to], [from, middle]]);
+        if !self.is_above(from, to, below) {
+            Stretch::Lower
+        } else if self.is_below([from.tip, to.tip], guess, above) {
+            Stretch::Within
+        } else {
+            Stretch::Higher
         }
-        true
+    }
+
+    /// Whether no part is near enough to lift the tip anywhere between two positions. A `false` may mean that this is not known.
+    pub(super) fn is_free(&self, [from, to]: [Vector2<f64>; 2]) -> bool {
+        let mut near = Near { contacts: self, track: Track::between(from, to), is_found: false };
+        self.tree.visit(&mut near);
+        !near.is_found
     }
 
     /// Whether no part lifts the tip more than `height` over the chord; the contact is expected near `guess`.
     fn is_below(&self, [from, to]: [Point3<f64>; 2], guess: [f64; 2], height: f64) -> bool {
-        let way = (to - from).xy();
-        let length = way.norm();
-        let unit = if length > 0.0 { way / length } else { Vector2::zeros() };
+        let length = (to - from).xy().norm();
         let center = 0.5 * (from.coords + to.coords);
         let slope = if length > 0.0 { (to.z - from.z) / length } else { 0.0 };
         let mut look = Look {
             contacts: self,
-            track: Track { center: center.xy(), way: unit, reach: 0.5 * length },
+            track: Track::between(from.xy().coords, to.xy().coords),
             level: Level { level: center.z + height, slope },
             guess,
             support: None,
+            round: None,
             halvings: (HALVINGS * self.scale / length).clamp(HALVING_LIMITS[0], HALVING_LIMITS[1]) as usize,
-            looks: 0,
             is_below: true,
         };
         if let Some(middle) = self.near(look.track.center, guess) {
@@ -99,15 +95,17 @@ impl<P: Patch> Contacts<'_, P> {
                 return false;
             }
             look.guess = middle.place;
-            look.support = look.support_at(middle.place);
+            if let Some((lower, jet)) = look.touch_at(middle.place) {
+                look.support = Some(Support::of(&self.cutter, &lower, &look.track));
+                look.round = Some(RoundBodies::around(&self.cutter, &lower, &jet));
+            }
         }
         self.tree.visit(&mut look);
-        self.looks.fetch_add(look.looks, Ordering::Relaxed);
         look.is_below
     }
 
     /// Whether the surface is known to lift the tip to `height` below the chord everywhere.
-    fn is_above(&self, from: &Contact, to: &Contact, height: f64) -> bool {
+    pub(super) fn is_above(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         self.is_above_by_line(from, to, height) || self.is_above_by_ends(from, to, height)
     }
 
@@ -170,16 +168,37 @@ impl<P: Patch> Contacts<'_, P> {
         point.z - self.cutter.height((point.xy() - axis).norm())
     }
 
-    /// A place about `by` mm nearer to the axis than the contact.
+    /// A place about `by` mm nearer to the axis than the contact, the one that lifts the tip most: straight inward on a patch that meets at
+    /// the contact, or along one of its parameters, as along a crest.
     fn nearer_to_axis(&self, contact: &Contact, by: f64) -> Option<[f64; 2]> {
         let [u, v] = contact.place;
-        let jet = self.surface.jet(u, v);
-        let inward = (contact.tip - jet.point).xy().try_normalize(0.0)?;
-        let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
-        let step = across.try_inverse()? * (inward * by);
-        let spans = self.surface.spans();
-        let place = [0, 1].map(|k| (contact.place[k] + step[k]).clamp(0.0, spans[k] as f64));
-        place.iter().all(|t| t.is_finite()).then_some(place)
+        let axis = contact.tip.xy().coords;
+        let inward = (contact.tip - contact.point).xy().try_normalize(0.0)?;
+        let from_axis = (contact.tip - contact.point).xy().norm();
+        let mut best: Option<([f64; 2], f64)> = None;
+        for [i, j] in patches_at(contact.place, self.surface.spans()) {
+            let jet = self.surface.patch(i, j).jet(u - i as f64, v - j as f64);
+            let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+            let straight =
+                across.try_inverse().map_or([f64::NAN; 2], |inverse| (inverse * inward * by).into());
+            let along = [jet.du, jet.dv].map(|d| by / inward.dot(&d.xy()));
+            for step in [straight, [along[0], 0.0], [0.0, along[1]]] {
+                let place = [u + step[0], v + step[1]];
+                let is_on_patch = (0.0..=1.0).contains(&(place[0] - i as f64))
+                    && (0.0..=1.0).contains(&(place[1] - j as f64));
+                if !is_on_patch {
+                    continue;
+                }
+                let distance = (self.surface.jet(place[0], place[1]).point.coords.xy() - axis).norm();
+                let lift = self.lift(place, axis);
+                if distance <= from_axis - ENOUGH_INWARD * by
+                    && lift > best.map_or(f64::NEG_INFINITY, |(_, most)| most)
+                {
+                    best = Some((place, lift));
+                }
+            }
+        }
+        best.map(|(place, _)| place)
     }
 
     /// By the contacts of both ends, each up to the middle.
@@ -197,6 +216,25 @@ struct Dip {
     depth: f64,
     /// How far they leave their own chord, mm.
     bend: f64,
+}
+
+/// Bounds of the lengths of the second derivatives of a patch: by u, by both, by v. A patch with a loose bound is halved, at most
+/// `halvings` times.
+pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
+    let derivatives = patch.derivatives();
+    let bounds = [derivatives.duu, derivatives.duv, derivatives.dvv].map(|ball| ball.reach());
+    let jet = patch.jet(0.5, 0.5);
+    let [uu, uv, vv] = [jet.duu, jet.duv, jet.dvv].map(|second| second.norm());
+    let [along_u, along_v] = patch.extents();
+    let is_loose = |k: usize, inside: f64| bounds[k] > LOOSE * inside + LOOSE_SHARE * (along_u + along_v);
+    let by_u = is_loose(0, uu) || is_loose(1, uv) && !is_loose(2, vv);
+    if halvings == 0 || !(by_u || is_loose(1, uv) || is_loose(2, vv)) {
+        return bounds;
+    }
+    let (halves, shares) =
+        if by_u { (patch.split_u(), [4.0, 2.0, 1.0]) } else { (patch.split_v(), [1.0, 2.0, 4.0]) };
+    let [first, second] = halves.map(|half| bends(&half, halvings - 1));
+    [0, 1, 2].map(|k| bounds[k].min(shares[k] * first[k].max(second[k])))
 }
 
 /// Where a line of parameters meets joints of patches, and its ends, in fractions of it; `None` where there are too many.
@@ -224,25 +262,24 @@ struct Look<'a, 'b, P> {
     level: Level,
     guess: [f64; 2],
     support: Option<Support>,
+    round: Option<RoundBodies>,
     /// Halvings that are left.
     halvings: usize,
-    /// Parts that were looked at.
-    looks: usize,
     is_below: bool,
 }
 
 impl<P: Patch> Look<'_, '_, P> {
-    fn support_at(&self, [u, v]: [f64; 2]) -> Option<Support> {
+    /// The point of the cutter that touches at a place, and the surface's jet there.
+    fn touch_at(&self, [u, v]: [f64; 2]) -> Option<(LowerPoint, Jet)> {
         let [nu, nv] = self.contacts.surface.spans();
         let [i, j] = [span_of(u, nu), span_of(v, nv)];
         let patch = self.contacts.surface.patch(i, j);
         let mut climb = Climb::new(&self.contacts.cutter, &self.track, [u - i as f64, v - j as f64]);
-        let _ = climb.look(patch);
-        climb.lower().map(|lower| Support::of(&self.contacts.cutter, &lower, &self.track))
+        let jet = climb.look(patch);
+        Some((climb.lower()?, jet))
     }
 
     fn settles(&mut self, part: &Part<P>) -> bool {
-        self.looks += 1;
         if let Some(support) = &self.support
             && support.excess(part, &self.track, &self.level) <= 0.0
         {
@@ -251,17 +288,18 @@ impl<P: Patch> Look<'_, '_, P> {
         if self.is_settled(self.contacts.lift_of_part(part, &self.track)) {
             return true;
         }
+        let bends = part.bends();
         let mut climb = Climb::new(&self.contacts.cutter, &self.track, part.nearest(self.guess));
         for _ in 0..STEPS {
             let jet = climb.look(&part.patch);
-            if climb.excess(part, &jet, &self.level) <= 0.0 {
+            if climb.excess(part, &bends, &jet, &self.level) <= 0.0 {
                 return true;
             }
             if !climb.step(&part.patch, &jet) {
                 break;
             }
         }
-        false
+        self.round.is_some_and(|round| round.keep_below(part, &self.track, &self.level))
     }
 }
 
@@ -297,5 +335,30 @@ impl<P: Patch> Visitor<P> for Look<'_, '_, P> {
             }
             open.extend(part.halves());
         }
+    }
+}
+
+/// A look for any part near a track.
+struct Near<'a, 'b, P> {
+    contacts: &'b Contacts<'a, P>,
+    track: Track,
+    is_found: bool,
+}
+
+impl<P: Patch> Visitor<P> for Near<'_, '_, P> {
+    fn promise(&self, bounds: &Bounds) -> f64 {
+        self.contacts.lift_of_box(bounds, &self.track)
+    }
+
+    fn is_beneath(&self, _cover: &Cover) -> bool {
+        false
+    }
+
+    fn is_settled(&self, promise: f64) -> bool {
+        self.is_found || promise == f64::NEG_INFINITY
+    }
+
+    fn visit(&mut self, part: &Part<P>, _promise: f64) {
+        self.is_found = self.contacts.lift_of_part(part, &self.track) > f64::NEG_INFINITY;
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::bound::{Level, Track};
-use super::tree::{Cover, Part, squared_distance_in_plan};
+use super::tree::{Cover, Part};
 use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::surface::patch::{Bounds, Patch};
 
@@ -43,9 +43,7 @@ impl Support {
     /// What is in a box, no higher than `highest` over the tangent plane.
     fn excess_of(&self, highest: f64, bounds: &Bounds, track: &Track, level: &Level) -> f64 {
         let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
-        let squared = squared_distance_in_plan(bounds, &self.at);
-        let squared =
-            if track.reach > 0.0 { (squared.sqrt() - track.reach).max(0.0).powi(2) } else { squared };
+        let squared = track.squared_distance(bounds, &self.at);
         highest - self.height + along - 0.5 * self.round * squared - level.level
     }
 }

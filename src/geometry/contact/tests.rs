@@ -1,3 +1,9 @@
+use proptest::prelude::*;
+
+use super::bound::{Level, Track};
+use super::drop::Drop;
+use super::round::RoundBodies;
+use super::stretch::Stretch;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 
@@ -143,11 +149,54 @@ fn chords_are_confirmed_only_where_tips_keep_to_them() {
     let square = graph([0.0, 0.0], [10.0, 10.0], |_, _| 3.0);
     let contacts = Contacts::new(&square, Cutter::ball(5.0), &budget).unwrap();
     let at = |x: f64| contacts.drop(Vector2::new(x, 5.0), None, &budget).unwrap().unwrap();
-    assert!(contacts.is_within(&at(3.0), &at(7.0), 1e-6));
+    assert_eq!(contacts.stretch(&at(3.0), &at(7.0), [1e-6; 2]), Stretch::Within);
     // The height of an arc of radius 5 over a chord.
     let (from, to) = (at(-2.0), at(-1.6));
     let chord = (to.tip - from.tip).norm();
     let sagitta = 5.0 - (25.0 - 0.25 * chord * chord).sqrt();
-    assert!(!contacts.is_within(&from, &to, 0.9 * sagitta));
-    assert!(contacts.is_within(&from, &to, 1.3 * sagitta));
+    assert_ne!(contacts.stretch(&from, &to, [0.9 * sagitta; 2]), Stretch::Within);
+    assert_eq!(contacts.stretch(&from, &to, [1.3 * sagitta; 2]), Stretch::Within);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(120))]
+    #[test]
+    fn what_round_bodies_keep_below_lifts_no_higher(
+        bends in prop::array::uniform6(-0.08f64..0.08),
+        (corner, shape) in (0.0f64..1.0, 0usize..3),
+        (x, y) in (-6.0f64..6.0, -6.0f64..6.0),
+        (angle, reach, slope, over) in (0.0f64..6.3, 0.0f64..0.5, -0.5f64..0.5, -0.2f64..0.2),
+    ) {
+        let [xx, xy, yy, z_x, z_y, xxx] = bends;
+        let surface = graph([-8.0, -8.0], [8.0, 8.0], |x, y| {
+            xx * x * x + xy * x * y + yy * y * y + 5.0 * (z_x * x + z_y * y) + 0.1 * xxx * x * x * x
+        });
+        let cutter = match shape {
+            0 => Cutter::ball(3.0),
+            1 => Cutter::bull_nose(3.0, 0.0),
+            _ => Cutter::bull_nose(3.0, 0.2 + 2.6 * corner),
+        };
+        let budget = Budget::unlimited();
+        let contacts = Contacts::new(&surface, cutter, &budget).unwrap();
+        let mut drop = Drop::new(&contacts, Vector2::new(x, y), None, 1e-9);
+        contacts.tree.visit(&mut drop);
+        let Some(best) = drop.best() else { return Ok(()) };
+        let round = RoundBodies::around(&contacts.cutter, &best.lower, &best.jet);
+        let way = Vector2::new(angle.cos(), angle.sin()) * reach;
+        let at = Vector2::new(x, y);
+        let level = Level { level: best.height + over, slope };
+        for track in [Track::point(at), Track::between(at - way, at + way)] {
+            let kept = contacts.tree.parts.iter().filter(|part| round.keep_below(part, &track, &level));
+            for part in kept {
+                for k in 0..=10 * 10 * 4 {
+                    let t = (k / 100) as f64 / 2.0 - 1.0;
+                    let jet = part.patch.jet((k % 10) as f64 / 9.0, (k / 10 % 10) as f64 / 9.0);
+                    let axis = track.center + track.way * (t * track.reach);
+                    let lift = jet.point.z - contacts.cutter.height((jet.point.coords.xy() - axis).norm());
+                    let highest = level.level + t * track.reach * level.slope;
+                    prop_assert!(lift <= highest + 1e-9, "{lift} over {highest}");
+                }
+            }
+        }
+    }
 }

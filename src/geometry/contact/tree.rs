@@ -15,6 +15,12 @@ const PART_LIMIT: usize = 20_000;
 /// Steeper parts are under level covers.
 const STEEPEST_COVER: f64 = 1e3;
 
+/// Slopes of parts that are steep: they are beside the cutter or far up in it.
+const LEAST_STEEPNESS: f64 = 5.0;
+
+/// A part is level whose normal leans by less.
+const LEVEL_SHARE: f64 = 1e-9;
+
 /// Halvings of one patch in advance.
 const DEPTH_LIMIT: u32 = 14;
 
@@ -23,43 +29,57 @@ const DEPTH_LIMIT: u32 = 14;
 pub(super) struct Part<P> {
     pub(super) patch: P,
     pub(super) bounds: Bounds,
-    pub(super) derivatives: DerivativeBounds,
-    pub(super) lengths: Lengths,
+    /// The middle of its box in plan, and half the diagonal.
+    pub(super) center: Vector2<f64>,
+    pub(super) half_diagonal: f64,
+    /// Bounds of the derivatives: stored for the parts of the tree, computed on demand for their halves.
+    bends: Option<Bends>,
     /// The parameters of the surface at its start.
     pub(super) start: [f64; 2],
     /// Parameters of the surface over one of the part, each way.
     pub(super) scale: [f64; 2],
+    /// The direction in plan at right angles to the part, of unit length, if it is not level.
+    pub(super) outward: Option<Vector2<f64>>,
+    /// The same where it is steep.
+    pub(super) facing: Option<Vector2<f64>>,
 }
 
-/// Lengths of the derivatives of a part, mm.
+/// Bounds of the derivatives of a part, mm per unit of its parameters.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lengths {
-    /// Of the first ones in plan, at the centres of their sets.
+pub(super) struct Bends {
+    pub(super) derivatives: DerivativeBounds,
+    /// Lengths of the first ones in plan, at the centres of their sets.
     pub(super) first: [f64; 2],
-    /// The largest of the second ones: by u, by both, by v.
+    /// The largest lengths of the second ones: by u, by both, by v.
     pub(super) second: [f64; 3],
-    /// Centre in plan and half the diagonal of the box.
-    pub(super) center: Vector2<f64>,
-    pub(super) half_diagonal: f64,
 }
 
-impl Lengths {
-    fn of(derivatives: &DerivativeBounds, bounds: &Bounds) -> Self {
-        let DerivativeBounds { du, dv, duu, duv, dvv } = derivatives;
-        Self {
-            first: [du, dv].map(|ball| ball.center.xy().norm()),
-            second: [duu, duv, dvv].map(|ball| ball.reach()),
-            center: (0.5 * (bounds.min + bounds.max)).xy(),
-            half_diagonal: (0.5 * (bounds.max - bounds.min)).xy().norm(),
-        }
+impl Bends {
+    fn of(patch: &impl Patch) -> Self {
+        let derivatives = patch.derivatives();
+        let DerivativeBounds { du, dv, duu, duv, dvv } = &derivatives;
+        let first = [du, dv].map(|ball| ball.center.xy().norm());
+        let second = [duu, duv, dvv].map(|ball| ball.reach());
+        Self { derivatives, first, second }
     }
 }
 
 impl<P: Patch> Part<P> {
     fn new(patch: P, start: [f64; 2], scale: [f64; 2]) -> Self {
-        let (bounds, derivatives) = (patch.bounds(), patch.derivatives());
-        let lengths = Lengths::of(&derivatives, &bounds);
-        Self { patch, bounds, derivatives, lengths, start, scale }
+        let bounds = patch.bounds();
+        let center = (0.5 * (bounds.min + bounds.max)).xy();
+        let half_diagonal = (0.5 * (bounds.max - bounds.min)).xy().norm();
+        let [p00, p01, p10, p11] = patch.corners();
+        let normal = (p11 - p00).cross(&(p01 - p10));
+        let outward = normal.xy().try_normalize(LEVEL_SHARE * normal.norm());
+        let is_steep = normal.xy().norm() > LEAST_STEEPNESS * normal.z.abs();
+        let facing = outward.filter(|_| is_steep);
+        Self { patch, bounds, center, half_diagonal, bends: None, start, scale, outward, facing }
+    }
+
+    /// Bounds of the derivatives.
+    pub(super) fn bends(&self) -> Bends {
+        self.bends.unwrap_or_else(|| Bends::of(&self.patch))
     }
 
     /// The halves across the longer direction.
@@ -93,6 +113,11 @@ impl<P: Patch> Part<P> {
         std::array::from_fn(|k| self.start[k] + self.scale[k] * place[k])
     }
 
+    /// The middle of its box.
+    pub(super) fn middle(&self) -> Vector3<f64> {
+        0.5 * (self.bounds.min + self.bounds.max)
+    }
+
     pub(super) fn size(&self) -> f64 {
         (self.bounds.max - self.bounds.min).amax()
     }
@@ -112,7 +137,7 @@ impl Cover {
     fn of<P: Patch>(part: &Part<P>) -> Self {
         let gradient = part.patch.jet(0.5, 0.5).gradient();
         let gradient = if gradient.norm() < STEEPEST_COVER { gradient } else { Vector2::zeros() };
-        let center = part.lengths.center;
+        let center = part.center;
         let over = |p: Vector3<f64>| p.z - gradient.dot(&(p.xy() - center));
         let height = part.patch.control_points().map(over).fold(f64::NEG_INFINITY, f64::max);
         Self { bounds: part.bounds, gradient, height }
@@ -183,7 +208,7 @@ impl<P: Patch> Tree<P> {
         let [along_u, along_v] = part.patch.extents();
         if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
             self.nodes.push(Node { cover: Cover::of(&part), content: Content::Part(self.parts.len()) });
-            self.parts.push(part);
+            self.parts.push(Part { bends: Some(part.bends()), ..part });
             return self.nodes.len() - 1;
         }
         let [first, second] = part.halves().map(|half| self.add_part(half, size, depth - 1));
@@ -241,11 +266,4 @@ pub(super) trait Visitor<P> {
     fn is_settled(&self, promise: f64) -> bool;
 
     fn visit(&mut self, part: &Part<P>, promise: f64);
-}
-
-/// The squared distance of a place from a box in plan, mm^2.
-pub(super) fn squared_distance_in_plan(bounds: &Bounds, place: &Vector2<f64>) -> f64 {
-    let beyond = |k: usize| (bounds.min[k] - place[k]).max(place[k] - bounds.max[k]).max(0.0);
-    let (x, y) = (beyond(0), beyond(1));
-    x * x + y * y
 }

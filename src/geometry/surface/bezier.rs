@@ -86,9 +86,10 @@ impl<P: Patch> BezierSurface<P> {
         Self::from_fn([nv, nu], |j, i| self.patch(i, j).transposed())
     }
 
-    /// The surface with its normal up where it starts.
+    /// The surface with its normal up over most of its outline.
     pub fn upward(self) -> Self {
-        if self.patch(0, 0).jet(0.5, 0.5).normal().z < 0.0 { self.transposed() } else { self }
+        let facing_up: f64 = self.patches().iter().map(|patch| patch.jet(0.5, 0.5).normal().z).sum();
+        if facing_up < 0.0 { self.transposed() } else { self }
     }
 
     /// The surface with straight patches added all around, tangent to it and at least `by` mm long: what a cutter

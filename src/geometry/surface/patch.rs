@@ -100,6 +100,9 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         self.control_points().map(|p| p.dot(direction)).fold(f64::INFINITY, f64::min)
     }
 
+    /// How far the control points reach along `direction` and back: at most along a row of constant v, and along one of constant u; mm.
+    fn spreads(&self, direction: &Vector3<f64>) -> [f64; 2];
+
     /// Whether all of the patch lies ahead of `origin` along `direction`.
     fn is_ahead(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
         self.control_points().all(|p| (p - origin).dot(direction) > 0.0)
@@ -132,6 +135,18 @@ pub struct SquareBound {
     pub magnitude: f64,
     /// The largest second differences along u and v, mm^2.
     pub bends: [f64; 2],
+}
+
+/// The largest spread of values over a in 0..=p for one b, and over b in 0..=q for one a.
+fn spreads_of([p, q]: [usize; 2], value: impl Fn(usize, usize) -> f64) -> [f64; 2] {
+    let spread = |values: &mut dyn Iterator<Item = f64>| {
+        let [low, high] =
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        high - low
+    };
+    let along_u = (0..=q).map(|b| spread(&mut (0..=p).map(|a| value(a, b)))).fold(0.0, f64::max);
+    let along_v = (0..=p).map(|a| spread(&mut (0..=q).map(|b| value(a, b)))).fold(0.0, f64::max);
+    [along_u, along_v]
 }
 
 /// An axis-aligned box, mm.

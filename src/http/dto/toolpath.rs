@@ -41,6 +41,8 @@ pub enum WarningCode {
     ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart,
+    /// Short pieces of passes are left out, and what they would cut is left.
+    ShortPiecesLeftOut,
     /// The path is one for roughing, and cuts into the surface by as much as the report says.
     RoughingPathGouges,
     /// Rounding to the program's decimals may leave the band.

@@ -80,6 +80,13 @@ impl From<&surface_milling::Warning> for Warning {
                 detail: "no height left between passes is stated: the cutter is no ball, or cannot follow the surface everywhere"
                     .into(),
             },
+            surface_milling::Warning::ShortPiecesLeftOut { count, longest_mm } => Self {
+                code: WarningCode::ShortPiecesLeftOut,
+                detail: format!(
+                    "pieces of passes that are shorter than a tenth of the cutter's radius are left out, and what they would cut is left: {count}, the longest {:.4} mm",
+                    rounded_up_mm(*longest_mm)
+                ),
+            },
             surface_milling::Warning::RoughingPathGouges { depth_mm } => Self {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(

@@ -1,11 +1,11 @@
-//! How deep a ball cuts into the surface on the moves of a path, whoever made it.
+//! How deep the cutter cuts into the surface on the moves of a path, computed and written.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::{Error, Job};
 use crate::budget::Budget;
-use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::curve::Curve;
+use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::surface::Patch;
 use crate::operations::sharing::in_order;
 use crate::toolpath::quantize::{Parabolas, quantize};
@@ -43,7 +43,7 @@ enum End {
 
 /// A search for the deepest penetration, and how far it has come.
 pub(super) struct Search<'a, P> {
-    clearance: &'a Clearance<'a, P>,
+    proof: &'a GougeProof<'a, P>,
     job: &'a Job,
     gap: f64,
     enough: f64,
@@ -56,13 +56,13 @@ pub(super) struct Search<'a, P> {
 impl<'a, P: Patch> Search<'a, P> {
     /// Over `total` moves, to within `gap` mm; what is deeper than `enough` mm ends it.
     pub(super) fn new(
-        clearance: &'a Clearance<'a, P>,
+        proof: &'a GougeProof<'a, P>,
         job: &'a Job,
         [gap, enough]: [f64; 2],
         total: usize,
         budget: &'a Budget,
     ) -> Self {
-        Self { clearance, job, gap, enough, done: AtomicUsize::new(0), total, budget }
+        Self { proof, job, gap, enough, done: AtomicUsize::new(0), total, budget }
     }
 
     /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if it is deeper.
@@ -80,7 +80,7 @@ impl<'a, P: Patch> Search<'a, P> {
         self.budget.progress("certificate", done, self.total);
         let mut deepest = known;
         for curve in row {
-            penetrate(curve, self.clearance, self.job, self.gap, &mut deepest, self.budget)
+            penetrate(curve, self.proof, self.job, self.gap, &mut deepest, self.budget)
                 .map_err(End::Error)?;
             if deepest.found_mm > self.enough {
                 return Err(End::Deep(deepest));
@@ -93,15 +93,15 @@ impl<'a, P: Patch> Search<'a, P> {
 /// Raises the deepest penetration to that on one move, as computed and as written.
 pub(super) fn penetrate(
     curve: &Curve,
-    clearance: &Clearance<impl Patch>,
+    proof: &GougeProof<impl Patch>,
     job: &Job,
     gap: f64,
     deepest: &mut Penetration,
     budget: &Budget,
 ) -> Result<(), Error> {
-    clearance.penetrate(curve, 0.0, gap, deepest, budget)?;
+    proof.penetrate(curve, 0.0, gap, deepest, budget)?;
     for written in quantize(curve, job.resolution, Parabolas::AsLines)? {
-        clearance.penetrate(&written.curve, written.slack_mm, gap, deepest, budget)?;
+        proof.penetrate(&written.curve, written.slack_mm, gap, deepest, budget)?;
     }
     Ok(())
 }

@@ -1,23 +1,25 @@
 //! Passes along parallel planes, by either engine.
 
 use super::deviation::{Deviation, Seam};
-use super::links::{self, Proof};
+use super::links;
 use super::outline::Outline;
-use super::passes::{self, Allowed};
+use super::passes::{self, Allowed, CutPass, LeftOut, Passes};
 use super::planes::{self, ContactEngine, OffsetEngine, Slicer};
 use super::{
     Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, Spacing, TOP_ACCURACY_MM, Warning,
     certificate, data_warnings, rest, scallop,
 };
 use crate::budget::{Budget, Stopped};
-use crate::geometry::clearance::{Clearance, Penetration};
 use crate::geometry::contact::{Contacts, TipSections};
 use crate::geometry::curve::Curve;
+use crate::geometry::gouge::{GougeProof, Penetration};
+use crate::geometry::section::PlaneAt;
 use crate::geometry::section::Sections;
 use crate::geometry::surface::joints::{self, Joints, NotSmooth};
 use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::Toolpath;
+use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;
 
 /// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
@@ -27,6 +29,10 @@ const CONTACT_HEIGHT_SHARE: f64 = 0.06;
 
 /// The outline that a cutter stays inside of is known to this part of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
+
+/// A rim reaches up to the root of 2 farther below the surface than its path deviates: passes that it takes too deep are cut again with
+/// this part of the tolerance.
+const RIM_SHARE: f64 = 0.65;
 
 /// What an engine knows of a job.
 struct Found<'a, P> {
@@ -171,6 +177,42 @@ fn seam(joints: &Joints, job: &Job, slopes: &[Slope]) -> Seam {
     Seam { jump: joints.jump(job.offset_mm()), bend: joints.kink / (4.0 * least_share) }
 }
 
+/// Passes that are proved.
+struct Cut {
+    passes: Vec<CutPass>,
+    left_out: LeftOut,
+    toolpath: Toolpath,
+    deviation_max_mm: f64,
+    penetration: Penetration,
+}
+
+/// Cuts the passes, which may deviate by a share of the tolerance, and proves them.
+fn cut<P: Patch>(
+    job: &Job,
+    slicer: &Slicer,
+    planes: &[PlaneAt],
+    (found, share): (&Found<P>, f64),
+    (cutting, proof): (&Cutting, &GougeProof<P>),
+    budget: &Budget,
+) -> Result<Cut, Error> {
+    let gap = CERTIFICATE_GAP * job.tolerance.mm();
+    let allowed = Allowed {
+        tolerance: share * (job.tolerance.mm() - gap),
+        seam: found.seam,
+        chord_height_share: found.chord_height_share,
+    };
+    let Passes { passes, left_out } = passes::cut(job, slicer, planes, allowed, budget)?;
+    let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));
+    let deviation_max_mm = deviation.bound_mm;
+    let toolpath = links::join(job, cutting, &passes, proof, budget)?;
+    let depth_mm = match found.depth {
+        Depth::Tolerance => job.tolerance.mm(),
+        Depth::Deviation => deviation_max_mm + gap + job.resolution.step_mm(),
+    };
+    let penetration = certify(&toolpath, job, proof, [gap, depth_mm], budget)?;
+    Ok(Cut { passes, left_out, toolpath, deviation_max_mm, penetration })
+}
+
 fn plan_with<P: Patch>(
     surface: &BezierSurface<P>,
     found: &Found<P>,
@@ -182,39 +224,21 @@ fn plan_with<P: Patch>(
     let slicer = Slicer::new(found.engine, job.plane.normal_axis(), inside(surface, job, budget)?);
     let stepover = match job.spacing {
         Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
-        Spacing::ScallopHeight(mm) => scallop::spacing(job.cutter().corner_radius(), mm, &found.slopes),
+        Spacing::ScallopHeight(mm) => match job.cutter().corner_radius() {
+            0.0 => scallop::spacing_of_flat_ends(job.cutter().radius(), mm, &found.slopes),
+            corner => scallop::spacing(corner, mm, &found.slopes),
+        },
     };
     let planes = slicer.planes(job, stepover, budget)?;
     let stepover_mm = (planes[1].at - planes[0].at).abs();
 
-    let gap = CERTIFICATE_GAP * job.tolerance.mm();
-    let allowed = Allowed {
-        tolerance: job.tolerance.mm() - gap,
-        seam: found.seam,
-        chord_height_share: found.chord_height_share,
+    let proof = GougeProof::new(surface, &job.tool.cutter(), job.allowance_mm);
+    let cut = |share: f64| cut(job, &slicer, &planes, (found, share), (&cutting, &proof), budget);
+    let cut = match cut(1.0) {
+        Err(Error::ToleranceNotReached { .. }) if job.cutter().flat_radius() > 0.0 => cut(RIM_SHARE)?,
+        cut => cut?,
     };
-    let passes = passes::cut(job, &slicer, &planes, allowed, budget)?;
-    let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));
-    let deviation_max_mm = deviation.bound_mm;
-    let clearance = Clearance::new(surface, job.offset_mm(), job.tool.radius_mm);
-    let proof = match found.contacts {
-        Some(contacts) if job.tool.shape != Shape::Ball => Proof::Contact(contacts),
-        _ => Proof::Certificate(&clearance),
-    };
-    let (toolpath, depth_of_links_mm) = links::join(job, &cutting, &passes, &proof, budget)?;
-    let penetration = match proof {
-        Proof::Certificate(clearance) => {
-            let depth_mm = match found.depth {
-                Depth::Tolerance => job.tolerance.mm(),
-                Depth::Deviation => deviation_max_mm + gap + job.resolution.step_mm(),
-            };
-            certify(&toolpath, job, clearance, [gap, depth_mm], budget)?
-        }
-        // Who is moved down by so much cuts no deeper.
-        Proof::Contact(_) => {
-            Penetration { bound_mm: deviation.depth_mm.max(depth_of_links_mm), ..Penetration::NONE }
-        }
-    };
+    let Cut { passes, left_out, toolpath, deviation_max_mm, penetration } = cut;
     let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
     let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
     let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
@@ -232,7 +256,7 @@ fn plan_with<P: Patch>(
         n_arcs,
         n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
     };
-    let warnings = warnings(job, &report, found.is_followed);
+    let warnings = warnings(job, &report, found.is_followed, left_out);
     Ok(Plan { toolpath, report, cutting, warnings })
 }
 
@@ -251,19 +275,19 @@ fn inside(
     }
 }
 
-/// Proves how deep the ball cuts into the surface on any move, as computed and as written: within the tolerance, and within
+/// Proves how deep the cutter cuts into the surface on any move, as computed and as written: within the tolerance, and within
 /// `depth_mm` on the passes.
 fn certify(
     toolpath: &Toolpath,
     job: &Job,
-    clearance: &Clearance<impl Patch>,
+    proof: &GougeProof<impl Patch>,
     [gap, depth_mm]: [f64; 2],
     budget: &Budget,
 ) -> Result<Penetration, Error> {
     let tolerance_mm = job.tolerance.mm();
     let [between, of_passes] = certificate::curves_between_and_of_passes(toolpath);
     let n_moves = between.len() + of_passes.len();
-    let search = certificate::Search::new(clearance, job, [gap, tolerance_mm], n_moves, budget);
+    let search = certificate::Search::new(proof, job, [gap, tolerance_mm], n_moves, budget);
     let mut deepest = Penetration::NONE;
     for (moves, most) in [(of_passes, depth_mm.min(tolerance_mm)), (between, tolerance_mm)] {
         deepest = search.deepest(deepest, &moves)?;
@@ -281,8 +305,11 @@ fn certify(
     Ok(deepest)
 }
 
-fn warnings(job: &Job, report: &Report, is_followed: bool) -> Vec<Warning> {
+fn warnings(job: &Job, report: &Report, is_followed: bool, left_out: LeftOut) -> Vec<Warning> {
     let mut warnings = data_warnings(job);
+    if let LeftOut { count: 1.., longest_mm } = left_out {
+        warnings.push(Warning::ShortPiecesLeftOut { count: left_out.count, longest_mm });
+    }
     if !is_followed {
         warnings.push(Warning::ScallopNotProved);
     } else if report.scallop_max_mm.is_none() {

@@ -13,9 +13,6 @@ const ACCURACY_MM: f64 = 2e-10;
 /// Rounding of a distance in parts of the coordinates.
 const ROUNDING: f64 = 1e-14;
 
-/// A curve that is above a tip is so by this part of its distance; what is nearly level with it may be in front of a wall.
-const ABOVE: f64 = 1e-3;
-
 /// A bound is sharp within this factor of what was found and so many steps of the last decimal.
 const SHARP: [f64; 2] = [2.0, 1.5];
 
@@ -40,40 +37,28 @@ pub(super) struct Deviation {
     pub(super) bound_mm: f64,
     /// Between the CL points and the curves: the true one is no less.
     pub(super) found_mm: f64,
-    /// Proved of curves below the CL curve: they cut no deeper.
-    pub(super) depth_mm: f64,
-    /// How far they were found below CL points.
-    pub(super) found_depth_mm: f64,
 }
 
 impl Deviation {
     pub(super) const NONE: Self = Self::within(0.0);
 
-    /// The same bound in all respects, of which nothing was found.
+    /// A bound, under which nothing was found.
     pub(super) const fn within(bound_mm: f64) -> Self {
-        Self { bound_mm, found_mm: 0.0, depth_mm: bound_mm, found_depth_mm: 0.0 }
+        Self { bound_mm, found_mm: 0.0 }
     }
 
     /// The larger of each.
     pub(super) fn or_more(&self, other: &Self) -> Self {
-        Self {
-            bound_mm: self.bound_mm.max(other.bound_mm),
-            found_mm: self.found_mm.max(other.found_mm),
-            depth_mm: self.depth_mm.max(other.depth_mm),
-            found_depth_mm: self.found_depth_mm.max(other.found_depth_mm),
-        }
+        Self { bound_mm: self.bound_mm.max(other.bound_mm), found_mm: self.found_mm.max(other.found_mm) }
     }
 
     fn and(&self, more_mm: f64) -> Self {
-        Self { bound_mm: self.bound_mm + more_mm, depth_mm: self.depth_mm + more_mm, ..*self }
+        Self { bound_mm: self.bound_mm + more_mm, ..*self }
     }
 
-    /// Whether no bound is much larger than what was found, with steps of the last decimal of `step_mm`; that of the depth only if it
-    /// is wanted.
-    pub(super) fn is_sharp(&self, step_mm: f64, with_depth: bool) -> bool {
-        let is_sharp = |bound_mm: f64, found_mm: f64| bound_mm <= SHARP[0] * found_mm + SHARP[1] * step_mm;
-        is_sharp(self.bound_mm, self.found_mm)
-            && (!with_depth || is_sharp(self.depth_mm, self.found_depth_mm))
+    /// Whether the bound is not much larger than what was found, with steps of the last decimal of `step_mm`.
+    pub(super) fn is_sharp(&self, step_mm: f64) -> bool {
+        self.bound_mm <= SHARP[0] * self.found_mm + SHARP[1] * step_mm
     }
 }
 
@@ -107,35 +92,19 @@ pub(super) fn of(
     let mut deviation = computed.or_more(&written);
     for end in [tips[0], tips[tips.len() - 1]] {
         let moved = (grid.point(grid.round(&end)?) - end).norm();
-        deviation = deviation.or_more(&Deviation {
-            found_mm: moved,
-            found_depth_mm: moved,
-            ..Deviation::within(moved)
-        });
+        deviation = deviation.or_more(&Deviation { bound_mm: moved, found_mm: moved });
     }
     Ok(deviation)
 }
 
 /// From the chords of the tips, of which the longest is known.
 fn from_tips(curve: &Curve, tips: &[Point3<f64>], chord: f64) -> Deviation {
-    let (mut farthest, mut deepest) = (0.0f64, 0.0f64);
-    for tip in tips {
-        let distance = curve.distance_to(tip);
-        farthest = farthest.max(distance);
-        if distance > deepest && curve.nearest_to(tip).z - tip.z <= ABOVE * distance {
-            deepest = distance;
-        }
-    }
+    let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
     let under = |radius: f64| chord_height(chord, 1.0 / (radius - farthest).max(0.0));
     let height = match curve {
         Curve::Line(_) => 0.0,
         Curve::Arc(arc) => under(arc.radius()),
         Curve::Parabola(parabola) => under(1.0 / parabola.largest_curvature()),
     };
-    Deviation {
-        bound_mm: farthest + height,
-        found_mm: farthest,
-        depth_mm: deepest + height,
-        found_depth_mm: deepest,
-    }
+    Deviation { bound_mm: farthest + height, found_mm: farthest }
 }

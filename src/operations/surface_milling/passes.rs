@@ -13,7 +13,6 @@ use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
 use crate::toolpath::PathError;
-use crate::toolpath::tool::Shape;
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -31,6 +30,9 @@ const SHARPENED_BY: f64 = 0.3;
 /// Arcs that leave a chord by so many times as much as the section does are none of the section.
 const BULGE: f64 = 20.0;
 
+/// Pieces of a section that are shorter than this part of the cutter's radius are left out, where it has longer ones.
+const SHORT_SHARE: f64 = 0.1;
+
 /// Refinements of one section before the tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
 
@@ -46,6 +48,29 @@ pub(super) struct CutPass {
 impl CutPass {
     pub(super) fn start(&self) -> Point3<f64> {
         self.curves[0].start()
+    }
+}
+
+/// All passes in the order of cutting, and the pieces that are too short to be passes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Passes {
+    pub(super) passes: Vec<CutPass>,
+    pub(super) left_out: LeftOut,
+}
+
+/// Pieces that are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct LeftOut {
+    pub(super) count: usize,
+    pub(super) longest_mm: f64,
+}
+
+impl Passes {
+    fn and(mut self, more: Self) -> Self {
+        self.passes.extend(more.passes);
+        self.left_out.count += more.left_out.count;
+        self.left_out.longest_mm = self.left_out.longest_mm.max(more.left_out.longest_mm);
+        self
     }
 }
 
@@ -68,12 +93,13 @@ pub(super) fn cut(
     planes: &[PlaneAt],
     allowed: Allowed,
     budget: &Budget,
-) -> Result<Vec<CutPass>, Error> {
+) -> Result<Passes, Error> {
     let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
-    let cut_one = |k: usize| -> Result<Vec<CutPass>, Error> {
+    let cut_one = |k: usize| -> Result<Passes, Error> {
         budget.check()?;
         let forward = job.direction == CutDirection::OneWay || k.is_multiple_of(2);
-        let passes = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
+        let cut = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
+        let passes = &cut.passes;
         let count = |what, counter: &AtomicUsize, more: usize, limit| {
             let before = counter.fetch_add(more, Ordering::Relaxed);
             let needed = limit + 1;
@@ -82,10 +108,10 @@ pub(super) fn cut(
         count("CL points", &n_points, passes.iter().map(|pass| pass.n_points).sum(), CL_POINT_LIMIT)?;
         count("arcs and lines", &n_curves, passes.iter().map(|pass| pass.curves.len()).sum(), CURVE_LIMIT)?;
         budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
-        Ok(passes)
+        Ok(cut)
     };
-    let passes: Vec<CutPass> = in_order(planes.len(), cut_one)?.into_iter().flatten().collect();
-    if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
+    let cut = in_order(planes.len(), cut_one)?.into_iter().fold(Passes::default(), Passes::and);
+    if cut.passes.is_empty() { Err(Error::NothingToCut) } else { Ok(cut) }
 }
 
 /// The passes of one plane, in the direction of travel.
@@ -96,7 +122,7 @@ fn cut_plane(
     forward: bool,
     Allowed { tolerance, seam, chord_height_share }: Allowed,
     budget: &Budget,
-) -> Result<Vec<CutPass>, Error> {
+) -> Result<Passes, Error> {
     let mut spacing = Spacing {
         chord_height_mm: chord_height_share * tolerance,
         // Short enough that a seam under a chord takes no more than the section's own height.
@@ -108,14 +134,13 @@ fn cut_plane(
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
-    // The certificate knows the depth of a ball.
-    let with_depth = job.tool.shape != Shape::Ball;
     // What is shorter would vanish in rounding.
     let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (Deviation::NONE, Point3::origin());
     for tries in 0..REFINEMENT_LIMIT {
         let mut chains = slicer.chains(plane, spacing, budget)?;
         chains.retain(|chain| chain.length() > shortest);
+        let left_out = leave_out_short(&mut chains, SHORT_SHARE * job.cutter().radius());
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
             chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam, budget)).collect();
@@ -131,14 +156,30 @@ fn cut_plane(
         if too_much > 0.0 {
             fit_tolerance = (fit_tolerance - 1.1 * too_much).max(0.5 * fit_tolerance);
             spacing.chord_height_mm *= 0.5;
-        } else if tries < SHARPENINGS && !worst.0.is_sharp(job.resolution.step_mm(), with_depth) {
+        } else if tries < SHARPENINGS && !worst.0.is_sharp(job.resolution.step_mm()) {
             spacing.chord_height_mm *= SHARPENED_BY;
         } else {
-            return Ok(passes);
+            return Ok(Passes { passes, left_out });
         }
     }
     let deviation_mm = worst.0.bound_mm;
     Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm, at: worst.1 })
+}
+
+/// Removes the chains that are shorter than `shortest` mm. Where all are shorter, none is removed.
+fn leave_out_short(chains: &mut Vec<Chain>, shortest: f64) -> LeftOut {
+    let mut left_out = LeftOut::default();
+    if chains.iter().any(|chain| chain.length() >= shortest) {
+        chains.retain(|chain| {
+            let length = chain.length();
+            if length < shortest {
+                left_out.count += 1;
+                left_out.longest_mm = left_out.longest_mm.max(length);
+            }
+            length >= shortest
+        });
+    }
+    left_out
 }
 
 /// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they start.

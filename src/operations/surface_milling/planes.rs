@@ -21,9 +21,6 @@ const PROBES: usize = 64;
 /// Halvings between a plane with sections and one without: to a ten-millionth of the distance of two probes.
 const HALVINGS: usize = 24;
 
-/// Steps of one job. Jobs that need more are for cutters that are very small or very large against the surface.
-const STEP_LIMIT: usize = 1_000_000;
-
 /// Enough to know how long a section is.
 const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
 
@@ -34,9 +31,6 @@ pub(super) trait Engine: Sync {
 
     /// The first and the last plane within the reach that holds some, mm.
     fn extent(&self, reach: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError>;
-
-    /// The steps of one section, at least; zero where that says nothing.
-    fn least_steps(&self) -> f64;
 
     /// The curves in a plane, of the tip.
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError>;
@@ -57,10 +51,6 @@ impl Engine for OffsetEngine<'_> {
         Ok(reach)
     }
 
-    fn least_steps(&self) -> f64 {
-        0.0
-    }
-
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
         Ok(raised(self.sections.chains(plane, spacing, budget)?, -self.rise))
     }
@@ -78,19 +68,13 @@ impl<P: Patch> Engine for ContactEngine<'_, P> {
     }
 
     fn extent(&self, [low, high]: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
-        let has_section = |at: f64| -> Result<bool, SectionError> {
-            Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?) > 0.0)
-        };
+        let has_section = |at: f64| self.sections.has_any(PlaneAt::new(at), COARSE, budget);
         // What touches the cutter first may be another place than the one that reaches farthest.
         let inset = TOUCH_MM.min(1e-3 * (high - low));
         if has_section(low + inset)? && has_section(high - inset)? {
             return Ok([low, high]);
         }
         Ok(extent_where([low, high], has_section)?.unwrap_or([low, high]))
-    }
-
-    fn least_steps(&self) -> f64 {
-        self.sections.least_steps()
     }
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
@@ -104,13 +88,16 @@ fn extent_where<E>(
     holds: impl Fn(f64) -> Result<bool, E>,
 ) -> Result<Option<[f64; 2]>, E> {
     let probe = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
-    let mut found = Vec::new();
-    for k in 0..PROBES {
-        if holds(probe(k))? {
-            found.push(k);
+    let first_of = |probes: &mut dyn Iterator<Item = usize>| -> Result<Option<usize>, E> {
+        for k in probes {
+            if holds(probe(k))? {
+                return Ok(Some(k));
+            }
         }
-    }
-    let (Some(&first), Some(&last)) = (found.first(), found.last()) else { return Ok(None) };
+        Ok(None)
+    };
+    let Some(first) = first_of(&mut (0..PROBES))? else { return Ok(None) };
+    let last = first_of(&mut (first..PROBES).rev())?.unwrap_or(first);
     let outside = [
         if first == 0 { low } else { probe(first - 1) },
         if last == PROBES - 1 { high } else { probe(last + 1) },
@@ -178,11 +165,6 @@ impl<'a> Slicer<'a> {
             let needed = (spaces as usize).saturating_add(1);
             return Err(Error::TooMuchWork { what: "section planes", needed, limit });
         }
-        let steps = (spaces + 1.0) * self.engine.least_steps();
-        if steps > STEP_LIMIT as f64 {
-            let what = "steps of the cutter's radius or a tenth of the surface";
-            return Err(Error::TooMuchWork { what, needed: steps as usize, limit: STEP_LIMIT });
-        }
         let [low, high] = match self.inside {
             Some(_) => reach,
             None => self.engine.extent(reach, budget)?,
@@ -198,6 +180,10 @@ impl<'a> Slicer<'a> {
     /// Between which planes there may be sections that count, mm.
     fn reach(&self) -> Result<[f64; 2], Error> {
         let [low, high] = self.engine.reach();
+        // A surface that is a point or an upright line has no tangent plane to touch: nothing bounds its planes.
+        if !(low <= high && (high - low).is_finite()) {
+            return Err(Error::NothingToCut);
+        }
         let Some((outline, margin)) = &self.inside else { return Ok([low, high]) };
         let is_inside = |at: f64| Ok::<_, Error>(outline.is_inside(self.axis, at, *margin));
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)

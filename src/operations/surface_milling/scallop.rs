@@ -21,6 +21,9 @@ const SAMPLES: usize = 5;
 /// Slopes of the surface steeper than this across the planes are left out of what is sampled: no spacing of planes serves walls.
 const LEAST_SHARE: f64 = 0.05;
 
+/// Passes of flat ends over level ground are this part of the diameter apart.
+const FLAT_SHARE: f64 = 0.9;
+
 /// Halvings in the search for a spacing: to the last bit.
 const HALVINGS: usize = 60;
 
@@ -42,6 +45,14 @@ pub(super) fn spacing(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
         }
     }
     good
+}
+
+/// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm` on slopes across the planes, mm: at a slope
+/// whose normal has the sine n across the planes, stairs of width s are n s high. On level ground it is most of the diameter.
+pub(super) fn spacing_of_flat_ends(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
+    let steepest =
+        slopes.iter().map(|slope| (1.0 - slope.share * slope.share).max(0.0).sqrt()).fold(0.0, f64::max);
+    (height_mm / steepest).min(FLAT_SHARE * 2.0 * radius)
 }
 
 /// Slopes and concavities at places of a surface, where a proof of them all cannot be had; where a ball of `radius` mm does not fit, as if
@@ -108,6 +119,15 @@ mod tests {
             let left = height(radius, spacing, &[Slope { share: 1.0, concavity: 1.0 / 15.0 }]).unwrap();
             assert!(left >= cusp && left <= 1.05 * cusp, "{left} {cusp}");
         }
+    }
+
+    #[test]
+    fn a_flat_end_leaves_stairs_on_slopes_and_nothing_on_level_ground() {
+        let slope = |angle: f64| Slope { share: angle.cos(), concavity: 0.0 };
+        assert!(
+            (spacing_of_flat_ends(5.0, 0.02, &[slope(0.0), slope(0.5)]) - 0.02 / 0.5f64.sin()).abs() < 1e-12
+        );
+        assert!((spacing_of_flat_ends(5.0, 0.02, &[slope(0.0)]) - 9.0).abs() < 1e-12);
     }
 
     #[test]

@@ -8,14 +8,13 @@
 //!    largest z that wire k or one of its neighbours has at the same x.
 //! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by lines.
 //! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the retract plane, plunge.
-//! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported (`depth`, and
-//!    [`clearance`](crate::geometry::clearance) for a ball).
+//! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported
+//!    ([`gouge`](crate::geometry::gouge)).
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the exact union, as far as
 //!   the skyline guarantees; it is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface, along the axis for other shapes than balls, which
-//!   is no less. **The path gouges**: it has no offset in its own plane. On a slope of angle a along the wires a ball cuts
+//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it has no offset in its own plane. On a slope of angle a along the wires a ball cuts
 //!   R (1 - cos a) deep. It is a roughing path, and answered with a warning.
 //!
 //! # Degenerate input
@@ -37,17 +36,19 @@
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining of
 //! Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4.
 
-mod depth;
 mod wires;
 
 use nalgebra::Point3;
 
 use super::deviation::Deviation;
 use super::passes::CutPass;
-use super::{CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, data_warnings};
+use super::{
+    CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate, data_warnings,
+};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
+use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::plane::Plane;
 use crate::geometry::skyline::{Accuracy, Skyline, SkylineError, Stretch, union};
 use crate::geometry::surface::{BezierSurface, Patch};
@@ -104,7 +105,10 @@ pub(super) fn plan<P: Patch>(
     let passes = passes(job, &model, accuracy, budget)?;
     let toolpath = one_way(&cutting, &passes)?;
     let gap = CERTIFICATE_GAP * tolerance;
-    let deepest = depth::deepest(surface, &toolpath, job, gap, budget)?;
+    let proof = GougeProof::new(surface, &job.tool.cutter(), 0.0);
+    let moves = certificate::curves(&toolpath);
+    let search = certificate::Search::new(&proof, job, [gap, f64::INFINITY], moves.len(), budget);
+    let deepest = search.deepest(Penetration::NONE, &moves)?;
     let report = Report {
         n_passes: passes.len(),
         n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),

@@ -29,7 +29,7 @@ fn cutters(radius_mm: f64) -> [Tool; 3] {
 }
 
 /// How deep a point is in a cutter with its shank, by its distance from the axis and its height over the tip; negative outside.
-fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
+pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
     let corner = match tool.shape {
         Shape::Ball => tool.radius_mm,
         Shape::Flat => 0.0,

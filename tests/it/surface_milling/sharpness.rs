@@ -7,6 +7,7 @@ use nalgebra::Point3;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::contact::Contacts;
 use toolpathd::geometry::cutter::Cutter;
+use toolpathd::geometry::surface::Surface;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
 use toolpathd::operations::surface_milling::{Interpolation, Job, plan};
 use toolpathd::toolpath::tool::{Shape, Tool};
@@ -48,7 +49,9 @@ fn found(job: &Job, grid: &PointGrid, motions: impl Iterator<Item = (Kind, Motio
             let share = if way.norm() > 0.0 { way.xy().norm() / way.norm() } else { 0.0 };
             let Some(contact) = contacts.drop(pair[0].xy().coords, None, &budget).unwrap() else { continue };
             let below = (contact.tip.z - pair[0].z) * share;
-            let depth = (contact.tip.z - pair[0].z) / 1f64.hypot(contact.slope);
+            // A contact on a sharp rim has slope zero; the slope of the surface there turns the height into a depth.
+            let slope = surface.jet(contact.place[0], contact.place[1]).gradient().norm().max(contact.slope);
+            let depth = (contact.tip.z - pair[0].z) / 1f64.hypot(slope);
             if kind == Kind::Cut {
                 found.deviation_mm = found.deviation_mm.max(below.abs());
             }

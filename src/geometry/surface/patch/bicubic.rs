@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::{DerivativeBounds, Patch, SquareBound};
+use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::Ball;
 
@@ -74,6 +74,10 @@ impl Patch for BicubicPatch {
 
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.net.as_flattened().iter().copied()
+    }
+
+    fn spreads(&self, direction: &Vector3<f64>) -> [f64; 2] {
+        spreads_of([3, 3], |a, b| self.net[a][b].dot(direction))
     }
 
     fn corners(&self) -> [Vector3<f64>; 4] {

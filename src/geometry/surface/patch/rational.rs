@@ -5,10 +5,11 @@
 //! between the least and the largest quotient of their Bernstein coefficients.
 
 mod product;
+mod swept;
 
 use nalgebra::{Point3, Vector3, Vector4};
 
-use super::{DerivativeBounds, Patch, SquareBound};
+use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 pub use crate::geometry::bspline::MAX_DEGREE;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::{Ball, Interval};
@@ -142,6 +143,10 @@ impl<const N: usize> Patch for RationalPatch<N> {
         self.entries().map(|p| in_space(&p))
     }
 
+    fn spreads(&self, direction: &Vector3<f64>) -> [f64; 2] {
+        spreads_of(self.degree, |a, b| in_space(&self.net[a][b]).dot(direction))
+    }
+
     fn corners(&self) -> [Vector3<f64>; 4] {
         let [p, q] = self.degree;
         [(0, 0), (0, q), (p, 0), (p, q)].map(|(a, b)| in_space(&self.net[a][b]))
@@ -202,13 +207,18 @@ impl<const N: usize> Patch for RationalPatch<N> {
         // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of it.
         let less =
             |second: Ball, first: Ball, weight: Interval| second.minus(first.times(weight).times(inverse));
-        DerivativeBounds {
-            du,
-            dv,
-            duu: less(less(quotient(&by_u.derived_u()), du, wu), du, wu),
-            duv: less(less(quotient(&by_u.derived_v()), du, wv), dv, wu),
-            dvv: less(less(quotient(&by_v.derived_v()), dv, wv), dv, wv),
+        let (along_u, along_v) = (self.transposed().swept(), self.swept());
+        let [mut du, mut dv] = [du, dv];
+        let mut duu = less(less(quotient(&by_u.derived_u()), du, wu), du, wu);
+        let mut duv = less(less(quotient(&by_u.derived_v()), du, wv), dv, wu);
+        let mut dvv = less(less(quotient(&by_v.derived_v()), dv, wv), dv, wv);
+        for (swept, first, second) in [(along_u, &mut du, &mut duu), (along_v, &mut dv, &mut dvv)] {
+            let Some(swept) = swept else { continue };
+            for (known, better) in [(first, swept.first), (second, swept.second), (&mut duv, swept.mixed)] {
+                *known = if better.radius < known.radius { better } else { *known };
+            }
         }
+        DerivativeBounds { du, dv, duu, duv, dvv }
     }
 
     fn bound_squares<const K: usize>(

@@ -75,13 +75,13 @@ fn on_a_slope_along_the_wires_the_path_gouges_as_the_closed_form_says() {
     for slope in [0.2f64, 1.0] {
         for shape in shapes() {
             let plan = planned(&with_shape(job(plate(|x, _| slope * x)), shape));
-            // The depth of a ball is that along the normal; that of the others along the axis.
+            // Along the axis, and from there along the normal.
             let cos = 1.0 / slope.hypot(1.0);
             let depth = match shape {
-                Shape::Ball => RADIUS * (1.0 - cos),
+                Shape::Ball => RADIUS * (1.0 / cos - 1.0),
                 Shape::Flat => RADIUS * slope,
                 Shape::BullNose { corner_radius_mm: c } => (RADIUS - c) * slope + c * (1.0 / cos - 1.0),
-            };
+            } * cos;
             let found = plan.report.gouge_max_mm;
             assert!(found >= depth - 1e-9 && found <= depth + TOLERANCE, "{shape:?} {found} {depth}");
             assert!(is_warned(&plan) && plan.report.gouge_at.is_some());

@@ -4,6 +4,8 @@ use crate::geometry::plane::Plane;
 use crate::geometry::surface::BezierSurface;
 use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 
+mod cutters;
+
 const GAP: f64 = 2e-5;
 
 fn grid(n: usize, side: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
@@ -18,8 +20,8 @@ fn oblong(n: [usize; 2], sides: [f64; 2], height: impl Fn(f64, f64) -> f64) -> B
 }
 
 fn deepest(surface: &BezierSurface, radius: f64, tip: Curve) -> f64 {
-    let clearance = Clearance::new(surface, radius, radius);
-    let depth = clearance.penetration(&[tip], GAP, &Budget::unlimited()).unwrap();
+    let proof = GougeProof::new(surface, &Cutter::ball(radius), 0.0);
+    let depth = proof.penetration(&[tip], GAP, &Budget::unlimited()).unwrap();
     assert!(depth.found_mm <= depth.bound_mm && depth.bound_mm <= depth.found_mm + 1.01 * GAP, "{depth:?}");
     depth.bound_mm
 }
@@ -107,8 +109,8 @@ fn a_helix_is_bounded_by_its_lowest_turn() {
     let plate = grid(4, 60.0, |_, _| 0.0);
     let (from, to) = (Point3::new(10.0, 0.0, 6.0), Point3::new(0.0, 10.0, -0.03));
     let arc = Arc::new(Plane::Xy, Direction::Cw, from, to, Point3::new(0.0, 0.0, 6.0)).unwrap();
-    let clearance = Clearance::new(&plate, 3.0, 3.0);
-    let depth = clearance.penetration(&[Curve::Arc(arc)], 1e-3, &Budget::unlimited()).unwrap();
+    let proof = GougeProof::new(&plate, &Cutter::ball(3.0), 0.0);
+    let depth = proof.penetration(&[Curve::Arc(arc)], 1e-3, &Budget::unlimited()).unwrap();
     assert!(depth.bound_mm >= 0.03 && depth.bound_mm < 0.032, "{depth:?}");
 }
 
@@ -119,8 +121,8 @@ fn a_parabola_is_bounded_by_its_lowest_place() {
         (Point3::new(-10.0, 0.0, 1.0), Point3::new(0.0, 8.0, -1.06), Point3::new(10.0, 0.0, 1.0));
     // Halfway it is at the mean of the control point and the middle of the ends.
     let parabola = Curve::Parabola(Parabola::new(from, control, to).unwrap());
-    let clearance = Clearance::new(&plate, 3.0, 3.0);
-    let depth = clearance.penetration(&[parabola], 1e-3, &Budget::unlimited()).unwrap();
+    let proof = GougeProof::new(&plate, &Cutter::ball(3.0), 0.0);
+    let depth = proof.penetration(&[parabola], 1e-3, &Budget::unlimited()).unwrap();
     assert!(depth.bound_mm >= 0.03 && depth.bound_mm < 0.032, "{depth:?}");
 }
 
@@ -150,16 +152,16 @@ fn a_cancelled_search_stops() {
     let plate = grid(3, 20.0, |_, _| 0.0);
     let budget = Budget::unlimited();
     budget.cancel();
-    let clearance = Clearance::new(&plate, 5.0, 5.0);
+    let proof = GougeProof::new(&plate, &Cutter::ball(5.0), 0.0);
     let path = [line([-5.0, 0.0, 0.0], [5.0, 0.0, 0.0])];
-    assert_eq!(clearance.penetration(&path, GAP, &budget), Err(Stopped::Cancelled));
+    assert_eq!(proof.penetration(&path, GAP, &budget), Err(Stopped::Cancelled));
 }
 
 /// A path with slack is as deep as its curve and the slack together, and is not searched for ever.
 #[test]
 fn slack_adds_to_the_bound_and_not_to_the_work() {
     let dome = grid(15, 34.4, |x, _| (37.3f64 * 37.3 - x * x).sqrt());
-    let clearance = Clearance::new(&dome, 5.0, 5.0);
+    let proof = GougeProof::new(&dome, &Cutter::ball(5.0), 0.0);
     let center = |y: f64| Point3::new(0.0, y, -5.0 - 0.004);
     let (gap, slack) = (2e-4, 5e-4);
     let mut deepest = Penetration::NONE;
@@ -167,7 +169,7 @@ fn slack_adds_to_the_bound_and_not_to_the_work() {
         let y = k as f64 * 0.7 - 7.0;
         let at = |angle: f64| center(y) + Vector3::new(angle.sin(), 0.0, angle.cos()) * 42.3;
         let arc = Arc::new(Plane::Zx, Direction::Ccw, at(-0.3), at(0.3), center(y)).unwrap();
-        clearance.penetrate(&Curve::Arc(arc), slack, gap, &mut deepest, &Budget::unlimited()).unwrap();
+        proof.penetrate(&Curve::Arc(arc), slack, gap, &mut deepest, &Budget::unlimited()).unwrap();
     }
     assert!(deepest.found_mm <= 0.0041 && deepest.found_mm >= 0.0038, "{deepest:?}");
     assert!(

@@ -1,12 +1,16 @@
-//! The path of the ball's centre, cut into pieces.
+//! The path of the corner circle's centre, cut into pieces.
 
 use nalgebra::{Point3, Vector3};
 
+use super::solid::Solid;
 use crate::geometry::curve::{Arc, Curve, Line};
 use crate::geometry::surface::patch::Bounds;
 
 /// Arcs of a piece turn by no more than this, so that beyond an end means nearer to that end.
 const LARGEST_SWEEP: f64 = std::f64::consts::FRAC_PI_2;
+
+/// Steps in the search for the nearest place of a disc.
+const DISC_STEPS: usize = 2;
 
 /// Pieces of one curve; a longer curve has longer pieces.
 const PIECE_LIMIT: f64 = 1e5;
@@ -120,8 +124,22 @@ impl Piece {
         }
     }
 
-    /// A point of the track at or near the least distance from `p`.
-    pub(super) fn nearest(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    /// A point of the track from which a level disc of radius `flat` mm is at or near its least distance from `p`.
+    pub(super) fn nearest(&self, p: &Vector3<f64>, flat: f64) -> Vector3<f64> {
+        let mut nearest = self.nearest_point(p);
+        if flat > 0.0 {
+            for _ in 0..DISC_STEPS {
+                let off = (p - nearest).xy();
+                let on_disc = off * (flat / off.norm().max(flat));
+                // A point above the disc is beside the shank: its distance is measured in plan.
+                let level = p.z.min(nearest.z);
+                nearest = self.nearest_point(&Vector3::new(p.x - on_disc.x, p.y - on_disc.y, level));
+            }
+        }
+        nearest
+    }
+
+    fn nearest_point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         match &self.track {
             Track::Line(line) => {
                 let along = line.end - line.start;
@@ -133,25 +151,23 @@ impl Piece {
         }
     }
 
-    /// Distance of `p` from the axis ray over `nearest`, or over an end of the piece if that is less; never
-    /// below the distance to the swept set.
-    pub(super) fn axis_distance(&self, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
-        [*nearest, self.track.start(), self.track.end()]
-            .iter()
-            .map(|c| {
-                let mut d = p - c;
-                d.z = d.z.min(0.0);
-                d.norm()
-            })
-            .fold(f64::INFINITY, f64::min)
+    /// How deep `p` lies in a cutter at `nearest` or at an end of the piece.
+    pub(super) fn depth(&self, solid: &Solid, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
+        let at = [*nearest, self.track.start(), self.track.end()];
+        at.iter().map(|c| solid.depth(&(p - c))).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// A box that holds every surface point the cutter of `radius` mm may touch.
-    pub(super) fn reach(&self, radius: f64) -> Bounds {
-        let reach = radius + self.slack;
+    /// How far the track reaches along `m` and back, mm.
+    pub(super) fn spread(&self, m: &Vector3<f64>) -> f64 {
+        self.support(m) + self.support(&-m)
+    }
+
+    /// A box that holds every surface point the cutter may touch.
+    pub(super) fn reach(&self, solid: &Solid) -> Bounds {
         let mut bounds = Bounds { min: Vector3::zeros(), max: Vector3::zeros() };
         for c in 0..3 {
             let unit = Vector3::ith(c, 1.0);
+            let reach = self.slack + if c == 2 { solid.corner } else { solid.radius() };
             bounds.max[c] = self.support(&unit) + reach;
             bounds.min[c] = -self.support(&-unit) - reach;
         }

@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::path::{Piece, Track};
+use super::piece::{Piece, Track};
 use crate::geometry::curve::{Arc, Direction, Line};
 use crate::geometry::surface::Patch;
 use crate::geometry::surface::patch::SquareBound;
@@ -25,10 +25,13 @@ pub(super) struct Nearness {
     pub(super) varies_along_u: bool,
 }
 
-pub(super) fn nearness(piece: &Piece, part: &impl Patch) -> Nearness {
+/// The nearness of a part to a piece that is raised by `rise` mm.
+pub(super) fn nearness(piece: &Piece, rise: f64, part: &impl Patch) -> Nearness {
+    let up = Vector3::z() * rise;
     let squared = match &piece.track {
-        Track::Line(line) => to_line(line, part),
-        Track::Arc(arc) => to_arc(arc, part),
+        Track::Line(line) => to_line(&Line { start: line.start + up, end: line.end + up }, part),
+        Track::Arc(arc) if rise == 0.0 => to_arc(arc, part),
+        Track::Arc(arc) => to_arc(&arc.translated(&up), part),
     };
     let [bend_u, bend_v] = squared.bends;
     let lowest = squared.lowest - ROUNDING * squared.magnitude;

@@ -1,0 +1,137 @@
+//! Whether a part stays clear of the cutter as seen from the side: exact for swept fillets.
+//!
+//! # Method
+//! Seen along a level direction, one side of the cutter is a flat, a corner that is a circle or sharp, and the shank. Let Q be the place
+//! with the least distance of the part from the axis and the largest height of the part. The part can meet only a piece of the cutter:
+//! the one between the point of the flat beneath Q, the corner, and the point of the shank beside Q. Any circle that holds
+//! the corner and these three points at both ends of a straight move holds that piece all the way, because circles are convex. Over a
+//! swept fillet the centre of the fillet is the best one: all points of its arc are equally far from it.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use super::round::is_beyond;
+use super::tree::Part;
+use crate::geometry::cutter::{Cutter, LowerPoint};
+use crate::geometry::surface::Jet;
+use crate::geometry::surface::patch::Patch;
+
+/// Larger circles, in radii of the cutter, are as good as a plane.
+const LARGEST: f64 = 50.0;
+
+/// A cutter from the side, touching a surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    flat: f64,
+    corner: f64,
+    /// Sine and cosine of the angle of the slope where the cutter touches.
+    steepness: [f64; 2],
+    /// The direction in plan from the axis to that place.
+    away: Vector2<f64>,
+    /// Where that is on the surface.
+    touched: Vector3<f64>,
+    /// The radius of curvature of the surface there, along its steepest way, if it is hollow.
+    hollow: Option<f64>,
+    /// The largest radius of circles that are looked at.
+    largest: f64,
+}
+
+impl Side {
+    /// Of a cutter that touches a surface, with the surface's jet there.
+    pub(super) fn new(cutter: &Cutter, lower: &LowerPoint, jet: &Jet) -> Self {
+        let slope = lower.slope();
+        let cosine = 1f64.hypot(slope).recip();
+        let sine = if slope.is_finite() { slope * cosine } else { 1.0 };
+        Self {
+            flat: cutter.flat_radius(),
+            corner: cutter.corner_radius(),
+            steepness: [sine, cosine],
+            away: lower.away(),
+            touched: jet.point.coords,
+            hollow: hollow(jet, lower),
+            largest: LARGEST * cutter.radius(),
+        }
+    }
+
+    /// Whether no point of a part lifts the tip higher, as seen along a level direction: on a straight move with its middle at `tip`, and
+    /// `half` of it.
+    pub(super) fn keeps_below<P: Patch>(
+        &self,
+        part: &Part<P>,
+        [tip, half]: [Vector3<f64>; 2],
+        along: Vector3<f64>,
+    ) -> bool {
+        let right = Vector3::new(along.y, -along.x, 0.0);
+        let side = right.dot(&(part.middle() - tip)).signum() * right;
+        let seen = |p: &Vector3<f64>| Vector2::new(side.dot(p), p.z);
+        // The centre of the corner at both ends.
+        let corner = seen(&tip) + Vector2::new(self.flat, self.corner);
+        let half = seen(&half);
+        let ends = [corner - half, corner + half];
+        let [low, high] = [ends[0].inf(&ends[1]), ends[0].sup(&ends[1])];
+        let top = part.bounds.max.z.max(high.y);
+        let mut held = [None; 3];
+        if self.flat > 0.0 {
+            let nearest = part.patch.control_points().map(|p| side.dot(&p)).fold(low.x, f64::min);
+            let beneath = Vector2::new(nearest, low.y - self.corner);
+            held = [
+                Some(beneath),
+                Some(Vector2::new(high.x + self.corner, top)),
+                Some(Vector2::new(nearest, top)),
+            ];
+        } else if part.bounds.max.z > low.y {
+            return false;
+        }
+        let is_clear = |center: Vector2<f64>| {
+            let reach = |p: &Vector2<f64>| (p - center).norm();
+            let radius = ends.iter().map(|end| reach(end) + self.corner).fold(0.0, f64::max);
+            let radius = held.iter().flatten().map(reach).fold(radius, f64::max);
+            let origin = side * center.x + Vector3::z() * center.y;
+            radius < self.largest
+                && is_beyond(part, &origin, &[side, Vector3::z()], &[1.0; 2], radius * radius)
+        };
+        // The way up from the surface.
+        let [sine, cosine] = self.steepness;
+        let up = Vector2::new(-sine, cosine);
+        if let Some(hollow) = self.hollow
+            && is_clear(seen(&self.touched) + up * hollow)
+        {
+            return true;
+        }
+        if is_clear(corner) {
+            return true;
+        }
+        // The smallest circle through the corner that holds the rest.
+        let from_corner =
+            |p: &Vector2<f64>| (p - corner).norm_squared() / (2.0 * up.dot(&(p - corner))).max(0.0);
+        let more = held.iter().flatten().map(from_corner).fold(0.0, f64::max);
+        more.is_finite() && is_clear(corner + up * more)
+    }
+
+    /// The same by a ball about the centre of curvature, which holds all of the cutter up to the highest point of the part: exact for
+    /// bowls.
+    pub(super) fn ball_keeps_below<P: Patch>(&self, part: &Part<P>, [tip, half]: [Vector3<f64>; 2]) -> bool {
+        let Some(hollow) = self.hollow else { return false };
+        let [sine, cosine] = self.steepness;
+        let up = Vector3::new(-self.away.x * sine, -self.away.y * sine, cosine);
+        let center = self.touched + up * hollow;
+        let radius = [tip - half, tip + half].map(|tip| {
+            let off = (tip - center).xy().norm() + self.flat;
+            let below = |height: f64| center.z - height;
+            let top = part.bounds.max.z.max(tip.z + self.corner);
+            (off.hypot(below(tip.z + self.corner)) + self.corner).max((off + self.corner).hypot(below(top)))
+        });
+        let radius = radius[0].max(radius[1]);
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        radius < self.largest && is_beyond(part, &center, &axes, &[1.0; 3], radius * radius)
+    }
+}
+
+/// The radius of curvature of a surface along the steepest way up, mm, where the cutter touches it.
+fn hollow(jet: &Jet, lower: &LowerPoint) -> Option<f64> {
+    let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
+    let [u, v]: [f64; 2] = (across.try_inverse()? * lower.away()).into();
+    let way = jet.du * u + jet.dv * v;
+    let bend = jet.duu * (u * u) + jet.duv * (2.0 * u * v) + jet.dvv * (v * v);
+    let radius = way.norm_squared() / bend.dot(&jet.normal().try_normalize(0.0)?);
+    (radius > 0.0 && radius.is_finite()).then_some(radius)
+}

@@ -1,0 +1,388 @@
+//! The sections over one line of positions, by bisection.
+//!
+//! # Method
+//! The line is cut into intervals with the contact known at both ends:
+//! * Neither counts: nothing is near, or the interval is shorter than a section may be; else it is halved.
+//! * One counts: the section ends on the way, at a place that bisection finds to 1e-8 mm.
+//! * Both count: the tips between are proved to keep to the chord, or the interval is a millionth of a millimetre long and its ends are
+//!   foot and head of a wall; else it is halved.
+//!
+//! In the middle of an interval Newton's method starts from the contact at one end. It may find a contact that is not the highest; then
+//! the proof of the chord fails. Contacts are proved to be the highest where that happens, and where a section ends.
+
+use nalgebra::{Point3, Vector2};
+
+use super::Contact;
+use super::section::TipSections;
+use super::stretch::Stretch;
+use crate::budget::Budget;
+use crate::geometry::section::{PlaneAt, SectionError, Spacing};
+use crate::geometry::surface::patch::Patch;
+
+/// Tips this near to each other may be at any height: the wall between them is upright.
+pub(super) const WALL_MM: f64 = 1e-6;
+
+/// How exactly the ends of a section are known, mm.
+const END_MM: f64 = 1e-8;
+
+/// The longest interval between two positions that do not count which is not halved again, in parts of the cutter's radius or a tenth of
+/// the surface, whichever is smaller. A shorter section is found only between two crossings of the line with sides of the surface.
+const SEARCH_STEP: f64 = 0.05;
+
+/// Points of one section.
+const POINT_LIMIT: usize = 1_000_000;
+
+/// Halvings between a position that counts and one that does not.
+const HALVINGS: usize = 60;
+
+/// Intervals between two looks at the budget.
+const INTERVALS_BETWEEN_CHECKS: usize = 16;
+
+/// Tips that differ by more are not of the same contact, mm.
+const HIGHER_MM: f64 = 1e-8;
+
+/// Where the cutter touches steeper, the tip is as near to its plane by a move to the side.
+const STEEPEST_RISE: f64 = 10.0;
+
+/// Shorter intervals, in parts of [`Contacts::scale`], have ends that are proved before they are halved.
+const TRUSTED_LENGTH: f64 = 0.01;
+
+/// When a contact that Newton's method found turns out not to be the highest, this many of the next ones are found by drops.
+const DISTRUSTED: usize = 32;
+
+/// An interval of this length, mm, is halved only at walls and at ends of sections, some seven times each. A line on which more than
+/// `SHORT_LIMIT` of them are halved grazes a wall.
+const SHORT_MM: f64 = 1e-4;
+const SHORT_LIMIT: usize = 1000;
+
+/// Tips outside of sections are looked for to this part of what they may leave their chord by.
+const ROUGH_SHARE: f64 = 0.05;
+
+/// Contacts this near to the border of the flat, in parts of its radius, are its own: how steep they are is not known to the arithmetic.
+const ON_RIM: f64 = 1e-6;
+
+/// A position along the line, with the contact there if it counts.
+#[derive(Debug, Clone, Copy)]
+struct Probe {
+    at: f64,
+    contact: Option<Contact>,
+}
+
+/// Whether it is proved that no place lifts the cutter higher.
+fn is_proved(contact: &Contact) -> bool {
+    contact.gap_mm.is_finite()
+}
+
+/// The sections over one line.
+pub(super) struct Trace<'a, P> {
+    sections: &'a TipSections<'a, P>,
+    plane: PlaneAt,
+    spacing: Spacing,
+    budget: &'a Budget,
+    pub(super) chains: Vec<Vec<Point3<f64>>>,
+    /// The section that is being joined.
+    points: Vec<Point3<f64>>,
+    n_points: usize,
+    /// How many of the next middles are found by drops, not by Newton's method.
+    n_distrusted: usize,
+    /// Short intervals that were halved.
+    n_short: usize,
+}
+
+impl<'a, P: Patch> Trace<'a, P> {
+    pub(super) fn new(
+        sections: &'a TipSections<'a, P>,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &'a Budget,
+    ) -> Self {
+        Self {
+            sections,
+            plane,
+            spacing,
+            budget,
+            chains: Vec::new(),
+            points: Vec::new(),
+            n_points: 0,
+            n_distrusted: 0,
+            n_short: 0,
+        }
+    }
+
+    /// Finds every section; `false` where the line only grazes something, and jumps more often than there are walls.
+    pub(super) fn all(&mut self) -> Result<bool, SectionError> {
+        self.until(|trace| trace.n_short > SHORT_LIMIT)?;
+        Ok(self.n_short <= SHORT_LIMIT)
+    }
+
+    /// The same, however often it jumps.
+    pub(super) fn all_jumps(&mut self) -> Result<(), SectionError> {
+        self.until(|_| false)
+    }
+
+    /// Whether there is a section of any length.
+    pub(super) fn has_any(&mut self) -> Result<bool, SectionError> {
+        let is_long = |points: &Vec<Point3<f64>>| points.iter().any(|point| *point != points[0]);
+        let is_found = |trace: &Self| trace.chains.iter().chain([&trace.points]).any(is_long);
+        self.until(|trace| trace.n_short > SHORT_LIMIT || is_found(trace))?;
+        Ok(is_found(self))
+    }
+
+    /// Finds sections until something holds.
+    fn until(&mut self, is_enough: impl Fn(&Self) -> bool) -> Result<(), SectionError> {
+        // Intervals that are open, the first on top.
+        let mut open = self.first_intervals()?;
+        for tries in 0usize.. {
+            if is_enough(self) {
+                return Ok(());
+            }
+            let Some([from, to]) = open.pop() else { break };
+            if tries.is_multiple_of(INTERVALS_BETWEEN_CHECKS) {
+                self.budget.check()?;
+            }
+            if self.n_points + self.points.len() >= POINT_LIMIT {
+                return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
+            }
+            match (from.contact, to.contact) {
+                (None, None) if self.is_empty(&from, &to) => {}
+                (Some(first), Some(last)) => match self.stretch(&first, &last) {
+                    Stretch::Within => {
+                        self.begin(&first);
+                        self.points.push(self.point(&last));
+                    }
+                    _ if is_proved(&first) && is_proved(&last) => {
+                        if to.at - from.at <= WALL_MM {
+                            self.begin(&first);
+                            self.climb(&last);
+                        } else {
+                            self.halve([from, to], &mut open)?;
+                        }
+                    }
+                    Stretch::Lower if to.at - from.at > self.trusted_length() => {
+                        self.halve([from, to], &mut open)?
+                    }
+                    _ => self.prove([from, to], &mut open)?,
+                },
+                _ if !from.contact.iter().chain(&to.contact).all(is_proved) => {
+                    self.prove([from, to], &mut open)?
+                }
+                (Some(first), None) if to.at - from.at > END_MM => {
+                    let [last, beyond] = self.last_counting(first, to.at)?;
+                    open.extend([[beyond, to], [last, beyond], [from, last]]);
+                }
+                (None, Some(last)) if to.at - from.at > END_MM => {
+                    let [first, before] = self.last_counting(last, from.at)?;
+                    open.extend([[first, to], [before, first], [from, before]]);
+                }
+                (Some(first), None) => {
+                    self.begin(&first);
+                    self.finish();
+                }
+                (None, Some(_)) => self.finish(),
+                (None, None) => self.halve([from, to], &mut open)?,
+            }
+        }
+        self.finish();
+        Ok(())
+    }
+
+    /// How long an interval is at least whose ends are trusted without a proof, mm.
+    fn trusted_length(&self) -> f64 {
+        if self.n_distrusted > 0 { f64::INFINITY } else { TRUSTED_LENGTH * self.sections.contacts.scale }
+    }
+
+    /// Opens the halves of an interval.
+    fn halve(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
+        let at = 0.5 * (from.at + to.at);
+        self.n_short += usize::from(to.at - from.at < SHORT_MM);
+        let near = from.contact.or(to.contact).map(|contact| contact.place);
+        let followed = near.filter(|_| self.n_distrusted == 0).and_then(|place| self.followed(at, place));
+        self.n_distrusted = self.n_distrusted.saturating_sub(1);
+        let middle = match followed {
+            Some(contact) => Probe { at, contact: Some(contact) },
+            None => self.probe_roughly(at, near)?,
+        };
+        open.extend([[middle, to], [from, middle]]);
+        Ok(())
+    }
+
+    /// Opens an interval again with contacts that are proved to be the highest; a step leads from one that was not to it.
+    fn prove(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
+        let proved = |probe: Probe| match probe.contact {
+            Some(contact) if !is_proved(&contact) => self.probe(probe.at, Some(contact.place)),
+            _ => Ok(probe),
+        };
+        let followed = [from, to];
+        let (from, to) = (proved(from)?, proved(to)?);
+        let is_other = |probe: &Probe, known: &Probe| match (probe.contact, known.contact) {
+            (Some(contact), Some(known)) => contact.tip.z > known.tip.z + HIGHER_MM,
+            (None, known) => known.is_some(),
+            (Some(_), None) => false,
+        };
+        if is_other(&from, &followed[0]) || is_other(&to, &followed[1]) {
+            self.n_distrusted = DISTRUSTED;
+        }
+        match (self.points.last(), &from.contact) {
+            (Some(last), Some(first)) if self.point(first) != *last => self.points.push(self.point(first)),
+            (Some(_), None) => self.finish(),
+            _ => {}
+        }
+        if let Some([begin, _]) = open.last_mut() {
+            *begin = to;
+        }
+        open.push([from, to]);
+        Ok(())
+    }
+
+    /// The range of the line, cut where it meets sides of the surface and between these places: sections that are shorter than a step
+    /// lie between two sides.
+    fn first_intervals(&mut self) -> Result<Vec<[Probe; 2]>, SectionError> {
+        let [low, high] = self.sections.range();
+        let crossings = self.sections.sides.crossings(self.sections.axis, self.plane.traced_at);
+        let between = crossings.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let mut at: Vec<f64> = between.filter(|at| (low..high).contains(at)).collect();
+        at.insert(0, low);
+        at.push(high);
+        at.dedup();
+        let probes: Result<Vec<Probe>, SectionError> =
+            at.into_iter().map(|at| self.probe_roughly(at, None)).collect();
+        Ok(probes?.windows(2).rev().map(|pair| [pair[0], pair[1]]).collect())
+    }
+
+    /// Whether no section may lie between two positions that do not count.
+    fn is_empty(&self, from: &Probe, to: &Probe) -> bool {
+        let contacts = self.sections.contacts;
+        let [low, high] = self.sections.range();
+        let search_step = (SEARCH_STEP * contacts.scale).max((high - low) / POINT_LIMIT as f64);
+        to.at - from.at <= search_step || contacts.is_free([from, to].map(|probe| self.position(probe.at)))
+    }
+
+    /// Begins a section, if none is being joined.
+    fn begin(&mut self, first: &Contact) {
+        if self.points.is_empty() {
+            self.points.push(self.point(first));
+        }
+    }
+
+    fn finish(&mut self) {
+        self.n_points += self.points.len();
+        if self.points.len() > 1 {
+            self.chains.push(std::mem::take(&mut self.points));
+        }
+        self.points.clear();
+    }
+
+    /// Whether the tips between two contacts are proved to keep to the chord of these.
+    fn stretch(&self, from: &Contact, to: &Contact) -> Stretch {
+        let way = to.tip - from.tip;
+        if way.norm() > self.spacing.step_length_mm {
+            return Stretch::Lower;
+        }
+        let (across, rise) = (way.xy().norm(), way.z);
+        let height = self.spacing.chord_height_mm;
+        // Vertical heights are larger than distances where the chord is steep and long enough, if its ends are no lower than the section.
+        let steep = height * (1.0 + (rise / across).powi(2)).sqrt();
+        let below = if steep <= 0.25 * way.norm() { steep } else { height };
+        let above = if is_proved(from) && is_proved(to) { below } else { height };
+        self.sections.contacts.stretch(from, to, [below, above])
+    }
+
+    /// Adds the way up or down a wall, with points no farther apart than the step length.
+    fn climb(&mut self, to: &Contact) {
+        let (from, to) = (self.points[self.points.len() - 1], self.point(to));
+        let steps = ((to - from).norm() / self.spacing.step_length_mm).ceil().clamp(1.0, POINT_LIMIT as f64);
+        self.points.extend((1..=steps as usize).map(|k| from + (to - from) * (k as f64 / steps)));
+    }
+
+    /// The tip as a point of the pass, whose plane may lie a little beside that over which it was found.
+    fn point(&self, contact: &Contact) -> Point3<f64> {
+        let axis = self.sections.axis;
+        let mut point = contact.tip;
+        point[axis] = self.plane.at;
+        let out = (contact.point - contact.tip).xy();
+        let rise = contact.slope * out[axis] / out.norm() * (self.plane.at - self.plane.traced_at);
+        point.z += if contact.slope < STEEPEST_RISE && rise.is_finite() { rise } else { 0.0 };
+        point
+    }
+
+    fn at(&self, contact: &Contact) -> f64 {
+        contact.tip[1 - self.sections.axis]
+    }
+
+    fn position(&self, at: f64) -> Vector2<f64> {
+        let mut position = Vector2::repeat(self.plane.traced_at);
+        position[1 - self.sections.axis] = at;
+        position
+    }
+
+    /// To rounding: which of two contacts is the higher decides where a section ends.
+    fn probe(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
+        let contact = self.sections.contacts.drop(self.position(at), near, self.budget)?;
+        Ok(Probe { at, contact: contact.filter(|contact| self.counts(contact)) })
+    }
+
+    /// The same, where mostly none counts: a contact that does not is known to a part of what tips may leave their chord by.
+    fn probe_roughly(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
+        let accuracy = ROUGH_SHARE * self.spacing.chord_height_mm;
+        match self.sections.contacts.drop_within(accuracy, self.position(at), near, self.budget)? {
+            Some(contact) if self.counts(&contact) => self.probe(at, Some(contact.place)),
+            _ => Ok(Probe { at, contact: None }),
+        }
+    }
+
+    /// A contact near an expected one that counts, without a proof.
+    fn followed(&self, at: f64, guess: [f64; 2]) -> Option<Contact> {
+        let contact = self.sections.contacts.near(self.position(at), guess)?;
+        self.counts(&contact).then_some(contact)
+    }
+
+    /// Whether a section runs through a contact: not where the cutter hangs on an edge at which the surface ends, and where it stands
+    /// level only while its axis is over the surface.
+    fn counts(&self, contact: &Contact) -> bool {
+        let contacts = self.sections.contacts;
+        if contact.is_rolling {
+            return false;
+        }
+        let is_level = contact.slope <= contacts.level_slope() && {
+            let off = (contact.point - contact.tip).xy().norm();
+            let [flat, corner] = [contacts.cutter.flat_radius(), contacts.cutter.corner_radius()];
+            off < (1.0 - ON_RIM) * flat || flat > 0.0 && (corner > 0.0 || contacts.is_level_at(contact.place))
+        };
+        !is_level || contacts.is_over(contact)
+    }
+
+    /// The last position from one that counts on to one that does not, and one beyond it.
+    fn last_counting(&self, counting: Contact, outside: f64) -> Result<[Probe; 2], SectionError> {
+        // Mostly it is that to which the contact can be followed.
+        let followed = self.last(counting, outside, |at, near| Ok(self.followed(at, near)))?;
+        if let [Probe { at, contact: Some(last) }, beyond] = followed {
+            let found = self.probe(at, Some(last.place))?.contact;
+            let beyond = self.probe(beyond.at, Some(last.place))?;
+            if found.is_some_and(|found| found.tip.z <= last.tip.z + HIGHER_MM) && beyond.contact.is_none() {
+                return Ok([Probe { at, contact: found }, beyond]);
+            }
+        }
+        self.last(counting, outside, |at, near| Ok(self.probe(at, Some(near))?.contact))
+    }
+
+    fn last(
+        &self,
+        mut counting: Contact,
+        mut outside: f64,
+        look: impl Fn(f64, [f64; 2]) -> Result<Option<Contact>, SectionError>,
+    ) -> Result<[Probe; 2], SectionError> {
+        for _ in 0..HALVINGS {
+            let at = self.at(&counting);
+            if (at - outside).abs() <= END_MM {
+                break;
+            }
+            let middle = 0.5 * (at + outside);
+            match look(middle, counting.place)? {
+                Some(contact) => counting = contact,
+                None => outside = middle,
+            }
+        }
+        let last = Probe { at: self.at(&counting), contact: Some(counting) };
+        Ok([last, Probe { at: outside, contact: None }])
+    }
+}

@@ -1,0 +1,115 @@
+//! The solid of a cutter with its shank, as the gouge proof sees it.
+//!
+//! Let C be the point of the axis at the height of the corner circle's centre (the ball's centre, the middle of a flat end's bottom).
+//! The core of the cutter is the level disc of the flat's radius about C with everything above it. The cutter is all that lies within
+//! the corner radius of the core. The core is convex, so a unit vector m that does not point up bounds it: no point of the cutter lies
+//! farther along m from C than [`Solid::reach`].
+
+use nalgebra::Vector3;
+
+/// Slopes for which [`Solid::ball_around`] is asked: for smaller ones the ball is as good as a plane.
+const LEAST_SIDEWAYS: f64 = 0.02;
+
+/// A cutter: a disc of radius `flat` mm, rounded by `corner` mm all around, with its shank.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Solid {
+    pub(super) flat: f64,
+    pub(super) corner: f64,
+}
+
+/// A ball cutter that holds another cutter: its radius, and how far its centre lies above C, mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BallAround {
+    pub(super) radius: f64,
+    pub(super) rise: f64,
+}
+
+impl Solid {
+    pub(super) fn radius(&self) -> f64 {
+        self.flat + self.corner
+    }
+
+    /// How far the cutter reaches from C along a unit vector that does not point up, mm.
+    pub(super) fn reach(&self, m: &Vector3<f64>) -> f64 {
+        self.flat * m.xy().norm() + self.corner
+    }
+
+    /// The point of the cutter that is farthest along `m`, from C.
+    pub(super) fn farthest(&self, m: &Vector3<f64>) -> Vector3<f64> {
+        let sideways = m.xy().try_normalize(0.0).unwrap_or_default() * self.flat;
+        Vector3::new(sideways.x, sideways.y, 0.0) + m * self.corner
+    }
+
+    /// How deep the point at `off` from C lies in the cutter, mm: its distance from the outside, negative outside.
+    pub(super) fn depth(&self, off: &Vector3<f64>) -> f64 {
+        let out = off.xy().norm() - self.flat;
+        match (out > 0.0, off.z < 0.0) {
+            (true, true) => self.corner - out.hypot(off.z),
+            (true, false) => self.corner - out,
+            (false, true) => self.corner + off.z,
+            (false, false) => self.corner + off.z.min(-out),
+        }
+    }
+
+    /// The unit vector from the core to the point at `off` from C; `None` in the core.
+    pub(super) fn away_from_core(&self, off: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let distance = off.xy().norm();
+        let share = if distance > self.flat { 1.0 - self.flat / distance } else { 0.0 };
+        Vector3::new(off.x * share, off.y * share, off.z.min(0.0)).try_normalize(0.0)
+    }
+
+    /// A ball cutter that holds this one and touches it along the circle where its lower side faces along `m`: about the point of the
+    /// axis from which the circle of the disc's edge is seen along `m`. `None` where it would be as good as a plane.
+    pub(super) fn ball_around(&self, m: &Vector3<f64>) -> Option<BallAround> {
+        if self.flat == 0.0 {
+            return Some(BallAround { radius: self.corner, rise: 0.0 });
+        }
+        let sideways = m.xy().norm();
+        (sideways > LEAST_SIDEWAYS).then(|| BallAround {
+            radius: self.corner + self.flat / sideways,
+            rise: self.flat * -m.z / sideways,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Seen along any vector the cutter, and the ball around it, reach at least as far as a point is deep.
+        #[test]
+        fn no_direction_shows_a_point_less_deep(
+            flat in 0.0f64..4.0, corner in 0.0f64..4.0, off in prop::array::uniform3(-6.0f64..6.0),
+            m in prop::array::uniform3(-1.0f64..1.0),
+        ) {
+            let solid = Solid { flat, corner };
+            let off = Vector3::from(off);
+            let Some(m) = Vector3::new(m[0], m[1], -m[2].abs()).try_normalize(1e-3) else { return Ok(()) };
+            let depth = solid.depth(&off);
+            prop_assert!(solid.reach(&m) - m.dot(&off) >= depth - 1e-12);
+            prop_assert!((m.dot(&solid.farthest(&m)) - solid.reach(&m)).abs() < 1e-12);
+            if let Some(ball) = solid.ball_around(&m) {
+                let core = Solid { flat: 0.0, corner: ball.radius };
+                let from_center = off - Vector3::z() * ball.rise;
+                prop_assert!(core.depth(&from_center) >= depth - 1e-9 * ball.radius);
+                // Both reach equally far along m.
+                prop_assert!((core.reach(&m) + m.z * ball.rise - solid.reach(&m)).abs() < 1e-9 * ball.radius);
+            }
+        }
+
+        /// Outside the core the shortest way to it shows the depth itself.
+        #[test]
+        fn the_way_from_the_core_shows_the_depth(
+            flat in 0.0f64..4.0, corner in 0.0f64..4.0, off in prop::array::uniform3(-6.0f64..6.0),
+        ) {
+            let solid = Solid { flat, corner };
+            let off = Vector3::from(off);
+            if let Some(m) = solid.away_from_core(&off) {
+                prop_assert!((solid.reach(&m) - m.dot(&off) - solid.depth(&off)).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -4,6 +4,7 @@ mod bounds;
 mod evaluator;
 mod hyun_1992;
 mod least;
+mod one_sided;
 mod refused;
 
 use serde_json::Value;

@@ -1,16 +1,39 @@
 //! The element over a range of parameters: made by its shape, guessed at by samples, proved by [`judge`].
 
+mod bow;
+
 use nalgebra::{Point2, Vector2};
 
 use super::job::Method;
 use crate::geometry::arc_fit::{FLATTEST_MM, LARGEST_RADIUS_MM};
-use crate::geometry::deviation::{Band, Ends, GUARD_MM, Measure, Spread, Verdict, judge};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::deviation::{Band, Ends, GUARD_MM, GUARD_PART, Measure, Spread, Verdict, judge};
+use crate::geometry::element::Element;
 use crate::geometry::plane_curve::PlaneCurve;
+use bow::Bow;
 
-/// Places at which a deviation is looked for, and steps of parabolas through three of them to where it is largest.
-const SAMPLES: usize = 9;
+/// Places at which a deviation is looked for, in parts of a range: at even steps, or, for bands with a narrow side, closer
+/// together towards the ends.
+const EVEN: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+const GRADED: [f64; 17] =
+    [0.0003, 0.002, 0.01, 0.03, 0.08, 0.18, 0.3, 0.4, 0.5, 0.6, 0.7, 0.82, 0.92, 0.97, 0.99, 0.998, 0.9997];
+
+/// A band is lopsided whose narrow side is less than this part of the wide one.
+const LOPSIDED_PART: f64 = 0.99;
+
+/// Steps of parabolas through three places to where a deviation is largest; more where an element is to touch the curve.
 const PEAK_STEPS: usize = 4;
+const TOUCH_STEPS: usize = 16;
+
+/// An element that may not touch the other side of a curve keeps this part of the wide side away from it in its middle: an
+/// element that coincides with the curve takes many cells to prove.
+const CLEAR_PART: f64 = 1e-4;
+
+/// Of a side that is narrower than this part of the other only this part is aimed at.
+const NARROW_PART: f64 = 1e-3;
+const NARROW_USE: f64 = 0.7;
+
+/// How often the places where the deviations of an element are largest join those by which the next is made.
+const EXCHANGES: usize = 4;
 
 /// A side of the band that is narrower than this part of the other has no room for an element that bends to it; one that is
 /// this much shorter than the other side would take is there by rounding.
@@ -93,13 +116,15 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         let sign = at_from.signum();
         let top = root(|t| sign * turned(t), [from, to], 1e-7);
-        self.part(self.distance(&line, top, 0.5))
+        self.part(&line, self.distance(&line, top, 0.5))
     }
 
-    /// A distance of the curve to the left of an element in parts of the side of the band it is on.
-    fn part(&self, distance: f64) -> f64 {
+    /// A distance of the curve to the left of an element in parts of the side of the band it is on, with half of the
+    /// rounding that proofs allow for.
+    fn part(&self, element: &Element, distance: f64) -> f64 {
         let Band { below_mm, above_mm, .. } = self.band;
-        if distance > 0.0 { distance / (below_mm + GUARD_MM) } else { -distance / (above_mm + GUARD_MM) }
+        let guard = GUARD_MM + 0.5 * GUARD_PART * element.magnitude();
+        if distance > 0.0 { distance / (below_mm + guard) } else { -distance / (above_mm + guard) }
     }
 
     /// Whether an element over `range` is so much shorter than one that both sides of the band would take if they were as wide
@@ -121,14 +146,34 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     fn element(&self, shape: Shape, [from, to]: [f64; 2]) -> Option<Element> {
         let [start, end] = [from, to].map(|t| self.curve.point(t));
+        if start == end {
+            return None;
+        }
         match shape {
-            Shape::Line => (start != end).then_some(Element::Line { start, end }),
+            Shape::Line => Some(Element::Line { start, end }),
+            Shape::Parabola if self.is_lopsided() => {
+                let chord = (end - start).normalize();
+                let axis = if self.curve.is_graph() { Vector2::y() } else { Vector2::new(-chord.y, chord.x) };
+                let bows = Bow::Parabolas { start, end, axis };
+                bows.element(self.best_bow(&bows, [from, to])?)
+            }
             Shape::Parabola => {
-                let element = Element::parabola_through([start, self.curve.point(0.5 * (from + to)), end]);
-                (start != end).then_some(element)
+                Some(Element::parabola_through([start, self.curve.point(0.5 * (from + to)), end]))
             }
             Shape::Arc => self.arc([from, to], start, end),
         }
+    }
+
+    /// Whether one side of the band is narrower than the other: the paper's parabola, which runs through the curve in its
+    /// middle, then wastes the wide side, and deviations to the narrow side are large only near the ends.
+    fn is_lopsided(&self) -> bool {
+        let Band { below_mm, above_mm, .. } = self.band;
+        below_mm.min(above_mm) < LOPSIDED_PART * below_mm.max(above_mm)
+    }
+
+    /// Where deviations are looked for, in parts of the range.
+    fn places(&self) -> &'static [f64] {
+        if self.is_lopsided() { &GRADED } else { &EVEN }
     }
 
     /// How far the curve lies to the left of `element` at `t`, mm.
@@ -146,77 +191,82 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 
     fn strain_of(&self, element: &Element, [from, to]: [f64; 2]) -> f64 {
-        let at = |s: f64| self.distance(element, from + (to - from) * s, s);
-        let step = 1.0 / (SAMPLES + 1) as f64;
-        let mut read = [0.0; SAMPLES + 2];
-        for (k, distance) in read.iter_mut().enumerate().take(SAMPLES + 1).skip(1) {
-            *distance = at(k as f64 * step);
-        }
-        let (mut best, mut most) = (1, 0.0);
-        for (k, distance) in read.iter().enumerate() {
-            if self.part(*distance) > most {
-                (best, most) = (k, self.part(*distance));
-            }
-        }
-        if !most.is_finite() {
-            return f64::INFINITY;
-        }
+        let at = |s: f64| self.part(element, self.distance(element, from + (to - from) * s, s));
         // Other peaks that are nearly as high are found by the proof, if at all.
-        climb(
-            |s| self.part(at(s)),
-            best as f64 * step,
-            step,
-            [best - 1, best, best + 1].map(|k| self.part(read[k])),
-        )
+        peak(at, self.places(), [0.0, 0.0], PEAK_STEPS).map_or(f64::INFINITY, |[_, most]| most.max(0.0))
     }
 
     /// The arc whose deviations use both sides of the band alike; a line where it would be too flat to be run as an arc.
     fn arc(&self, [from, to]: [f64; 2], start: Point2<f64>, end: Point2<f64>) -> Option<Element> {
-        let chord = end - start;
-        let half = 0.5 * chord.norm();
-        if half == 0.0 {
-            return None;
-        }
-        let points: [Point2<f64>; SAMPLES] = std::array::from_fn(|k| {
-            self.curve.point(from + (to - from) * ((k + 1) as f64 / (SAMPLES + 1) as f64))
-        });
-        let bulges = points.map(|p| bulge_through(p, start, chord / (2.0 * half), half));
-        let [low, high] = bulges
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], b| [low.min(*b), high.max(*b)]);
-        if !(low.is_finite() && high.is_finite()) {
-            return None;
-        }
-        let (below, above) = (self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM);
-        // Every distance falls as the bulge grows: the root of what the sides lack.
-        let lack = |bulge: f64| {
-            let arc =
-                PlaneArc::with_bulge(start, end, bulge).map_or(Element::Line { start, end }, Element::Arc);
-            let distances = points.map(|p| arc.foot(p, 0.5).distance);
-            let left = distances.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-            let right = -distances.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-            left * above - right * below
-        };
-        let bulge = root(lack, [low, high], 1e-12);
+        let half = 0.5 * (end - start).norm();
+        let bows = Bow::Arcs { start, end };
+        let bulge = self.best_bow(&bows, [from, to])?;
         let line = Element::Line { start, end };
-        let distances = points.map(|p| line.foot(p, 0.5).distance);
-        let is_straight = distances.iter().all(|distance| (-above..=below).contains(distance));
+        let (below, above) = (self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM);
+        let is_near = |s: &f64| {
+            (-above..=below).contains(&line.foot(self.curve.point(from + (to - from) * s), 0.5).distance)
+        };
+        let is_straight = self.places().iter().all(is_near);
         let is_too_large = half * (1.0 + bulge * bulge) > 2.0 * bulge.abs() * LARGEST_RADIUS_MM;
         if is_too_large || (is_straight && (bulge * half).abs() < FLATTEST_MM) {
             return Some(line);
         }
-        Some(PlaneArc::with_bulge(start, end, bulge).map_or(line, Element::Arc))
+        Some(bows.element(bulge).unwrap_or(line))
     }
-}
 
-/// The bulge of the arc over a chord that goes through `p`; of the many it has the one that turns least.
-fn bulge_through(p: Point2<f64>, start: Point2<f64>, along: Vector2<f64>, half: f64) -> f64 {
-    let from = p - start;
-    let (x, y) = (from.dot(&along) - half, along.perp(&from));
-    let from_end = (x - half).hypot(y);
-    // tan(turn / 4) from tan(turn / 2): the chord is seen from the arc under half a turn less half of the arc's.
-    let k = x * x + y * y - half * half;
-    2.0 * half * y / ((from.norm() * from_end) - k)
+    /// The bow whose deviations use both sides of the band alike.
+    fn best_bow(&self, bows: &Bow, [from, to]: [f64; 2]) -> Option<f64> {
+        let Band { below_mm, above_mm, .. } = self.band;
+        let point = |s: f64| self.curve.point(from + (to - from) * s);
+        if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) || below_mm == above_mm {
+            return self.balanced_bow(bows, point);
+        }
+        // The least bow of all leaves the whole curve to the left of the element, the largest to the right.
+        let sign = if above_mm < below_mm { -1.0 } else { 1.0 };
+        let tangents = [self.curve.derivative(from), self.curve.derivative(to.next_down())];
+        let at_ends = bows.along(tangents).map(|bow| sign * bow);
+        let [_, inside] = peak(|s| sign * bows.through(point(s)), &EVEN, at_ends, TOUCH_STEPS)?;
+        let most = at_ends[0].max(at_ends[1]).max(inside);
+        let clear = bows.rise(CLEAR_PART * below_mm.max(above_mm));
+        Some(sign * (most + clear)).filter(|bow| bow.is_finite())
+    }
+
+    /// As `best_bow`, where both sides have room; `point` is a point of the curve from 0 to 1.
+    fn balanced_bow(&self, bows: &Bow, point: impl Fn(f64) -> Point2<f64>) -> Option<f64> {
+        let wide = self.band.below_mm.max(self.band.above_mm);
+        // Of a side that is very narrow some is left, since its deviations are not found exactly.
+        let [below, above] = [self.band.below_mm, self.band.above_mm]
+            .map(|mm| GUARD_MM + if mm < NARROW_PART * wide { NARROW_USE * mm } else { mm });
+        let balance = |points: &[Point2<f64>], part: f64| {
+            let through: Vec<f64> = points.iter().map(|p| bows.through(*p)).collect();
+            let low = through.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = through.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            // Every distance falls as the bow grows: the root of what the sides lack.
+            let lack = |bow: f64| {
+                let distance = bows.distance(bow);
+                let [least, most] = points
+                    .iter()
+                    .map(|p| distance(*p))
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| [a.min(d), b.max(d)]);
+                most * above + least * below
+            };
+            through.iter().all(|bow| bow.is_finite()).then(|| root(lack, [low, high], part))
+        };
+        let mut points: Vec<Point2<f64>> = self.places().iter().map(|s| point(*s)).collect();
+        if !self.is_lopsided() {
+            return balance(&points, 1e-12);
+        }
+        let mut bow = balance(&points, 1e-4)?;
+        for _ in 0..EXCHANGES {
+            let distance = bows.distance(bow);
+            for sign in [1.0, -1.0] {
+                let side = |s: f64| sign * distance(point(s));
+                points.extend(peak(side, &GRADED, [0.0, 0.0], PEAK_STEPS).map(|[s, _]| point(s)));
+            }
+            bow = balance(&points, 1e-9)?;
+        }
+        Some(bow)
+    }
 }
 
 /// The root of a falling function between two places, by regula falsi (the Illinois variant), to a part of the width.
@@ -256,27 +306,49 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64
     0.5 * (low + high)
 }
 
-/// The largest value of `f` near a sample that is larger than its neighbours, by parabolas through three places.
-fn climb(f: impl Fn(f64) -> f64, middle: f64, step: f64, values: [f64; 3]) -> f64 {
-    let mut x = [middle - step, middle, middle + step];
-    let mut y = values;
-    for _ in 0..PEAK_STEPS {
+/// Where `f` is largest inside a range, and its value there: at one of the places or near it, by parabolas through three
+/// places, for which it is known at the ends. `None` where `f` is not finite.
+fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize) -> Option<[f64; 2]> {
+    let mut x = [0.0; GRADED.len() + 2];
+    let mut y = [at_ends[0]; GRADED.len() + 2];
+    for (k, place) in places.iter().enumerate() {
+        (x[k + 1], y[k + 1]) = (*place, f(*place));
+        if !y[k + 1].is_finite() {
+            return None;
+        }
+    }
+    let last = places.len() + 1;
+    (x[last], y[last]) = (1.0, at_ends[1]);
+    let best = (1..last).fold(1, |best, k| if y[k] > y[best] { k } else { best });
+    if !(y[best - 1].is_finite() && y[best + 1].is_finite()) {
+        return Some([x[best], y[best]]);
+    }
+    let near = |values: [f64; GRADED.len() + 2]| [values[best - 1], values[best], values[best + 1]];
+    Some(climb(f, near(x), near(y), steps))
+}
+
+/// The largest value of `f` near a place where it is larger than at two neighbours, by parabolas through three places.
+fn climb(f: impl Fn(f64) -> f64, mut x: [f64; 3], mut y: [f64; 3], steps: usize) -> [f64; 2] {
+    let close = 5e-6 * (x[2] - x[0]).min(2.0 * (x[1] - x[0]));
+    for _ in 0..steps {
         let (a, b) = ((y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1]));
         let bend = (b - a) / (x[2] - x[0]);
         let at = 0.5 * (x[0] + x[1]) - 0.5 * a / bend;
-        if !(bend < 0.0 && at > x[0] && at < x[2]) || (at - x[1]).abs() < 1e-5 * step {
+        if !(bend < 0.0 && at > x[0] && at < x[2]) || (at - x[1]).abs() < close {
             break;
         }
         let value = f(at);
-        if value.is_nan() || value <= y[1] {
+        if value.is_nan() {
             break;
         }
-        if at < x[1] {
-            (x[2], y[2]) = (x[1], y[1]);
-        } else {
-            (x[0], y[0]) = (x[1], y[1]);
+        // The highest of the four, between its neighbours.
+        let (is_before, is_higher) = (at < x[1], value > y[1]);
+        match (is_before, is_higher) {
+            (true, true) => (x, y) = ([x[0], at, x[1]], [y[0], value, y[1]]),
+            (false, true) => (x, y) = ([x[1], at, x[2]], [y[1], value, y[2]]),
+            (true, false) => (x[0], y[0]) = (at, value),
+            (false, false) => (x[2], y[2]) = (at, value),
         }
-        (x[1], y[1]) = (at, value);
     }
-    y[1]
+    [x[1], y[1]]
 }

@@ -14,7 +14,7 @@ use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
 /// Places of a layer.
-const PLACES: usize = 10;
+const PLACES: usize = 12;
 
 /// More elements are left as they are.
 const MOST_ELEMENTS: usize = 300;

@@ -161,9 +161,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         to - from <= 1e-13 * (last - first).max(first.abs()).max(last.abs())
     }
 
-    /// How much longer an element may be that fits again: what bends to a narrow side of the band is short beside what bends
-    /// to a wide one.
+    /// How much longer an element may be that fits again: a line that cuts off a bend to the narrow side of the band is short
+    /// beside one to the wide side.
     fn longest_factor(&self) -> f64 {
+        if matches!(self.method, Method::Arc | Method::Parabolic) {
+            return 2.0;
+        }
         let Band { below_mm, above_mm, .. } = self.band;
         let ratio = below_mm.max(above_mm) / below_mm.min(above_mm);
         (2.0 * ratio.sqrt()).min(LONGEST_FACTOR)

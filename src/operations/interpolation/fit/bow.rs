@@ -1,0 +1,150 @@
+//! Elements over two points that one number bends more or less: their bow.
+//!
+//! # Method
+//! Through every point beside the chord goes one element, which has that point's bow; at the ends of a curve it is the
+//! element along the curve's tangent. The distances of a curve from the elements over its ends all fall as the bow grows,
+//! so the best bow, whose deviations use both sides of the band alike, is a root; where one side has no room at all it is
+//! the least or the largest of the bows that the points of the curve have.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::geometry::element::{Element, PlaneArc};
+
+/// The elements over a chord.
+#[derive(Debug, Clone, Copy)]
+pub enum Bow {
+    /// Arcs; the bow is the bulge, tan(turn / 4).
+    Arcs { start: Point2<f64>, end: Point2<f64> },
+    /// Parabolas with this axis, a unit vector to the left of the chord; the bow is how far the control point lies from the
+    /// middle of the chord, mm.
+    Parabolas { start: Point2<f64>, end: Point2<f64>, axis: Vector2<f64> },
+}
+
+impl Bow {
+    /// The element with a bow; `None` where that is no arc.
+    pub fn element(&self, bow: f64) -> Option<Element> {
+        match *self {
+            Self::Arcs { start, end } => PlaneArc::with_bulge(start, end, bow).map(Element::Arc),
+            Self::Parabolas { start, end, axis } => {
+                let control = nalgebra::center(&start, &end) + axis * bow;
+                Some(Element::Parabola { start, control, end })
+            }
+        }
+    }
+
+    /// How far a point lies to the left of the element with a bow, mm; from parabolas up to a small part of itself, for a
+    /// point that lies a small part of the chord away.
+    pub fn distance(&self, bow: f64) -> impl Fn(Point2<f64>) -> f64 + use<> {
+        let bows = *self;
+        let arc = self.element(bow);
+        move |p| match (bows, arc) {
+            (_, Some(Element::Arc(arc))) => arc.turn.signum() * (arc.radius - (p - arc.center).norm()),
+            (Self::Parabolas { start, end, axis }, _) => {
+                let (chord, from) = (end - start, p - start);
+                let length = axis.perp(&chord);
+                let u = axis.perp(&from) / length;
+                let slope = (chord.dot(&axis) + 2.0 * (1.0 - 2.0 * u) * bow) / length;
+                let away = (from - chord * u).dot(&axis) - 2.0 * u * (1.0 - u) * bow;
+                away / (1.0 + slope * slope).sqrt()
+            }
+            (Self::Arcs { start, end }, _) => (end - start).normalize().perp(&(p - start)),
+        }
+    }
+
+    /// How much the bow grows when the middle of the element moves by so many mm; nearly so for arcs.
+    pub fn rise(&self, mm: f64) -> f64 {
+        match *self {
+            Self::Arcs { start, end } => 2.0 * mm / (end - start).norm(),
+            Self::Parabolas { .. } => 2.0 * mm,
+        }
+    }
+
+    /// The bow of the element through `p`; of several arcs the one that turns least. Not finite where there is none.
+    pub fn through(&self, p: Point2<f64>) -> f64 {
+        match *self {
+            Self::Arcs { start, end } => bulge_through(p, start, end),
+            Self::Parabolas { start, end, axis } => {
+                let (chord, from) = (end - start, p - start);
+                let u = axis.perp(&from) / axis.perp(&chord);
+                (from - chord * u).dot(&axis) / (2.0 * u * (1.0 - u))
+            }
+        }
+    }
+
+    /// The bows of the elements along the tangents of a curve at the start and at the end.
+    pub fn along(&self, [first, last]: [Vector2<f64>; 2]) -> [f64; 2] {
+        match *self {
+            Self::Arcs { start, end } => {
+                let chord = end - start;
+                [tan_half(chord, first), tan_half(last, chord)]
+            }
+            Self::Parabolas { start, end, axis } => {
+                let chord = end - start;
+                [first, -last].map(|tangent| {
+                    let pace = axis.perp(&tangent) / axis.perp(&chord);
+                    (tangent - chord * pace).dot(&axis) / (2.0 * pace.abs())
+                })
+            }
+        }
+    }
+}
+
+/// tan(angle / 2) of the angle from one direction to another, positive to the left.
+fn tan_half(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
+    from.perp(&to) / (from.norm() * to.norm() + from.dot(&to))
+}
+
+/// The bulge of the arc over a chord that goes through `p`; of the two it has the one that turns least.
+fn bulge_through(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
+    let chord = end - start;
+    let half = 0.5 * chord.norm();
+    let along = chord / (2.0 * half);
+    let from = p - start;
+    let (x, y) = (from.dot(&along) - half, along.perp(&from));
+    let from_end = (x - half).hypot(y);
+    // tan(turn / 4) from tan(turn / 2): the chord is seen from the arc under half a turn less half of the arc's.
+    let k = x * x + y * y - half * half;
+    2.0 * half * y / ((from.norm() * from_end) - k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of an element, and its tangents at the ends, have the element's own bow.
+    #[test]
+    fn an_element_has_its_own_bow_everywhere() {
+        let (start, end) = (Point2::new(1.0, 2.0), Point2::new(5.0, 3.5));
+        let across = Vector2::new(-1.5, 4.0).normalize();
+        let families = [
+            Bow::Arcs { start, end },
+            Bow::Parabolas { start, end, axis: across },
+            Bow::Parabolas { start, end, axis: Vector2::y() },
+        ];
+        for family in families {
+            for bow in [-0.7, -0.1, 0.2, 0.9] {
+                let (points, tangents) = match family.element(bow).unwrap() {
+                    Element::Parabola { start, control, end } => {
+                        let at = |u: f64| start.lerp(&control, u).lerp(&control.lerp(&end, u), u);
+                        ([0.1, 0.5, 0.8].map(at), [control - start, end - control])
+                    }
+                    Element::Arc(arc) => {
+                        let at = |u: f64| {
+                            let turn = nalgebra::Rotation2::new(arc.turn * u);
+                            arc.center + turn * (arc.start - arc.center)
+                        };
+                        let tangent = |p: Point2<f64>| {
+                            let spoke = p - arc.center;
+                            Vector2::new(-spoke.y, spoke.x) * arc.turn.signum()
+                        };
+                        ([0.1, 0.5, 0.8].map(at), [arc.start, arc.end].map(tangent))
+                    }
+                    Element::Line { .. } => unreachable!("no family makes lines"),
+                };
+                for found in points.map(|p| family.through(p)).into_iter().chain(family.along(tangents)) {
+                    assert!((found - bow).abs() < 1e-12, "{family:?} {bow} {found}");
+                }
+            }
+        }
+    }
+}

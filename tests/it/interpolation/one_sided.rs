@@ -1,0 +1,106 @@
+//! Bands with room on one side only, where metal may be left but not taken: few elements, each on its side.
+
+use serde_json::{Value, json};
+
+use super::answer;
+use super::evaluator::{Curve, domain, moves};
+
+struct Case {
+    expression: &'static str,
+    value: fn(f64) -> f64,
+    domain: [f64; 2],
+    /// Below and above the curve, mm.
+    sides: [f64; 2],
+    method: &'static str,
+    /// As many elements as the best chain over a fine grid of joints has.
+    most: usize,
+}
+
+fn sine(x: f64) -> f64 {
+    x.sin()
+}
+
+fn cubic(x: f64) -> f64 {
+    0.1 * x.powi(3) - x
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+const SINE: (&str, fn(f64) -> f64) = ("sin(x)", sine);
+const CUBIC: (&str, fn(f64) -> f64) = ("0.1*x^3-x", cubic);
+const SQUARE: (&str, fn(f64) -> f64) = ("x^2", square);
+
+const CASES: [Case; 10] = [
+    case(SINE, [0.0, 1.5], [0.0, 0.001], "arc", 5),
+    case(SINE, [0.0, 1.5], [0.001, 0.0], "arc", 5),
+    case(SINE, [0.0, 6.5], [0.01, 0.0], "arc", 9),
+    case(CUBIC, [0.0, 1.0], [0.01, 0.0], "arc", 2),
+    case(SQUARE, [0.0, 1.0], [0.01, 0.0], "arc", 3),
+    case(SQUARE, [0.0, 1.0], [0.0, 0.01], "arc", 2),
+    case(SQUARE, [0.0, 5.0], [0.001, 0.0], "parabolic", 1),
+    case(SINE, [0.0, 1.5], [0.0, 0.001], "parabolic", 4),
+    case(SINE, [0.0, 6.5], [0.001, 0.0], "mixed", 15),
+    case(SINE, [0.0, 3.1], [0.0016, 0.0], "linear", 20),
+];
+
+const fn case(
+    (expression, value): (&'static str, fn(f64) -> f64),
+    domain: [f64; 2],
+    sides: [f64; 2],
+    method: &'static str,
+    most: usize,
+) -> Case {
+    Case { expression, value, domain, sides, method, most }
+}
+
+/// The elements, after a look at each: near enough, and not on the other side.
+fn verified(answer: &Value, case: &Case) -> usize {
+    let curve = Curve { point: &|x| [x, (case.value)(x)], domain: case.domain };
+    let elements = answer["report"]["elements"].as_array().expect("elements");
+    for (path, element) in moves(answer).iter().zip(elements) {
+        let found = curve.deviation(path, domain(element));
+        let stated = element["deviation_mm"].as_f64().expect("a deviation");
+        assert!(found <= stated + 1e-10 && stated <= case.sides[0].max(case.sides[1]) + 1e-9, "{element}");
+        for [x, y] in path {
+            let above = y - (case.value)(*x);
+            assert!(case.sides[1] > 0.0 || above < 1e-9, "{above} above at {x}");
+            assert!(case.sides[0] > 0.0 || above > -1e-9, "{above} above at {x}");
+        }
+    }
+    elements.len()
+}
+
+#[tokio::test]
+async fn one_side_takes_as_few_elements_as_a_grid_of_joints() {
+    for case in &CASES {
+        let body = |subdivision: &str| {
+            json!({
+                "curve": { "kind": "graph", "expression": case.expression, "domain": case.domain },
+                "method": case.method, "subdivision": subdivision,
+                "band": { "below_mm": case.sides[0], "above_mm": case.sides[1] },
+            })
+        };
+        let least = verified(&answer(&body("least")).await, case);
+        assert!(least <= case.most, "{} {} {least}", case.method, case.expression);
+        let halved = verified(&answer(&body("bisection")).await, case);
+        assert!(halved <= 3 * case.most, "{} {} {halved}", case.method, case.expression);
+    }
+}
+
+/// A spline through points needed thousands of arcs, and most of the time a request may take.
+#[tokio::test]
+async fn a_spline_takes_few_arcs_and_parabolas_on_one_side() {
+    for method in ["arc", "parabolic"] {
+        let answer = answer(&json!({
+            "curve": { "kind": "points",
+                "points": [[0, 0], [12, 8], [25, 9], [40, -2], [55, -6], [70, 3], [80, 15]] },
+            "method": method, "band": { "below_mm": 0, "above_mm": 0.005 },
+        }))
+        .await;
+        let count = answer["report"]["elements"].as_array().expect("elements").len();
+        assert!(count <= 31, "{method} {count}");
+        assert!(answer["report"]["deviation_max_mm"].as_f64().expect("a deviation") <= 0.005 + 1e-9);
+    }
+}

@@ -9,6 +9,7 @@ pub mod curve;
 pub mod cutter;
 pub mod deviation;
 pub mod element;
+pub mod following;
 pub mod gouge;
 pub mod interval;
 pub mod mesh;

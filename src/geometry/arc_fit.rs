@@ -58,7 +58,7 @@ use crate::budget::{Budget, Stopped};
 use bounds::Bounds;
 use optimal::{Node, Outcome};
 
-pub use space::{FitError, Piece, deviation, fit_in_space, polyline_deviation};
+pub use space::{FitError, Piece, fit_in_space};
 pub use span::Points;
 use span::{Rule, Span, Witnesses};
 

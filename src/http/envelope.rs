@@ -4,7 +4,7 @@ use std::any::Any;
 
 use axum::body::Body;
 use axum::extract::Request;
-use axum::http::{HeaderName, HeaderValue, header};
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
@@ -37,6 +37,9 @@ pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
 fn into_problem(response: Response, id: &RequestId) -> Response {
     let (mut parts, _) = response.into_parts();
     let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| ApiError::from_status(parts.status));
+    if parts.status == StatusCode::INTERNAL_SERVER_ERROR {
+        tracing::error!(request_id = id.as_str(), cause = error.detail(), "a fault of the server");
+    }
     let mut problem = error.into_response_to(id.as_str());
     for name in [header::ALLOW, header::CONNECTION] {
         if let Some(value) = parts.headers.remove(&name) {

@@ -24,10 +24,9 @@
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{
-    Fit, FitError, Measure, Method, Piece, deviation, fit_in_space, polyline_deviation,
-};
-use crate::geometry::curve::{ArcError, Curve, Line};
+use crate::geometry::arc_fit::{Fit, FitError, Measure, Method, Piece, fit_in_space};
+use crate::geometry::curve::{Curve, Line};
+use crate::geometry::following;
 use crate::geometry::plane::Plane;
 use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::{Cutting, CuttingRequest, HeightError};
@@ -114,10 +113,6 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error("all points are the same")]
     OnePlace,
-    #[error("the elements are {deviation_mm} mm away: beyond the tolerance")]
-    ToleranceMissed { deviation_mm: f64 },
-    #[error(transparent)]
-    Arc(#[from] ArcError),
     #[error(transparent)]
     Heights(#[from] HeightError),
     #[error(transparent)]
@@ -131,7 +126,6 @@ impl From<FitError> for Error {
         match error {
             FitError::Stopped(stopped) => stopped.into(),
             FitError::OnePlace => Self::OnePlace,
-            FitError::Arc(error) => error.into(),
         }
     }
 }
@@ -148,12 +142,17 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let top_mm = points.iter().map(|p| p.z).fold(TOP_MM, f64::max);
     let cutting = job.cutting.map(|cutting| cutting.above(top_mm)).transpose()?;
     budget.progress("fit", 0, 1);
-    let pieces = fit_in_space(&points, job.plane, &job.fit, budget)?;
+    let mut pieces = fit_in_space(&points, job.plane, &job.fit, budget)?;
     budget.progress("measure", 0, 1);
-    let figures = measured(&pieces, &points, job, budget)?;
-    // What was measured again has the last word.
-    if job.fit.method != Method::Biarc && exceeds(figures.deviation_mm, job.fit.tolerance_mm) {
-        return Err(Error::ToleranceMissed { deviation_mm: figures.deviation_mm });
+    let mut figures = measured(&pieces, &points, job, budget)?;
+    if job.fit.method != Method::Biarc {
+        // What was measured again has the last word: lines stand for what is too far away, and for all if that is not enough.
+        for is_far in [|piece: bool| piece, |_| true] {
+            if figures.is_far.iter().any(|is_far| *is_far) {
+                pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));
+                figures = measured(&pieces, &points, job, budget)?;
+            }
+        }
     }
     let curves: Vec<Curve> = pieces.iter().map(|piece| piece.curve).collect();
     let kinks = kinks(&curves, job.fit.is_closed);
@@ -180,10 +179,41 @@ struct Figures {
     written_mm: f64,
     /// Both ways from the lines between the points.
     from_lines_mm: f64,
+    /// Of each curve, whether it is beyond the tolerance.
+    is_far: Vec<bool>,
+}
+
+/// The chain with lines through the points in place of the curves that are chosen; where all are, it meets every point.
+fn as_lines(pieces: &[Piece], points: &[Point3<f64>], chosen: impl Iterator<Item = bool>) -> Vec<Piece> {
+    let chosen: Vec<bool> = chosen.collect();
+    let is_whole = chosen.iter().all(|piece| *piece);
+    let mut chain = Vec::new();
+    let mut first = 0;
+    let mut at = if is_whole { points[0] } else { pieces[0].curve.start() };
+    for (piece, is_chosen) in pieces.iter().zip(chosen) {
+        if !is_chosen {
+            chain.push(*piece);
+        } else {
+            for end in first + 1..=piece.end {
+                let to = if end == piece.end && !is_whole { piece.curve.end() } else { points[end] };
+                if to != at {
+                    chain.push(Piece { end, curve: Curve::Line(Line { start: at, end: to }) });
+                    at = to;
+                }
+            }
+        }
+        (first, at) = (piece.end, chain.last().map_or(at, |piece| piece.curve.end()));
+    }
+    chain
 }
 
 fn measured(pieces: &[Piece], points: &[Point3<f64>], job: &Job, budget: &Budget) -> Result<Figures, Error> {
-    let mut figures = Figures { deviation_mm: 0.0, written_mm: 0.0, from_lines_mm: 0.0 };
+    let mut figures = Figures {
+        deviation_mm: 0.0,
+        written_mm: 0.0,
+        from_lines_mm: 0.0,
+        is_far: Vec::with_capacity(pieces.len()),
+    };
     let mut start = 0;
     for (k, piece) in pieces.iter().enumerate() {
         if k.is_multiple_of(CURVES_BETWEEN_CHECKS) {
@@ -192,14 +222,15 @@ fn measured(pieces: &[Piece], points: &[Point3<f64>], job: &Job, budget: &Budget
         let passed = &points[start..=piece.end];
         let from_lines_mm = match job.fit.method {
             Method::Biarc => beside(&piece.curve, &points[start..(piece.end + 1).max(start + 2)]),
-            Method::Greedy | Method::Optimal => polyline_deviation(&piece.curve, passed),
+            Method::Greedy | Method::Optimal => following::from_lines(&piece.curve, passed),
         };
         let deviation_mm = match (job.fit.measure, job.fit.method) {
             (Measure::Polyline, _) => from_lines_mm,
             (Measure::Points, Method::Biarc) => 0.0,
-            (Measure::Points, _) => deviation(&piece.curve, passed, Measure::Points),
+            (Measure::Points, _) => following::from_points(&piece.curve, passed),
         };
         let rounded = round(&piece.curve, job.resolution, Parabolas::AsLines)?;
+        figures.is_far.push(exceeds(deviation_mm, job.fit.tolerance_mm));
         figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);
         figures.deviation_mm = figures.deviation_mm.max(deviation_mm);
         figures.written_mm = figures.written_mm.max(deviation_mm + rounded.displacement_mm);

@@ -1,6 +1,7 @@
 //! Fitting arcs and lines, judged by geometry of its own: what the tests share are elements as ways, and a verdict on results.
 
 mod brute;
+mod claims;
 pub mod inputs;
 mod laws;
 mod noise;

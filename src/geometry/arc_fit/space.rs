@@ -5,9 +5,9 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::{Element, Fit, Fitted, Joints, Measure, Points, Shape, center, fit, span, turn};
+use super::{Element, Fit, Fitted, Joints, Points, Shape, center, fit};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line};
+use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 
 /// Coordinates that differ by less, mm, differ by the rounding of whoever computed them.
@@ -29,8 +29,6 @@ pub enum FitError {
     Stopped(#[from] Stopped),
     #[error("all points are the same")]
     OnePlace,
-    #[error(transparent)]
-    Arc(#[from] ArcError),
 }
 
 /// Fits curves to points, all arcs in `plane` if one is given; coincident neighbours count once.
@@ -138,7 +136,7 @@ fn fit_stretch(
     let heights: Vec<f64> = if is_level { Vec::new() } else { local.iter().map(|p| p.z).collect() };
     let Fitted { start, elements } = fit(Points { flat: &flat, heights: &heights }, request, budget)?;
     let (mut from, mut height) = (start, local[0].z);
-    elements
+    let pieces = elements
         .into_iter()
         .map(|element| {
             let at = |p: Vector2<f64>, height: f64| plane.to_workpiece(&Vector3::new(p.x, p.y, height));
@@ -148,15 +146,18 @@ fn fit_stretch(
                 let direction = if is_ccw { Direction::Ccw } else { Direction::Cw };
                 Arc::new(plane, direction, start, end, at(center, height)).map(Curve::Arc)
             };
+            let line = Curve::Line(Line { start, end });
+            // An arc whose radii differ by rounding, since it is hardly longer than that, is as good as a line.
             let curve = match element.shape {
-                Shape::Line => Ok(Curve::Line(Line { start, end })),
-                Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)),
-                Shape::Turn { center, is_ccw } => arc(is_ccw, center),
-            }?;
+                Shape::Line => line,
+                Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)).unwrap_or(line),
+                Shape::Turn { center, is_ccw } => arc(is_ccw, center).unwrap_or(line),
+            };
             (from, height) = (element.to, end_height);
-            Ok(Piece { end: element.end, curve })
+            Piece { end: element.end, curve }
         })
-        .collect()
+        .collect();
+    Ok(pieces)
 }
 
 /// The height at which an element ends: that of its point, or, where biarcs meet between two points, between theirs.
@@ -165,50 +166,4 @@ fn height_of(element: &Element, local: &[Vector3<f64>]) -> f64 {
     let Some(next) = local.get(element.end + 1).filter(|_| element.to != at.xy()) else { return at.z };
     let [passed, left] = [at, *next].map(|p| (element.to - p.xy()).norm());
     at.z + (next.z - at.z) * passed / (passed + left)
-}
-
-/// Bound of the distance both ways between a line or an arc and the lines through the points that it stands for, mm; infinite
-/// where the curve passes them out of order, or leads round the other way.
-pub fn polyline_deviation(curve: &Curve, points: &[Point3<f64>]) -> f64 {
-    deviation(curve, points, Measure::Polyline)
-}
-
-/// The largest distance of the points, and by the measure of the polyline of their lines, from a line or an arc that stands for
-/// them, mm; infinite where it passes them out of order, or leads round the other way.
-pub fn deviation(curve: &Curve, points: &[Point3<f64>], measure: Measure) -> f64 {
-    let arc = match curve {
-        Curve::Line(line) => return along_line(line, points),
-        Curve::Arc(arc) => arc,
-        Curve::Parabola(_) => return f64::INFINITY,
-    };
-    let local = |p: &Point3<f64>| arc.plane().to_local(p);
-    let flat: Vec<Vector2<f64>> = points.iter().map(|p| local(p).xy()).collect();
-    if arc.start() == arc.end() {
-        return turn::deviation(&flat, local(&arc.center()).xy(), arc.radius(), measure);
-    }
-    let heights: Vec<f64> = points.iter().map(|p| local(p).z).collect();
-    let ends = [arc.start(), arc.end()].map(|p| local(&p).xy());
-    span::deviation(Points { flat: &flat, heights: &heights }, ends, bulge(arc), measure)
-}
-
-/// As [`deviation`], in the plane of the line and each point.
-fn along_line(line: &Line, points: &[Point3<f64>]) -> f64 {
-    let length = line.length();
-    let along = (line.end - line.start) / length;
-    let flat: Vec<Vector2<f64>> = points
-        .iter()
-        .map(|p| {
-            let d = p - line.start;
-            let x = along.dot(&d);
-            Vector2::new(x, (d - along * x).norm())
-        })
-        .collect();
-    let ends = [Vector2::zeros(), Vector2::new(length, 0.0)];
-    span::deviation(Points { flat: &flat, heights: &[] }, ends, 0.0, Measure::Points)
-}
-
-/// tan(sweep / 4), positive for an arc that turns clockwise.
-fn bulge(arc: &Arc) -> f64 {
-    let size = (arc.sweep() / 4.0).tan();
-    if arc.direction() == Direction::Cw { size } else { -size }
 }

@@ -16,12 +16,6 @@ use crate::geometry::solve;
 /// Of an arc with so small a radius, in tolerances, nothing is said about the lines between its points.
 const LEAST_RADIUS_TOLERANCES: f64 = 2.0;
 
-/// Rounding of deviations, where order is judged by them.
-const ORDER_SLACK: f64 = 1e-6;
-
-/// Halvings in the search for the distance within which points are in order.
-const ORDER_STEPS: usize = 40;
-
 /// What a span costs beside the looks at its points, and how much more a look at angles and heights costs.
 const LOOKS_A_SPAN: usize = 10;
 const SLOW_LOOKS: usize = 8;
@@ -368,37 +362,4 @@ impl<'a> Span<'a> {
         };
         solve::falling_root(part, unbalance)
     }
-}
-
-/// The least distance, mm, within which the element with this bulge, between two points near the first and the last, passes
-/// all points in order, and by the measure of the polyline their lines; infinite where none is, or the arc turns within it or
-/// leads round the other way.
-pub fn deviation(points: Points, [from, to]: [Vector2<f64>; 2], bulge: f64, measure: Measure) -> f64 {
-    let span = Span { points, first: 0, last: points.flat.len() - 1, from, to };
-    let Some(chord) = Chord::new(from, to) else { return f64::INFINITY };
-    let track = span.track(&chord, bulge);
-    let distances = (span.first..=span.last).map(|k| span.distance(k, &track, &chord));
-    let mut within = distances.fold(0.0, f64::max);
-    if measure == Measure::Polyline && bulge != 0.0 {
-        within = within.max(span.dip(&track, &chord));
-    }
-    // A point that decides the deviation has one place only, which rounding may move.
-    let in_order = |within: f64| {
-        let tolerance = within * (1.0 + ORDER_SLACK) + f64::MIN_POSITIVE;
-        span.crossing(&track, tolerance, &chord, span.first + 1..span.last).is_none()
-    };
-    if !in_order(within) {
-        let (mut low, mut high) = (within, 2.0 * (within + chord.half + 2.0 * track.radius));
-        if !in_order(high) {
-            return f64::INFINITY;
-        }
-        for _ in 0..ORDER_STEPS {
-            let middle = 0.5 * (low + high);
-            (low, high) = if in_order(middle) { (low, middle) } else { (middle, high) };
-        }
-        within = high;
-    }
-    let is_known =
-        measure == Measure::Points || bulge == 0.0 || track.radius >= LEAST_RADIUS_TOLERANCES * within;
-    if is_known && span.winds(&track, &chord) { within } else { f64::INFINITY }
 }

@@ -3,6 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::following::from_points;
 use crate::geometry::plane::Plane;
 
 fn circle(radius: f64, from: f64, to: f64, n: usize) -> Vec<Vector2<f64>> {
@@ -192,7 +193,7 @@ fn stretches_in_other_planes_meet_on_points() {
     for (k, piece) in pieces.iter().enumerate() {
         let start = if k == 0 { 0 } else { pieces[k - 1].end };
         assert_eq!((piece.curve.start(), piece.curve.end()), (points[start], points[piece.end]));
-        let off = deviation(&piece.curve, &points[start..=piece.end], Measure::Points);
+        let off = from_points(&piece.curve, &points[start..=piece.end]);
         assert!(off < 1e-9, "{off}");
     }
 }
@@ -229,7 +230,7 @@ proptest! {
                 Shape::Line => Curve::Line(Line { start: on(from), end: on(element.to) }),
                 Shape::Turn { .. } => unreachable!(),
             };
-            let off = deviation(&curve, &in_space[start..=element.end], Measure::Points);
+            let off = from_points(&curve, &in_space[start..=element.end]);
             prop_assert!(off <= tolerance * (1.0 + 1e-6) + 1e-9, "{off}");
             (start, from) = (element.end, element.to);
         }

@@ -130,9 +130,7 @@ impl From<Error> for ApiError {
             }
             Error::Heights(heights) => heights.into(),
             Error::Quantize(quantize) => quantize.into(),
-            Error::ToleranceMissed { deviation_mm: _ } | Error::Arc(_) | Error::Path(_) => {
-                Self::new(Code::InternalError, detail)
-            }
+            Error::Path(_) => Self::new(Code::InternalError, detail),
         }
     }
 }
@@ -141,7 +139,6 @@ impl From<Error> for ApiError {
 mod tests {
     use super::*;
     use crate::budget::Stopped;
-    use crate::geometry::curve::ArcError;
     use crate::toolpath::PathError;
     use crate::toolpath::quantize::QuantizeError;
 
@@ -152,8 +149,6 @@ mod tests {
         assert_eq!(code(Error::OnePlace), Code::InvalidRequest);
         assert_eq!(ApiError::from(Error::OnePlace).errors()[0].pointer, "#/polyline");
         assert_eq!(code(Error::Quantize(QuantizeError::TooManyPieces { limit: 7 })), Code::LimitExceeded);
-        assert_eq!(code(Error::ToleranceMissed { deviation_mm: 3.0 }), Code::InternalError);
-        assert_eq!(code(Error::Arc(ArcError::ZeroRadius)), Code::InternalError);
         assert_eq!(code(Error::Path(PathError::NotFinite)), Code::InternalError);
     }
 }

@@ -12,7 +12,6 @@ use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
-use crate::toolpath::PathError;
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -228,7 +227,6 @@ fn fit(
         let pieces = match fit_in_space(&flat[first..=last], Some(plane), &request, budget) {
             Ok(pieces) => pieces,
             Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
-            Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
             Err(FitError::OnePlace) => continue,
         };
         let mut start = first;

@@ -54,7 +54,7 @@ use crate::geometry::skyline::{Accuracy, Skyline, SkylineError, Stretch, union};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::{Parabolas, round};
-use crate::toolpath::{PathError, Role, Toolpath};
+use crate::toolpath::{Role, Toolpath};
 use wires::WireModel;
 
 /// The part of the tolerance that wires may take between their points: points are many and cheap, lines are few and dear.
@@ -193,7 +193,6 @@ fn pass(
     let pieces = match fit_in_space(&tips, Some(Plane::Zx), &request, budget) {
         Ok(pieces) => pieces,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
-        Err(FitError::Arc(error)) => return Err(PathError::from(error).into()),
         Err(FitError::OnePlace) => return Ok(None),
     };
     let mut deviation_mm = 0.0f64;

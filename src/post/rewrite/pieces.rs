@@ -10,8 +10,9 @@
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{Fit, FitError, fit_in_space, polyline_deviation};
+use crate::geometry::arc_fit::{Fit, FitError, fit_in_space};
 use crate::geometry::curve::Curve;
+use crate::geometry::following;
 use crate::toolpath::program::Resolution;
 use crate::toolpath::quantize::{self, Parabolas, Written};
 
@@ -141,8 +142,8 @@ impl Fitting<'_> {
             return Ok(Stretch::kept(one.end));
         }
         let deviation_mm = match curves.as_slice() {
-            [only] => polyline_deviation(&only.curve, points) + only.slack_mm,
-            _ => polyline_deviation(&one.curve, points) + rounded.displacement_mm,
+            [only] => following::from_lines(&only.curve, points) + only.slack_mm,
+            _ => following::from_lines(&one.curve, points) + rounded.displacement_mm,
         };
         if deviation_mm <= self.fit.tolerance_mm {
             Ok(Stretch { end: one.end, curves, deviation_mm })

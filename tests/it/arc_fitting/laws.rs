@@ -7,10 +7,10 @@ use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::arc_fit::{
-    Fit, FitError, Joints, LARGEST_RADIUS_MM, Measure, Method, Piece, Shape, Shapes, deviation, fit_in_space,
-    polyline_deviation,
+    Fit, FitError, Joints, LARGEST_RADIUS_MM, Measure, Method, Piece, Shape, Shapes, fit_in_space,
 };
 use toolpathd::geometry::curve::Curve;
+use toolpathd::geometry::following::{from_lines, from_points};
 
 use super::inputs::{KINDS, Random, few, polar, walk};
 use super::way::Way;
@@ -39,7 +39,7 @@ fn judge_in_space(points: &[Point3<f64>], pieces: &[Piece], tolerance: f64) {
         assert_eq!(piece.curve.start(), at);
         let part = &points[first..=piece.end];
         assert!(part.iter().all(|p| piece.curve.distance_to(p) <= tolerance + 1e-9), "{piece:?} {part:?}");
-        assert!(deviation(&piece.curve, part, Measure::Points) <= tolerance + 1e-9, "{piece:?} {part:?}");
+        assert!(from_points(&piece.curve, part) <= tolerance + 1e-9, "{piece:?} {part:?}");
         (at, first) = (piece.curve.end(), piece.end);
     }
     assert_eq!((at, first), (points[points.len() - 1], points.len() - 1));
@@ -177,7 +177,7 @@ fn coarse_polygons_become_arcs_only_within_the_tolerance() {
         // By the curve: the arc is as far from the lines as they are high.
         let lifted: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
         let [Piece { curve, .. }] = in_space(&lifted, &Fit::within(1e-6))[..] else { panic!() };
-        assert!((polyline_deviation(&curve, &lifted) - sagitta).abs() < 1e-6);
+        assert!((from_lines(&curve, &lifted) - sagitta).abs() < 1e-6);
     }
 }
 

@@ -1,0 +1,300 @@
+//! How far a line or an arc is from points, and from the lines between them, in order: the Frechet distance, bounded.
+//!
+//! # Method
+//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. Where they do not, the least distance
+//!    within which places in order exist is bisected; each point takes the first place that is near enough.
+//! 2. Between the places of two neighbours curve and line run side by side. Where both places are feet on an arc in a plane,
+//!    the distance there is known in closed form. Elsewhere the line is halved, each time with a place for its middle, until
+//!    the bound is close to what was found: two points that move evenly, one on a line and one round an arc of radius r
+//!    by the angle a, are no farther apart than at the ends and r a^2 / 8.
+//!
+//! # Guarantees
+//! What is returned bounds the distance for places in order from the first to the last, whatever they are: wrong places
+//! make it larger, never smaller. It shares nothing with the fit whose curves it judges.
+//!
+//! # Cost
+//! O(n) for n points whose feet follow each other, O(n log(1 / rounding)) where they do not.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Point3, Vector3};
+
+use super::curve::{Arc, Curve, Direction};
+
+/// A bound may exceed what was found by this part of it, and by this, mm.
+const LOOSE_PART: f64 = 1e-7;
+const LOOSE_MM: f64 = 1e-11;
+
+/// Parts into which one line may be divided.
+const MOST_PARTS: usize = 400;
+
+/// Steps by which a least distance and a first place are found.
+const DISTANCE_STEPS: usize = 40;
+const PLACE_STEPS: usize = 40;
+
+/// A turn that is halved whatever the feet, radians.
+const LONG_WAY: f64 = PI / 4.0;
+
+/// What turns by half a turn does so up to rounding, radians.
+const HALF_A_TURN: f64 = PI + 1e-7;
+
+/// Steps of Newton's method to a foot on a helix.
+const FOOT_STEPS: usize = 6;
+
+/// Bound of the least distance within which the curve passes the points in order, mm; infinite where it turns by more than half
+/// a turn between two of them, for which they are no reason.
+pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
+    let Some(track) = Track::new(curve) else { return f64::INFINITY };
+    let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
+    let places = track.places(&points);
+    let ends = std::iter::once(0.0).chain(places.iter().copied()).chain([1.0]);
+    let steps = ends.clone().zip(ends.skip(1));
+    let is_half_a_turn = |(from, to): (f64, f64)| track.turn() * (to - from) <= HALF_A_TURN;
+    if steps.into_iter().all(is_half_a_turn) { track.largest(&points, &places) } else { f64::INFINITY }
+}
+
+/// Bound of the distance within which the curve, from its start to its end, and the lines between the points run side by
+/// side, mm.
+pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
+    let Some(track) = Track::new(curve) else { return f64::INFINITY };
+    let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
+    let mut places = track.places(&points);
+    if let [first, .., last] = places.as_mut_slice() {
+        (*first, *last) = (0.0, 1.0);
+    }
+    let mut most = track.largest(&points, &places);
+    for (pair, at) in points.windows(2).zip(places.windows(2)) {
+        most = track.beside([pair[0], pair[1]], [at[0], at[1]], most);
+    }
+    most
+}
+
+/// A curve in a frame of its own; places on it count from 0 to 1.
+enum Track<'a> {
+    /// Along the first axis, from 0.
+    Line { length: f64, start: Point3<f64>, along: Vector3<f64> },
+    /// About the third axis, from the first axis to the left.
+    Arc {
+        arc: &'a Arc,
+        center: Vector3<f64>,
+        first: [f64; 2],
+        sense: f64,
+        radius: f64,
+        sweep: f64,
+        rise: f64,
+    },
+}
+
+impl<'a> Track<'a> {
+    fn new(curve: &'a Curve) -> Option<Self> {
+        match curve {
+            Curve::Line(line) => {
+                let length = line.length();
+                let along = if length > 0.0 { (line.end - line.start) / length } else { Vector3::x() };
+                Some(Self::Line { length, start: line.start, along })
+            }
+            Curve::Arc(arc) => {
+                let [start, center] = [arc.start(), arc.center()].map(|p| arc.plane().to_local(&p));
+                let spoke = start - center;
+                let radius = spoke.xy().norm();
+                let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
+                let first = [spoke.x / radius, spoke.y / radius];
+                let center = Vector3::new(center.x, center.y, start.z);
+                Some(Self::Arc { arc, center, first, sense, radius, sweep: arc.sweep(), rise: arc.rise() })
+            }
+            Curve::Parabola(_) => None,
+        }
+    }
+
+    /// A point in the frame: along, and away from, a line; about an arc, so that the arc begins at the angle zero and turns to
+    /// the left.
+    fn local(&self, p: &Point3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Line { start, along, .. } => {
+                let from = p - start;
+                let x = along.dot(&from);
+                // The direction beside the line counts too, between points on different sides.
+                let beside = from - along * x;
+                let u = across(along);
+                Vector3::new(x, u.dot(&beside), along.cross(&u).dot(&beside))
+            }
+            Self::Arc { arc, center, first: [c, s], sense, .. } => {
+                let d = arc.plane().to_local(p) - center;
+                Vector3::new(d.x * c + d.y * s, sense * (d.y * c - d.x * s), d.z)
+            }
+        }
+    }
+
+    /// The angle turned, radians.
+    fn turn(&self) -> f64 {
+        match self {
+            Self::Line { .. } => 0.0,
+            Self::Arc { sweep, .. } => *sweep,
+        }
+    }
+
+    fn distance(&self, p: &Vector3<f64>, place: f64) -> f64 {
+        match self {
+            // Without the cancellation of nearly equal coordinates.
+            Self::Arc { radius, sweep, rise, .. } => {
+                let out = p.xy().norm();
+                let half = 0.5 * (p.y.atan2(p.x) - sweep * place);
+                let (radial, round) = (out - radius, 2.0 * (out * radius).sqrt() * half.sin());
+                radial.hypot(round).hypot(p.z - rise * place)
+            }
+            Self::Line { length, .. } => (p - Vector3::new(length * place, 0.0, 0.0)).norm(),
+        }
+    }
+
+    /// The place that is nearest to a point; on a helix nearly so.
+    fn foot(&self, p: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Line { length, .. } if *length > 0.0 => (p.x / length).clamp(0.0, 1.0),
+            Self::Line { .. } => 0.0,
+            Self::Arc { radius, sweep, rise, .. } => {
+                let angle = p.y.atan2(p.x).rem_euclid(TAU);
+                // Beyond the end what is nearer to the start is seen from there.
+                let mut at = if angle - sweep > TAU - angle { angle - TAU } else { angle };
+                if *rise != 0.0 {
+                    let (climb, size) = (rise / sweep, p.xy().norm() * radius);
+                    for _ in 0..FOOT_STEPS {
+                        let slope = size * (at - angle).sin() - climb * (p.z - climb * at);
+                        let bend = size * (at - angle).cos() + climb * climb;
+                        if bend <= 0.0 {
+                            break;
+                        }
+                        at -= slope / bend;
+                    }
+                }
+                (at / sweep).clamp(0.0, 1.0)
+            }
+        }
+    }
+
+    fn largest(&self, points: &[Vector3<f64>], places: &[f64]) -> f64 {
+        points.iter().zip(places).map(|(p, place)| self.distance(p, *place)).fold(0.0, f64::max)
+    }
+
+    /// Places in order from which the points are no farther away than they must be.
+    fn places(&self, points: &[Vector3<f64>]) -> Vec<f64> {
+        let feet: Vec<f64> = points.iter().map(|p| self.foot(p)).collect();
+        let mut reached = 0.0f64;
+        let mut places: Vec<f64> = feet
+            .iter()
+            .map(|foot| {
+                reached = reached.max(*foot);
+                reached
+            })
+            .collect();
+        let mut low = self.largest(points, &feet);
+        let mut high = self.largest(points, &places);
+        for _ in 0..DISTANCE_STEPS {
+            if high <= low * (1.0 + LOOSE_PART) + LOOSE_MM {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            match self.places_within(points, &feet, middle) {
+                Some(found) => (places, high) = (found, middle),
+                None => low = middle,
+            }
+        }
+        places
+    }
+
+    /// For each point the first place within a distance that is not before the place of the point before it.
+    fn places_within(&self, points: &[Vector3<f64>], feet: &[f64], mm: f64) -> Option<Vec<f64>> {
+        let mut reached = 0.0;
+        let mut places = Vec::with_capacity(points.len());
+        for (p, foot) in points.iter().zip(feet) {
+            if self.distance(p, reached) > mm {
+                let near = [*foot, 1.0].into_iter().filter(|place| *place > reached);
+                let near = near.filter(|place| self.distance(p, *place) <= mm);
+                reached = near.map(|place| self.first(p, [reached, place], mm)).min_by(f64::total_cmp)?;
+            }
+            places.push(reached);
+        }
+        Some(places)
+    }
+
+    /// A place within a distance of a point, found by halving between one that is not and one that is.
+    fn first(&self, p: &Vector3<f64>, [mut out, mut within]: [f64; 2], mm: f64) -> f64 {
+        for _ in 0..PLACE_STEPS {
+            let middle = 0.5 * (out + within);
+            if self.distance(p, middle) <= mm { within = middle } else { out = middle }
+        }
+        within
+    }
+
+    /// Bound of how far the line between two points runs from the curve between their places, if more than `most`.
+    fn beside(&self, ends: [Vector3<f64>; 2], places: [f64; 2], most: f64) -> f64 {
+        let Self::Arc { radius, sweep, .. } = self else {
+            // Between points that move evenly on two lines the distance is convex.
+            return most;
+        };
+        let mut found = most;
+        let mut bounded = most;
+        let mut open = vec![(ends, places)];
+        let mut parts = 0;
+        while let Some((ends, places)) = open.pop() {
+            let away = [self.distance(&ends[0], places[0]), self.distance(&ends[1], places[1])];
+            let larger = away[0].max(away[1]);
+            found = found.max(larger);
+            let turn = sweep * (places[1] - places[0]);
+            let bound = match self.between_feet(ends, places) {
+                Some(bound) => bound.max(larger),
+                None => larger + 0.125 * radius * turn * turn,
+            };
+            parts += 1;
+            if bound <= found * (1.0 + LOOSE_PART) + LOOSE_MM || parts > MOST_PARTS {
+                bounded = bounded.max(bound);
+                continue;
+            }
+            let middle = (ends[0] + ends[1]) * 0.5;
+            let foot = self.foot(&middle);
+            let is_inside = places[0] < foot && foot < places[1];
+            // What lies beyond an end stands there, but the rest of a long way round is not left to the other half.
+            let place = if is_inside || turn < LONG_WAY {
+                foot.clamp(places[0], places[1])
+            } else {
+                0.5 * (places[0] + places[1])
+            };
+            open.push(([middle, ends[1]], [place, places[1]]));
+            open.push(([ends[0], middle], [places[0], place]));
+        }
+        bounded
+    }
+
+    /// The largest distance in closed form of a line from an arc in a plane, where its ends stand at their feet and it turns by
+    /// less than half a turn about the centre: at an end, or where it passes the centre.
+    fn between_feet(&self, [a, b]: [Vector3<f64>; 2], places: [f64; 2]) -> Option<f64> {
+        let Self::Arc { radius, sweep, rise, .. } = self else { return None };
+        let is_foot = |p: &Vector3<f64>, place: f64| {
+            let angle = p.y.atan2(p.x) - sweep * place;
+            (angle - TAU * (angle / TAU).round()).abs() < 1e-9
+        };
+        if *rise != 0.0
+            || a.z != b.z
+            || sweep * (places[1] - places[0]) > 0.999 * PI
+            || !(is_foot(&a, places[0]) && is_foot(&b, places[1]))
+        {
+            return None;
+        }
+        let (p, along) = (a.xy(), (b - a).xy());
+        let at = (-p.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        let nearest = if at.is_finite() { (p + along * at).norm() } else { p.norm() };
+        let beside =
+            (radius - nearest).abs().max((radius - p.norm()).abs()).max((radius - b.xy().norm()).abs());
+        Some(beside.hypot(a.z))
+    }
+}
+
+/// A unit vector across another.
+fn across(along: &Vector3<f64>) -> Vector3<f64> {
+    let least = along.iamin();
+    let mut axis = Vector3::zeros();
+    axis[least] = 1.0;
+    along.cross(&axis).normalize()
+}
+
+#[cfg(test)]
+mod tests;

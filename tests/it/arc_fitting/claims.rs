@@ -1,0 +1,141 @@
+//! What is stated of fits of points near their resolution, and of small whole numbers: never refused for a fault, and no less than
+//! what a dense check in order finds.
+
+use nalgebra::Point3;
+use toolpathd::budget::Budget;
+use toolpathd::geometry::arc_fit::{Continuity, Fit, Joints, Measure, Method};
+use toolpathd::operations::arc_fitting::{Error, Job, Plan, plan};
+use toolpathd::toolpath::{Move, Role};
+
+use super::inputs::Random;
+
+const POINTS_A_LINE: usize = 16;
+const POINTS_A_CURVE: usize = 120;
+
+fn whole_numbers(random: &mut Random) -> (Vec<Point3<f64>>, f64) {
+    let (n, is_flat, most) = (2 + random.below(9), random.below(3) > 0, 1 + random.below(4));
+    let mut coordinate = || random.below(2 * most + 1) as f64 - most as f64;
+    let points =
+        (0..n).map(|_| Point3::new(coordinate(), coordinate(), if is_flat { 0.0 } else { coordinate() }));
+    let points = points.collect();
+    (points, [0.01, 0.1, 0.5, 1.9][random.below(4)])
+}
+
+fn near_the_resolution(random: &mut Random) -> (Vec<Point3<f64>>, f64) {
+    let (n, is_flat) = (2 + random.below(9), random.below(3) > 0);
+    let far = [0.0, 240.72, -12361.6278][random.below(3)];
+    let step = [1e-4, 1e-3][random.below(2)];
+    let mut coordinate = || ((far + step * (random.below(21) as f64 - 10.0)) * 1e5).round() / 1e5;
+    let points =
+        (0..n).map(|_| Point3::new(coordinate(), coordinate(), if is_flat { 0.0 } else { coordinate() }));
+    let points = points.collect();
+    (points, [1e-6, 1e-5, 1e-4, 1e-3][random.below(4)])
+}
+
+fn job(points: Vec<Point3<f64>>, tolerance_mm: f64, random: &mut Random) -> Job {
+    let mut job = Job::new(points, tolerance_mm);
+    let choose = |random: &mut Random| random.below(2) == 0;
+    job.fit = Fit {
+        method: [Method::Optimal, Method::Greedy, Method::Biarc][random.below(3)],
+        measure: if choose(random) { Measure::Points } else { Measure::Polyline },
+        continuity: if choose(random) { Continuity::Position } else { Continuity::Tangent },
+        joints: if choose(random) { Joints::OnPoints } else { Joints::Free },
+        is_closed: random.below(8) == 0,
+        ..job.fit
+    };
+    job
+}
+
+/// Points along what is cut, and the largest step between them.
+fn way(plan: &Plan) -> (Vec<Point3<f64>>, f64) {
+    let curves = plan.toolpath.moves().filter_map(|step| match step {
+        Move::Feed { along, role: Role::Cut, .. } => Some(*along),
+        _ => None,
+    });
+    let mut way = Vec::new();
+    let mut step = 0.0f64;
+    for curve in curves {
+        step = step.max(curve.length() / POINTS_A_CURVE as f64);
+        way.extend((0..=POINTS_A_CURVE).map(|k| curve.point_at(k as f64 / POINTS_A_CURVE as f64)));
+    }
+    (way, step)
+}
+
+/// The least distance within which places of the way follow each other for points that follow each other; by lines those places
+/// run from its first to its last, one after the other.
+fn in_order(points: &[Point3<f64>], way: &[Point3<f64>], by_lines: bool) -> f64 {
+    let mut row = vec![if by_lines { f64::INFINITY } else { 0.0 }; way.len()];
+    for (k, p) in points.iter().enumerate() {
+        let mut reached = f64::INFINITY;
+        let mut diagonal = if k == 0 { 0.0 } else { f64::INFINITY };
+        for (best, q) in row.iter_mut().zip(way) {
+            let before = reached.min(diagonal).min(*best);
+            diagonal = *best;
+            let here = before.max((p - q).norm());
+            *best = if by_lines { here } else { here.min(reached) };
+            reached = *best;
+        }
+    }
+    row[row.len() - 1]
+}
+
+/// Looks at one answer.
+fn judge(job: &Job, plan: &Plan) {
+    let stated = plan.report.deviation_max_mm;
+    if job.fit.method == Method::Biarc {
+        return;
+    }
+    assert!(stated <= job.fit.tolerance_mm * (1.0 + 1e-5) + 2e-9, "{stated} {job:?}");
+    let mut points = job.points.clone();
+    if job.fit.is_closed && points.first() != points.last() {
+        points.extend(job.points.first());
+    }
+    let (way, mut step) = way(plan);
+    let by_lines = job.fit.measure == Measure::Polyline;
+    if by_lines {
+        let parts = points.windows(2).flat_map(|pair| {
+            (1..=POINTS_A_LINE).map(|k| pair[0] + (pair[1] - pair[0]) * (k as f64 / POINTS_A_LINE as f64))
+        });
+        let dense: Vec<_> = points[..1].iter().copied().chain(parts).collect();
+        step = dense.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(step, f64::max);
+        points = dense;
+    }
+    let found = in_order(&points, &way, by_lines);
+    assert!(found <= stated + 0.55 * step + 1e-9, "{found} {stated} {job:?}");
+}
+
+#[test]
+fn stated_deviations_hold_and_nothing_ends_in_a_fault() {
+    let mut random = Random(16);
+    for k in 0..3_000 {
+        let (points, tolerance_mm) =
+            if k % 2 == 0 { whole_numbers(&mut random) } else { near_the_resolution(&mut random) };
+        let job = job(points, tolerance_mm, &mut random);
+        match plan(&job, &Budget::unlimited()) {
+            Ok(plan) => judge(&job, &plan),
+            Err(Error::OnePlace) => assert!(job.points.iter().all(|p| p == &job.points[0])),
+            Err(error) => panic!("{error} {job:?}"),
+        }
+    }
+}
+
+fn fit(points: &[[f64; 3]], tolerance_mm: f64, measure: Measure, continuity: Continuity) -> f64 {
+    let mut job = Job::new(points.iter().copied().map(Point3::from).collect(), tolerance_mm);
+    job.fit = Fit { measure, continuity, ..job.fit };
+    let plan = plan(&job, &Budget::unlimited()).expect("a plan");
+    judge(&job, &plan);
+    plan.report.deviation_max_mm
+}
+
+/// Each of these was stated too small: at an end, and where points in space go back.
+#[test]
+fn ends_and_points_that_go_back_count() {
+    let (tangent, polyline) = (Continuity::Tangent, Measure::Polyline);
+    let bow =
+        [[0.36, -1.97, 0.0], [1.61, -1.19, 0.0], [1.99, 0.22, 0.0], [1.3, 1.52, 0.0], [-0.08, 2.0, 0.0]];
+    assert!(fit(&bow, 0.0857, polyline, tangent) >= 0.0831);
+    let hook = [[-1.0, 0.0, 0.0], [-2.0, -1.0, 0.0], [-3.0, -1.0, 0.0], [2.0, 3.0, 0.0], [3.0, 3.0, 0.0]];
+    assert!(fit(&hook, 1.9, polyline, tangent) >= 1.8);
+    let back = [[-4.1, -48.2, 0.1], [-1.0, -51.4, -0.6], [-2.3, -48.1, -0.3], [-1.5, -51.8, -0.2]];
+    assert!(fit(&back, 1.9, Measure::Points, Continuity::Position) >= 1.83);
+}

@@ -3,6 +3,10 @@
 //! Two passes: the first reads the whole text as JSON and nothing more, so that what is not JSON is never
 //! mistaken for a wrong request; the second decodes. Decoding stops at its first error.
 
+mod foreign;
+mod mend;
+mod words;
+
 use std::collections::HashSet;
 use std::fmt;
 
@@ -13,7 +17,9 @@ use serde_path_to_error::{Path, Segment};
 use super::dto::object::Object;
 use super::dto::tagged;
 use super::error::{ApiError, Code, FieldCode, FieldError};
+use super::extract::IntoJob;
 use super::pointer::Pointer;
+use crate::config::Limits;
 
 /// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
 const LATER_FIELDS: [&str; 1] = ["axis"];
@@ -21,19 +27,36 @@ const LATER_FIELDS: [&str; 1] = ["axis"];
 /// A member with a longer name than this is not pointed at, but the object it is in.
 const MAX_NAME_BYTES: usize = 200;
 
-/// Decodes a request body.
+/// Decodes a request body and makes a job of it.
 ///
 /// # Errors
-/// `malformed_json`, or `invalid_request` with the pointer of the first field that does not fit.
-pub fn decode<'de, T: Deserialize<'de>>(body: &'de [u8]) -> Result<T, ApiError> {
+/// `malformed_json`, or `invalid_request` with every violation.
+pub fn job<T: IntoJob>(body: &[u8], limits: &Limits) -> Result<T::Job, ApiError> {
+    let text = json_text(body)?;
+    match decode_at::<T>(text) {
+        Ok(request) => request.into_job(limits),
+        Err(first) => mend::job::<T>(text, first, limits),
+    }
+}
+
+/// The text of a body that is JSON.
+fn json_text(body: &[u8]) -> Result<&str, ApiError> {
     let malformed = |detail: String| ApiError::new(Code::MalformedJson, detail);
     if body.iter().all(u8::is_ascii_whitespace) {
         return Err(malformed("the body is empty".into()));
     }
-    let text =
-        std::str::from_utf8(body).map_err(|error| malformed(format!("the body is not UTF-8: {error}")))?;
-    serde_json::from_str::<Checked>(text).map_err(|error| malformed(error.to_string()))?;
-    decode_at(text).map_err(|error| ApiError::invalid(vec![error]))
+    let text = std::str::from_utf8(body).map_err(|error| {
+        malformed(
+            foreign::named(body, None)
+                .map_or_else(|| format!("the body is not UTF-8: {error}"), str::to_owned),
+        )
+    })?;
+    serde_json::from_str::<Checked>(text).map_err(|error| {
+        let lines_before = text.split_inclusive('\n').take(error.line().saturating_sub(1));
+        let fault_at = lines_before.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
+        malformed(foreign::named(body, Some(fault_at)).map_or_else(|| error.to_string(), str::to_owned))
+    })?;
+    Ok(text)
 }
 
 /// Decodes an object from text that is known to be JSON; pointers are relative to it.
@@ -89,7 +112,7 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
     } else {
         FieldCode::WrongType
     };
-    FieldError::new(at, code, message)
+    FieldError::new(at, code, words::plain(message))
 }
 
 /// Any JSON value, read for its errors alone: syntax, numbers beyond f64, nesting, repeated keys.
@@ -185,8 +208,20 @@ mod tests {
         Left,
     }
 
+    impl IntoJob for Outer {
+        type Job = ();
+
+        fn into_job(self, _: &Limits) -> Result<(), ApiError> {
+            Ok(())
+        }
+    }
+
+    fn decoded(body: &[u8]) -> Result<(), ApiError> {
+        job::<Outer>(body, &Limits::DEFAULT)
+    }
+
     fn code_of(body: &str) -> Code {
-        decode::<Outer>(body.as_bytes()).expect_err(body).code()
+        decoded(body.as_bytes()).expect_err(body).code()
     }
 
     #[test]
@@ -210,7 +245,7 @@ mod tests {
         ] {
             assert_eq!(code_of(body), Code::MalformedJson, "{}", &body[..body.len().min(40)]);
         }
-        assert_eq!(decode::<Outer>(b"{\"_list\": \"\xff\"}").expect_err("utf-8").code(), Code::MalformedJson);
+        assert_eq!(decoded(b"{\"_list\": \"\xff\"}").expect_err("utf-8").code(), Code::MalformedJson);
     }
 
     #[test]
@@ -230,7 +265,7 @@ mod tests {
             ("[]", "#", FieldCode::WrongType),
             ("5", "#", FieldCode::WrongType),
         ] {
-            let error = decode::<Outer>(body.as_bytes()).expect_err(body);
+            let error = decoded(body.as_bytes()).expect_err(body);
             let [only] = error.errors() else { panic!("{body}: {error:?}") };
             assert_eq!((only.pointer.as_str(), only.code), (pointer, code), "{body}: {}", only.detail);
         }

@@ -4,21 +4,24 @@ use std::any::Any;
 
 use axum::body::Body;
 use axum::extract::Request;
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::response::Parts;
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::ENGINE_VERSION;
 use super::error::{ApiError, Code};
+use super::openapi;
 use super::request_id::{self, RequestId};
 
 pub const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
 
 /// The layer around every handler.
 pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
+    let asked = (request.method().clone(), request.uri().path().to_owned());
     let mut response = next.run(request).await;
     if response.status().is_client_error() || response.status().is_server_error() {
-        response = into_problem(response, &id);
+        response = into_problem(response, &id, &asked);
     }
     let headers = response.headers_mut();
     headers.insert(request_id::HEADER, id.header_value());
@@ -28,15 +31,30 @@ pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
     response
 }
 
+/// What the framework refuses; where it found no handler, with what there is.
+fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
+    let detail = match parts.status {
+        StatusCode::NOT_FOUND => {
+            format!("there is nothing at this path; there are {}", openapi::paths().join(", "))
+        }
+        StatusCode::METHOD_NOT_ALLOWED => {
+            let allowed = parts.headers.get(header::ALLOW).and_then(|allowed| allowed.to_str().ok());
+            format!("`{path}` does not answer {method}, but {}", allowed.unwrap_or("another method"))
+        }
+        _ => return ApiError::from_status(parts.status),
+    };
+    ApiError::from_status(parts.status).saying(detail)
+}
+
 /// The answer to a request whose handler panicked.
 pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
     ApiError::new(Code::InternalError, "the request met a fault of the server").into_response()
 }
 
 /// Gives a failure the body it only announces, and a failure of the framework the same shape.
-fn into_problem(response: Response, id: &RequestId) -> Response {
+fn into_problem(response: Response, id: &RequestId, asked: &(Method, String)) -> Response {
     let (mut parts, _) = response.into_parts();
-    let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| ApiError::from_status(parts.status));
+    let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| unanswered(&parts, asked));
     if parts.status == StatusCode::INTERNAL_SERVER_ERROR {
         tracing::error!(request_id = id.as_str(), cause = error.detail(), "a fault of the server");
     }

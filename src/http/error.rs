@@ -276,6 +276,11 @@ impl ApiError {
         Self { status, ..Self::new(code, code.title()) }
     }
 
+    /// With another detail.
+    pub fn saying(self, detail: String) -> Self {
+        Self { detail: shortened(detail), ..self }
+    }
+
     pub fn blaming(mut self, at: &Pointer, code: FieldCode) -> Self {
         self.errors.push(FieldError::new(at, code, self.detail.clone()));
         self

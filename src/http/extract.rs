@@ -14,7 +14,7 @@ use tokio::time::timeout;
 
 use super::App;
 use super::coding::{Coding, gunzip};
-use super::decode::decode;
+use super::decode;
 use super::error::{ApiError, Code};
 use super::intake::Share;
 use crate::config::Limits;
@@ -59,7 +59,7 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
                     bytes.into()
                 }
             };
-            let job = decode::<T>(&bytes)?.into_job(&limits)?;
+            let job = decode::job::<T>(&bytes, &limits)?;
             Ok(Self { job, parsing: begun.elapsed() })
         };
         if is_small { convert() } else { aside(app, convert).await }

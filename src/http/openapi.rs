@@ -1,6 +1,6 @@
 //! The contract, generated from the handlers and the wire types, and the routes it describes.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -109,6 +109,13 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(health::readyz))
         .routes(routes!(metrics::get_metrics))
         .routes(routes!(get_contract))
+}
+
+/// Every path that is answered.
+pub fn paths() -> Vec<&'static str> {
+    static PATHS: LazyLock<Vec<String>> =
+        LazyLock::new(|| routes().into_openapi().paths.paths.into_keys().collect());
+    PATHS.iter().map(String::as_str).collect()
 }
 
 /// This contract.

@@ -1,0 +1,85 @@
+//! What the decoder says, in words that do not depend on the language that it is written in.
+
+/// A message about a type, a value or a length.
+pub fn plain(message: &str) -> String {
+    if let Some((got, expected)) =
+        parts(message, "invalid type: ").or_else(|| parts(message, "invalid value: "))
+    {
+        return format!("{} is expected, not {}", expectation(expected), sent(got));
+    }
+    if let Some((got, expected)) = parts(message, "invalid length ") {
+        return format!("{} is expected, not one of {got}", expectation(expected));
+    }
+    if message.starts_with("trailing characters") || message.contains("expected sequence end") {
+        return "the array is too long".to_owned();
+    }
+    message.to_owned()
+}
+
+fn parts<'a>(message: &'a str, start: &str) -> Option<(&'a str, &'a str)> {
+    message.strip_prefix(start)?.rsplit_once(", expected ")
+}
+
+/// What was to come.
+fn expectation(expected: &str) -> String {
+    match expected {
+        "f64" | "f32" => "a number".to_owned(),
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, zero or more,".to_owned(),
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".to_owned(),
+        "a boolean" => "`true` or `false`".to_owned(),
+        "a string" | "string" | "str" | "a borrowed string" => "a text".to_owned(),
+        "a sequence" => "an array".to_owned(),
+        "a map" | "map" => "an object".to_owned(),
+        "variant identifier" | "string or map" => "one of its names".to_owned(),
+        "unit" => "`null`".to_owned(),
+        _ if expected.starts_with("struct ") => "an object".to_owned(),
+        _ if expected.starts_with("enum ") => "one of its names".to_owned(),
+        _ => {
+            let count = expected
+                .strip_prefix("a tuple of size ")
+                .or_else(|| expected.strip_prefix("an array of length "))
+                .map(|count| count.trim_end_matches(" elements").to_owned());
+            count.map_or_else(|| expected.to_owned(), |count| format!("an array of {count}"))
+        }
+    }
+}
+
+/// What came.
+fn sent(got: &str) -> String {
+    for kind in ["integer ", "floating point ", "boolean "] {
+        if let Some(value) = got.strip_prefix(kind) {
+            return value.to_owned();
+        }
+    }
+    match got {
+        "sequence" => "an array".to_owned(),
+        "map" => "an object".to_owned(),
+        "null" | "unit value" | "Option value" => "`null`".to_owned(),
+        _ => got.strip_prefix("string ").map_or_else(|| got.to_owned(), |text| format!("the text {text}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_what_is_sent() {
+        for (message, words) in [
+            ("invalid type: string \"ten\", expected f64", "a number is expected, not the text \"ten\""),
+            (
+                "invalid type: floating point `12.5`, expected u32",
+                "a whole number, zero or more, is expected, not `12.5`",
+            ),
+            ("invalid type: null, expected struct Tool", "an object is expected, not `null`"),
+            ("invalid type: sequence, expected a string", "a text is expected, not an array"),
+            ("invalid length 3, expected an array of length 2", "an array of 2 is expected, not one of 3"),
+            (
+                "invalid value: integer `-1`, expected u32",
+                "a whole number, zero or more, is expected, not `-1`",
+            ),
+        ] {
+            assert_eq!(plain(message), words);
+        }
+    }
+}

@@ -36,6 +36,7 @@ mod words;
 mod write;
 
 pub use dialect::{DIALECTS, Dialect, dialect};
+pub use header::clock;
 
 use crate::budget::{Budget, Stopped};
 use crate::toolpath::Toolpath;
@@ -61,6 +62,8 @@ pub struct ProgramJob<'a> {
     pub dialect: &'a Dialect,
     /// User text, one comment each; any characters.
     pub comments: &'a [String],
+    /// What somebody should look at before it is cut, one warning each; any characters.
+    pub warnings: &'a [String],
 }
 
 /// A written program.

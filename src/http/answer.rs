@@ -1,5 +1,7 @@
 //! From a job to its answer: the computation on the pool, and the outcome in the form in which it is wanted.
 
+pub mod sheet;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,7 +12,7 @@ use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::dto::answer::Answer;
-use super::dto::meta::{self, Meta};
+use super::dto::meta::Meta;
 use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::events;
@@ -21,15 +23,12 @@ use super::timing::{SERVER_TIMING, Timing};
 use super::wanted::{Form, Wanted};
 use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
-use crate::plot::{self, Drawing, Scene};
+use crate::plot::Drawing;
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::program::Program;
-use crate::toolpath::tool::{Shape, Tool};
-
-/// The entry of `meta` by which a picture is called.
-const PART_ID: &str = "part_id";
+use crate::toolpath::tool::Tool;
 
 /// What a computation comes to, before it is known in which form it is wanted.
 pub struct Outcome<R> {
@@ -106,30 +105,51 @@ where
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
+/// What there is to say of any cut.
+fn cautions<R>(outcome: &Outcome<R>) -> Vec<Warning> {
+    let cut = outcome.cut.iter();
+    let of = |cut: &Cut| cut.cutting.map(|cutting| cutting.cautions(cut.tool.as_ref(), &cut.program));
+    cut.filter_map(of).flatten().map(Warning::from).collect()
+}
+
+/// The codes of warnings, each once, for a header.
+fn warning_codes(warnings: &[Warning]) -> String {
+    let mut codes: Vec<String> = Vec::new();
+    for code in warnings.iter().map(|warning| warning.code.name()) {
+        if !codes.contains(&code) {
+            codes.push(code);
+        }
+    }
+    codes.join(", ")
+}
+
 fn represent<R: Serialize + ToSchema>(
-    outcome: Outcome<R>,
+    mut outcome: Outcome<R>,
     form: &Form,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
-    match form.representation {
+    outcome.warnings.extend(cautions(&outcome));
+    let codes = warning_codes(&outcome.warnings);
+    if form.with_nc && outcome.nc.is_none() {
+        outcome.nc = Some(written(&outcome, budget)?);
+    }
+    let encoded = match form.representation {
         Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, form)),
         Representation::Gcode => program(outcome, form.media_type, budget),
-        Representation::Svg => Ok(Encoded::text(picture(&outcome), form.media_type)),
+        Representation::Svg => Ok(Encoded::text(sheet::picture(&outcome), form.media_type)),
         Representation::Html => {
-            let (title, svg) = (title(&outcome), picture(&outcome));
-            let bare = Form { with_toolpath: Some(false), ..form.clone() };
+            let (title, svg) = (sheet::title(&outcome), sheet::picture(&outcome));
+            let bare = Form { with_toolpath: Some(false), with_nc: false, ..form.clone() };
             let figures = serde_json::to_value(envelope(outcome, &bare))
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
             Ok(Encoded::text(page::page(&title, &svg, &figures), form.media_type))
         }
-    }
+    }?;
+    Ok(encoded.warning_of(&codes))
 }
 
 fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
-    let Outcome { meta, mut warnings, report, cut, nc, drawing: _ } = outcome;
-    let cautions =
-        cut.iter().flat_map(|cut| cut.cutting.iter().flat_map(|cutting| cutting.cautions(cut.tool.as_ref())));
-    warnings.extend(cautions.map(Warning::from));
+    let Outcome { meta, warnings, report, cut, nc, drawing: _ } = outcome;
     // A caller that asked for text has the toolpath already.
     let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
     Answer {
@@ -150,73 +170,32 @@ fn program<R>(
     media_type: &'static str,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
-    let written = outcome.nc.take();
-    let comments = notes(&outcome);
-    let Some(cut) = outcome.cut else {
-        return Err(ApiError::new(Code::InternalError, "there is no toolpath to write a program of"));
+    let text = match outcome.nc.take() {
+        Some(text) => text,
+        None => written(&outcome, budget)?,
     };
-    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = &cut;
+    let Some(Cut { program, dialect, .. }) = outcome.cut else { return Err(no_toolpath()) };
+    let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
+    Ok(Encoded::gcode(text, media_type, &file_name))
+}
+
+/// The NC text of an outcome's toolpath.
+fn written<R>(outcome: &Outcome<R>, budget: &Budget) -> Result<String, ApiError> {
+    let Some(cut) = &outcome.cut else { return Err(no_toolpath()) };
+    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = cut;
     let Some(cutting) = cutting else {
         let detail = "`cutting` with a feed is required for a program";
         let at = Pointer::root().field("cutting");
         return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
     };
-    let text = match written {
-        Some(text) => text,
-        None => {
-            let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments: &comments };
-            post::write(toolpath, &job, budget)?.text
-        }
-    };
-    let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
-    Ok(Encoded::gcode(text, media_type, &file_name))
+    let (comments, warnings) = (sheet::notes(outcome), sheet::told(&outcome.warnings));
+    let (comments, warnings) = (&comments, &warnings);
+    let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments, warnings };
+    Ok(post::write(toolpath, &job, budget)?.text)
 }
 
-fn picture<R>(outcome: &Outcome<R>) -> String {
-    let mut notes = notes(outcome);
-    notes.extend(outcome.cut.iter().flat_map(setup));
-    plot::svg(&Scene {
-        title: &title(outcome),
-        notes: &notes,
-        toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
-        drawing: &(outcome.drawing)(),
-    })
-}
-
-/// The part's id, or else the program's name.
-fn title<R>(outcome: &Outcome<R>) -> String {
-    let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
-    let name = || outcome.cut.as_ref().and_then(|cut| cut.program.name.as_ref());
-    let kind = if outcome.cut.is_some() { "Toolpath" } else { "Surface" };
-    part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
-}
-
-/// What a sheet at the machine says of the cutter.
-fn setup(cut: &Cut) -> Vec<String> {
-    let tool = cut.tool.as_ref().map(|tool| {
-        let (shape, corner) = match tool.shape {
-            Shape::Ball => ("ball", String::new()),
-            Shape::Flat => ("flat", String::new()),
-            Shape::BullNose { corner_radius_mm } => {
-                ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
-            }
-        };
-        format!(
-            "tool T{} H{}: {shape}, diameter {} mm{corner}",
-            tool.number,
-            tool.length_offset,
-            2.0 * tool.radius_mm
-        )
-    });
-    let spindle =
-        cut.cutting.and_then(|cutting| cutting.spindle_rpm).map(|rpm| format!("spindle: {rpm} rpm"));
-    tool.into_iter().chain(spindle).collect()
-}
-
-/// The caller's own words and those of the operation.
-fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
-    let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
-    meta::notes(outcome.meta.as_ref()).chain(comments).collect()
+fn no_toolpath() -> ApiError {
+    ApiError::new(Code::InternalError, "there is no toolpath to write a program of")
 }
 
 #[cfg(test)]
@@ -282,7 +261,8 @@ mod tests {
     ) -> Result<(String, String), ApiError> {
         let request_id = RequestId::of(&Default::default());
         let media_type = representation.media_types()[0];
-        let form = Form { representation, media_type, with_toolpath, with_gzip: false, request_id };
+        let form =
+            Form { representation, media_type, with_toolpath, with_nc: false, with_gzip: false, request_id };
         let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
         let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
         let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");
@@ -344,7 +324,7 @@ mod tests {
         let (content_type, text) = page.expect("a page");
         assert_eq!(content_type, "text/html; charset=utf-8");
         assert!(text.contains("<title>7 &lt;b&gt;</title>") && text.contains("<svg"), "{text}");
-        assert_eq!(title(&Outcome { meta: None, ..outcome(Some(cut()), None) }), "die");
-        assert_eq!(title(&Outcome { meta: None, ..outcome(None, None) }), "Surface");
+        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(Some(cut()), None) }), "die");
+        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(None, None) }), "Surface");
     }
 }

@@ -22,6 +22,9 @@ pub const EVENTS: &str = "text/event-stream";
 /// The media types by which NC text is asked for, the preferred one first.
 pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
 
+/// The codes of all warnings of an answer.
+pub const WARNINGS: HeaderName = HeaderName::from_static("toolpathd-warnings");
+
 pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 
 /// What an answer is sent as; in the query by these names, for links and for callers that cannot set headers.
@@ -96,6 +99,7 @@ pub struct Encoded {
     disposition: Option<HeaderValue>,
     is_gzip: bool,
     digest: Option<HeaderValue>,
+    warnings: Option<HeaderValue>,
     body: Bytes,
 }
 
@@ -123,7 +127,7 @@ impl Encoded {
     }
 
     fn plain(content_type: HeaderValue, body: Bytes) -> Self {
-        Self { content_type, disposition: None, is_gzip: false, digest: None, body }
+        Self { content_type, disposition: None, is_gzip: false, digest: None, warnings: None, body }
     }
 
     /// As it will be sent: in gzip where that is wanted and worth it, and with the digest of the bytes that are
@@ -143,6 +147,12 @@ impl Encoded {
         Ok(self)
     }
 
+    /// Tells the codes of warnings in a header too, for callers that read no other form of them; nothing of none.
+    pub fn warning_of(mut self, codes: &str) -> Self {
+        self.warnings = HeaderValue::from_str(codes).ok().filter(|codes| !codes.is_empty());
+        self
+    }
+
     /// The body, where it is text that has not been sealed.
     pub fn into_text(self) -> String {
         String::from_utf8(self.body.into()).unwrap_or_default()
@@ -160,6 +170,9 @@ impl IntoResponse for Encoded {
         if self.is_gzip {
             headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static(GZIP));
         }
+        if let Some(warnings) = self.warnings {
+            headers.insert(WARNINGS, warnings);
+        }
         if let Some(digest) = self.digest {
             headers.insert(REPR_DIGEST, digest);
         }
@@ -172,7 +185,8 @@ pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
     /// A name longer than this is cut: file systems allow 255 bytes.
     const MAX_LENGTH: usize = 100;
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || "._-".contains(*c);
-    let cleaned: String = name.unwrap_or_default().chars().filter(is_plain).take(MAX_LENGTH).collect();
+    let name = deunicode::deunicode_with_tofu(name.unwrap_or_default(), "");
+    let cleaned: String = name.chars().filter(is_plain).take(MAX_LENGTH).collect();
     // A leading dot would hide the file.
     match cleaned.trim_start_matches('.') {
         "" => format!("program-{number}.{extension}"),
@@ -213,7 +227,8 @@ mod tests {
     #[test]
     fn file_names_hold_nothing_that_ends_a_header() {
         assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3, "ngc"), "die7.x.ngc");
-        assert_eq!(file_name(Some("\u{fc}"), 3, "ngc"), "program-3.ngc");
+        assert_eq!(file_name(Some("\u{200b}"), 3, "ngc"), "program-3.ngc");
+        assert_eq!(file_name(Some("M\u{fc}ller"), 3, "ngc"), "Muller.ngc");
         assert_eq!(file_name(None, 501, "nc"), "program-501.nc");
     }
 }

@@ -11,7 +11,7 @@ use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 
 use super::App;
-use super::error::ApiError;
+use super::error::{ApiError, Code};
 use super::extract::StrictQuery;
 use super::output::{self, Representation, accept};
 use super::request_id::RequestId;
@@ -64,6 +64,7 @@ impl Offers for Models {
 struct AnswerQuery {
     format: Option<Representation>,
     toolpath: Option<bool>,
+    nc: Option<bool>,
 }
 
 /// The form of one answer.
@@ -74,6 +75,8 @@ pub struct Form {
     pub media_type: &'static str,
     /// Whether the JSON answer holds the toolpath, where the caller says.
     pub with_toolpath: Option<bool>,
+    /// Whether the JSON answer holds the program's text too.
+    pub with_nc: bool,
     pub with_gzip: bool,
     pub request_id: RequestId,
 }
@@ -93,7 +96,14 @@ impl<O: Offers> FromRequestParts<Arc<App>> for Wanted<O> {
         let (representation, media_type) = output::choose(O::OFFERS, &parts.headers, query.format)?;
         let with_gzip = accept::takes_gzip(&parts.headers);
         let with_toolpath = query.toolpath;
-        let form = Form { representation, media_type, with_toolpath, with_gzip, request_id };
+        let with_nc = query.nc.unwrap_or(false);
+        if with_nc && !O::OFFERS.contains(&Representation::Gcode) {
+            return Err(ApiError::new(
+                Code::InvalidRequest,
+                "there is no program here: `nc` is for toolpaths",
+            ));
+        }
+        let form = Form { representation, media_type, with_toolpath, with_nc, with_gzip, request_id };
         Ok(Self { form, offers: PhantomData })
     }
 }
@@ -103,7 +113,7 @@ impl<O: Offers> IntoParams for Wanted<O> {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
         let names = O::OFFERS.iter().filter_map(|offer| offer.name());
         let format = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names));
-        let toolpath = ObjectBuilder::new().schema_type(Type::Boolean);
+        let yes_or_no = || ObjectBuilder::new().schema_type(Type::Boolean);
         let parameter = |name: &str, description: &str, schema: ObjectBuilder| {
             ParameterBuilder::new()
                 .name(name)
@@ -112,13 +122,19 @@ impl<O: Offers> IntoParams for Wanted<O> {
                 .schema(Some(schema))
                 .build()
         };
-        vec![
+        let mut parameters = vec![
             parameter("format", "Overrides `Accept`.", format),
             parameter(
                 "toolpath",
                 "Whether the JSON answer holds the toolpath. Default: unless it holds the program's text.",
-                toolpath,
+                yes_or_no(),
             ),
-        ]
+        ];
+        if O::OFFERS.contains(&Representation::Gcode) {
+            let nc = "Whether the JSON answer, or the event `result`, holds the program's text in `nc`: program, report and \
+                      progress of one computation. Default: where the answer is about its text.";
+            parameters.push(parameter("nc", nc, yes_or_no()));
+        }
+        parameters
     }
 }

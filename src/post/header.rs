@@ -7,7 +7,7 @@ use std::fmt::Write;
 use super::lower::Lowered;
 use super::words::{self, FeedWord};
 use super::{ProgramJob, WriteError};
-use crate::toolpath::cutting::{Caution, Coolant};
+use crate::toolpath::cutting::Coolant;
 use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::path::{Move, Role, Toolpath};
@@ -18,7 +18,10 @@ use crate::toolpath::units::rounded_up_mm;
 /// Notes beyond this many are only counted.
 const MAX_NOTES: usize = 40;
 
-/// One comment: a fixed label and the text behind it.
+/// The label of what somebody should look at; such a remark is never cut short.
+pub const WARNING: &str = "WARNING";
+
+/// One remark: a fixed label and the text behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Remark {
     pub label: &'static str,
@@ -33,7 +36,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     let unit = Unit::of(job);
     let mut remarks = Vec::new();
     let mut say = |label, text: String| remarks.push(Remark { label, text });
-    if let Some(name) = &job.program.name {
+    if let Some(name) = job.program.name.as_ref().filter(|_| job.dialect.program_number.is_none()) {
         say("PROGRAM", name.clone());
     }
     for note in job.comments.iter().take(MAX_NOTES) {
@@ -58,8 +61,9 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
         say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
     }
     say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", rounded_up_mm(lowered.displacement_mm)));
-    for caution in job.cutting.cautions(job.tool) {
-        say("WARNING", caution_text(caution));
+    for warning in job.warnings {
+        // No control keeps a colon in a comment.
+        say(WARNING, warning.replace([':', ';'], " -"));
     }
     Ok(remarks)
 }
@@ -98,7 +102,8 @@ fn written(job: &ProgramJob, unit: &Unit) -> String {
 }
 
 fn tool_text(tool: &Tool, unit: &Unit) -> String {
-    let &Tool { shape, radius_mm, number, length_offset } = tool;
+    let &Tool { shape, radius_mm, .. } = tool;
+    let (number, length_offset) = tool.places();
     let (shape, corner) = match shape {
         Shape::Ball => ("BALL", None),
         Shape::Flat => ("FLAT", None),
@@ -165,22 +170,14 @@ fn range(bounds: &Bounds, clearance_z_mm: f64, unit: &Unit) -> String {
     format!("X {} Y {} Z {} {}", along(0), along(1), along(2), unit.name)
 }
 
-fn clock(seconds: f64) -> String {
+/// A time as people read it.
+pub fn clock(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
     match (hours, minutes) {
         (0, 0) => format!("{seconds} S"),
         (0, _) => format!("{minutes} MIN {seconds} S"),
         _ => format!("{hours} H {minutes} MIN {seconds} S"),
-    }
-}
-
-fn caution_text(caution: Caution) -> String {
-    match caution {
-        Caution::NoSpindleSpeed => "NO SPINDLE SPEED WAS GIVEN - THIS PROGRAM STARTS NO SPINDLE".into(),
-        Caution::LengthOffsetDiffers { number, length_offset } => {
-            format!("TOOL T{number} IS CUT WITH THE LENGTH OFFSET H{length_offset}")
-        }
     }
 }
 

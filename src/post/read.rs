@@ -168,7 +168,16 @@ impl<'a> Reader<'a> {
             Part::ProgramNumber => {
                 self.part = Part::Blocks;
                 let Some(number) = self.dialect.program_number else { return self.line(text) };
-                let digits = text.trim().strip_prefix(number.letter).filter(|digits| {
+                // The program's name may stand beside it.
+                let line = match text.split_once(" (") {
+                    Some((line, name))
+                        if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) =>
+                    {
+                        line
+                    }
+                    _ => text,
+                };
+                let digits = line.trim().strip_prefix(number.letter).filter(|digits| {
                     digits.len() >= number.digits && digits.bytes().all(|c| c.is_ascii_digit())
                 });
                 let read = digits.and_then(|digits| digits.parse().ok());

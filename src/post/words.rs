@@ -67,22 +67,48 @@ pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
     };
 }
 
-/// User text as it may stand in a comment: capitals, digits, space, point, underscore and minus, no longer
-/// than `limit`. Whatever else there is becomes a space, and runs of spaces become one.
+/// Signs that no control takes for the end of a comment or for a command within one.
+const KEPT: &str = "._-/+,=#'";
+
+/// User text as it may stand in a comment: capitals, digits, space and [`KEPT`], no longer than `limit`. Other scripts are
+/// written in these letters; whatever else there is becomes a space, and runs of spaces become one.
 pub fn cleaned(text: &str, limit: usize) -> String {
     let mut clean = String::new();
-    for c in text.chars() {
+    let ascii = deunicode::deunicode_with_tofu(text, " ");
+    for c in ascii.chars() {
         if clean.len() >= limit {
             break;
         }
         match c.to_ascii_uppercase() {
-            c @ ('A'..='Z' | '0'..='9' | '.' | '_' | '-') => clean.push(c),
+            c if c.is_ascii_uppercase() || c.is_ascii_digit() || KEPT.contains(c) => clean.push(c),
             _ if clean.is_empty() || clean.ends_with(' ') => {}
             _ => clean.push(' '),
         }
     }
     clean.truncate(clean.trim_end().len());
     clean
+}
+
+/// Clean text in lines of at most `limit` characters, broken between words where that can be.
+pub fn lines(text: &str, limit: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for mut word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.len() + 1 + word.len() <= limit => {
+                line.push(' ');
+                line.push_str(word);
+                continue;
+            }
+            _ => {}
+        }
+        while word.len() > limit {
+            let (part, rest) = word.split_at(limit.max(1));
+            lines.push(part.to_owned());
+            word = rest;
+        }
+        lines.push(word.to_owned());
+    }
+    lines
 }
 
 #[cfg(test)]
@@ -138,8 +164,9 @@ mod tests {
 
     #[test]
     fn user_text_cannot_leave_its_comment() {
-        assert_eq!(cleaned("die) G0 Z-99 (msg,%\nx", 100), "DIE G0 Z-99 MSG X");
-        assert_eq!(cleaned("Füßchen\u{2028}é", 100), "F CHEN");
+        assert_eq!(cleaned("die) G0 Z-99 (msg,%\nx", 100), "DIE G0 Z-99 MSG, X");
+        assert_eq!(cleaned("Füßchen\u{2028}é", 100), "FUSSCHEN E");
+        assert_eq!(cleaned("Müller Ж 木 50+/=#", 100), "MULLER ZH MU 50+/=#");
         assert_eq!(cleaned(" \n ", 100), "");
         assert_eq!(cleaned(&"(".repeat(10_000), 100), "");
     }
@@ -149,7 +176,7 @@ mod tests {
         fn cleaned_text_holds_only_what_it_may(text in "(?s).{0,300}", limit in 0usize..200) {
             let clean = cleaned(&text, limit);
             prop_assert!(clean.len() <= limit);
-            prop_assert!(clean.bytes().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-".contains(&c)));
+            prop_assert!(clean.bytes().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-/+,=#'".contains(&c)));
             prop_assert_eq!(clean.trim(), &clean);
         }
 

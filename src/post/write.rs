@@ -1,7 +1,7 @@
 //! Blocks as lines of words, with modal words left out where they hold already.
 
 use super::dialect::{Comment, Dialect, Dwell, Frame, Point, ProgramNumber};
-use super::header::Remark;
+use super::header::{self, Remark};
 use super::lower::Block;
 use super::words::{self, FeedWord};
 use super::{ProgramJob, WriteError};
@@ -9,6 +9,7 @@ use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::Units;
+use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
 
 /// The letters of the axes and of the offsets of centres and control points along them.
 const AXES: [char; 3] = ['X', 'Y', 'Z'];
@@ -17,8 +18,13 @@ const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 /// Remarks are no longer than this, whatever the control takes: a header is to be read.
 const MAX_REMARK_LENGTH: usize = 100;
 
+/// Controls show so much of a program's name.
+const MAX_PROGRAM_NAME_LENGTH: usize = 32;
+
+/// A warning longer than this is cut short: its beginning says what is the matter.
+const MAX_WARNING_LENGTH: usize = 600;
+
 /// Tool and length offset of a job that names no tool.
-const DEFAULT_TOOL: (u32, u32) = (1, 1);
 
 /// The text of a whole program.
 ///
@@ -110,7 +116,7 @@ impl Writer<'_> {
 
     /// Number and length offset of the tool.
     fn tool(&self) -> (u32, u32) {
-        self.job.tool.map_or(DEFAULT_TOOL, |tool| (tool.number, tool.length_offset))
+        self.job.tool.map_or((DEFAULT_NUMBER, DEFAULT_NUMBER), Tool::places)
     }
 
     fn tape_mark(&mut self) -> Result<(), WriteError> {
@@ -120,29 +126,41 @@ impl Writer<'_> {
     }
 
     fn program_number(&mut self) -> Result<(), WriteError> {
-        let Some(ProgramNumber { letter, digits, max }) = self.job.dialect.program_number else {
+        let job = self.job;
+        let Some(ProgramNumber { letter, digits, max }) = job.dialect.program_number else {
             return Ok(());
         };
-        let number = self.job.program.number;
+        let number = job.program.number;
         if !(1..=max).contains(&number) {
             return Err(WriteError::ProgramNumber { number, max });
         }
         self.word(&format!("{letter}{number:0digits$}"));
+        // Where controls look for it in their lists of programs.
+        // A comma could make a command of its first word.
+        let name = job.program.name.as_deref().unwrap_or_default().replace(',', " ");
+        let name = words::cleaned(&name, MAX_PROGRAM_NAME_LENGTH);
+        if !name.is_empty() {
+            let Comment { open, close, .. } = job.dialect.comment;
+            self.word(&format!("{open}{name}{close}"));
+        }
         self.end_line_unnumbered()
     }
 
-    /// A comment line; text of which nothing is left after cleaning gives none.
+    /// A comment line, or as many as a warning takes; text of which nothing is left after cleaning gives none.
     fn remark(&mut self, Remark { label, text }: &Remark) -> Result<(), WriteError> {
         let Comment { open, separator, close } = self.job.dialect.comment;
         // Room for a block number beside the label and its punctuation.
         let used = 12 + open.len() + label.len() + separator.len() + close.len();
         let limit = self.job.dialect.max_line_length.saturating_sub(used).min(MAX_REMARK_LENGTH);
-        let clean = words::cleaned(text, limit);
-        if clean.is_empty() {
-            return Ok(());
+        let lines = match *label {
+            header::WARNING => words::lines(&words::cleaned(text, MAX_WARNING_LENGTH), limit),
+            _ => vec![words::cleaned(text, limit)],
+        };
+        for line in lines.iter().filter(|line| !line.is_empty()) {
+            self.word(&format!("{open}{label}{separator}{line}{close}"));
+            self.end_line()?;
         }
-        self.word(&format!("{open}{label}{separator}{clean}{close}"));
-        self.end_line()
+        Ok(())
     }
 
     fn block(&mut self, block: &Block) -> Result<(), WriteError> {

@@ -1,11 +1,12 @@
 //! The conditions of a cut: feeds by role, spindle, coolant and heights, as asked for and with every default.
 
 use super::path::Role;
+use super::program::Program;
 use super::tool::Tool;
 use super::units::{Acceleration, FeedRate};
 
 /// Default distance of the clearance plane from the top of the part, mm.
-const CLEARANCE_ABOVE_TOP_MM: f64 = 20.0;
+pub const CLEARANCE_ABOVE_TOP_MM: f64 = 20.0;
 
 /// Default distance of the retract plane from the top of the part, mm.
 const RETRACT_ABOVE_TOP_MM: f64 = 2.0;
@@ -158,17 +159,20 @@ impl Cutting {
         }
     }
 
-    /// What somebody should look at before this is cut with `tool`.
-    pub fn cautions(&self, tool: Option<&Tool>) -> Vec<Caution> {
+    /// What somebody should look at before `program` is cut with `tool`.
+    pub fn cautions(&self, tool: Option<&Tool>, program: &Program) -> Vec<Caution> {
         let mut cautions = Vec::new();
         if self.spindle_rpm.is_none() {
             cautions.push(Caution::NoSpindleSpeed);
         }
-        match tool {
-            Some(&Tool { number, length_offset, .. }) if number != length_offset => {
-                cautions.push(Caution::LengthOffsetDiffers { number, length_offset });
-            }
-            _ => {}
+        if tool.is_none_or(|tool| tool.number.is_none()) {
+            cautions.push(Caution::NoToolNumber);
+        }
+        if let Some((number, length_offset)) = tool.map(Tool::places).filter(|(number, h)| number != h) {
+            cautions.push(Caution::LengthOffsetDiffers { number, length_offset });
+        }
+        if program.work_offset.is_none() {
+            cautions.push(Caution::NoWorkOffset);
         }
         cautions
     }
@@ -179,6 +183,10 @@ impl Cutting {
 pub enum Caution {
     /// There is no spindle speed: the program starts no spindle.
     NoSpindleSpeed,
+    /// Nobody said which tool it is: the first of the table is called.
+    NoToolNumber,
+    /// Nobody said which work offset: the program takes the one that is active.
+    NoWorkOffset,
     /// The tool is cut with the length of another place of the table.
     LengthOffsetDiffers { number: u32, length_offset: u32 },
 }
@@ -186,6 +194,7 @@ pub enum Caution {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::toolpath::program::{Resolution, Units};
 
     const TOP: f64 = 10.0;
 
@@ -249,11 +258,23 @@ mod tests {
     #[test]
     fn what_is_often_a_mistake_is_named() {
         let cutting = request().above(TOP).unwrap();
-        let other = Tool { number: 3, length_offset: 4, ..Tool::ball(5.0) };
+        let other = Tool { number: Some(3), length_offset: Some(4), ..Tool::ball(5.0) };
         let differs = Caution::LengthOffsetDiffers { number: 3, length_offset: 4 };
-        assert_eq!(cutting.cautions(Some(&other)), [Caution::NoSpindleSpeed, differs]);
+        let program = |work_offset| Program {
+            resolution: Resolution { units: Units::Mm, decimals: 3 },
+            number: 1,
+            name: None,
+            block_numbers: false,
+            work_offset,
+        };
+        let (given, none) = (program(Some(54)), program(None));
+        assert_eq!(cutting.cautions(Some(&other), &given), [Caution::NoSpindleSpeed, differs]);
         let turning = Cutting { spindle_rpm: Some(1000.0), ..cutting };
-        assert_eq!(turning.cautions(Some(&Tool::ball(5.0))), []);
-        assert_eq!(turning.cautions(None), []);
+        let known = Tool { number: Some(7), ..Tool::ball(5.0) };
+        assert_eq!(turning.cautions(Some(&known), &given), []);
+        assert_eq!(turning.cautions(Some(&known), &none), [Caution::NoWorkOffset]);
+        for tool in [Some(Tool::ball(5.0)), None] {
+            assert_eq!(turning.cautions(tool.as_ref(), &given), [Caution::NoToolNumber]);
+        }
     }
 }

@@ -19,11 +19,14 @@ pub struct Tool {
     pub shape: Shape,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Number in the tool table.
-    pub number: u32,
-    /// Number of the length offset.
-    pub length_offset: u32,
+    /// Number in the tool table, where somebody said it.
+    pub number: Option<u32>,
+    /// Number of the length offset, where it is not that of the tool.
+    pub length_offset: Option<u32>,
 }
+
+/// The tool that is called where nobody says which.
+pub const DEFAULT_NUMBER: u32 = 1;
 
 impl Tool {
     /// Its geometry.
@@ -35,8 +38,14 @@ impl Tool {
         }
     }
 
-    /// A ball cutter as tool 1 with length offset 1.
+    /// A ball cutter of which nobody said where it is in the tables.
     pub fn ball(radius_mm: f64) -> Self {
-        Self { shape: Shape::Ball, radius_mm, number: 1, length_offset: 1 }
+        Self { shape: Shape::Ball, radius_mm, number: None, length_offset: None }
+    }
+
+    /// The numbers of the tool and its length offset as they are written.
+    pub fn places(&self) -> (u32, u32) {
+        let number = self.number.unwrap_or(DEFAULT_NUMBER);
+        (number, self.length_offset.unwrap_or(number))
     }
 }

@@ -17,8 +17,8 @@ use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::post::{Dialect, NcProgram};
 use crate::toolpath as core;
-use crate::toolpath::cutting::{self, CuttingRequest};
-use crate::toolpath::path::Move;
+use crate::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, CuttingRequest};
+use crate::toolpath::path::{Move, Role};
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{measure, program, tool};
 
@@ -35,7 +35,8 @@ pub struct WriteRequest {
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
     /// Feeds of moves that have none of their own, spindle, coolant and the clearance plane. Default: no spindle, no
-    /// coolant, and a clearance plane at the highest place of the toolpath.
+    /// coolant, and, with a warning, a clearance plane 20 mm above everything that is cut, or at the highest place of the
+    /// toolpath if that is higher.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// Default: tool 1 with length offset 1, of unknown shape.
@@ -52,6 +53,8 @@ pub struct WriteJob {
     pub toolpath: core::Toolpath,
     /// Upper bound for the distance between the arcs as sent and the exact ones, mm.
     pub moved_mm: f64,
+    /// The clearance height, where nobody gave one, mm.
+    pub clearance_chosen_mm: Option<f64>,
     pub tool: Option<tool::Tool>,
     pub cutting: cutting::Cutting,
     pub program: program::Program,
@@ -83,14 +86,17 @@ impl IntoJob for WriteRequest {
         };
         let read = toolpath.convert(&root.field("toolpath"), &reading, &mut violations);
         let Some(Read { toolpath, moved_mm }) = read else { return Err(violations.into_error()) };
+        let is_chosen = request.as_ref().is_none_or(|request| request.clearance_z_mm.is_none());
         let cutting = conditions(&toolpath, request, &mut violations);
         violations.result()?;
+        let clearance_chosen_mm = is_chosen.then_some(cutting.clearance_z_mm);
         let tool = tool.map(Into::into);
-        Ok(WriteJob { toolpath, moved_mm, tool, cutting, program, dialect, meta })
+        Ok(WriteJob { toolpath, moved_mm, clearance_chosen_mm, tool, cutting, program, dialect, meta })
     }
 }
 
-/// The conditions for a toolpath that is planned already: its own highest place takes the part of the top.
+/// The conditions for a toolpath that is planned already. The clearance plane is above everything that is cut: a program neither
+/// begins nor ends at a height where it cuts.
 fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
@@ -98,26 +104,32 @@ fn conditions(
 ) -> cutting::Cutting {
     let request = request.unwrap_or_else(|| CuttingRequest::at_feed(first_feed(toolpath)));
     let highest_mm = measure::measure(toolpath, FeedRate::DEFAULT_RAPID).bounds.max.z;
-    let clearance_z_mm = request.clearance_z_mm.unwrap_or(highest_mm);
     let top_mm = highest_cut_mm(toolpath);
+    let chosen_mm = (top_mm + CLEARANCE_ABOVE_TOP_MM).max(highest_mm);
+    let clearance_z_mm = request.clearance_z_mm.unwrap_or(chosen_mm);
     let given = [("clearance_z_mm", request.clearance_z_mm), ("retract_z_mm", request.retract_z_mm)];
     for (field, height_mm) in given {
-        if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm < top_mm) {
+        if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm <= top_mm) {
             let at = Pointer::root().field("cutting").field(field);
-            let detail = format!("{field} is {height_mm} mm; the toolpath cuts up to {top_mm} mm");
+            let detail = format!(
+                "{field} is {height_mm} mm; it must be above {top_mm} mm, up to which the toolpath cuts"
+            );
             violations.add(&at, FieldCode::HeightBelowTop, detail);
         }
     }
     request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm))
 }
 
-/// The highest place of a feed move.
+/// The highest place that is cut: feed moves, but not where the tool comes down from and leaves to. Zero where nothing is.
 fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
     let heights = toolpath.moves().filter_map(|step| match step {
-        Move::Feed { along, .. } => Some(along.support(&nalgebra::Vector3::z())),
+        Move::Feed { along, role: Role::Cut | Role::Link, .. } => {
+            Some(along.support(&nalgebra::Vector3::z()))
+        }
+        Move::Feed { along, .. } => Some(along.start().z.min(along.end().z)),
         Move::Rapid { .. } | Move::Dwell { .. } => None,
     });
-    heights.fold(f64::NEG_INFINITY, f64::max)
+    heights.reduce(f64::max).unwrap_or(0.0)
 }
 
 /// The feed of the first move that has one.

@@ -30,7 +30,7 @@ pub struct Tool {
     /// Of a `bull_nose`, and of no other: at most half the diameter.
     #[schema(minimum = 0.001, maximum = 500_000)]
     corner_radius_mm: Option<f64>,
-    /// Number in the tool table. Default: 1.
+    /// Number in the tool table. Default: 1, with a warning.
     #[schema(minimum = 1, maximum = 99_999)]
     number: Option<u32>,
     /// Number of the length offset. Default: `number`.
@@ -91,7 +91,6 @@ impl Tool {
 impl From<Tool> for core::Tool {
     fn from(tool: Tool) -> Self {
         let Tool { shape, diameter_mm, corner_radius_mm, number, length_offset } = tool;
-        let number = number.unwrap_or(1);
         core::Tool {
             shape: match (shape, corner_radius_mm) {
                 (Shape::Ball, _) => core::Shape::Ball,
@@ -100,7 +99,7 @@ impl From<Tool> for core::Tool {
             },
             radius_mm: diameter_mm / 2.0,
             number,
-            length_offset: length_offset.unwrap_or(number),
+            length_offset,
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::units::{Acceleration, FeedRate};
 
 /// Something to know that does not stop the job.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Warning {
     #[schema(inline)]
     pub code: WarningCode,
@@ -57,8 +57,21 @@ pub enum WarningCode {
     ContourNotReached,
     /// The program starts no spindle.
     NoSpindleSpeed,
+    /// No tool number was given: the first tool of the table is called.
+    NoToolNumber,
+    /// No work offset was given: the program takes the one that is active.
+    NoWorkOffset,
     /// The tool is cut with the length of another place of the table.
     LengthOffsetDiffers,
+    /// No clearance height was given: one above everything that is cut was chosen.
+    ClearanceChosen,
+}
+
+impl WarningCode {
+    /// As it is written in answers.
+    pub fn name(self) -> String {
+        serde_json::to_value(self).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
+    }
 }
 
 impl From<Caution> for Warning {
@@ -67,6 +80,15 @@ impl From<Caution> for Warning {
             Caution::NoSpindleSpeed => Self {
                 code: WarningCode::NoSpindleSpeed,
                 detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),
+            },
+            Caution::NoToolNumber => Self {
+                code: WarningCode::NoToolNumber,
+                detail: "`tool.number` is absent: the program calls tool 1".into(),
+            },
+            Caution::NoWorkOffset => Self {
+                code: WarningCode::NoWorkOffset,
+                detail: "`program.work_offset` is absent: the program is run with whatever offset is active"
+                    .into(),
             },
             Caution::LengthOffsetDiffers { number, length_offset } => Self {
                 code: WarningCode::LengthOffsetDiffers,

@@ -7,10 +7,11 @@ use axum::response::Response;
 
 use crate::budget::Budget;
 use crate::http::App;
-use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::answer::{Cut, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::meta;
 use crate::http::dto::program_writing::{WriteJob, WriteReport, WriteRequest};
+use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Programs, Wanted};
@@ -32,24 +33,39 @@ pub async fn write_program(
 
 fn write(job: WriteJob, budget: &Budget) -> Result<Outcome<WriteReport>, ApiError> {
     let comments: Vec<String> = meta::notes(job.meta.as_ref()).chain(adjusted(job.moved_mm)).collect();
+    let warnings: Vec<Warning> = job.clearance_chosen_mm.map(clearance_chosen).into_iter().collect();
+    let cautions = job.cutting.cautions(job.tool.as_ref(), &job.program);
+    let told: Vec<Warning> =
+        warnings.iter().cloned().chain(cautions.into_iter().map(Warning::from)).collect();
     let program_job = ProgramJob {
         program: &job.program,
         tool: job.tool.as_ref(),
         cutting: &job.cutting,
         dialect: job.dialect,
         comments: &comments,
+        warnings: &sheet::told(&told),
     };
     let written = post::write(&job.toolpath, &program_job, budget)?;
     let report = WriteReport::new(&job, &written);
-    let WriteJob { toolpath, moved_mm: _, tool, cutting, program, dialect, meta } = job;
+    let WriteJob { toolpath, moved_mm: _, clearance_chosen_mm: _, tool, cutting, program, dialect, meta } =
+        job;
     Ok(Outcome {
         meta,
-        warnings: Vec::new(),
+        warnings,
         report,
         cut: Some(Cut { toolpath, tool, cutting: Some(cutting), program, dialect, comments: Vec::new() }),
         nc: Some(written.text),
         drawing: Box::new(Drawing::default),
     })
+}
+
+fn clearance_chosen(z_mm: f64) -> Warning {
+    Warning {
+        code: WarningCode::ClearanceChosen,
+        detail: format!(
+            "`cutting.clearance_z_mm` is absent: the program goes to z {z_mm} mm, above everything that the toolpath cuts; nothing is known of clamps"
+        ),
+    }
 }
 
 /// What the header says of arcs that had to be made exact.

@@ -11,7 +11,8 @@ fn a_linuxcnc_program_reads_as_a_machinist_expects() {
         (FEED: CUT 333.33 TO 800 PLUNGE 400 LINK 800 MM PER MIN)\n(SPINDLE: 12000 RPM - COOLANT FLOOD)\n\
         (RANGE: X 0.000 TO 10.000 Y 0.000 TO 4.000 Z 0.000 TO 45.000 MM)\n\
         (TIME: 6 S - WITH ACCELERATION 6 S)\n(ROUNDING: WITHIN 0.0001 MM OF THE TOOLPATH)\n\
-        (WARNING: TOOL T3 IS CUT WITH THE LENGTH OFFSET H4)\n\
+        (WARNING: LENGTH_OFFSET_DIFFERS - TOOL 3 IS CUT WITH THE LENGTH OFFSET 4, WHICH IS THAT OF ANOTHER PLACE OF)\n\
+        (WARNING: THE TABLE - TOOL.LENGTH_OFFSET)\n\
         G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT3 M6\nG43 H4\nS12000 M3\nM8\n\
         G0 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
         G18 G3 X10.000 Z0.000 I5.000 K0.000 F800\nG1 Y2.000\nG4 P0.250\n\
@@ -26,12 +27,13 @@ fn a_linuxcnc_program_reads_as_a_machinist_expects() {
 fn a_fanuc_program_reads_as_a_machinist_expects() {
     let program = Program { name: Some("die 7".into()), number: 501, work_offset: Some(55), ..program(MM) };
     let text = written_in(&FANUC, &sample(), &program, &cutting(), &[]).unwrap().text;
-    let expected = "%\nO0501\n(PROGRAM = DIE 7)\n(WRITTEN = FOR FANUC - MM - 3 DECIMALS - WORK OFFSET G55)\n\
+    let expected = "%\nO0501 (DIE 7)\n(WRITTEN = FOR FANUC - MM - 3 DECIMALS - WORK OFFSET G55)\n\
         (TOOL = T3 H4 BALL DIAMETER 10.000 MM)\n\
         (FEED = CUT 333.33 TO 800 PLUNGE 400 LINK 800 MM PER MIN)\n(SPINDLE = 12000 RPM - COOLANT FLOOD)\n\
         (RANGE = X 0.000 TO 10.000 Y 0.000 TO 4.000 Z 0.000 TO 45.000 MM)\n\
         (TIME = 6 S - WITH ACCELERATION 6 S)\n(ROUNDING = WITHIN 0.0001 MM OF THE TOOLPATH)\n\
-        (WARNING = TOOL T3 IS CUT WITH THE LENGTH OFFSET H4)\n\
+        (WARNING = LENGTH_OFFSET_DIFFERS - TOOL 3 IS CUT WITH THE LENGTH OFFSET 4, WHICH IS THAT OF ANOTHER PLACE)\n\
+        (WARNING = OF THE TABLE - TOOL.LENGTH_OFFSET)\n\
         G21\nG17 G90 G40 G49 G80 G94\nG55\nT3 M6\nS12000 M3\nM8\n\
         G0 G43 H4 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400.\n\
         G18 G3 X10.000 Z0.000 I5.000 K0.000 F800.\nG1 Y2.000\nG4 P250\n\
@@ -75,6 +77,7 @@ fn headers_are_in_the_units_of_the_program_and_a_page_at_most() {
             cutting: &cutting,
             dialect,
             comments: &notes,
+            warnings: &[],
         };
         let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
         let header: Vec<&str> = text.lines().filter(|line| line.starts_with('(')).collect();

@@ -75,7 +75,14 @@ fn a_changed_spline_does_not_pass_the_check() {
     let program = program(MM);
     let cutting = cutting();
     let dialect = DIALECTS[0];
-    let job = ProgramJob { program: &program, tool: Some(&TOOL), cutting: &cutting, dialect, comments: &[] };
+    let job = ProgramJob {
+        program: &program,
+        tool: Some(&TOOL),
+        cutting: &cutting,
+        dialect,
+        comments: &[],
+        warnings: &[],
+    };
     let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap().blocks;
     let text = write(&wave(), &job, &Budget::unlimited()).unwrap().text;
     for (from, to, what) in [

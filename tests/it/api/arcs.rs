@@ -171,7 +171,11 @@ async fn callers_are_warned_of_what_they_may_not_have_meant() {
         (quarter("biarc", "polyline"), &["tolerance_exceeded"]),
     ] {
         let warnings = post(&app, FIT, body.clone(), &[]).await.json()["warnings"].clone();
-        let codes: Vec<_> = warnings.as_array().expect("warnings").iter().map(|w| &w["code"]).collect();
+        let codes =
+            warnings.as_array().expect("warnings").iter().map(|w| w["code"].as_str().expect("a code"));
+        // What holds of the program, not of the fit.
+        let codes: Vec<_> =
+            codes.filter(|code| !["no_tool_number", "no_work_offset"].contains(code)).collect();
         assert_eq!(codes, expected, "{body}");
     }
 }

@@ -161,6 +161,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         cutting: &plan.cutting,
         dialect,
         comments: &[],
+        warnings: &[],
     };
     let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();

@@ -1,0 +1,107 @@
+//! The words of an answer for people: the sheet at the machine, and what a program's header says.
+
+use super::{Cut, Outcome};
+use crate::http::dto::meta;
+use crate::http::dto::toolpath::Warning;
+use crate::plot::{self, Scene};
+use crate::post::clock;
+use crate::toolpath::cutting::{Coolant, Cutting};
+use crate::toolpath::measure::measure;
+use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::program::{Program, Units};
+use crate::toolpath::tool::{Shape, Tool};
+
+/// The entry of `meta` by which a picture is called.
+const PART_ID: &str = "part_id";
+
+/// The picture with the words below it.
+pub fn picture<R>(outcome: &Outcome<R>) -> String {
+    let mut notes = notes(outcome);
+    notes.extend(outcome.cut.iter().flat_map(setup));
+    notes.extend(told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}")));
+    plot::svg(&Scene {
+        title: &title(outcome),
+        notes: &notes,
+        toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
+        drawing: &(outcome.drawing)(),
+    })
+}
+
+/// The part's id, or else the program's name.
+pub fn title<R>(outcome: &Outcome<R>) -> String {
+    let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
+    let name = || outcome.cut.as_ref().and_then(|cut| cut.program.name.as_ref());
+    let kind = if outcome.cut.is_some() { "Toolpath" } else { "Surface" };
+    part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
+}
+
+/// What a setter needs: the program, where its zero is, the tool, and how it is driven.
+fn setup(cut: &Cut) -> Vec<String> {
+    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = cut;
+    let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
+    let mut lines = vec![program_line(program, dialect.name), offset_line(program)];
+    lines.extend(tool.iter().map(tool_line));
+    lines.push(driving_line(cutting));
+    let plain = measure(toolpath, cutting.rapid_feed).total_time_s;
+    if let Some((plain, with_ramps)) =
+        plain.zip(motion_time(toolpath, cutting.rapid_feed, cutting.acceleration))
+    {
+        lines.push(
+            format!("cycle time: {}, with acceleration {}", clock(plain), clock(with_ramps)).to_lowercase(),
+        );
+    }
+    lines
+}
+
+fn program_line(program: &Program, dialect: &str) -> String {
+    let name = program.name.as_ref().map_or(String::new(), |name| format!(" \"{name}\""));
+    let units = match program.resolution.units {
+        Units::Mm => "mm",
+        Units::Inch => "inches",
+    };
+    format!("program: {}{name} for {dialect}, {units}", program.number)
+}
+
+fn offset_line(program: &Program) -> String {
+    match program.work_offset {
+        Some(number) => format!("work offset: G{number}, with its zero at the zero of the drawing"),
+        None => "work offset: the one that is active, with its zero at the zero of the drawing".to_owned(),
+    }
+}
+
+fn tool_line(tool: &Tool) -> String {
+    let (shape, corner) = match tool.shape {
+        Shape::Ball => ("ball", String::new()),
+        Shape::Flat => ("flat", String::new()),
+        Shape::BullNose { corner_radius_mm } => {
+            ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
+        }
+    };
+    let (number, length_offset) = tool.places();
+    format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{corner}", 2.0 * tool.radius_mm)
+}
+
+fn driving_line(cutting: &Cutting) -> String {
+    let spindle = cutting.spindle_rpm.map_or("not started".to_owned(), |rpm| format!("{rpm} rpm"));
+    let coolant = match cutting.coolant {
+        Coolant::Off => "off",
+        Coolant::Flood => "flood",
+        Coolant::Mist => "mist",
+    };
+    let [feed, plunge] = [cutting.feed, cutting.plunge_feed].map(|feed| feed.mm_per_min());
+    format!(
+        "spindle: {spindle}, coolant: {coolant}, feed: {feed} mm/min, plunge: {plunge} mm/min, clearance: Z{} mm",
+        cutting.clearance_z_mm
+    )
+}
+
+/// Warnings as people read them in a program and on a sheet.
+pub fn told(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(|warning| format!("{} - {}", warning.code.name(), warning.detail)).collect()
+}
+
+/// The caller's own words and those of the operation.
+pub fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
+    let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
+    meta::notes(outcome.meta.as_ref()).chain(comments).collect()
+}

@@ -37,6 +37,7 @@ use std::time::Duration;
 use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::{from_fn, from_fn_with_state};
+use axum::routing::put;
 use tokio::sync::Semaphore;
 use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -107,6 +108,8 @@ impl App {
 pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
+        // What `curl -T` sends: a program that is put where it becomes another one.
+        .route("/v1/arcs/fit", put(v1::arcs_fit::fit_arcs))
         .merge(docs::routes())
         .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
         .with_state(Arc::clone(app))
@@ -119,16 +122,17 @@ pub fn router(app: &Arc<App>) -> Router {
 
 /// Lets the pages of these origins call the service and read what its answers say.
 fn cors(origins: &[HeaderValue]) -> Option<CorsLayer> {
-    const EXPOSED: [HeaderName; 5] = [
+    const EXPOSED: [HeaderName; 6] = [
         request_id::HEADER,
         envelope::ENGINE_VERSION_HEADER,
         trace::HEADER,
         header::CONTENT_DISPOSITION,
         header::RETRY_AFTER,
+        output::WARNINGS,
     ];
     let layer = CorsLayer::new()
         .allow_origin(origins.to_vec())
-        .allow_methods([Method::GET, Method::POST])
+        .allow_methods([Method::GET, Method::POST, Method::PUT])
         .allow_headers([header::ACCEPT, header::CONTENT_TYPE, request_id::HEADER, trace::HEADER])
         .expose_headers(EXPOSED);
     (!origins.is_empty()).then_some(layer)

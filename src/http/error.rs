@@ -52,6 +52,8 @@ pub enum Code {
     ToleranceNotReached,
     SectionLost,
     NothingToCut,
+    /// A text in which no block moves the machine is no NC program.
+    NoMotion,
     BandInfeasible,
     InternalError,
     Overloaded,
@@ -82,6 +84,7 @@ impl Code {
             | Code::ToleranceNotReached
             | Code::SectionLost
             | Code::NothingToCut
+            | Code::NoMotion
             | Code::BandInfeasible => StatusCode::UNPROCESSABLE_ENTITY,
             Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
             Code::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
@@ -115,6 +118,7 @@ impl Code {
             Code::ToleranceNotReached => "The tolerance was not reached",
             Code::SectionLost => "A section of the surface could not be followed",
             Code::NothingToCut => "There is nothing to cut",
+            Code::NoMotion => "The program moves nothing",
             Code::BandInfeasible => "The band leaves no room for an element",
             Code::InternalError => "The server failed",
             Code::Overloaded => "The server is full",

@@ -37,6 +37,9 @@ const BACKLOG_PARTS: usize = 1024;
 const STEP_BYTES: usize = 256 * 1024;
 const CODED_STEP_BYTES: usize = 4096;
 
+/// Bytes that are held back until something moves: a text that is no program is refused before any of it is answered.
+const HELD_BYTES: usize = 64 * 1024;
+
 /// What streams may take.
 #[derive(Debug)]
 pub struct Streams {
@@ -158,7 +161,9 @@ async fn pump(
             while !data.is_empty() {
                 let piece = data.split_to(data.len().min(step_bytes));
                 work = step(app, work, Some(piece), &place).await?;
-                send(&mut work.out, &queue, sender).await;
+                if work.rewriter.figures().n_motions > 0 || work.out.len() > HELD_BYTES {
+                    send(&mut work.out, &queue, sender).await;
+                }
             }
         }
         work = step(app, work, None, &place).await?;
@@ -227,7 +232,14 @@ impl Work {
                 if *n_bytes == 0 {
                     return Err(ApiError::new(Code::BadRequest, "the body is empty"));
                 }
-                Ok(rewriter.finish(out, budget)?)
+                rewriter.finish(out, budget)?;
+                let figures = rewriter.figures();
+                if figures.n_motions == 0 && figures.bytes_out == out.len() as u64 {
+                    let detail =
+                        "no block of the text moves the machine: send an NC program, or points as JSON";
+                    return Err(ApiError::new(Code::NoMotion, detail));
+                }
+                Ok(())
             }
         }
     }

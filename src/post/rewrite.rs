@@ -93,8 +93,23 @@ pub struct Figures {
     pub n_lines: u64,
     /// Upper bound for the distance of what was written from the lines it stands for, mm, both ways.
     pub deviation_max_mm: f64,
+    /// Lines of the program that move an axis.
+    pub n_motions: u64,
+    /// Those of them that are moved along in feed but could be in no run.
+    pub left_alone: LeftAlone,
     pub bytes_in: u64,
     pub bytes_out: u64,
+}
+
+/// Why lines that cut were left as they are, and how many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LeftAlone {
+    /// Variables, expressions, and words that are not understood.
+    pub macros: u64,
+    /// Axes beside X, Y and Z.
+    pub other_axes: u64,
+    /// Cutter compensation, absolute centres without a known place, feeds by time, or a mode of which nothing is known.
+    pub modes: u64,
 }
 
 /// Why a program is not rewritten to its end.
@@ -224,9 +239,13 @@ impl Rewriter {
             Some(block) => self.join(line, &block, out, budget)?,
             None => false,
         };
-        if !is_in_run {
+        if is_in_run {
+            self.figures.n_motions += 1;
+        } else {
             self.end_run(out, budget)?;
-            self.pass(line, &Line::read(text), out);
+            let said = Line::read(text);
+            self.count(&said);
+            self.pass(line, &said, out);
         }
         Ok(())
     }
@@ -256,6 +275,29 @@ impl Rewriter {
             self.write_run(WINDOW / 4 * 3, out, budget)?;
         }
         Ok(true)
+    }
+
+    /// Counts a line that is in no run.
+    fn count(&mut self, said: &Line) {
+        let named = [0, 10, 20, 30].into_iter().find(|motion| said.g.has(*motion));
+        let is_motion = (said.has_axes() || said.is_unclear && !said.is_assignment)
+            && (named.is_some() || self.modes.motion.is_some());
+        if !is_motion {
+            return;
+        }
+        self.figures.n_motions += 1;
+        let is_line = named.map_or(self.modes.motion == Some(Motion::Line), |motion| motion == 10);
+        if !is_line {
+            return;
+        }
+        let LeftAlone { macros, other_axes, modes } = &mut self.figures.left_alone;
+        if said.is_unclear {
+            *macros += 1;
+        } else if said.has_other_axes() {
+            *other_axes += 1;
+        } else if !self.modes.allow_runs() {
+            *modes += 1;
+        }
     }
 
     /// Writes a line that is in no run, and follows what it says.

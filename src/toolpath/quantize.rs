@@ -49,6 +49,10 @@ pub const MAX_MISMATCH_MM: f64 = 0.015;
 /// or into a full circle.
 pub const MIN_SAGITTA_STEPS: f64 = 0.5;
 
+/// Arcs of smaller radius are written as lines: LinuxCNC refuses radii under 0.00005 inch (0.00127 mm) as zero, and other controls
+/// lose as much in rounding.
+const LEAST_RADIUS_MM: f64 = 0.0013;
+
 /// Arcs of larger radius are written as chords: controls have run whole circles on them.
 pub const MAX_RADIUS_MM: f64 = 1e4;
 
@@ -200,6 +204,16 @@ pub fn round(curve: &Curve, resolution: Resolution, parabolas: Parabolas) -> Res
     Ok(Rounded { curves: output.curves, displacement_mm: output.displacement_mm })
 }
 
+impl Written {
+    /// Whether a control may take it for an arc without a radius.
+    fn is_too_small(&self) -> bool {
+        match &self.curve {
+            Curve::Arc(arc) => arc.radius() - self.radius_mismatch_mm < LEAST_RADIUS_MM,
+            Curve::Line(_) | Curve::Parabola(_) => false,
+        }
+    }
+}
+
 /// A part of the source arc between two fractions of its length.
 #[derive(Clone, Copy)]
 struct Piece<'a> {
@@ -258,14 +272,18 @@ impl Output {
             }
             if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
                 self.line(&piece.start(), &piece.end(), piece.chord_distance())?;
-            } else if arc.radius() > MAX_RADIUS_MM {
+            } else if arc.radius() > MAX_RADIUS_MM || arc.radius() < LEAST_RADIUS_MM {
                 self.chords(&piece)?;
-            } else if let Some(block) = candidate::best(&piece, &self.grid)? {
-                self.push(block);
             } else {
-                let middle = (piece.from + piece.to) / 2.0;
-                open.push(Piece { from: middle, ..piece });
-                open.push(Piece { to: middle, ..piece });
+                match candidate::best(&piece, &self.grid)? {
+                    Some(block) if block.is_too_small() => self.chords(&piece)?,
+                    Some(block) => self.push(block),
+                    None => {
+                        let middle = (piece.from + piece.to) / 2.0;
+                        open.push(Piece { from: middle, ..piece });
+                        open.push(Piece { to: middle, ..piece });
+                    }
+                }
             }
         }
         Ok(())
@@ -274,7 +292,9 @@ impl Output {
     /// Lines along a piece, each no farther from it than half a step before its ends are rounded.
     fn chords(&mut self, piece: &Piece) -> Result<(), QuantizeError> {
         let sagitta = MIN_SAGITTA_STEPS * self.grid.step_mm();
-        let half_angle = 2.0 * (sagitta / (2.0 * piece.arc.radius())).sqrt().asin();
+        // At most half a turn each.
+        let part = (sagitta / (2.0 * piece.arc.radius())).min(0.5);
+        let half_angle = 2.0 * part.sqrt().asin();
         let count = (piece.sweep() / (2.0 * half_angle)).ceil().max(1.0);
         if count > MAX_PIECES as f64 {
             return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });

@@ -62,7 +62,10 @@ pub struct EndTangents {
 /// The end conditions of the cubic splines along both directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Ends {
+    /// As `NotAKnot`, where nobody asked for it by name: through too few points for it runs the polynomial, and there is nothing
+    /// to warn of.
     #[default]
+    Usual,
     Natural,
     NotAKnot,
     Clamped(EndTangents),
@@ -167,7 +170,9 @@ impl PointGrid {
     fn end_conditions(&self) -> [Box<dyn Fn(usize) -> EndCondition + '_>; 2] {
         match &self.ends {
             Ends::Natural => [Box::new(|_| EndCondition::Natural), Box::new(|_| EndCondition::Natural)],
-            Ends::NotAKnot => [Box::new(|_| EndCondition::NotAKnot), Box::new(|_| EndCondition::NotAKnot)],
+            Ends::Usual | Ends::NotAKnot => {
+                [Box::new(|_| EndCondition::NotAKnot), Box::new(|_| EndCondition::NotAKnot)]
+            }
             Ends::Bessel => [Box::new(|_| EndCondition::Bessel), Box::new(|_| EndCondition::Bessel)],
             Ends::Clamped(t) => [
                 Box::new(|j| EndCondition::Clamped(t.u0[j], t.u1[j])),

@@ -16,9 +16,9 @@ const PART_ID: &str = "part_id";
 
 /// The picture with the words below it.
 pub fn picture<R>(outcome: &Outcome<R>) -> String {
-    let mut notes = notes(outcome);
+    let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
+    let mut notes: Vec<String> = warnings.chain(notes(outcome)).collect();
     notes.extend(outcome.cut.iter().flat_map(setup));
-    notes.extend(told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}")));
     plot::svg(&Scene {
         title: &title(outcome),
         notes: &notes,
@@ -41,7 +41,7 @@ fn setup(cut: &Cut) -> Vec<String> {
     let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
     let mut lines = vec![program_line(program, dialect.name), offset_line(program)];
     lines.extend(tool.iter().map(tool_line));
-    lines.push(driving_line(cutting));
+    lines.extend(driving_lines(cutting));
     let plain = measure(toolpath, cutting.rapid_feed).total_time_s;
     if let Some((plain, with_ramps)) =
         plain.zip(motion_time(toolpath, cutting.rapid_feed, cutting.acceleration))
@@ -81,7 +81,7 @@ fn tool_line(tool: &Tool) -> String {
     format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{corner}", 2.0 * tool.radius_mm)
 }
 
-fn driving_line(cutting: &Cutting) -> String {
+fn driving_lines(cutting: &Cutting) -> [String; 3] {
     let spindle = cutting.spindle_rpm.map_or("not started".to_owned(), |rpm| format!("{rpm} rpm"));
     let coolant = match cutting.coolant {
         Coolant::Off => "off",
@@ -89,10 +89,11 @@ fn driving_line(cutting: &Cutting) -> String {
         Coolant::Mist => "mist",
     };
     let [feed, plunge] = [cutting.feed, cutting.plunge_feed].map(|feed| feed.mm_per_min());
-    format!(
-        "spindle: {spindle}, coolant: {coolant}, feed: {feed} mm/min, plunge: {plunge} mm/min, clearance: Z{} mm",
-        cutting.clearance_z_mm
-    )
+    [
+        format!("spindle: {spindle}, coolant: {coolant}"),
+        format!("feed: {feed}, plunge: {plunge} mm/min"),
+        format!("clearance: Z {} mm", cutting.clearance_z_mm),
+    ]
 }
 
 /// Warnings as people read them in a program and on a sheet.

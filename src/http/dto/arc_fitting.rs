@@ -22,10 +22,10 @@ use crate::http::pointer::Pointer;
 use crate::http::v1::dialects;
 use crate::operations::arc_fitting as core;
 use crate::post::Dialect;
-use crate::post::rewrite::{Figures, RewriteJob};
+use crate::post::rewrite::{self, Figures, RewriteJob};
 use crate::toolpath::{program, tool};
 
-/// Fitting the fewest arcs and lines to a polyline.
+/// Fitting the fewest arcs and lines to a polyline. An arc turns by at most 180 degrees between two neighbouring points.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
@@ -209,14 +209,44 @@ pub struct ProgramReport {
     /// Proved: nothing that was written is farther from the lines that it stands for, nor they from it, as a control may
     /// run it.
     deviation_max_mm: f64,
+    /// Lines that move an axis.
+    n_motions: u64,
+    /// Cutting lines that could be in no run, by what kept them out of one.
+    #[schema(inline)]
+    left_alone: LeftAlone,
     bytes_in: u64,
     bytes_out: u64,
 }
 
+/// Why cutting lines were left as they are, and how many.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct LeftAlone {
+    /// Variables, expressions, and words that are not understood.
+    macros: u64,
+    /// Axes beside X, Y and Z.
+    other_axes: u64,
+    /// Cutter compensation, absolute centres, feeds by time, or a mode of which nothing is known.
+    modes: u64,
+}
+
 impl From<Figures> for ProgramReport {
     fn from(figures: Figures) -> Self {
-        let Figures { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, bytes_in, bytes_out } = figures;
-        Self { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, bytes_in, bytes_out }
+        let Figures { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, n_motions, left_alone, .. } =
+            figures;
+        let rewrite::LeftAlone { macros, other_axes, modes } = left_alone;
+        let left_alone = LeftAlone { macros, other_axes, modes };
+        let Figures { bytes_in, bytes_out, .. } = figures;
+        Self {
+            n_runs,
+            n_points,
+            n_arcs,
+            n_lines,
+            deviation_max_mm,
+            n_motions,
+            left_alone,
+            bytes_in,
+            bytes_out,
+        }
     }
 }
 

@@ -3,8 +3,13 @@
 
 use std::sync::Arc;
 
+use axum::body::Body;
 use axum::extract::{FromRequest, FromRequestParts, Request, State};
+use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use futures_util::StreamExt;
+use futures_util::future::ready;
+use futures_util::stream::once;
 use nalgebra::Point3;
 
 use crate::budget::Budget;
@@ -13,7 +18,7 @@ use crate::http::dto::answer::Answer;
 use crate::http::dto::arc_fitting::{AnyFitReport, FitJob, FitRequest, ProgramQuery};
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
-use crate::http::extract::{JobBody, StrictQuery, media_type};
+use crate::http::extract::{JobBody, StrictQuery, media_type, next_bytes};
 use crate::http::output::{self, Encoded, GCODE, Representation};
 use crate::http::pointer::Pointer;
 use crate::http::program_stream::ProgramStream;
@@ -35,7 +40,15 @@ use crate::toolpath::units::rounded_up_mm;
     request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
     responses((status = 200, description = "The elements, in one of their forms.", body = Answer<AnyFitReport>)))]
 pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
-    let is_program = media_type(request.headers()).is_some_and(|name| GCODE.contains(&name.as_str()));
+    let (is_program, request) = match media_type(request.headers()) {
+        Some(name) if GCODE.contains(&name.as_str()) => (true, request),
+        // No type, or what curl says of `-d` when told nothing.
+        None => looks_like_program(&app, request).await?,
+        Some(name) if name == "application/x-www-form-urlencoded" => {
+            looks_like_program(&app, request).await?
+        }
+        Some(_) => (false, request),
+    };
     if is_program {
         return fit_program(&app, request).await;
     }
@@ -43,6 +56,26 @@ pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<R
     let wanted = Wanted::<Toolpaths>::from_request_parts(&mut parts, &app).await?;
     let body = JobBody::<FitRequest>::from_request(Request::from_parts(parts, body), &app).await?;
     answer(&app, wanted, body, fit).await
+}
+
+/// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a comment, or a letter with a
+/// number. The request comes back with its body whole. What is coded is taken for JSON.
+async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {
+    if request.headers().contains_key(header::CONTENT_ENCODING) {
+        return Ok((false, request));
+    }
+    let (parts, mut body) = request.into_parts();
+    let Some(first) = next_bytes(&mut body, app).await? else {
+        return Ok((false, Request::from_parts(parts, body)));
+    };
+    let is_program = match first.trim_ascii_start() {
+        [b'%' | b'(' | b';' | b'/', ..] => true,
+        [letter, digit, ..] => letter.is_ascii_alphabetic() && digit.is_ascii_digit(),
+        _ => false,
+    };
+    let rest = body.into_data_stream();
+    let body = Body::from_stream(once(ready(Ok(first))).chain(rest));
+    Ok((is_program, Request::from_parts(parts, body)))
 }
 
 async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiError> {
@@ -99,19 +132,22 @@ impl From<&arc_fitting::Warning> for Warning {
             arc_fitting::Warning::RoundingExceedsTolerance { deviation_mm } => (
                 WarningCode::RoundingExceedsTolerance,
                 format!(
-                    "the program rounds to its decimals: it may be {deviation_mm} mm from the points, beyond the tolerance; more decimals would help"
+                    "the program rounds to its decimals: it may be {:.4} mm from the points, beyond the tolerance; more decimals would help",
+                    rounded_up_mm(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::CoarseSamples { deviation_mm } => (
                 WarningCode::CoarseSamples,
                 format!(
-                    "the points are taken as samples of a smooth curve; from the lines between them the elements are up to {deviation_mm} mm away; where the lines are the shape, ask for `measure: polyline`"
+                    "the points are taken as samples of a smooth curve; from the lines between them the elements are up to {:.4} mm away; where the lines are the shape, ask for `measure: polyline`",
+                    rounded_up_mm(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(
-                    "this method knows no tolerance: its elements are up to {deviation_mm} mm away, by the measure that was asked for"
+                    "this method knows no tolerance: its elements are up to {:.4} mm away, by the measure that was asked for",
+                    rounded_up_mm(*deviation_mm)
                 ),
             ),
         };

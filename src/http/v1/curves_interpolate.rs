@@ -77,13 +77,15 @@ impl From<&interpolation::Warning> for Warning {
             interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self {
                 code: WarningCode::RoundingLeavesBand,
                 detail: format!(
-                    "the program rounds to its decimals: it may be {deviation_mm} mm from the curve, beyond the band; more decimals would help"
+                    "the program rounds to its decimals: it may be {:.4} mm from the curve, beyond the band; more decimals would help",
+                    rounded_up_mm(*deviation_mm)
                 ),
             },
             interpolation::Warning::ContourNotReached { uncut_mm } => Self {
                 code: WarningCode::ContourNotReached,
                 detail: format!(
-                    "the contour is curved more tightly than the cutter: it is left uncut by up to some {uncut_mm} mm"
+                    "the contour is curved more tightly than the cutter: it is left uncut by up to some {:.4} mm",
+                    rounded_up_mm(*uncut_mm)
                 ),
             },
         }

@@ -18,7 +18,7 @@ use tokio::sync::mpsc;
 use toolpathd::http::{App, router};
 use tower::ServiceExt;
 
-use super::support::{Answer, Server, app, aside, connect, post, write};
+use super::support::{Answer, Server, app, aside, connect, post, send, write};
 
 const FIT: &str = "/v1/arcs/fit";
 const SINE: &str = include_str!("../../../openapi/examples/arcs-fit/sine.json");
@@ -113,7 +113,7 @@ async fn what_is_not_said_is_optimal_through_points_that_are_samples() {
     let plain = answer(json!({})).await;
     let defaults = json!({
         "method": "optimal", "continuity": "position", "measure": "points", "joints": "free", "closed": false,
-        "plane": null, "tool": null,
+        "plane": null,
     });
     assert_eq!(answer(defaults).await, plain);
     for (name, other) in [("method", "biarc"), ("continuity", "tangent"), ("measure", "polyline")] {
@@ -268,6 +268,7 @@ async fn the_figures_of_a_program_come_without_it() {
     assert!((0.000_25..=0.005).contains(&deviation), "{deviation}");
     let expected = json!({
         "n_runs": 1, "n_points": 400, "n_arcs": 1, "n_lines": 0, "deviation_max_mm": null,
+        "n_motions": 404, "left_alone": { "macros": 0, "other_axes": 0, "modes": 0 },
         "bytes_in": program().len(), "bytes_out": fitted().len(),
     });
     assert_eq!(report, expected);
@@ -419,4 +420,38 @@ async fn what_is_ready_is_answered_while_the_rest_is_sent_and_breaks_off_at_a_fa
     })
     .await;
     server.stop().await;
+}
+
+/// Arcs whose radius a control takes for zero were written as arcs.
+#[tokio::test]
+async fn tiny_arcs_are_written_as_lines() {
+    let points: Vec<_> =
+        (0..=12).map(|k| 0.5 * f64::from(k)).map(|a| [1e-3 * a.cos(), 1e-3 * a.sin()]).collect();
+    let body = json!({
+        "polyline": points, "tolerance_mm": 1e-5, "program": { "decimals": 5 }, "cutting": { "feed_mm_per_min": 100 },
+    });
+    let answer = post(&app(&["--workers", "1"]), &format!("{FIT}?format=gcode"), body.to_string(), &[]).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let blocks = answer.text().lines().filter(|line| !line.starts_with('(')).collect::<Vec<_>>().join("\n");
+    assert!(!blocks.contains("G2 ") && !blocks.contains("G3 ") && blocks.contains("G1 "), "{blocks}");
+}
+
+#[tokio::test]
+async fn programs_are_known_by_their_beginning_and_may_be_put() {
+    let app = app(&["--workers", "1"]);
+    let path = format!("{FIT}?{QUERY}");
+    for program in ["%\nO1\nG21 G90\nG1 X1 F100\n", "(part)\nG0 X0\n", "N10 G0 X5\n", "g1 x5 f100\n"] {
+        let form = [("content-type", "application/x-www-form-urlencoded")];
+        let answer = rewrite(&app, QUERY, program, &form).await;
+        assert_eq!((answer.status.as_u16(), answer.text().as_str()), (200, program));
+        let put = Request::put(&path).body(Body::from(program)).expect("a request");
+        assert_eq!(send(&app, put).await.text(), program);
+    }
+    for text in ["%\n(nothing)\n%\n", "; only words\n", "M3 S100\nM30\n"] {
+        let answer = rewrite(&app, QUERY, text, &[]).await;
+        assert_eq!((answer.status.as_u16(), answer.code().as_str()), (422, "no_motion"), "{text}");
+    }
+    let text = "G21 G90 G17\nG1 X1 F100\nX2 A3\nX#1\nG41 D1\nG1 X3\nG1 X4\nG40\n";
+    let report = rewrite(&app, QUERY, text, &[FIGURES]).await.json()["report"].clone();
+    assert_eq!(report["left_alone"], json!({ "macros": 1, "other_axes": 1, "modes": 2 }), "{report}");
 }

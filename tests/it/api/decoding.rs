@@ -191,3 +191,73 @@ impl axum::body::HttpBody for Parts {
         std::task::Poll::Ready(self.0.pop_front().map(|part| Ok(hyper::body::Frame::data(part))))
     }
 }
+
+#[tokio::test]
+async fn all_violations_are_told_at_once() {
+    let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+    body["tool"] = json!({ "shape": "ball", "diameter_mm": "six", "colour": "red" });
+    body["tolerance_mm"] = json!(-1);
+    body["cutting"] = json!({ "coolant": "flood" });
+    body["strategy"]["stepover_mm"] = json!(true);
+    let answer = mill(body.to_string()).await;
+    assert_eq!(answer.status, 422);
+    let mut found = answer.violations();
+    found.sort();
+    let expected = [
+        ("missing_field", "#/cutting/feed_mm_per_min"),
+        ("out_of_range", "#/tolerance_mm"),
+        ("unknown_field", "#/tool/colour"),
+        ("wrong_type", "#/strategy/stepover_mm"),
+        ("wrong_type", "#/tool/diameter_mm"),
+    ];
+    assert_eq!(found, expected.map(|(code, at)| (code.to_owned(), at.to_owned())));
+    for word in ["f64", "u32", "struct", "enum", "variant", "line 1"] {
+        assert!(!answer.text().contains(word), "{word}: {}", answer.text());
+    }
+}
+
+#[tokio::test]
+async fn what_is_said_of_a_stand_in_is_left_out() {
+    for (pointer, value) in [
+        ("/surface/kind", json!("hill")),
+        ("/surface", json!("hill")),
+        ("/tool/shape", json!("round")),
+        ("/strategy/kind", json!(7)),
+        ("/program", json!({ "decimals": 1.5 })),
+    ] {
+        let answer = mill(with(pointer, value)).await;
+        let found = answer.violations();
+        assert_eq!(found.len(), 1, "{pointer}: {found:?}");
+    }
+}
+
+#[tokio::test]
+async fn whole_numbers_may_have_a_point() {
+    for number in [7.0, 12.0] {
+        let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+        body["program"] = json!({ "number": 3, "decimals": 3 });
+        body["tool"]["number"] = json!(number);
+        let text = body.to_string();
+        assert!(text.contains(&format!("{number:.1}")), "{text}");
+        assert_eq!(mill(text).await.status, 200);
+    }
+    assert_eq!(mill(with("/tool/number", json!(7.5))).await.status, 422);
+}
+
+#[tokio::test]
+async fn well_known_texts_that_are_no_json_are_named() {
+    let utf16: Vec<u8> = ONE_PASS.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let with_mark = [&[0xef, 0xbb, 0xbf], ONE_PASS.as_bytes()].concat();
+    for (body, word) in [
+        (utf16, "UTF-16"),
+        (with_mark, "byte order mark"),
+        (b"x,y,z\n1,2,3\n4,5,6\n".to_vec(), "comma-separated"),
+        (b"1;2;3\n4;5;6\n".to_vec(), "comma-separated"),
+        (ONE_PASS.replace("0.01", "NaN").into_bytes(), "NaN"),
+        (ONE_PASS.replace("0.01", "-Infinity").into_bytes(), "Infinity"),
+    ] {
+        let answer = mill(body).await;
+        assert_eq!((answer.status.as_u16(), answer.code().as_str()), (400, "malformed_json"));
+        assert!(answer.text().contains(word), "{word}: {}", answer.text());
+    }
+}

@@ -343,3 +343,41 @@ async fn ten_thousand_characters_are_refused_by_name() {
     let pointers: Vec<_> = write(&body).await.violations().into_iter().map(|(_, at)| at).collect();
     assert_eq!(pointers, ["#/program/name", "#/meta/part_id"]);
 }
+
+/// A program without a clearance height ended at the height where it had cut.
+#[tokio::test]
+async fn without_a_height_a_program_goes_above_what_it_cuts() {
+    let level = |cutting: Value| {
+        json!({
+            "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": [
+                { "kind": "line", "to": [50, 0, 0], "feed_mm_per_min": 600, "role": "cut" } ] }] },
+            "cutting": cutting, "tool": { "shape": "flat", "diameter_mm": 6, "number": 5 },
+            "program": { "work_offset": "G54" },
+        })
+    };
+    let answer = write(&level(json!({ "feed_mm_per_min": 600, "spindle_rpm": 8000 }))).await;
+    let text = answer.text();
+    assert!(text.contains("G0 Z20.000\nX0.000 Y0.000\nZ0.000\nG1 X50.000 F600\nG0 Z20.000\nM5"), "{text}");
+    assert!(text.contains("(WARNING: CLEARANCE_CHOSEN - "), "{text}");
+    assert_eq!(answer.headers["toolpathd-warnings"], "clearance_chosen");
+    for clearance in [-1, 0] {
+        let given = json!({ "feed_mm_per_min": 600, "clearance_z_mm": clearance });
+        let answer = write(&level(given)).await;
+        assert_eq!(answer.violations()[0].1, "#/cutting/clearance_z_mm", "{}", answer.text());
+    }
+    let given = json!({ "feed_mm_per_min": 600, "spindle_rpm": 8000, "clearance_z_mm": 5 });
+    let answer = write(&level(given)).await;
+    assert!(!answer.headers.contains_key("toolpathd-warnings") && !answer.text().contains("WARNING"));
+}
+
+#[tokio::test]
+async fn names_in_other_scripts_stay_readable() {
+    let mut body = example("one-line");
+    body["program"] = json!({ "dialect": "fanuc", "number": 4711, "name": "M\u{fc}ller, 7/8\" #3" });
+    let answer = write(&body).await;
+    assert!(
+        answer.text().starts_with("%\r\nO4711 (MULLER 7/8 #3)")
+            || answer.text().starts_with("%\nO4711 (MULLER 7/8 #3)")
+    );
+    assert!(answer.headers["content-disposition"].to_str().expect("text").contains("Muller"));
+}

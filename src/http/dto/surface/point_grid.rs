@@ -35,10 +35,9 @@ pub struct PointGrid {
     #[serde(default)]
     #[schema(default = "spline")]
     twist: Twist,
-    /// The end conditions of the splines; `clamped` takes the tangents of `end_tangents`.
-    #[serde(default)]
-    #[schema(default = "natural")]
-    ends: Ends,
+    /// The end conditions of the splines; `clamped` takes the tangents of `end_tangents`. `natural` has no curvature at the
+    /// edges, which bends the rim of a part that was measured. Default: `not_a_knot`.
+    ends: Option<Ends>,
     #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
 }
@@ -51,10 +50,9 @@ pub enum Twist {
     Zero,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    #[default]
     Natural,
     NotAKnot,
     Clamped,
@@ -94,8 +92,8 @@ impl PointGrid {
         let Some(size) = grid::check_points(&at.field("points"), points, limits, violations) else { return };
         let at_tangents = at.field("end_tangents");
         match (ends, end_tangents) {
-            (Ends::Clamped, Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),
-            (Ends::Clamped, None) => {
+            (Some(Ends::Clamped), Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),
+            (Some(Ends::Clamped), None) => {
                 let detail = "`end_tangents` is required with `ends: clamped`";
                 violations.add(&at_tangents, FieldCode::MissingField, detail);
             }
@@ -136,10 +134,11 @@ impl From<PointGrid> for core::PointGrid {
                 Twist::Zero => core::Twist::Zero,
             },
             ends: match (ends, end_tangents) {
-                (Ends::Clamped, Some(tangents)) => core::Ends::Clamped(tangents.into()),
-                (Ends::Natural | Ends::Clamped, _) => core::Ends::Natural,
-                (Ends::NotAKnot, _) => core::Ends::NotAKnot,
-                (Ends::Bessel, _) => core::Ends::Bessel,
+                (Some(Ends::Clamped), Some(tangents)) => core::Ends::Clamped(tangents.into()),
+                (None | Some(Ends::Clamped), _) => core::Ends::Usual,
+                (Some(Ends::Natural), _) => core::Ends::Natural,
+                (Some(Ends::NotAKnot), _) => core::Ends::NotAKnot,
+                (Some(Ends::Bessel), _) => core::Ends::Bessel,
             },
         }
     }

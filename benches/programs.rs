@@ -57,6 +57,7 @@ fn write(c: &mut Criterion) {
                 cutting: &cutting,
                 dialect,
                 comments: &[],
+                warnings: &[],
             };
             group.bench_with_input(BenchmarkId::new(dialect.name, n), &path, |b, path| {
                 b.iter(|| post::write(black_box(path), &job, &Budget::unlimited()).unwrap());

@@ -194,8 +194,8 @@ fn as_lines(pieces: &[Piece], points: &[Point3<f64>], chosen: impl Iterator<Item
         if !is_chosen {
             chain.push(*piece);
         } else {
-            for end in first + 1..=piece.end {
-                let to = if end == piece.end && !is_whole { piece.curve.end() } else { points[end] };
+            for (end, point) in points.iter().enumerate().take(piece.end + 1).skip(first + 1) {
+                let to = if end == piece.end && !is_whole { piece.curve.end() } else { *point };
                 if to != at {
                     chain.push(Piece { end, curve: Curve::Line(Line { start: at, end: to }) });
                     at = to;

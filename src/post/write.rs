@@ -24,8 +24,6 @@ const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 /// A warning longer than this is cut short: its beginning says what is the matter.
 const MAX_WARNING_LENGTH: usize = 600;
 
-/// Tool and length offset of a job that names no tool.
-
 /// The text of a whole program.
 ///
 /// # Errors

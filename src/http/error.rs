@@ -181,8 +181,10 @@ pub enum FieldCode {
     Syntax,
     /// The expression has no value somewhere in its domain; `offset` names the operation.
     Undefined,
-    /// Neighbouring points coincide.
+    /// Neighbouring points, or rows or columns of them, coincide.
     Coincident,
+    /// A row of points runs the other way than the one before it.
+    ReversedRow,
     FeedRequired,
 }
 

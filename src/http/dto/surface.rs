@@ -4,6 +4,7 @@ mod bezier_patches;
 mod failure;
 mod ferguson;
 mod grid;
+mod grid_order;
 mod normal_sweep;
 pub mod nurbs;
 mod parallel_sweep;

@@ -261,3 +261,28 @@ async fn well_known_texts_that_are_no_json_are_named() {
         assert!(answer.text().contains(word), "{word}: {}", answer.text());
     }
 }
+
+/// What cannot be a part is named with the first place to blame, before anything is computed.
+#[tokio::test]
+async fn faults_of_grids_are_named_at_once() {
+    let grid = || -> Vec<Vec<Value>> {
+        (0..6).map(|i| (0..7).map(|j| json!([10 * i, 8 * j, (i * j) % 5])).collect()).collect()
+    };
+    let mut row = grid();
+    row[3] = row[2].clone();
+    let mut column = grid();
+    column.iter_mut().for_each(|row| row[4] = row[3].clone());
+    let mut alternating = grid();
+    alternating.iter_mut().skip(1).step_by(2).for_each(|row| row.reverse());
+    for (points, code, pointer) in [
+        (vec![vec![json!([1, 2, 3]); 4]; 4], "coincident", "#/surface/points"),
+        (row, "coincident", "#/surface/points/3"),
+        (column, "coincident", "#/surface/points/0/4"),
+        (alternating, "reversed_row", "#/surface/points/1"),
+    ] {
+        let answer = mill(with("/surface/points", json!(points))).await;
+        assert_eq!(answer.status, 422, "{}", answer.text());
+        assert_eq!(answer.violations(), [(code.to_owned(), pointer.to_owned())]);
+    }
+    assert_eq!(mill(with("/surface/points", json!(grid()))).await.status, 200);
+}

@@ -56,7 +56,14 @@ pub fn check(directory: &Path) -> Result<String, String> {
     let cutting = plan.cutting.ok_or("no conditions")?;
     let written = post::write(
         &plan.toolpath,
-        &ProgramJob { program: &program, tool: None, cutting: &cutting, dialect: linuxcnc, comments: &[] },
+        &ProgramJob {
+            program: &program,
+            tool: None,
+            cutting: &cutting,
+            dialect: linuxcnc,
+            comments: &[],
+            warnings: &[],
+        },
         &Budget::unlimited(),
     )
     .map_err(|error| error.to_string())?;

@@ -99,6 +99,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             cutting: &case.cutting,
             dialect,
             comments: &[],
+            warnings: &[],
         };
         let name = format!("random{seed}");
         let found = post::write(&case.toolpath, &job, &Budget::unlimited())

@@ -59,8 +59,8 @@ pub fn case(seed: u64) -> Case {
     Case {
         toolpath: path.finish().unwrap_or_else(|error| unreachable!("{error}")),
         tool: Tool {
-            number: 1 + random.below(99) as u32,
-            length_offset: 1 + random.below(99) as u32,
+            number: Some(1 + random.below(99) as u32),
+            length_offset: Some(1 + random.below(99) as u32),
             ..Tool::ball(3.0)
         },
         cutting: CuttingRequest {

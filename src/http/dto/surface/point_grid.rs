@@ -5,7 +5,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 use utoipa::openapi::schema::Schema;
 
-use super::grid;
+use super::{grid, grid_order};
 use crate::config::Limits;
 use crate::geometry::surface::point_grid as core;
 use crate::http::dto::check::Violations;
@@ -90,6 +90,7 @@ impl PointGrid {
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         let Self { _kind: _, points, twist: _, ends, end_tangents } = self;
         let Some(size) = grid::check_points(&at.field("points"), points, limits, violations) else { return };
+        grid_order::check(&at.field("points"), points, violations);
         let at_tangents = at.field("end_tangents");
         match (ends, end_tangents) {
             (Some(Ends::Clamped), Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),

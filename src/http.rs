@@ -37,7 +37,6 @@ use std::time::Duration;
 use axum::Router;
 use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::{from_fn, from_fn_with_state};
-use axum::routing::put;
 use tokio::sync::Semaphore;
 use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -108,8 +107,6 @@ impl App {
 pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
-        // What `curl -T` sends: a program that is put where it becomes another one.
-        .route("/v1/arcs/fit", put(v1::arcs_fit::fit_arcs))
         .merge(docs::routes())
         .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
         .with_state(Arc::clone(app))

@@ -97,7 +97,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
 /// Every route with its documentation.
 pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
-        .routes(routes!(v1::arcs_fit::fit_arcs))
+        .routes(routes!(v1::arcs_fit::fit_arcs, v1::arcs_fit::put_arcs))
         .routes(routes!(v1::curves_interpolate::interpolate_curve))
         .routes(routes!(v1::surfaces_drop::drop_cutter))
         .routes(routes!(v1::surfaces_mill::mill_surface))
@@ -141,13 +141,17 @@ fn add_representations(document: &mut Value) {
         "description": "`sha-256=:...:` by RFC 9530, of the bytes that are sent: after content coding. Not with events.",
         "schema": { "type": "string", "pattern": "^sha-256=:[A-Za-z0-9+/]{43}=:$" },
     });
+    document["components"]["headers"]["Warnings"] = json!({
+        "description": "The codes of all `warnings`, with commas; absent where there are none, and with events.",
+        "schema": { "type": "string" },
+    });
     document["components"]["headers"]["ServerTiming"] = json!({
         "description": "Milliseconds in `queue`, `parse`, `compute` and `encode`. Not with events.",
         "schema": { "type": "string" },
     });
     let paths = document["paths"].as_object_mut();
-    for post in paths.into_iter().flat_map(|paths| paths.values_mut()).filter_map(|item| item.get_mut("post"))
-    {
+    let operations = paths.into_iter().flat_map(|paths| paths.values_mut()).filter_map(Value::as_object_mut);
+    for (_, post) in operations.flatten().filter(|(method, _)| ["post", "put"].contains(&method.as_str())) {
         let parameters = post["parameters"].as_array().into_iter().flatten();
         let format = parameters.clone().find(|parameter| parameter["name"] == "format");
         let Some(names) = format.and_then(|format| format["schema"]["enum"].as_array()).cloned() else {
@@ -164,6 +168,7 @@ fn add_representations(document: &mut Value) {
             json!({ "schema": { "type": "string", "description": EVENTS_DESCRIPTION } });
         answer["headers"]["repr-digest"] = json!({ "$ref": "#/components/headers/ReprDigest" });
         answer["headers"]["server-timing"] = json!({ "$ref": "#/components/headers/ServerTiming" });
+        answer["headers"]["toolpathd-warnings"] = json!({ "$ref": "#/components/headers/Warnings" });
     }
 }
 

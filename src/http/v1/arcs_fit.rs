@@ -58,6 +58,15 @@ pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<R
     answer(&app, wanted, body, fit).await
 }
 
+/// As `POST`: what `curl -T` sends, a program that is put where it becomes another one.
+#[utoipa::path(put, path = "/v1/arcs/fit", operation_id = "putArcs", tag = "curves",
+    params(Wanted<Toolpaths>, ProgramQuery),
+    request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
+    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<AnyFitReport>)))]
+pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
+    fit_arcs(state, request).await
+}
+
 /// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a comment, or a letter with a
 /// number. The request comes back with its body whole. What is coded is taken for JSON.
 async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {

@@ -9,7 +9,7 @@
 //!    by the angle a, are no farther apart than at the ends and r a^2 / 8.
 //!
 //! # Guarantees
-//! What is returned bounds the distance for places in order from the first to the last, whatever they are: wrong places
+//! The result bounds the distance for places in order from the first to the last, whatever they are: wrong places
 //! make it larger, never smaller. It shares nothing with the fit whose curves it judges.
 //!
 //! # Cost
@@ -153,7 +153,7 @@ impl<'a> Track<'a> {
             Self::Line { .. } => 0.0,
             Self::Arc { radius, sweep, rise, .. } => {
                 let angle = p.y.atan2(p.x).rem_euclid(TAU);
-                // Beyond the end what is nearer to the start is seen from there.
+                // A point beyond the end that is nearer to the start has a negative angle.
                 let mut at = if angle - sweep > TAU - angle { angle - TAU } else { angle };
                 if *rise != 0.0 {
                     let (climb, size) = (rise / sweep, p.xy().norm() * radius);
@@ -252,7 +252,8 @@ impl<'a> Track<'a> {
             let middle = (ends[0] + ends[1]) * 0.5;
             let foot = self.foot(&middle);
             let is_inside = places[0] < foot && foot < places[1];
-            // What lies beyond an end stands there, but the rest of a long way round is not left to the other half.
+            // A middle beyond an end has its place at that end. On a long way round it takes the middle place, else the other half
+            // would keep all of the turn.
             let place = if is_inside || turn < LONG_WAY {
                 foot.clamp(places[0], places[1])
             } else {

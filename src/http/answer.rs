@@ -12,6 +12,7 @@ use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::dto::answer::Answer;
+use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code, FieldCode, FieldError};
@@ -27,8 +28,10 @@ use crate::plot::Drawing;
 use crate::post::{self, Dialect, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::program::Program;
 use crate::toolpath::tool::Tool;
+use crate::toolpath::units::FeedRate;
 
 /// What a computation comes to, before it is known in which form it is wanted.
 pub struct Outcome<R> {
@@ -105,6 +108,17 @@ where
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
+/// A curve through points within the range of coordinates may leave it between them.
+fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
+    let Bounds { min, max } = measure(toolpath, FeedRate::DEFAULT_RAPID).bounds;
+    let farthest = min.coords.amax().max(max.coords.amax());
+    if farthest <= MAX_MAGNITUDE_MM {
+        return Ok(());
+    }
+    let detail = format!("the toolpath reaches {farthest} mm; coordinates end at {MAX_MAGNITUDE_MM} mm");
+    Err(ApiError::new(Code::LimitExceeded, detail))
+}
+
 /// What there is to say of any cut.
 fn cautions<R>(outcome: &Outcome<R>) -> Vec<Warning> {
     let cut = outcome.cut.iter();
@@ -128,6 +142,9 @@ fn represent<R: Serialize + ToSchema>(
     form: &Form,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
+    if let Some(cut) = &outcome.cut {
+        check_range(&cut.toolpath)?;
+    }
     outcome.warnings.extend(cautions(&outcome));
     let codes = warning_codes(&outcome.warnings);
     if form.with_nc && outcome.nc.is_none() {
@@ -211,7 +228,6 @@ mod tests {
     use crate::toolpath::Role;
     use crate::toolpath::cutting::CuttingRequest;
     use crate::toolpath::program::{Resolution, Units};
-    use crate::toolpath::units::FeedRate;
 
     #[derive(Serialize, ToSchema)]
     struct Report {

@@ -146,7 +146,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     budget.progress("measure", 0, 1);
     let mut figures = measured(&pieces, &points, job, budget)?;
     if job.fit.method != Method::Biarc {
-        // What was measured again has the last word: lines stand for what is too far away, and for all if that is not enough.
+        // The measured figure decides: lines replace curves that are too far away, and all curves if some still are.
         for is_far in [|piece: bool| piece, |_| true] {
             if figures.is_far.iter().any(|is_far| *is_far) {
                 pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));

@@ -101,7 +101,7 @@ pub fn told(warnings: &[Warning]) -> Vec<String> {
     warnings.iter().map(|warning| format!("{} - {}", warning.code.name(), warning.detail)).collect()
 }
 
-/// The caller's own words and those of the operation.
+/// The texts of the caller's `meta` and the comments of the operation.
 pub fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
     let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
     meta::notes(outcome.meta.as_ref()).chain(comments).collect()

@@ -68,7 +68,7 @@ pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Respon
 }
 
 /// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a comment, or a letter with a
-/// number. The request comes back with its body whole. What is coded is taken for JSON.
+/// number. The request comes back with its body whole. Coded bodies are taken for JSON.
 async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {
     if request.headers().contains_key(header::CONTENT_ENCODING) {
         return Ok((false, request));

@@ -455,3 +455,19 @@ async fn programs_are_known_by_their_beginning_and_may_be_put() {
     let report = rewrite(&app, QUERY, text, &[FIGURES]).await.json()["report"].clone();
     assert_eq!(report["left_alone"], json!({ "macros": 1, "other_axes": 1, "modes": 2 }), "{report}");
 }
+
+/// A spline through points near a kilometre swings beyond it, where no coordinate may be.
+#[tokio::test]
+async fn curves_that_leave_the_range_of_coordinates_are_refused() {
+    let body = json!({
+        "curve": { "kind": "points", "points": [[-999_999, 0], [0, 500_000], [999_999, 0], [999_000, -9_000], [0, 0]] },
+        "method": "arc", "band": { "below_mm": 5, "above_mm": 5 },
+    });
+    let answer = post(&app(&["--workers", "1"]), "/v1/curves/interpolate", body.to_string(), &[]).await;
+    assert_eq!(
+        (answer.status.as_u16(), answer.code().as_str()),
+        (422, "limit_exceeded"),
+        "{}",
+        answer.text()
+    );
+}

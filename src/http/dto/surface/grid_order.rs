@@ -10,8 +10,8 @@ use crate::http::pointer::Pointer;
 /// Points that are nearer than this are the same, mm.
 const SAME_MM: f64 = 1e-9;
 
-/// A row runs the other way if its points are nearer than by this part to those of the row before when they are taken in
-/// reverse.
+/// A row runs the other way if its points in reverse lie nearer to the row before: their distances in sum are less than this part of
+/// the sum in the given order.
 const REVERSED_PART: f64 = 0.5;
 
 /// Blames the first row or column that repeats the one before it, and the first row that runs the other way; a grid whose

@@ -51,7 +51,7 @@ fn operations_have_names_of_their_own_and_answer_problems() {
         }
     }
     assert_eq!(document["openapi"], "3.1.0");
-    assert_eq!(names.len(), 12);
+    assert_eq!(names.len(), 13);
 }
 
 #[test]

@@ -245,8 +245,8 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// A contact with a smaller slope may be that of a cutter on level ground. Its slope is then an error of the drop: such a point of a
-    /// rounded corner lies higher than the flat by less than the accuracy.
+    /// The slope below which a contact counts as level: a point of the rounded corner with this slope lies higher than the flat of the
+    /// cutter by less than the accuracy of a drop.
     fn level_slope(&self) -> f64 {
         let [flat, corner] = [self.cutter.flat_radius(), self.cutter.corner_radius()];
         if flat > 0.0 && corner > 0.0 {

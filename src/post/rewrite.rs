@@ -95,7 +95,7 @@ pub struct Figures {
     pub deviation_max_mm: f64,
     /// Lines of the program that move an axis.
     pub n_motions: u64,
-    /// Those of them that are moved along in feed but could be in no run.
+    /// Cutting lines that no run could take, by the reason.
     pub left_alone: LeftAlone,
     pub bytes_in: u64,
     pub bytes_out: u64,

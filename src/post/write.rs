@@ -21,7 +21,7 @@ const MAX_REMARK_LENGTH: usize = 100;
 /// Controls show so much of a program's name.
 const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 
-/// A warning longer than this is cut short: its beginning says what is the matter.
+/// Characters of a warning; the rest of a longer one is left out.
 const MAX_WARNING_LENGTH: usize = 600;
 
 /// The text of a whole program.
@@ -144,7 +144,8 @@ impl Writer<'_> {
         self.end_line_unnumbered()
     }
 
-    /// A comment line, or as many as a warning takes; text of which nothing is left after cleaning gives none.
+    /// Writes a remark as one comment line, and a warning as several where it is long. A text without any character that comments may
+    /// hold writes no line.
     fn remark(&mut self, Remark { label, text }: &Remark) -> Result<(), WriteError> {
         let Comment { open, separator, close } = self.job.dialect.comment;
         // Room for a block number beside the label and its punctuation.

@@ -21,7 +21,7 @@ pub struct Tool {
     pub radius_mm: f64,
     /// Number in the tool table, where somebody said it.
     pub number: Option<u32>,
-    /// Number of the length offset, where it is not that of the tool.
+    /// Number of the length offset; the tool's own number if absent.
     pub length_offset: Option<u32>,
 }
 

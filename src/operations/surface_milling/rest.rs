@@ -3,7 +3,7 @@
 //! # Method
 //! At places of the surface the cutter is put where its lower side would touch with the tangent plane there. Where other places lift it
 //! by then, its axis is put around the place, nearer and farther, and moved about from the best of these, for as long as its lower side
-//! comes nearer to the place from above. What is left there is the least height found times the z coordinate of the unit normal.
+//! comes nearer to the place from above. The stock left at the place is the least height found times the z coordinate of the unit normal.
 //!
 //! # Guarantees
 //! None between the places: the figure is sampled. At them it is too low by `TIP_ACCURACY_MM` at most.

@@ -1,5 +1,5 @@
-//! What is stated of fits of points near their resolution, and of small whole numbers: never refused for a fault, and no less than
-//! what a dense check in order finds.
+//! Fits of small whole numbers and of points near their resolution: no job ends in a fault, and no stated deviation is below what a
+//! dense check in order finds.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -46,7 +46,7 @@ fn job(points: Vec<Point3<f64>>, tolerance_mm: f64, random: &mut Random) -> Job 
     job
 }
 
-/// Points along what is cut, and the largest step between them.
+/// Dense points of the cutting moves, and the largest step between two of them.
 fn way(plan: &Plan) -> (Vec<Point3<f64>>, f64) {
     let curves = plan.toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut, .. } => Some(*along),

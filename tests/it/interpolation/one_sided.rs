@@ -12,7 +12,7 @@ struct Case {
     /// Below and above the curve, mm.
     sides: [f64; 2],
     method: &'static str,
-    /// As many elements as the best chain over a fine grid of joints has.
+    /// The number of elements of the best chain over a fine grid of joints.
     most: usize,
 }
 

@@ -51,7 +51,7 @@ impl Bow {
         }
     }
 
-    /// How much the bow grows when the middle of the element moves by so many mm; nearly so for arcs.
+    /// The change of bow that moves the middle of an element by `mm`; for arcs to first order.
     pub fn rise(&self, mm: f64) -> f64 {
         match *self {
             Self::Arcs { start, end } => 2.0 * mm / (end - start).norm(),

@@ -227,7 +227,7 @@ mod tests {
     use crate::http::request_id::RequestId;
     use crate::toolpath::Role;
     use crate::toolpath::cutting::CuttingRequest;
-    use crate::toolpath::program::{Resolution, Units};
+    use crate::toolpath::program::{Resolution, SafeHome, Units};
 
     #[derive(Serialize, ToSchema)]
     struct Report {
@@ -249,6 +249,7 @@ mod tests {
                 name: Some("die".to_owned()),
                 block_numbers: false,
                 work_offset: None,
+                safe_home: SafeHome::None,
             },
             dialect: post::DIALECTS[0],
             comments: vec!["PROVED".to_owned()],

@@ -2,6 +2,7 @@
 //! side does not compile until it is handled on the other.
 
 pub mod answer;
+pub mod approach;
 pub mod arc_fitting;
 pub mod check;
 pub mod curve;

@@ -12,7 +12,7 @@
 //!    passes leave between them (`scallop`).
 //! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
 //!    off. `passes`: the CL points of each section are joined by arcs and lines (Ju, section 4).
-//! 4. `links`: one way or zigzag, the passes are joined by links, or by retract, rapid and plunge.
+//! 4. `links`: one way or zigzag, the passes are joined by links, or the cutter leaves one and enters the next (`entries`).
 //! 5. Every move of every cutter, as computed and as it will be written, is certified against the surface (`certificate`).
 //!
 //! # Guarantees
@@ -40,6 +40,7 @@
 mod certificate;
 mod cl_cartesian;
 mod deviation;
+mod entries;
 mod job;
 mod links;
 mod outline;
@@ -61,7 +62,8 @@ use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};
 pub use job::{
-    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Engine, Interpolation, Job, SectionPlane, Spacing,
+    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Engine, Entry, Exit, Interpolation, Job, SectionPlane,
+    Spacing, Stock,
 };
 
 /// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
@@ -107,6 +109,10 @@ pub enum Warning {
     PassesApart { stepover_mm: f64 },
     /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does not go there.
     ShortPiecesLeftOut { count: usize, longest_mm: f64 },
+    /// Nobody says what stands over the surface: rapids come down to this far above it.
+    StockNotGiven { approach_mm: f64 },
+    /// So many entries and exits of those asked for are not clear: there the cutter goes straight down or up.
+    EntryNotClear { count: usize },
     /// The path is one for roughing, and cuts this deep into the surface.
     RoughingPathGouges { depth_mm: f64 },
 }

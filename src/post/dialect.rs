@@ -96,13 +96,15 @@ pub enum Frame {
         after: &'static str,
     },
     WorkOffset,
+    /// The way up to the machine's end of Z, as the program asks for it.
+    SafeHome,
     ToolChange,
     SpindleOn,
     CoolantOn,
     /// A line of its own.
     LengthOffset,
-    /// In the block of the first motion, a rapid along Z; so it is the last part of a start.
-    LengthOffsetInFirstMotion,
+    /// In the block of the first motion along Z, a rapid.
+    LengthOffsetInFirstMotionAlongZ,
 }
 
 /// Every dialect, in the order of the documentation.
@@ -133,11 +135,11 @@ mod tests {
         for dialect in DIALECTS {
             let place = |wanted: &[Frame]| dialect.start.iter().position(|frame| wanted.contains(frame));
             let tool = place(&[Frame::ToolChange]);
-            let offset = place(&[Frame::LengthOffset, Frame::LengthOffsetInFirstMotion]);
+            let offset = place(&[Frame::LengthOffset, Frame::LengthOffsetInFirstMotionAlongZ]);
             assert!(tool.is_some() && tool < offset, "{}", dialect.name);
-            if let Some(at) = place(&[Frame::LengthOffsetInFirstMotion]) {
-                assert_eq!(at, dialect.start.len() - 1, "{}", dialect.name);
-            }
+            let home = place(&[Frame::SafeHome]);
+            assert!(home.is_some() && home < tool, "{}", dialect.name);
+            assert_eq!(dialect.end.first(), Some(&Frame::SafeHome), "{}", dialect.name);
         }
     }
 }

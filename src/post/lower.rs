@@ -93,11 +93,12 @@ struct Lowering {
 }
 
 impl Lowering {
-    /// From an unknown place to the start: never across the part below the clearance plane.
+    /// From where the tool was changed to the start: across at the height where the machine is, then down to the clearance plane, then to
+    /// the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
         let [x, y, z] = self.at;
-        self.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
         self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+        self.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
         if z < clearance {
             self.push(Block::Rapid { to: [None, None, Some(z)] })?;
         }

@@ -82,6 +82,8 @@ pub enum Fault {
     Conflict,
     #[error("coordinates stand without G0, G1, G2 or G3")]
     NoMotion,
+    #[error("coordinates stand under G91")]
+    Relative,
     #[error("a cutting block has no feed")]
     NoFeed,
     #[error("a cutting block starts at an unknown place")]
@@ -121,6 +123,8 @@ pub struct Reader<'a> {
     motion: Option<Motion>,
     feed: Option<FeedRate>,
     at: [Option<f64>; 3],
+    /// Whether coordinates count from where the tool is.
+    is_relative: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -155,6 +159,7 @@ impl<'a> Reader<'a> {
             motion: None,
             feed: None,
             at: [None; 3],
+            is_relative: false,
         }
     }
 
@@ -218,6 +223,7 @@ impl<'a> Reader<'a> {
         let mut motions = 0;
         let mut is_dwell = false;
         let (mut takes_length, mut takes_blending) = (false, false);
+        let mut home = None;
         for &tenths in words.g() {
             match tenths {
                 0 | 10 | 20 | 30 => {
@@ -239,13 +245,16 @@ impl<'a> Reader<'a> {
                 190 => self.plane = Plane::Yz,
                 200 => self.unit_mm = 25.4,
                 210 => self.unit_mm = 1.0,
+                280 | 530 => home = Some(tenths),
                 430 => takes_length = true,
                 640 => takes_blending = true,
                 800 => {
                     motions += 1;
                     self.motion = None;
                 }
-                400 | 490 | 540 | 550 | 560 | 570 | 580 | 590 | 610 | 900 | 940 => {}
+                900 => self.is_relative = false,
+                910 => self.is_relative = true,
+                400 | 490 | 540 | 550 | 560 | 570 | 580 | 590 | 610 | 940 => {}
                 _ => return Err(Fault::UnknownG(f64::from(tenths) / 10.0)),
             }
         }
@@ -262,6 +271,15 @@ impl<'a> Reader<'a> {
         }
         if takes_length != words.get('H').is_some() {
             return Err(if takes_length { Fault::Missing('H') } else { Fault::Unused('H') });
+        }
+        if let Some(home) = home {
+            // One step by no distance, or a rapid to zero of the machine's coordinates, and up alone.
+            let is_known = self.is_relative == (home == 280) && (home == 280 || self.motion == Some(Motion::Rapid));
+            if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJK").is_some() {
+                return Err(Fault::Conflict);
+            }
+            self.at[2] = None;
+            return Ok(None);
         }
         if words.get('Q').is_some() && !takes_blending {
             return Err(Fault::Unused('Q'));
@@ -297,6 +315,9 @@ impl<'a> Reader<'a> {
             return Ok(None);
         }
         let motion = self.motion.ok_or(Fault::NoMotion)?;
+        if self.is_relative {
+            return Err(Fault::Relative);
+        }
         let from = self.moved(words);
         if let (Motion::Rapid | Motion::Line, Some(letter)) = (motion, words.first_of("IJK")) {
             return Err(Fault::Unused(letter));

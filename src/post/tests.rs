@@ -12,7 +12,7 @@ use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::toolpath::cutting::{Coolant, CuttingRequest};
 use crate::toolpath::measure::measure;
-use crate::toolpath::program::{Resolution, Units};
+use crate::toolpath::program::{Resolution, SafeHome, Units};
 use crate::toolpath::tool::Shape;
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Builder, Role};
@@ -28,7 +28,7 @@ fn feed(mm_per_min: f64) -> FeedRate {
 }
 
 fn program(resolution: Resolution) -> Program {
-    Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None }
+    Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None, safe_home: SafeHome::None }
 }
 
 fn cutting() -> Cutting {
@@ -126,11 +126,13 @@ fn paths_without_length_are_still_whole_programs() {
         for dialect in DIALECTS {
             let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
             assert!(text.contains("\nM30\n") && !text.contains("G1 ") && !text.contains("-0"));
-            // The first motion is to the clearance plane or above, with a length offset in force.
-            let first = text.lines().find(|line| line.starts_with("G0")).unwrap();
-            assert!(first.ends_with(&format!(" Z{:.3}", f64::max(z, 45.0))), "{first}");
-            let moved = text.find(first).unwrap() + first.len();
-            assert!(text.find("G43").is_some_and(|at| at < moved));
+            // The first motion is across, at the height where the machine is; the next to the clearance plane or above, with a length
+            // offset in force.
+            let mut motions = text.lines().skip_while(|line| !line.starts_with("G0"));
+            let (first, next) = (motions.next().unwrap(), motions.next().unwrap());
+            assert!(first.starts_with("G0 X") && !first.contains('Z'), "{first}");
+            assert!(next.ends_with(&format!("Z{:.3}", f64::max(z, 45.0))), "{next}");
+            assert!(text.find("G43").is_some_and(|at| at < text.find(next).unwrap() + next.len()));
         }
     }
 }

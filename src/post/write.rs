@@ -8,7 +8,7 @@ use super::{ProgramJob, WriteError};
 use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::Units;
+use crate::toolpath::program::{SafeHome, Units};
 use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
 
 /// The letters of the axes and of the offsets of centres and control points along them.
@@ -36,6 +36,7 @@ pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<St
         text: String::with_capacity(32 * (blocks.len() + 16)),
         line: String::new(),
         block_number: 0,
+        owes_length_offset: false,
         motion: None,
         // The safety line selects it.
         plane: Plane::Xy,
@@ -63,6 +64,8 @@ struct Writer<'a> {
     text: String,
     line: String,
     block_number: u32,
+    /// Whether the next motion along Z is to take the tool's length.
+    owes_length_offset: bool,
     motion: Option<&'static str>,
     plane: Plane,
     /// Where the control is, as last written.
@@ -103,12 +106,29 @@ impl Writer<'_> {
                 Coolant::Flood => self.word("M8"),
             },
             Frame::LengthOffset => self.word(&format!("G43 H{}", self.tool().1)),
-            Frame::LengthOffsetInFirstMotion => {
-                self.motion("G0");
-                self.word(&format!("G43 H{}", self.tool().1));
-                return Ok(());
+            Frame::LengthOffsetInFirstMotionAlongZ => self.owes_length_offset = true,
+            Frame::SafeHome => return self.safe_home(),
+        }
+        self.end_line()
+    }
+
+    /// Up to the machine's end of Z, wherever the tool is.
+    fn safe_home(&mut self) -> Result<(), WriteError> {
+        match self.job.program.safe_home {
+            SafeHome::None => return Ok(()),
+            SafeHome::G28 => {
+                self.word("G91 G28");
+                self.coordinate('Z', 0);
+                self.end_line()?;
+                self.word("G90");
+            }
+            SafeHome::G53 => {
+                self.word("G53 G0");
+                self.coordinate('Z', 0);
+                self.motion = Some("G0");
             }
         }
+        self.at[2] = None;
         self.end_line()
     }
 
@@ -167,6 +187,9 @@ impl Writer<'_> {
         match *block {
             Block::Rapid { to } => {
                 self.motion("G0");
+                if to[2].is_some() && std::mem::take(&mut self.owes_length_offset) {
+                    self.word(&format!("G43 H{}", self.tool().1));
+                }
                 for (axis, to) in to.into_iter().enumerate() {
                     if let Some(to) = to {
                         self.axis(axis, to);

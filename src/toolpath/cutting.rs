@@ -194,7 +194,7 @@ pub enum Caution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::program::{Resolution, Units};
+    use crate::toolpath::program::{Resolution, SafeHome, Units};
 
     const TOP: f64 = 10.0;
 
@@ -266,6 +266,7 @@ mod tests {
             name: None,
             block_numbers: false,
             work_offset,
+            safe_home: SafeHome::None,
         };
         let (given, none) = (program(Some(54)), program(None));
         assert_eq!(cutting.cautions(Some(&other), &given), [Caution::NoSpindleSpeed, differs]);

@@ -43,4 +43,17 @@ pub struct Program {
     pub block_numbers: bool,
     /// 54..=59, written as G54 to G59.
     pub work_offset: Option<u8>,
+    pub safe_home: SafeHome,
+}
+
+/// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SafeHome {
+    /// It does not.
+    #[default]
+    None,
+    /// To the reference point.
+    G28,
+    /// To zero of the machine's coordinates.
+    G53,
 }

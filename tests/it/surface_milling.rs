@@ -1,5 +1,6 @@
 //! Surface milling, judged by evaluators of its own: dense samples, root finding and local minimisation.
 
+mod approach;
 mod blocks;
 mod contact;
 mod corruption;

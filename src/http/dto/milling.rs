@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::approach::{Entry, Exit, Stock};
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
@@ -50,6 +51,13 @@ pub struct MillRequest {
     /// Stock to be left on the surface. Default: 0.
     #[schema(minimum = 0, maximum = 1000)]
     allowance_mm: Option<f64>,
+    /// Default: rapids come down to 2 mm above the surface that is left, and the answer warns; those of `wire_union`, to 2 mm above
+    /// the part.
+    stock: Option<Stock>,
+    /// Of `cl_cartesian`. Default: a plunge.
+    entry: Option<Entry>,
+    /// Of `cl_cartesian`. Default: straight up.
+    exit: Option<Exit>,
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
     #[serde(default, deserialize_with = "object::required")]
@@ -114,6 +122,9 @@ impl IntoJob for MillRequest {
             engine,
             boundary,
             allowance_mm,
+            stock,
+            entry,
+            exit,
             cutting,
             program,
             meta,
@@ -135,12 +146,18 @@ impl IntoJob for MillRequest {
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         if let Some(sections) = &sections {
             sections.check_boundary(&root.field("boundary"), boundary, &mut violations);
+            for (name, is_given) in [("entry", entry.is_some()), ("exit", exit.is_some())] {
+                sections.check_absent(&root.field(name), is_given, &mut violations);
+            }
             sections.check_scallops(&root.field("strategy"), &tool, &mut violations);
         }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
         violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");
         violations.optional(&root.field("step_length_mm"), step_length_mm, Range::POSITIVE, "mm");
+        let stock = stock.map(|stock| stock.convert(&root.field("stock"), &mut violations));
+        let entry = entry.map(|entry| entry.convert(&root.field("entry"), &mut violations));
+        let exit = exit.map(|exit| exit.convert(&root.field("exit"), &mut violations));
         let cutting = cutting.convert(&root.field("cutting"), &mut violations);
         program.check(&root.field("program"), &mut violations);
         if let Some(meta) = &meta {
@@ -172,6 +189,9 @@ impl IntoJob for MillRequest {
             direction,
             tolerance,
             allowance_mm: allowance_mm.unwrap_or(0.0),
+            stock,
+            entry: entry.unwrap_or_default(),
+            exit: exit.unwrap_or_default(),
             interpolation: match interpolation {
                 Interpolation::Arcs => core::Interpolation::Arcs,
                 Interpolation::Lines => core::Interpolation::Lines,

@@ -38,6 +38,20 @@ pub struct Program {
     /// Written at the start of the program. Default: none.
     #[schema(inline)]
     work_offset: Option<WorkOffset>,
+    /// The way up along Z before the tool is changed and before the program ends: `g28`, to the reference point; `g53`, to zero of the
+    /// machine's coordinates; `none`: the tool is changed where it is, and the program ends at the clearance height.
+    #[serde(default)]
+    #[schema(inline, default = "none")]
+    safe_home: SafeHome,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SafeHome {
+    #[default]
+    None,
+    G28,
+    G53,
 }
 
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
@@ -69,7 +83,8 @@ pub enum WorkOffset {
 
 impl Program {
     pub fn check(&self, at: &Pointer, violations: &mut Violations) {
-        let Self { dialect, number, name, units: _, decimals, block_numbers: _, work_offset: _ } = self;
+        let Self { dialect, number, name, units: _, decimals, block_numbers: _, work_offset: _, safe_home: _ } =
+            self;
         let dialect = dialects::find(dialect.as_deref()).unwrap_or_else(|detail| {
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
             dialects::DEFAULT
@@ -88,7 +103,7 @@ impl Program {
 
     /// Converts what has been checked; the default of what was to blame.
     pub fn convert(self) -> (&'static Dialect, core::Program) {
-        let Self { dialect, number, name, units, decimals, block_numbers, work_offset } = self;
+        let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home } = self;
         let dialect = dialects::find(dialect.as_deref()).unwrap_or(dialects::DEFAULT);
         let (units, usual) = match units {
             Units::Mm => (core::Units::Mm, dialect.default_decimals_mm),
@@ -111,6 +126,11 @@ impl Program {
                 WorkOffset::G58 => 58,
                 WorkOffset::G59 => 59,
             }),
+            safe_home: match safe_home {
+                SafeHome::None => core::SafeHome::None,
+                SafeHome::G28 => core::SafeHome::G28,
+                SafeHome::G53 => core::SafeHome::G53,
+            },
         };
         (dialect, program)
     }

@@ -43,6 +43,10 @@ pub enum WarningCode {
     PassesApart,
     /// Short pieces of passes are left out, and what they would cut is left.
     ShortPiecesLeftOut,
+    /// Nobody said what stands over the surface: rapids come down near it.
+    StockNotGiven,
+    /// There is no room for some of the entries and exits that were asked for: the cutter goes straight down or up there.
+    EntryNotClear,
     /// The path is one for roughing, and cuts into the surface by as much as the report says.
     RoughingPathGouges,
     /// Rounding to the program's decimals may leave the band.

@@ -87,6 +87,18 @@ impl From<&surface_milling::Warning> for Warning {
                     rounded_up_mm(*longest_mm)
                 ),
             },
+            surface_milling::Warning::StockNotGiven { approach_mm } => Self {
+                code: WarningCode::StockNotGiven,
+                detail: format!(
+                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface, and no more may stand on it"
+                ),
+            },
+            surface_milling::Warning::EntryNotClear { count } => Self {
+                code: WarningCode::EntryNotClear,
+                detail: format!(
+                    "{count} entries and exits have no room for what was asked for: there the cutter goes straight down or up"
+                ),
+            },
             surface_milling::Warning::RoughingPathGouges { depth_mm } => Self {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(

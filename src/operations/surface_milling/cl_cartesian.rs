@@ -1,7 +1,8 @@
 //! Passes along parallel planes, by either engine.
 
 use super::deviation::{Deviation, Seam};
-use super::links;
+use super::entries::{APPROACH_MM, Proofs};
+use super::links::{self, Joined};
 use super::outline::Outline;
 use super::passes::{self, Allowed, CutPass, LeftOut, Passes};
 use super::planes::{self, ContactEngine, OffsetEngine, Slicer};
@@ -182,6 +183,7 @@ struct Cut {
     passes: Vec<CutPass>,
     left_out: LeftOut,
     toolpath: Toolpath,
+    n_not_clear: usize,
     deviation_max_mm: f64,
     penetration: Penetration,
 }
@@ -192,7 +194,7 @@ fn cut<P: Patch>(
     slicer: &Slicer,
     planes: &[PlaneAt],
     (found, share): (&Found<P>, f64),
-    (cutting, proof): (&Cutting, &GougeProof<P>),
+    (cutting, proofs): (&Cutting, &Proofs<P>),
     budget: &Budget,
 ) -> Result<Cut, Error> {
     let gap = CERTIFICATE_GAP * job.tolerance.mm();
@@ -204,13 +206,13 @@ fn cut<P: Patch>(
     let Passes { passes, left_out } = passes::cut(job, slicer, planes, allowed, budget)?;
     let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));
     let deviation_max_mm = deviation.bound_mm;
-    let toolpath = links::join(job, cutting, &passes, proof, budget)?;
+    let Joined { toolpath, n_not_clear } = links::join(job, cutting, &passes, proofs, budget)?;
     let depth_mm = match found.depth {
         Depth::Tolerance => job.tolerance.mm(),
         Depth::Deviation => deviation_max_mm + gap + job.resolution.step_mm(),
     };
-    let penetration = certify(&toolpath, job, proof, [gap, depth_mm], budget)?;
-    Ok(Cut { passes, left_out, toolpath, deviation_max_mm, penetration })
+    let penetration = certify(&toolpath, job, &proofs.left, [gap, depth_mm], budget)?;
+    Ok(Cut { passes, left_out, toolpath, n_not_clear, deviation_max_mm, penetration })
 }
 
 fn plan_with<P: Patch>(
@@ -219,8 +221,7 @@ fn plan_with<P: Patch>(
     job: &Job,
     budget: &Budget,
 ) -> Result<Plan, Error> {
-    let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
-    let cutting = job.cutting.above(top)?;
+    let cutting = job.cutting.above(job.top(surface.top(TOP_ACCURACY_MM, budget)?))?;
     let slicer = Slicer::new(found.engine, job.plane.normal_axis(), inside(surface, job, budget)?);
     let stepover = match job.spacing {
         Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
@@ -232,13 +233,13 @@ fn plan_with<P: Patch>(
     let planes = slicer.planes(job, stepover, budget)?;
     let stepover_mm = (planes[1].at - planes[0].at).abs();
 
-    let proof = GougeProof::new(surface, &job.tool.cutter(), job.allowance_mm);
-    let cut = |share: f64| cut(job, &slicer, &planes, (found, share), (&cutting, &proof), budget);
+    let proofs = Proofs::new(surface, job);
+    let cut = |share: f64| cut(job, &slicer, &planes, (found, share), (&cutting, &proofs), budget);
     let cut = match cut(1.0) {
         Err(Error::ToleranceNotReached { .. }) if job.cutter().flat_radius() > 0.0 => cut(RIM_SHARE)?,
         cut => cut?,
     };
-    let Cut { passes, left_out, toolpath, deviation_max_mm, penetration } = cut;
+    let Cut { passes, left_out, toolpath, n_not_clear, deviation_max_mm, penetration } = cut;
     let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
     let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
     let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
@@ -256,7 +257,7 @@ fn plan_with<P: Patch>(
         n_arcs,
         n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
     };
-    let warnings = warnings(job, &report, found.is_followed, left_out);
+    let warnings = warnings(job, &report, found.is_followed, (left_out, n_not_clear));
     Ok(Plan { toolpath, report, cutting, warnings })
 }
 
@@ -305,8 +306,19 @@ fn certify(
     Ok(deepest)
 }
 
-fn warnings(job: &Job, report: &Report, is_followed: bool, left_out: LeftOut) -> Vec<Warning> {
+fn warnings(
+    job: &Job,
+    report: &Report,
+    is_followed: bool,
+    (left_out, n_not_clear): (LeftOut, usize),
+) -> Vec<Warning> {
     let mut warnings = data_warnings(job);
+    if job.stock.is_none() {
+        warnings.push(Warning::StockNotGiven { approach_mm: APPROACH_MM });
+    }
+    if n_not_clear > 0 {
+        warnings.push(Warning::EntryNotClear { count: n_not_clear });
+    }
     if let LeftOut { count: 1.., longest_mm } = left_out {
         warnings.push(Warning::ShortPiecesLeftOut { count: left_out.count, longest_mm });
     }

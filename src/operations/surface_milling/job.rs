@@ -83,6 +83,45 @@ pub enum Interpolation {
     Lines,
 }
 
+/// What stands over the surface before the path is cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stock {
+    /// What lies no farther than this above the surface that is left, mm: what roughing leaves.
+    OnSurface { thickness_mm: f64 },
+    /// Everything up to a height.
+    Block { top_z_mm: f64 },
+}
+
+impl Stock {
+    /// How thick it is over the surface, mm; zero for what does not follow the surface.
+    pub(super) fn thickness_mm(self) -> f64 {
+        match self {
+            Self::OnSurface { thickness_mm } => thickness_mm,
+            Self::Block { .. } => 0.0,
+        }
+    }
+}
+
+/// How the cutter comes to a pass from above.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Entry {
+    #[default]
+    Plunge,
+    /// Down lines that fall by `slope` mm a millimetre, in the plane of the pass.
+    Ramp { slope: f64 },
+    /// Down a quarter of a circle in the plane of the pass, along its tangent.
+    Arc { radius_mm: f64 },
+}
+
+/// How the cutter leaves a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Exit {
+    #[default]
+    Retract,
+    /// Up a quarter of a circle in the plane of the pass, along its tangent.
+    Arc { radius_mm: f64 },
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     pub surface: Source,
@@ -95,6 +134,11 @@ pub struct Job {
     pub tolerance: Tolerance,
     /// Stock to be left on the surface, mm; zero or more.
     pub allowance_mm: f64,
+    /// Where nobody says, rapids come down as if there were none, and the answer warns; but those of wire unions, as in a block as high as
+    /// the part.
+    pub stock: Option<Stock>,
+    pub entry: Entry,
+    pub exit: Exit,
     pub interpolation: Interpolation,
     /// Upper bound for the distance of neighbouring CL points, mm.
     pub step_length_mm: Option<f64>,
@@ -118,6 +162,9 @@ impl Job {
             direction: CutDirection::default(),
             tolerance,
             allowance_mm: 0.0,
+            stock: None,
+            entry: Entry::default(),
+            exit: Exit::default(),
             interpolation: Interpolation::default(),
             step_length_mm: None,
             cutting: CuttingRequest::at_feed(feed),
@@ -129,6 +176,15 @@ impl Job {
     /// The cutter with the stock to be left around it.
     pub(super) fn cutter(&self) -> Cutter {
         self.tool.cutter().enlarged(self.allowance_mm)
+    }
+
+    /// The top of the part and of the stock over it, mm, for a surface whose top is at `surface_mm`.
+    pub(super) fn top(&self, surface_mm: f64) -> f64 {
+        let left = surface_mm + self.allowance_mm;
+        match self.stock {
+            Some(Stock::Block { top_z_mm }) => left.max(top_z_mm),
+            stock => left + stock.map_or(0.0, Stock::thickness_mm),
+        }
     }
 
     /// Distance of the ball's centre from the surface, mm.

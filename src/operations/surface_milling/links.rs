@@ -1,78 +1,97 @@
-//! Joins passes to one toolpath: straight links where they are clear and quicker, else retract and plunge.
+//! Joins passes to one toolpath: links where they are clear and quicker, else the cutter leaves one pass and enters the next (`entries`).
+//!
+//! # Method
+//! A link is straight, or two lines over a place above its middle, as low as doubled heights find it clear: what bulges between two
+//! passes is climbed over.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, center};
 
+use super::entries::{Entries, Proofs};
 use super::passes::CutPass;
-use super::{CERTIFICATE_GAP, CutDirection, Error, Job, certificate};
+use super::{CutDirection, Error, Job};
 use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Line};
-use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::surface::Patch;
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::{Builder, Role, Toolpath};
+use crate::toolpath::{Role, Toolpath};
+
+/// A link that is not clear is lifted in its middle by this part of its length first, and by twice as much each time after that.
+const FIRST_LIFT: f64 = 1.0 / 64.0;
+
+/// The passes as a toolpath, with the entries and exits that were asked for and are not clear.
+#[derive(Debug)]
+pub(super) struct Joined {
+    pub(super) toolpath: Toolpath,
+    pub(super) n_not_clear: usize,
+}
 
 /// The toolpath of `passes`, from the clearance plane over the first to that over the last.
-pub(super) fn join(
+pub(super) fn join<P: Patch>(
     job: &Job,
     cutting: &Cutting,
     passes: &[CutPass],
-    proof: &GougeProof<impl Patch>,
+    proofs: &Proofs<P>,
     budget: &Budget,
-) -> Result<Toolpath, Error> {
-    let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
-    let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
+) -> Result<Joined, Error> {
+    let entries = Entries { job, cutting, proofs, budget };
+    let mut n_not_clear = 0;
+    let mut builder = Toolpath::builder(at_height(entries.first_place(&passes[0])?, cutting.clearance_z_mm));
     for (k, pass) in passes.iter().enumerate() {
-        builder.begin_pass(None);
-        let link = Line { start: builder.at(), end: pass.start() };
         budget.check()?;
-        let may_link = k > 0 && job.direction == CutDirection::Zigzag && is_quicker(cutting, &link);
-        if may_link && is_clear(&link, proof, job, budget)? {
-            builder.line(link.end, cutting.feed_of(Role::Link), Role::Link)?;
+        let before = k.checked_sub(1).map(|before| &passes[before]);
+        let link = match before.filter(|_| job.direction == CutDirection::Zigzag) {
+            Some(before) => link(&entries, before.end(), pass.start())?,
+            None => None,
+        };
+        if let Some(ways) = link {
+            builder.begin_pass(None);
+            for way in ways {
+                builder.line(way.end, cutting.feed_of(Role::Link), Role::Link)?;
+            }
         } else {
-            rapid_to(&mut builder, at_height(link.start, cutting.retract_z_mm))?;
-            rapid_to(&mut builder, at_height(link.end, cutting.retract_z_mm))?;
-            builder.line(link.end, cutting.feed_of(Role::Plunge), Role::Plunge)?;
+            if let Some(before) = before {
+                n_not_clear += usize::from(!entries.leave(&mut builder, before)?);
+                entries.rapid_to(&mut builder, cutting.retract_z_mm)?;
+            }
+            builder.begin_pass(None);
+            n_not_clear += usize::from(!entries.enter(&mut builder, pass)?);
         }
         for curve in &pass.curves {
-            match curve {
-                Curve::Line(line) => builder.line(line.end, cutting.feed, Role::Cut)?,
-                Curve::Arc(arc) => {
-                    let turn = (arc.plane(), arc.direction());
-                    builder.arc(arc.end(), arc.center(), turn, cutting.feed, Role::Cut)?;
-                }
-                Curve::Parabola(parabola) => {
-                    builder.parabola(parabola.end(), parabola.control(), cutting.feed, Role::Cut)?;
-                }
-            }
+            builder.follow(*curve, cutting.feed, Role::Cut)?;
         }
     }
-    let last = builder.at();
-    rapid_to(&mut builder, at_height(last, cutting.clearance_z_mm))?;
-    Ok(builder.finish()?)
+    n_not_clear += usize::from(!entries.leave(&mut builder, &passes[passes.len() - 1])?);
+    entries.rapid_to(&mut builder, cutting.clearance_z_mm)?;
+    Ok(Joined { toolpath: builder.finish()?, n_not_clear })
 }
 
-fn rapid_to(builder: &mut Builder, to: Point3<f64>) -> Result<(), Error> {
-    if builder.at() != to {
-        builder.rapid(to)?;
+/// The lines from one pass to the next that are clear and quicker than going up and down.
+fn link(
+    entries: &Entries<impl Patch>,
+    from: Point3<f64>,
+    to: Point3<f64>,
+) -> Result<Option<Vec<Line>>, Error> {
+    let straight = Line { start: from, end: to };
+    let retract_min = entries.minutes_over(&straight)?;
+    let feed = entries.cutting.link_feed.mm_per_min();
+    let mut ways = vec![straight];
+    let mut lift = FIRST_LIFT * straight.length();
+    while ways.iter().map(Line::length).sum::<f64>() / feed <= retract_min {
+        if entries.are_clear(ways.iter().map(|way| Curve::Line(*way)))? {
+            return Ok(Some(ways));
+        }
+        let mut over = center(&from, &to);
+        over.z += lift;
+        if over.z >= entries.cutting.retract_z_mm || lift == 0.0 {
+            break;
+        }
+        ways = vec![Line { start: from, end: over }, Line { start: over, end: to }];
+        lift *= 2.0;
     }
-    Ok(())
+    Ok(None)
 }
 
-/// Whether a straight link is proved to cut no deeper than the tolerance, as computed and as written.
-fn is_clear(link: &Line, proof: &GougeProof<impl Patch>, job: &Job, budget: &Budget) -> Result<bool, Error> {
-    let gap = CERTIFICATE_GAP * job.tolerance.mm();
-    // How deep does not matter, as long as it is no deeper than this.
-    let most = job.tolerance.mm() - gap;
-    let mut deepest = Penetration { bound_mm: most, ..Penetration::NONE };
-    certificate::penetrate(&Curve::Line(*link), proof, job, gap, &mut deepest, budget)?;
-    Ok(deepest.bound_mm <= most)
-}
-
-/// Whether a straight link is quicker than a retract.
-fn is_quicker(cutting: &Cutting, link: &Line) -> bool {
-    let (up, down) = (cutting.retract_z_mm - link.start.z, cutting.retract_z_mm - link.end.z);
-    let across = (link.end - link.start).xy().norm();
-    let retract_min =
-        (up + across) / cutting.rapid_feed.mm_per_min() + down / cutting.plunge_feed.mm_per_min();
-    link.length() / cutting.link_feed.mm_per_min() <= retract_min
+/// The place over or under `p` at a height.
+pub(super) fn at_height(p: Point3<f64>, z: f64) -> Point3<f64> {
+    Point3::new(p.x, p.y, z)
 }

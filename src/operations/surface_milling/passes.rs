@@ -48,6 +48,10 @@ impl CutPass {
     pub(super) fn start(&self) -> Point3<f64> {
         self.curves[0].start()
     }
+
+    pub(super) fn end(&self) -> Point3<f64> {
+        self.curves[self.curves.len() - 1].end()
+    }
 }
 
 /// All passes in the order of cutting, and the pieces that are too short to be passes.

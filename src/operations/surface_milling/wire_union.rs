@@ -97,8 +97,7 @@ pub(super) fn plan<P: Patch>(
     pitch_mm: f64,
     budget: &Budget,
 ) -> Result<Plan, Error> {
-    let top = surface.top(TOP_ACCURACY_MM, budget)? + job.allowance_mm;
-    let cutting = job.cutting.above(top)?;
+    let cutting = job.cutting.above(job.top(surface.top(TOP_ACCURACY_MM, budget)?))?;
     let tolerance = job.tolerance.mm();
     let accuracy = Accuracy { height_mm: HEIGHT_SHARE * tolerance, width_mm: WIDTH_SHARE * tolerance };
     let model = WireModel::new(surface, pitch_mm, job.plane_limit, accuracy, budget)?;

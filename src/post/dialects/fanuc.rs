@@ -8,7 +8,7 @@
 //! * The F of a helix is taken along the helix, which is parameter 1403 bit 5 (HTG) on the control; without it the
 //!   helix is cut faster than written, by its length over that of its circle.
 //! * Parabolas are lines: G5.1 is contour control here.
-//! * T M6 goes to the change position by itself: no G28 is written.
+//! * T M6 goes to the change position by itself: no G28 is written unless the program asks for it.
 //!
 //! Decimals are those of the increment system IS-B, 3 with mm and 4 with inches; IS-C has one more with mm. The radii of
 //! arcs differ by less than one unit of the last decimal, which parameter 3410 has to allow.
@@ -40,10 +40,11 @@ pub const FANUC: Dialect = Dialect {
         Frame::ByUnits { mm: "G21", inch: "G20" },
         Frame::Text("G17 G90 G40 G49 G80 G94"),
         Frame::WorkOffset,
+        Frame::SafeHome,
         Frame::ToolChange,
         Frame::SpindleOn,
         Frame::CoolantOn,
-        Frame::LengthOffsetInFirstMotion,
+        Frame::LengthOffsetInFirstMotionAlongZ,
     ],
-    end: &[Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+    end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
 };

@@ -42,10 +42,11 @@ pub const LINUXCNC: Dialect = Dialect {
         Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
         Frame::Blending { before: "G64 P", after: " Q0" },
         Frame::WorkOffset,
+        Frame::SafeHome,
         Frame::ToolChange,
         Frame::LengthOffset,
         Frame::SpindleOn,
         Frame::CoolantOn,
     ],
-    end: &[Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+    end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
 };

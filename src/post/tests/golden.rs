@@ -14,7 +14,7 @@ fn a_linuxcnc_program_reads_as_a_machinist_expects() {
         (WARNING: LENGTH_OFFSET_DIFFERS - TOOL 3 IS CUT WITH THE LENGTH OFFSET 4, WHICH IS THAT OF ANOTHER PLACE OF)\n\
         (WARNING: THE TABLE - TOOL.LENGTH_OFFSET)\n\
         G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT3 M6\nG43 H4\nS12000 M3\nM8\n\
-        G0 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
+        G0 X1.000 Y2.000\nZ45.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400\n\
         G18 G3 X10.000 Z0.000 I5.000 K0.000 F800\nG1 Y2.000\nG4 P0.250\n\
         G17 G2 X10.000 Y2.000 I-2.000 J0.000 F333.33\nG0 Z12.000\nX0.000 Y0.000\nZ45.000\n\
         M5\nM9\nM30\n";
@@ -35,11 +35,31 @@ fn a_fanuc_program_reads_as_a_machinist_expects() {
         (WARNING = LENGTH_OFFSET_DIFFERS - TOOL 3 IS CUT WITH THE LENGTH OFFSET 4, WHICH IS THAT OF ANOTHER PLACE)\n\
         (WARNING = OF THE TABLE - TOOL.LENGTH_OFFSET)\n\
         G21\nG17 G90 G40 G49 G80 G94\nG55\nT3 M6\nS12000 M3\nM8\n\
-        G0 G43 H4 Z45.000\nX1.000 Y2.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400.\n\
+        G0 X1.000 Y2.000\nG43 H4 Z45.000\nX0.000 Y0.000\nZ12.000\nG1 Z0.000 F400.\n\
         G18 G3 X10.000 Z0.000 I5.000 K0.000 F800.\nG1 Y2.000\nG4 P250\n\
         G17 G2 X10.000 Y2.000 I-2.000 J0.000 F333.33\nG0 Z12.000\nX0.000 Y0.000\nZ45.000\n\
         M5\nM9\nM30\n%\n";
     assert_eq!(text, expected);
+}
+
+#[test]
+fn the_tool_goes_home_along_z_before_it_is_changed_and_at_the_end() {
+    for (safe_home, z, words) in [
+        (SafeHome::G28, "Z0.000", "G91 G28 Z0.000\nG90\n"),
+        (SafeHome::G53, "Z0.000", "G53 G0 Z0.000\n"),
+    ] {
+        let program = Program { safe_home, work_offset: Some(54), ..program(MM) };
+        for dialect in DIALECTS {
+            let text = written_in(dialect, &sample(), &program, &cutting(), &[]).unwrap().text;
+            assert!(text.contains(&format!("G54\n{words}T3 M6\n")), "{text}");
+            assert!(text.contains(&format!("Z45.000\n{words}M5\n")), "{text}");
+            // A program that goes on in steps, or comes down instead, is not understood.
+            for spoiled in [text.replace("\nG90\n", "\n"), text.replacen(z, "Z-5.000", 1)] {
+                let read: Result<Vec<_>, _> = Reader::new(&spoiled, dialect, 0.0015).collect();
+                assert_eq!(read.is_err(), spoiled != text, "{spoiled}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use toolpathd::geometry::plane::Plane;
 use toolpathd::operations::surface_milling::{Job, Plan};
 use toolpathd::post::read::{Reader, Step};
 use toolpathd::post::{self, ProgramJob};
-use toolpathd::toolpath::program::Program;
+use toolpathd::toolpath::program::{Program, SafeHome};
 use toolpathd::toolpath::units::FeedRate;
 use toolpathd::toolpath::{Move, Role};
 
@@ -124,6 +124,8 @@ pub enum Kind {
     Plunge,
     Link,
     Cut,
+    /// To a pass or away from it, by ramp or along an arc.
+    Lead,
 }
 
 /// The motions of the toolpath, pass by pass.
@@ -135,7 +137,7 @@ pub fn planned(plan: &Plan) -> Vec<Vec<(Kind, Motion)>> {
                 Role::Plunge => Kind::Plunge,
                 Role::Link => Kind::Link,
                 Role::Cut => Kind::Cut,
-                other => panic!("{other:?}"),
+                Role::Ramp | Role::LeadIn | Role::LeadOut => Kind::Lead,
             };
             (kind, Motion::of(along))
         }
@@ -145,7 +147,8 @@ pub fn planned(plan: &Plan) -> Vec<Vec<(Kind, Motion)>> {
 }
 
 /// The motions of the written text, as far as they start at a known place. What is neither a rapid, nor at
-/// the plunge feed, nor a link of the plan is a cut.
+/// the plunge feed, nor a link, a ramp or an
+/// arc in or out of the plan is a cut.
 pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
     let program = Program {
         resolution: job.resolution,
@@ -153,6 +156,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         name: None,
         block_numbers: false,
         work_offset: None,
+        safe_home: SafeHome::None,
     };
     let dialect = post::dialect("linuxcnc").unwrap();
     let target = ProgramJob {
@@ -165,9 +169,10 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
     };
     let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
-    let links: Vec<Motion> =
-        planned(plan).into_iter().flatten().filter(|m| m.0 == Kind::Link).map(|m| m.1).collect();
+    let beside: Vec<(Kind, Motion)> =
+        planned(plan).into_iter().flatten().filter(|m| matches!(m.0, Kind::Link | Kind::Lead)).collect();
     let is_same = |a: &Motion, b: &Motion| [0.0, 1.0].iter().all(|&t| (a.at(t) - b.at(t)).amax() <= step);
+    let kind_of = |motion: &Motion| beside.iter().find(|m| is_same(&m.1, motion)).map_or(Kind::Cut, |m| m.0);
     let plunge = plan.cutting.plunge_feed.mm_per_min();
     let is_plunge = |rate: FeedRate| (rate.mm_per_min() - plunge).abs() < 0.01 * plunge;
     Reader::new(&text, dialect, 1.5 * step + 1e-9)
@@ -178,17 +183,13 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
             }
             Step::Feed { along: Curve::Line(line), rate, .. } => {
                 let motion = Motion::of(&Curve::Line(line));
-                let kind = match () {
-                    () if is_plunge(rate) => Kind::Plunge,
-                    () if links.iter().any(|link| is_same(link, &motion)) => Kind::Link,
-                    () => Kind::Cut,
-                };
-                Some((kind, motion))
+                Some((if is_plunge(rate) { Kind::Plunge } else { kind_of(&motion) }, motion))
             }
             Step::Feed { along: Curve::Parabola(_), .. } => panic!("milling makes no parabolas"),
             Step::Feed { along: Curve::Arc(arc), center, .. } => {
                 let turn = (arc.plane(), arc.direction());
-                Some((Kind::Cut, Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap())))
+                let motion = Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap());
+                Some((kind_of(&motion), motion))
             }
             Step::Dwell { .. } => panic!("a dwell"),
         })

@@ -1,7 +1,10 @@
 //! Judges a plan: every promise of its report against figures found without the product's geometry.
 
+use nalgebra::Vector3;
 use toolpathd::budget::Budget;
-use toolpathd::operations::surface_milling::{CutDirection, Error, Job, Plan, SectionPlane, Spacing, plan};
+use toolpathd::operations::surface_milling::{
+    CutDirection, Error, Job, Plan, SectionPlane, Spacing, Stock, plan,
+};
 
 use super::cutter::{Cutter, Depth};
 use super::jobs::grid_of;
@@ -52,10 +55,16 @@ fn verify(job: &Job, plan: &Plan) -> Found {
     let cutter = Cutter::new(&surface, job.tool.radius_mm);
     let retract = plan.cutting.retract_z_mm;
     if job.cutting.retract_z_mm.is_none() {
-        assert!((retract - 2.0 - cutter.top()).abs() < 0.01, "{retract} {}", cutter.top());
+        let top = match job.stock {
+            None => cutter.top(),
+            Some(Stock::OnSurface { thickness_mm }) => cutter.top() + thickness_mm,
+            Some(Stock::Block { top_z_mm }) => cutter.top().max(top_z_mm),
+        };
+        assert!((retract - 2.0 - top).abs() < 0.01, "{retract} {top}");
     }
-    rapids_keep_up(moves(), retract - 1e-9);
-    rapids_keep_up(text.iter().copied(), retract - 0.5 * job.resolution.step_mm() - 1e-9);
+    let step = job.resolution.step_mm();
+    rapids_keep_up(moves(), &cutter, job, retract - 1e-9);
+    rapids_keep_up(text.iter().copied(), &cutter, job, retract - 0.5 * step - 1e-9);
 
     let gouge_mm = gouge(&cutter, moves().map(|m| m.1).collect(), job, plan)
         .max(gouge(&cutter, text.iter().flat_map(|m| m.1.extremes()).collect(), job, plan))
@@ -65,7 +74,6 @@ fn verify(job: &Job, plan: &Plan) -> Found {
     let locus = Locus::new(&surface, job.tool.radius_mm, normal);
     let planes = planes(moves(), normal);
     let extent = locus.extent();
-    let step = job.resolution.step_mm();
     let mut deviation_mm: f64 = 0.0;
     for &offset in &planes {
         let inner = offset.clamp(extent[0] + OUTERMOST_MM, extent[1] - OUTERMOST_MM);
@@ -123,13 +131,19 @@ fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
     }
 }
 
-/// Rapids run level at or above the retract plane; what is lower runs straight up.
-fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, floor: f64) {
+/// Rapids run level at or above the retract plane; what is lower runs straight up, or straight down to 2 mm above the surface.
+fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, cutter: &Cutter, job: &Job, floor: f64) {
     for (kind, motion) in moves {
         if kind == Kind::Rapid {
             let (from, to) = (motion.at(0.0), motion.at(1.0));
-            let is_lift = from.xy() == to.xy() && to.z >= from.z;
-            assert!(to.z >= floor && (from.z >= floor || is_lift), "{from} {to} below {floor}");
+            let (is_straight, is_lift) = (from.xy() == to.xy(), to.z >= from.z);
+            assert!((to.z >= floor && from.z >= floor) || is_straight, "{from} {to} below {floor}");
+            if is_straight && !is_lift {
+                let under = to - Vector3::z() * (2.0 - job.resolution.step_mm());
+                let mut depth = Depth::NONE;
+                cutter.follow(&Motion::Straight { from, to: under }, &mut depth);
+                assert!(depth.mm <= job.tolerance.mm() + ACCURACY_MM, "{to} is {} mm too low", depth.mm);
+            }
         }
     }
 }

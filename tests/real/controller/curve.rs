@@ -8,7 +8,7 @@ use toolpathd::geometry::deviation::{Band, Measure};
 use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
 use toolpathd::post::{self, ProgramJob, dialect};
 use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::program::{Program, Resolution, Units};
+use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
 use toolpathd::toolpath::units::FeedRate;
 
 use crate::canon::{self, Motion};
@@ -52,7 +52,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
         ..Job::new(curve, Method::Parabolic, Subdivision::Least(Joints::OnCurve), band)
     };
     let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;
-    let program = Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None };
+    let program = Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None, safe_home: SafeHome::None };
     let cutting = plan.cutting.ok_or("no conditions")?;
     let written = post::write(
         &plan.toolpath,

@@ -24,7 +24,7 @@ use std::{env, fs, process, thread};
 
 use toolpathd::budget::Budget;
 use toolpathd::post::{self, DIALECTS, Dialect, ProgramJob};
-use toolpathd::toolpath::program::{Program, Resolution, Units};
+use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
 
 const TOOLPATHS: usize = 1_000;
 const WORKERS: usize = 2;
@@ -91,6 +91,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             name: Some(format!("random {seed}")),
             block_numbers: seed.is_multiple_of(7),
             work_offset: seed.is_multiple_of(3).then_some(54),
+            safe_home: [SafeHome::None, SafeHome::G28, SafeHome::G53][seed as usize % 3],
         };
         let dialect = DIALECTS[seed % DIALECTS.len()];
         let job = ProgramJob {

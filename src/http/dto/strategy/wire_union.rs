@@ -45,6 +45,13 @@ impl WireUnion {
 }
 
 impl Sections {
+    /// Refuses what says nothing to a wire union, whose cutter goes straight up and down.
+    pub fn check_absent(&self, at: &Pointer, is_given: bool, violations: &mut Violations) {
+        if is_given && matches!(self.spacing, core::Spacing::WirePitch(_)) {
+            violations.add(at, FieldCode::Conflict, "the cutter comes to the wires of `wire_union` straight down");
+        }
+    }
+
     /// Refuses another boundary than that of a wire union, whose wires end on the edge.
     pub fn check_boundary(&self, at: &Pointer, boundary: Boundary, violations: &mut Violations) {
         let is_union = matches!(self.spacing, core::Spacing::WirePitch(_));

@@ -1,0 +1,242 @@
+//! How the cutter comes down to a pass, and how it leaves one.
+//!
+//! # Method
+//! Rapids come down to [`APPROACH_MM`] above what is cut at a place. In a block that is one height. Over stock that follows the surface it
+//! is found by halves: the cutter, larger by the stock all around and lower by that distance, is proved to stay off the surface
+//! ([`gouge`](crate::geometry::gouge)). From there the cutter plunges, or enters by a ramp or along an arc where that is asked for and
+//! proved clear.
+
+use nalgebra::{Point3, Vector3};
+
+use super::links::at_height;
+use super::passes::CutPass;
+use super::{CERTIFICATE_GAP, Entry, Error, Exit, Job, Stock, certificate};
+use crate::budget::Budget;
+use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::gouge::{GougeProof, Penetration};
+use crate::geometry::surface::{BezierSurface, Patch};
+use crate::toolpath::cutting::Cutting;
+use crate::toolpath::{Builder, PathError, Role};
+
+/// Rapids end this far above what is cut at a place, mm.
+pub(super) const APPROACH_MM: f64 = 2.0;
+
+/// Halvings between a height that is not proved free and one that is: to a thousandth of the way down.
+const HALVINGS: usize = 10;
+
+/// Legs of one ramp; one that needs more is not made.
+const LEG_LIMIT: usize = 200;
+
+/// How deep the cutter cuts.
+pub(super) struct Proofs<'a, P> {
+    /// Into the surface with the stock that is to be left.
+    pub(super) left: GougeProof<'a, P>,
+    /// Into that with the stock that is to be cut as well.
+    stocked: GougeProof<'a, P>,
+}
+
+impl<'a, P: Patch> Proofs<'a, P> {
+    pub(super) fn new(surface: &'a BezierSurface<P>, job: &Job) -> Self {
+        let thickness = job.stock.map_or(0.0, Stock::thickness_mm);
+        let proof = |stock: f64| GougeProof::new(surface, &job.tool.cutter(), stock);
+        Self { left: proof(job.allowance_mm), stocked: proof(job.allowance_mm + thickness) }
+    }
+}
+
+/// What is known about ways to passes.
+pub(super) struct Entries<'a, P> {
+    pub(super) job: &'a Job,
+    pub(super) cutting: &'a Cutting,
+    pub(super) proofs: &'a Proofs<'a, P>,
+    pub(super) budget: &'a Budget,
+}
+
+impl<P: Patch> Entries<'_, P> {
+    /// Over which place the cutter comes down first.
+    pub(super) fn first_place(&self, pass: &CutPass) -> Result<Point3<f64>, Error> {
+        Ok(self.lead_in(pass)?.first().map_or(pass.start(), Curve::start))
+    }
+
+    /// From the height of rapids, where the builder is, to the start of a pass. Whether by the entry that was asked for.
+    pub(super) fn enter(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
+        let lead = self.lead_in(pass)?;
+        let (from, low) = match lead.first() {
+            Some(lead) => (lead.start(), lead.start().z),
+            None => (pass.start(), self.above_stock(pass.start().z)),
+        };
+        for height in [builder.at().z, self.free_height(from, low)?] {
+            let to = at_height(from, height);
+            if builder.at() != to {
+                builder.rapid(to)?;
+            }
+        }
+        if builder.at() != from {
+            builder.line(from, self.cutting.feed_of(Role::Plunge), Role::Plunge)?;
+        }
+        let role = if matches!(self.job.entry, Entry::Ramp { .. }) { Role::Ramp } else { Role::LeadIn };
+        for curve in &lead {
+            builder.follow(*curve, self.cutting.feed_of(role), role)?;
+        }
+        Ok(!lead.is_empty() || self.job.entry == Entry::Plunge)
+    }
+
+    /// From the end of a pass along the arc asked for. Whether there is one, if so.
+    pub(super) fn leave(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
+        let Exit::Arc { radius_mm } = self.job.exit else { return Ok(true) };
+        let last = pass.curves[pass.curves.len() - 1];
+        let Some(Quarter { far, center }) = self.quarter(last.end(), last.tangents()[1], radius_mm) else {
+            return Ok(false);
+        };
+        let arc = self.short_arc(last.end(), far, center)?;
+        let is_clear = self.are_clear([arc])?;
+        if is_clear {
+            builder.follow(arc, self.cutting.feed_of(Role::LeadOut), Role::LeadOut)?;
+        }
+        Ok(is_clear)
+    }
+
+    /// Straight up or down.
+    pub(super) fn rapid_to(&self, builder: &mut Builder, z: f64) -> Result<(), Error> {
+        let to = at_height(builder.at(), z);
+        if builder.at() != to {
+            builder.rapid(to)?;
+        }
+        Ok(())
+    }
+
+    /// Whether curves are proved to cut no deeper than the tolerance, as computed and as written.
+    pub(super) fn are_clear(&self, curves: impl IntoIterator<Item = Curve>) -> Result<bool, Error> {
+        for curve in curves {
+            if !self.is_clear(&curve, &self.proofs.left)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// How long the way up from the start of a link and down to its end takes, min.
+    pub(super) fn minutes_over(&self, link: &Line) -> Result<f64, Error> {
+        let free = self.free_height(link.end, self.above_stock(link.end.z))?;
+        let high = self.cutting.retract_z_mm;
+        let rapid = (high - link.start.z) + (link.end - link.start).xy().norm() + (high - free);
+        Ok(rapid / self.cutting.rapid_feed.mm_per_min()
+            + (free - link.end.z) / self.cutting.plunge_feed.mm_per_min())
+    }
+
+    /// The least height of a rapid over a place that touches the finished surface at `z`.
+    fn above_stock(&self, z: f64) -> f64 {
+        z + APPROACH_MM + self.job.stock.map_or(0.0, Stock::thickness_mm)
+    }
+
+    /// The lowest height, from `low` on, to which the cutter may come down over a place by rapid, mm: at most that of the retract plane,
+    /// if it is not below `low`.
+    fn free_height(&self, place: Point3<f64>, low: f64) -> Result<f64, Error> {
+        let high = self.cutting.retract_z_mm.max(low);
+        if let Some(Stock::Block { top_z_mm }) = self.job.stock {
+            return Ok((top_z_mm + APPROACH_MM).clamp(low, high));
+        }
+        if self.is_free(place, [low, high])? {
+            return Ok(low);
+        }
+        let [mut taken, mut free] = [low, high];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (taken + free);
+            *if self.is_free(place, [middle, high])? { &mut free } else { &mut taken } = middle;
+        }
+        Ok(free)
+    }
+
+    /// Whether nothing is to be cut up to [`APPROACH_MM`] below the cutter on its way down from `high` to `low` over a place.
+    fn is_free(&self, place: Point3<f64>, [low, high]: [f64; 2]) -> Result<bool, Error> {
+        let way = Line { start: at_height(place, high), end: at_height(place, low - APPROACH_MM) };
+        self.is_clear(&Curve::Line(way), &self.proofs.stocked)
+    }
+
+    fn is_clear(&self, curve: &Curve, proof: &GougeProof<P>) -> Result<bool, Error> {
+        let gap = CERTIFICATE_GAP * self.job.tolerance.mm();
+        // How deep does not matter, as long as it is no deeper than this.
+        let most = self.job.tolerance.mm() - gap;
+        let mut deepest = Penetration { bound_mm: most, ..Penetration::NONE };
+        certificate::penetrate(curve, proof, self.job, gap, &mut deepest, self.budget)?;
+        Ok(deepest.bound_mm <= most)
+    }
+
+    /// The curves along which a pass is entered, none for a plunge.
+    fn lead_in(&self, pass: &CutPass) -> Result<Vec<Curve>, Error> {
+        let start = pass.start();
+        match self.job.entry {
+            Entry::Plunge => Ok(Vec::new()),
+            Entry::Arc { radius_mm } => {
+                // A way out of the pass, if it were cut backwards.
+                let backwards = -pass.curves[0].tangents()[0];
+                let Some(Quarter { far, center }) = self.quarter(start, backwards, radius_mm) else {
+                    return Ok(Vec::new());
+                };
+                let arc = self.short_arc(far, start, center)?;
+                Ok(if self.are_clear([arc])? { vec![arc] } else { Vec::new() })
+            }
+            Entry::Ramp { slope } => {
+                let axis = 1 - self.job.plane.normal_axis();
+                let span = pass.end()[axis] - start[axis];
+                let mut ahead = Vector3::zeros();
+                ahead[axis] = span.abs().max(2.0 * self.job.tool.radius_mm).copysign(span);
+                for leg in [ahead, -ahead] {
+                    let ramp = self.ramp(start, leg, slope)?;
+                    if let Some(first) = ramp.first()
+                        && self.free_height(first.start(), first.start().z)? <= first.start().z
+                        && self.are_clear(ramp.iter().copied())?
+                    {
+                        return Ok(ramp);
+                    }
+                }
+                Ok(Vec::new())
+            }
+        }
+    }
+
+    /// Down to `end` in legs between it and a place one `leg` away, at most, which fall by `slope` mm a millimetre. None where that takes
+    /// too many.
+    fn ramp(&self, end: Point3<f64>, leg: Vector3<f64>, slope: f64) -> Result<Vec<Curve>, Error> {
+        let rise = self.free_height(end, self.above_stock(end.z))? - end.z;
+        let way = rise / slope;
+        let n = (way / leg.norm()).ceil().max(1.0);
+        if n > LEG_LIMIT as f64 {
+            return Ok(Vec::new());
+        }
+        let leg = leg.normalize() * (way / n);
+        let place = |k: usize| {
+            let beside = if k.is_multiple_of(2) { Vector3::zeros() } else { leg };
+            end + beside + Vector3::z() * (rise * (k as f64 / n))
+        };
+        let down = (0..n as usize).rev();
+        Ok(down.map(|k| Curve::Line(Line { start: place(k + 1), end: place(k) })).collect())
+    }
+
+    /// The quarter of a circle that goes on from `place` along `tangent` and bends up; none where it ends below the place, or above the
+    /// retract plane.
+    fn quarter(&self, place: Point3<f64>, tangent: Vector3<f64>, radius_mm: f64) -> Option<Quarter> {
+        let mut along = tangent;
+        along[self.job.plane.normal_axis()] = 0.0;
+        let along = along.try_normalize(0.0)?;
+        let up = (Vector3::z() - along * along.z).try_normalize(0.0)?;
+        let center = place + up * radius_mm;
+        let far = center + along * radius_mm;
+        (place.z..=self.cutting.retract_z_mm).contains(&far.z).then_some(Quarter { far, center })
+    }
+
+    /// The arc of less than half a turn in the plane of the passes.
+    fn short_arc(&self, start: Point3<f64>, end: Point3<f64>, center: Point3<f64>) -> Result<Curve, Error> {
+        let plane = self.job.plane.arc_plane();
+        let [a, b, _] = plane.axes();
+        let [from, to] = [start - center, end - center];
+        let direction =
+            if from[a] * to[b] > from[b] * to[a] { Direction::Ccw } else { Direction::Cw };
+        Ok(Curve::Arc(Arc::new(plane, direction, start, end, center).map_err(PathError::from)?))
+    }
+}
+
+/// A quarter of a circle by its far end and its centre.
+struct Quarter {
+    far: Point3<f64>,
+    center: Point3<f64>,
+}

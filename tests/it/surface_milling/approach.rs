@@ -1,0 +1,168 @@
+//! How the cutter comes to passes and leaves them: rapids near what is cut and no nearer, entries, exits and links.
+
+use nalgebra::Point3;
+use toolpathd::budget::Budget;
+use toolpathd::geometry::curve::Curve;
+use toolpathd::geometry::surface::point_grid::Ends;
+use toolpathd::operations::surface_milling::{CutDirection, Entry, Exit, Job, Plan, Stock, Warning, plan};
+use toolpathd::toolpath::{Move, Role};
+
+use super::jobs::{PLANES, die, heights, job};
+use super::verdict::judge;
+
+const BALL: f64 = 5.0;
+const CAP: f64 = 40.0;
+
+/// A spherical cap of 40 mm about the origin, over a square whose corners slope by 60 degrees.
+fn cap() -> Job {
+    let half = CAP * 0.75f64.sqrt() / 2f64.sqrt();
+    let surface =
+        heights(61, [-half, half], Ends::NotAKnot, |x: f64, y: f64| (CAP * CAP - x * x - y * y).sqrt());
+    Job { direction: CutDirection::OneWay, ..job(surface, 2.0 * BALL, 4.0, 0.01, 3) }
+}
+
+/// Each rapid down with the feed move after it.
+fn descents(plan: &Plan) -> Vec<(Point3<f64>, Curve, Role)> {
+    let moves: Vec<&Move> = plan.toolpath.moves().collect();
+    let mut descents = Vec::new();
+    for pair in moves.windows(2) {
+        if let (Move::Rapid { line }, Move::Feed { along, role, .. }) = (pair[0], pair[1]) {
+            descents.push((line.end, *along, *role));
+        }
+    }
+    descents
+}
+
+/// The tip of the ball, larger by the stock, over a place of the cap.
+fn tip_over_cap(place: &Point3<f64>, stock: f64) -> f64 {
+    let reach = CAP + BALL + stock;
+    (reach * reach - place.x * place.x - place.y * place.y).sqrt() - BALL
+}
+
+#[test]
+fn rapids_come_down_to_two_millimetres_above_the_surface_or_the_stock_on_it() {
+    for thickness_mm in [None, Some(0.0), Some(0.5), Some(3.0)] {
+        let stock = thickness_mm.map(|thickness_mm| Stock::OnSurface { thickness_mm });
+        let (plan, _) = judge(&Job { stock, ..cap() }).unwrap();
+        let descents = descents(&plan);
+        assert_eq!(descents.len(), plan.report.n_passes);
+        for (end, along, role) in descents {
+            let above = end.z - tip_over_cap(&end, thickness_mm.unwrap_or(0.0));
+            let retract = plan.cutting.retract_z_mm;
+            assert!(end.z <= retract && (above > 1.97 || end.z == retract), "{end} {above}");
+            assert!(above < 2.1, "{end} {above} {retract}");
+            assert_eq!(role, Role::Plunge);
+            assert_eq!(along.end().xy(), end.xy());
+        }
+        let warned = plan.warnings.contains(&Warning::StockNotGiven { approach_mm: 2.0 });
+        assert_eq!(warned, stock.is_none());
+    }
+}
+
+#[test]
+fn in_a_block_rapids_stay_above_it_and_so_do_the_heights() {
+    for top_z_mm in [CAP + 12.0, CAP - 12.0] {
+        let (plan, _) = judge(&Job { stock: Some(Stock::Block { top_z_mm }), ..cap() }).unwrap();
+        let top = top_z_mm.max(CAP);
+        assert!((plan.cutting.retract_z_mm - top - 2.0).abs() < 1e-3);
+        for (end, ..) in descents(&plan) {
+            let tip = tip_over_cap(&end, 0.0);
+            assert!((end.z - (top_z_mm + 2.0).max(tip + 2.0)).abs() < 0.02, "{end} {tip}");
+        }
+    }
+}
+
+#[test]
+fn a_rapid_that_would_meet_the_stock_beside_its_place_ends_above_it() {
+    // A wall 10 mm high beside a floor, 2 mm of stock on both: over the floor beside the wall the ball is beside the stock of the wall.
+    let surface = heights(41, [0.0, 40.0], Ends::NotAKnot, |x, _| 5.0 * ((x - 20.0) * 1.2).tanh());
+    let stock = Some(Stock::OnSurface { thickness_mm: 2.0 });
+    let base = Job { stock, direction: CutDirection::OneWay, ..job(surface, 8.0, 4.0, 0.01, 3) };
+    let plan = plan(&Job { plane: PLANES[1], ..base.clone() }, &Budget::unlimited()).unwrap();
+    // The same with nothing but the larger ball as a finishing cutter: its tips are where stock begins.
+    for (end, along, _) in descents(&plan) {
+        let free = end.z - along.end().z;
+        assert!(free > 3.99, "{end} {free}");
+        // 2 mm above the stock: no place of the surface within the ball and the stock around it.
+        let centre = end - nalgebra::Vector3::z() * 2.0 + nalgebra::Vector3::z() * 4.0;
+        for k in 0..=4000 {
+            let x = 40.0 * f64::from(k) / 4000.0;
+            let z = 5.0 * ((x - 20.0) * 1.2).tanh();
+            // The spline leaves the closed form by some hundredths.
+            let away = (x - centre.x).hypot(z - centre.z);
+            assert!(away > 6.0 - 0.06 || end.z >= plan.cutting.retract_z_mm, "{end} {x} {away}");
+        }
+    }
+}
+
+#[test]
+fn passes_are_entered_and_left_as_asked_for() {
+    for (entry, role) in [
+        (Entry::Ramp { slope: 5f64.to_radians().tan() }, Role::Ramp),
+        (Entry::Arc { radius_mm: 3.0 }, Role::LeadIn),
+    ] {
+        for plane in PLANES {
+            for stock in [Stock::OnSurface { thickness_mm: 0.5 }, Stock::Block { top_z_mm: 11.0 }] {
+                let exit = Exit::Arc { radius_mm: 2.0 };
+                let die = die(plane, CutDirection::OneWay);
+                let job = Job { entry, exit, stock: Some(stock), ..die };
+                let (plan, _) = judge(&job).unwrap();
+                let moves: Vec<&Move> = plan.toolpath.moves().collect();
+                let feeds: Vec<(Curve, Role)> = moves
+                    .iter()
+                    .filter_map(|step| match step {
+                        Move::Feed { along, role, .. } => Some((*along, *role)),
+                        _ => None,
+                    })
+                    .collect();
+                let (mut entered, mut left) = (0, 0);
+                for pair in feeds.windows(2) {
+                    let ((before, first), (after, second)) = (pair[0], pair[1]);
+                    let along = |curve: &Curve, end: usize| curve.tangents()[end].normalize();
+                    if first == role && second == Role::Cut {
+                        entered += 1;
+                        if role == Role::LeadIn {
+                            assert!((along(&before, 1) - along(&after, 0)).norm() < 1e-6);
+                            assert!(before.start().z > before.end().z);
+                        } else {
+                            assert!((along(&before, 1).z + 5f64.to_radians().sin()).abs() < 1e-9);
+                        }
+                    }
+                    if first == Role::Cut && second == Role::LeadOut {
+                        left += 1;
+                        assert!((along(&before, 1) - along(&after, 0)).norm() < 1e-6);
+                    }
+                }
+                let n_not_clear = plan.warnings.iter().find_map(|warning| match warning {
+                    Warning::EntryNotClear { count } => Some(*count),
+                    _ => None,
+                });
+                let asked = 2 * plan.report.n_passes;
+                assert_eq!(entered + left + n_not_clear.unwrap_or(0), asked, "{entry:?} {stock:?}");
+                assert!(entered + left > asked / 2, "{entry:?} {stock:?} {entered} {left}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_entry_without_room_becomes_a_plunge_with_a_warning() {
+    // On slopes under 40 degrees an arc of 300 mm begins far above the retract plane.
+    let entry = Entry::Arc { radius_mm: 300.0 };
+    let job = Job { entry, ..die(PLANES[0], CutDirection::OneWay) };
+    let plan = plan(&job, &Budget::unlimited()).unwrap();
+    assert!(plan.warnings.contains(&Warning::EntryNotClear { count: plan.report.n_passes }));
+    assert!(descents(&plan).iter().all(|(_, _, role)| *role == Role::Plunge));
+}
+
+#[test]
+fn neighbouring_passes_of_the_die_are_linked_all_over() {
+    for plane in PLANES {
+        let (plan, _) = judge(&die(plane, CutDirection::Zigzag)).unwrap();
+        for step in plan.toolpath.moves() {
+            let Move::Rapid { line } = step else { continue };
+            let across = (line.end - line.start).xy().norm();
+            assert!(across == 0.0 || across > 5.0, "{plane:?}: {line:?}");
+        }
+    }
+}

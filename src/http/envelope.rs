@@ -38,8 +38,11 @@ fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
             format!("there is nothing at this path; there are {}", openapi::paths().join(", "))
         }
         StatusCode::METHOD_NOT_ALLOWED => {
-            let allowed = parts.headers.get(header::ALLOW).and_then(|allowed| allowed.to_str().ok());
-            format!("`{path}` does not answer {method}, but {}", allowed.unwrap_or("another method"))
+            let allowed = match openapi::methods(path) {
+                none if none.is_empty() => "another method".to_owned(),
+                methods => methods.join(" and "),
+            };
+            format!("`{path}` does not answer {method}, but {allowed}")
         }
         _ => return ApiError::from_status(parts.status),
     };

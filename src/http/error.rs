@@ -185,6 +185,8 @@ pub enum FieldCode {
     Coincident,
     /// A row of points runs the other way than the one before it.
     ReversedRow,
+    /// A point lies far away from all of its neighbours.
+    Outlier,
     FeedRequired,
 }
 

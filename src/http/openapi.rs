@@ -1,10 +1,11 @@
 //! The contract, generated from the handlers and the wire types, and the routes it describes.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -116,6 +117,18 @@ pub fn paths() -> Vec<&'static str> {
     static PATHS: LazyLock<Vec<String>> =
         LazyLock::new(|| routes().into_openapi().paths.paths.into_keys().collect());
     PATHS.iter().map(String::as_str).collect()
+}
+
+/// The methods that a path answers; none for a path that the contract does not name.
+pub fn methods(path: &str) -> Vec<String> {
+    static METHODS: LazyLock<BTreeMap<String, Vec<String>>> = LazyLock::new(|| {
+        let document = serde_json::to_value(routes().into_openapi().paths).unwrap_or_default();
+        let of = |item: &Value| {
+            item.as_object().into_iter().flat_map(Map::keys).map(|key| key.to_uppercase()).collect()
+        };
+        document.as_object().into_iter().flatten().map(|(path, item)| (path.clone(), of(item))).collect()
+    });
+    METHODS.get(path).cloned().unwrap_or_default()
 }
 
 /// This contract.

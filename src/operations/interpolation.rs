@@ -45,6 +45,7 @@ mod lower_bound;
 mod path;
 mod sketch;
 mod source;
+mod straight;
 
 use nalgebra::Point2;
 
@@ -206,6 +207,7 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
                     fitted = fewer;
                 }
                 corners::keep_corners(&fitter, &mut fitted, budget)?;
+                straight::straighten(&fitter, &mut fitted, budget)?;
                 if joints == Joints::InBand
                     && let Some(free) = in_band(&fitter, &fitted, budget)?
                 {

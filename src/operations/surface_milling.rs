@@ -109,6 +109,8 @@ pub enum Warning {
     PassesApart { stepover_mm: f64 },
     /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does not go there.
     ShortPiecesLeftOut { count: usize, longest_mm: f64 },
+    /// Both extents of the part in plan are less than the diameter of the cutter.
+    PartSmallerThanCutter,
     /// Nobody says what stands over the surface: rapids come down to this far above it.
     StockNotGiven { approach_mm: f64 },
     /// So many entries and exits of those asked for are not clear: there the cutter goes straight down or up.

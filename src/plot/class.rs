@@ -116,6 +116,7 @@ pub fn style() -> String {
          .plot .axis{{font-style:italic;font-weight:bold}}\
          .plot .right{{text-anchor:end}}.plot .middle{{text-anchor:middle}}\
          .plot .solid{{fill:#000;stroke:#fff;stroke-width:.15}}\
+         .plot .datum{{fill:#fff;stroke:#000;stroke-width:.2}}\
          .plot .start{{fill:#fff;stroke:#000;stroke-width:.35}}\
          .plot .end{{stroke-width:.45}}{strokes}",
         text::SIZE_MM,

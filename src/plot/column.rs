@@ -77,6 +77,7 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
     }
     if scene.toolpath.is_some() {
         let middle = |y: f64| Point2::new(LEFT_MM + 0.5 * SAMPLE_MM, y);
+        entry(&|y| marks::datum(middle(y)), "zero");
         entry(&|y| marks::start(middle(y)), "start");
         entry(&|y| marks::cross(middle(y)), "end");
         let cuts = [Class::CutLine, Class::CutArc, Class::CutParabola];

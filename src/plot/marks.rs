@@ -1,6 +1,6 @@
 //! Marks on a path: where it starts, where it ends, which way it goes.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Point3, Vector2};
 
 use super::number::fixed;
 use super::view::View;
@@ -19,7 +19,24 @@ pub fn draw(scene: &Scene, view: &View) -> String {
     let last = toolpath.moves().filter_map(class::of).last();
     let end = last.map_or(toolpath.start(), |(_, curve)| curve.end());
     let arrows = if view.axes == [0, 1] { arrows(toolpath, view) } else { String::new() };
-    arrows + &start(view.project(&toolpath.start())) + &cross(view.project(&end))
+    datum_in(view) + &arrows + &start(view.project(&toolpath.start())) + &cross(view.project(&end))
+}
+
+/// The mark of the zero of all coordinates, where the view shows it.
+fn datum_in(view: &View) -> String {
+    let at = view.project(&Point3::origin());
+    let [left, top, width, height] = view.frame;
+    let is_shown = (left..=left + width).contains(&at.x) && (top..=top + height).contains(&at.y);
+    if is_shown { datum(at) } else { String::new() }
+}
+
+/// The mark of a zero: a circle with two of its quarters filled.
+pub fn datum(at: Point2<f64>) -> String {
+    let (x, y) = (fixed(at.x), fixed(at.y));
+    format!(
+        "<circle class=\"datum\" cx=\"{x}\" cy=\"{y}\" r=\"1.6\"/>\n\
+         <path class=\"solid\" d=\"M{x} {y}v-1.6a1.6 1.6 0 0 1 1.6 1.6zM{x} {y}v1.6a1.6 1.6 0 0 1 -1.6 -1.6z\"/>\n"
+    )
 }
 
 /// The mark of the start.

@@ -15,12 +15,14 @@
 //! O(n) in the characters; one line is held at a time.
 
 mod block;
+mod fault;
 
 use nalgebra::{Point3, Vector3};
 
 use self::block::Words;
+pub use self::fault::Fault;
 use super::dialect::{Dialect, Dwell, Parabolas, Point};
-use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola};
+use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
 
@@ -58,56 +60,6 @@ pub struct ReadError {
     /// From 1.
     pub line: usize,
     pub fault: Fault,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Fault {
-    #[error("the character {0:?} begins no word")]
-    UnknownWord(char),
-    #[error("the number after {0} cannot be read")]
-    BadNumber(char),
-    #[error("a comment is not closed")]
-    OpenComment,
-    #[error("G{0} is not known")]
-    UnknownG(f64),
-    #[error("M{0} is not known")]
-    UnknownM(f64),
-    #[error("{0} is written twice")]
-    Twice(char),
-    #[error("{0} has no meaning in this block")]
-    Unused(char),
-    #[error("{0} is missing")]
-    Missing(char),
-    #[error("two words of this block exclude each other")]
-    Conflict,
-    #[error("coordinates stand without G0, G1, G2 or G3")]
-    NoMotion,
-    #[error("coordinates stand under G91")]
-    Relative,
-    #[error("a cutting block has no feed")]
-    NoFeed,
-    #[error("a cutting block starts at an unknown place")]
-    UnknownStart,
-    #[error("an arc has no centre")]
-    MissingCenter,
-    #[error("a parabola stands outside of the XY plane")]
-    ParabolaPlane,
-    #[error("a coordinate of a parabola is too large")]
-    ParabolaSize,
-    #[error("the radii at an arc's ends differ by {mismatch_mm} mm")]
-    RadiusMismatch { mismatch_mm: f64 },
-    #[error(transparent)]
-    Arc(ArcError),
-    #[error("the program has no end")]
-    NoEnd,
-    #[error("the mark at the program's start or end is missing, or something stands outside of it")]
-    TapeMark,
-    #[error("the program does not begin with its number")]
-    ProgramNumber,
-    #[error("the number after {0} has no decimal point")]
-    MissingPoint(char),
-    #[error("the number after {0} has a decimal point")]
-    UnexpectedPoint(char),
 }
 
 /// Reads a program step by step; after an error it yields nothing more.
@@ -274,7 +226,8 @@ impl<'a> Reader<'a> {
         }
         if let Some(home) = home {
             // One step by no distance, or a rapid to zero of the machine's coordinates, and up alone.
-            let is_known = self.is_relative == (home == 280) && (home == 280 || self.motion == Some(Motion::Rapid));
+            let is_known =
+                self.is_relative == (home == 280) && (home == 280 || self.motion == Some(Motion::Rapid));
             if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJK").is_some() {
                 return Err(Fault::Conflict);
             }

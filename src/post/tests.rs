@@ -28,7 +28,14 @@ fn feed(mm_per_min: f64) -> FeedRate {
 }
 
 fn program(resolution: Resolution) -> Program {
-    Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None, safe_home: SafeHome::None }
+    Program {
+        resolution,
+        number: 1,
+        name: None,
+        block_numbers: false,
+        work_offset: None,
+        safe_home: SafeHome::None,
+    }
 }
 
 fn cutting() -> Cutting {
@@ -91,7 +98,7 @@ fn inches_block_numbers_and_no_spindle() {
     let text = written(&sample(), &program, &cutting, &[]).unwrap().text;
     assert!(text.contains("G17 G20 G90"));
     assert!(text.contains(" G64 P0.0001 Q0\n"));
-    assert!(text.contains(" G0 Z1.7717\n"));
+    assert!(text.contains(" Z1.7717\n"));
     assert!(!text.contains("M3\n") && !text.contains("M7") && !text.contains("M8"));
     for (k, line) in text.lines().enumerate() {
         assert!(line.starts_with(&format!("N{} ", 10 * (k + 1))), "{line}");

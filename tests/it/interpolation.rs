@@ -1,6 +1,7 @@
 //! Interpolated curves, judged by an evaluator that shares no code with what made them.
 
 mod bounds;
+mod crumbs;
 mod evaluator;
 mod hyun_1992;
 mod least;

@@ -72,7 +72,8 @@ fn a_spherical_cap_is_cut_by_one_arc_a_section() {
     for (plane, normal) in [(SectionPlane::Zx, 1), (SectionPlane::Yz, 0)] {
         let job = Job { plane, ..job(surface.clone(), 10.0, 4.0, 1e-3, 4) };
         let (plan, found) = judge(&job).unwrap();
-        assert!(found.gouge_mm < 2e-4 && found.deviation_mm < 2e-4, "{found:?}");
+        // Links between passes may take the tolerance.
+        assert!(found.gouge_mm < 5e-4 && found.deviation_mm < 2e-4, "{found:?}");
         // The extent of the offset's sections: its border reaches 45/40 of the cap's half.
         assert!(plan.report.n_passes >= (2.0 * half * 45.0 / 40.0 / 4.0) as usize);
         for pass in planned(&plan) {

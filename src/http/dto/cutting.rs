@@ -41,11 +41,11 @@ pub struct Cutting {
     #[serde(default)]
     #[schema(default = "off")]
     coolant: Coolant,
-    /// Absolute height of rapids between distant places. Default: 20 mm above the top of the part, or the highest place
-    /// of a toolpath that is sent.
+    /// Absolute height of rapids between distant places. Default: 20 mm above the top of the part and its stock, or above
+    /// everything that a toolpath that is sent cuts.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
-    /// Absolute height to which the tool is lifted between passes. Default: 2 mm above the top of the part.
+    /// Absolute height to which the tool is lifted between passes. Default: 2 mm above the top of the part and its stock.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     retract_z_mm: Option<f64>,
 }

@@ -14,7 +14,7 @@ use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::error::ApiError;
+use crate::http::error::{ApiError, FieldCode};
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
@@ -96,6 +96,21 @@ pub enum Boundary {
     Past,
 }
 
+/// Blames a surface that is so much smaller than the cutter that it cannot be meant.
+fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {
+    let [x, y] = extent;
+    let is_speck = x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
+    if is_speck && x.max(y) > 0.0 {
+        let detail = format!(
+            "the part measures {x:.4} mm by {y:.4} mm, less than a twentieth of the cutter: are its points in metres or inches?"
+        );
+        violations.add(at, FieldCode::OutOfRange, detail);
+    }
+}
+
+/// Surfaces smaller than this part of the cutter's diameter are refused.
+const LEAST_PART_OF_CUTTER: f64 = 0.05;
+
 /// Stock that may be left, mm.
 const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
@@ -143,6 +158,7 @@ impl IntoJob for MillRequest {
         }
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
+        check_size(&root.field("surface"), extent, &tool, &mut violations);
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         if let Some(sections) = &sections {
             sections.check_boundary(&root.field("boundary"), boundary, &mut violations);

@@ -41,7 +41,7 @@ pub struct Program {
     /// The way up along Z before the tool is changed and before the program ends: `g28`, to the reference point; `g53`, to zero of the
     /// machine's coordinates; `none`: the tool is changed where it is, and the program ends at the clearance height.
     #[serde(default)]
-    #[schema(inline, default = "none")]
+    #[schema(default = "none")]
     safe_home: SafeHome,
 }
 
@@ -83,8 +83,16 @@ pub enum WorkOffset {
 
 impl Program {
     pub fn check(&self, at: &Pointer, violations: &mut Violations) {
-        let Self { dialect, number, name, units: _, decimals, block_numbers: _, work_offset: _, safe_home: _ } =
-            self;
+        let Self {
+            dialect,
+            number,
+            name,
+            units: _,
+            decimals,
+            block_numbers: _,
+            work_offset: _,
+            safe_home: _,
+        } = self;
         let dialect = dialects::find(dialect.as_deref()).unwrap_or_else(|detail| {
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
             dialects::DEFAULT

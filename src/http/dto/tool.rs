@@ -54,6 +54,10 @@ impl Tool {
         self.check_numbers(at, violations);
     }
 
+    pub fn diameter_mm(&self) -> f64 {
+        self.diameter_mm
+    }
+
     pub fn is_flat(&self) -> bool {
         self.shape == Shape::Flat
     }

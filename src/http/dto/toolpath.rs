@@ -43,6 +43,8 @@ pub enum WarningCode {
     PassesApart,
     /// Short pieces of passes are left out, and what they would cut is left.
     ShortPiecesLeftOut,
+    /// The part is smaller than the cutter both ways in plan.
+    PartSmallerThanCutter,
     /// Nobody said what stands over the surface: rapids come down near it.
     StockNotGiven,
     /// There is no room for some of the entries and exits that were asked for: the cutter goes straight down or up there.

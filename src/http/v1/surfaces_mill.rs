@@ -87,6 +87,10 @@ impl From<&surface_milling::Warning> for Warning {
                     rounded_up_mm(*longest_mm)
                 ),
             },
+            surface_milling::Warning::PartSmallerThanCutter => Self {
+                code: WarningCode::PartSmallerThanCutter,
+                detail: "the part is smaller than the cutter both ways: are its points in millimetres?".into(),
+            },
             surface_milling::Warning::StockNotGiven { approach_mm } => Self {
                 code: WarningCode::StockNotGiven,
                 detail: format!(

@@ -5,7 +5,7 @@
 //!    consists of points of these pieces.
 //! 2. `clip`: of each piece the ranges are taken away where the cutter would gouge some element of the contour. That cuts
 //!    concave corners, cusps and global loops alike, and opens the path where a neck is too narrow.
-//! 3. `link`: what is left is joined to chains.
+//! 3. `link`: what is left is joined to chains; corners that are hardly any are mitred (`mitre`).
 //! 4. Proof: the least distance of each element of the path from each element of the contour that is in reach has a closed
 //!    form (`distance`); one that is too small refuses the path.
 //!
@@ -30,6 +30,7 @@
 mod clip;
 mod distance;
 mod link;
+mod mitre;
 mod pieces;
 mod tree;
 
@@ -88,7 +89,7 @@ pub enum CompensationError {
 }
 
 /// The path at a distance of `radius_mm` from a connected chain of lines and arcs; the chain is closed if it ends where it
-/// starts.
+/// starts. Where its elements nearly run on in each other, the path may be `mitre_mm` farther away.
 ///
 /// # Errors
 /// One of [`CompensationError`].
@@ -96,6 +97,7 @@ pub fn compensate(
     contour: &[Element],
     side: Side,
     radius_mm: f64,
+    mitre_mm: f64,
     budget: &Budget,
 ) -> Result<Compensated, CompensationError> {
     if contour.len() > LIMIT {
@@ -129,11 +131,17 @@ pub fn compensate(
     }
     // Pieces that overlap by less than this are not as deep in each other as the rounding, and are not cut.
     let joint_mm = JOINT_MM + 4.0 * (8.0 * rounding * radius_mm).sqrt();
-    let chains = link::chains(&pieces, &parts, joint_mm, budget)?;
+    let mut chains = link::chains(&pieces, &parts, joint_mm, budget)?;
     if chains.is_empty() {
         return Err(CompensationError::NothingLeft);
     }
-    prove(&contour, &chains, radius_mm, budget)?;
+    let mitred: Vec<_> = chains.iter().map(|chain| mitre::mitred(chain, radius_mm, mitre_mm)).collect();
+    match prove(&contour, &mitred, radius_mm, budget) {
+        Ok(()) => chains = mitred,
+        // One of them may come near to another part of the contour.
+        Err(CompensationError::Gouges { .. }) => prove(&contour, &chains, radius_mm, budget)?,
+        Err(other) => return Err(other),
+    }
     let uncut_mm = uncut(&contour, &chains, radius_mm, budget)?;
     Ok(Compensated { chains, uncut_mm })
 }

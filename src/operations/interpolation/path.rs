@@ -19,6 +19,9 @@ use crate::toolpath::{Move, PathError, Role, Toolpath};
 /// What the cutter leaves is worth a word from here on, mm: less is lost in the program's decimals.
 const UNCUT_MM: f64 = 1e-3;
 
+/// At corners that are hardly any the path may be this far away from where it should be, in steps of the last decimal.
+const MITRE_STEPS: f64 = 0.1;
+
 /// Moves between two looks at the budget.
 const MOVES_BETWEEN_CHECKS: usize = 1024;
 
@@ -51,7 +54,8 @@ pub fn path(
     let chains = match job.compensation {
         None => vec![uncompensated],
         Some((side, radius_mm)) => {
-            let compensated = compensate(&uncompensated, side, radius_mm, budget)?;
+            let mitre_mm = MITRE_STEPS * job.resolution.step_mm();
+            let compensated = compensate(&uncompensated, side, radius_mm, mitre_mm, budget)?;
             let uncut_mm = compensated.uncut_mm;
             warnings.extend((uncut_mm > UNCUT_MM).then_some(Warning::ContourNotReached { uncut_mm }));
             compensated.chains

@@ -17,6 +17,7 @@ use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::section::PlaneAt;
 use crate::geometry::section::Sections;
 use crate::geometry::surface::joints::{self, Joints, NotSmooth};
+use crate::geometry::surface::patch::Bounds;
 use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::Toolpath;
@@ -257,7 +258,9 @@ fn plan_with<P: Patch>(
         n_arcs,
         n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
     };
-    let warnings = warnings(job, &report, found.is_followed, (left_out, n_not_clear));
+    let bounds = surface.patches().iter().map(Patch::bounds).fold(Bounds::EMPTY, |all, own| all.union(&own));
+    let is_small = (bounds.max - bounds.min).xy().amax() < 2.0 * job.tool.radius_mm;
+    let warnings = warnings(job, &report, found.is_followed, (left_out, n_not_clear, is_small));
     Ok(Plan { toolpath, report, cutting, warnings })
 }
 
@@ -310,9 +313,12 @@ fn warnings(
     job: &Job,
     report: &Report,
     is_followed: bool,
-    (left_out, n_not_clear): (LeftOut, usize),
+    (left_out, n_not_clear, is_small): (LeftOut, usize, bool),
 ) -> Vec<Warning> {
     let mut warnings = data_warnings(job);
+    if is_small {
+        warnings.push(Warning::PartSmallerThanCutter);
+    }
     if job.stock.is_none() {
         warnings.push(Warning::StockNotGiven { approach_mm: APPROACH_MM });
     }

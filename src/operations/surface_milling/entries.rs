@@ -229,8 +229,7 @@ impl<P: Patch> Entries<'_, P> {
         let plane = self.job.plane.arc_plane();
         let [a, b, _] = plane.axes();
         let [from, to] = [start - center, end - center];
-        let direction =
-            if from[a] * to[b] > from[b] * to[a] { Direction::Ccw } else { Direction::Cw };
+        let direction = if from[a] * to[b] > from[b] * to[a] { Direction::Ccw } else { Direction::Cw };
         Ok(Curve::Arc(Arc::new(plane, direction, start, end, center).map_err(PathError::from)?))
     }
 }

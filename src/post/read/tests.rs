@@ -3,6 +3,7 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::curve::ArcError;
 use crate::post::DIALECTS;
 use crate::post::dialects::fanuc::FANUC;
 use crate::post::dialects::linuxcnc::LINUXCNC;

@@ -44,10 +44,9 @@ fn a_fanuc_program_reads_as_a_machinist_expects() {
 
 #[test]
 fn the_tool_goes_home_along_z_before_it_is_changed_and_at_the_end() {
-    for (safe_home, z, words) in [
-        (SafeHome::G28, "Z0.000", "G91 G28 Z0.000\nG90\n"),
-        (SafeHome::G53, "Z0.000", "G53 G0 Z0.000\n"),
-    ] {
+    for (safe_home, z, words) in
+        [(SafeHome::G28, "Z0.000", "G91 G28 Z0.000\nG90\n"), (SafeHome::G53, "Z0.000", "G53 G0 Z0.000\n")]
+    {
         let program = Program { safe_home, work_offset: Some(54), ..program(MM) };
         for dialect in DIALECTS {
             let text = written_in(dialect, &sample(), &program, &cutting(), &[]).unwrap().text;

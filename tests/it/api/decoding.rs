@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::support::{Answer, MILL, ONE_PASS, app, post};
+use super::support::{Answer, MILL, ONE_PASS, app, get, post};
 
 /// The smallest legal request with one value put somewhere.
 fn with(pointer: &str, value: Value) -> String {
@@ -274,7 +274,20 @@ async fn faults_of_grids_are_named_at_once() {
     column.iter_mut().for_each(|row| row[4] = row[3].clone());
     let mut alternating = grid();
     alternating.iter_mut().skip(1).step_by(2).for_each(|row| row.reverse());
+    let moved = |place: [usize; 2], to: [i32; 3]| {
+        let mut points = grid();
+        points[place[0]][place[1]] = json!(to);
+        points
+    };
+    let tiny = |scale: f64| -> Vec<Vec<Value>> {
+        (0..6).map(|i| (0..7).map(|j| json!([scale * i as f64, scale * j as f64, 0])).collect()).collect()
+    };
     for (points, code, pointer) in [
+        (moved([2, 3], [20, 24, 300]), "outlier", "#/surface/points/2/3"),
+        (moved([2, 3], [20, 24, -3000]), "outlier", "#/surface/points/2/3"),
+        (moved([5, 6], [9000, 9000, 0]), "outlier", "#/surface/points/5/6"),
+        (moved([0, 2], [-700, 16, 0]), "outlier", "#/surface/points/0/2"),
+        (tiny(0.01), "out_of_range", "#/surface"),
         (vec![vec![json!([1, 2, 3]); 4]; 4], "coincident", "#/surface/points"),
         (row, "coincident", "#/surface/points/3"),
         (column, "coincident", "#/surface/points/0/4"),
@@ -285,4 +298,24 @@ async fn faults_of_grids_are_named_at_once() {
         assert_eq!(answer.violations(), [(code.to_owned(), pointer.to_owned())]);
     }
     assert_eq!(mill(with("/surface/points", json!(grid()))).await.status, 200);
+    let mut meant: Value =
+        serde_json::from_str(&with("/surface/points", json!(moved([2, 3], [20, 24, 60])))).unwrap();
+    assert_eq!(mill(meant.to_string()).await.violations()[0].0, "outlier");
+    meant["surface"]["outliers"] = json!("accept");
+    assert_eq!(mill(meant.to_string()).await.status, 200);
+    let small = mill(with("/surface/points", json!(tiny(0.8)))).await;
+    assert!(small.header("toolpathd-warnings").contains("part_smaller_than_cutter"), "{}", small.text());
+}
+
+#[tokio::test]
+async fn what_is_asked_for_in_vain_is_told_what_there_is() {
+    let app = app(&["--workers", "1"]);
+    let nothing = get(&app, "/v1/nothing").await;
+    assert_eq!((nothing.status.as_u16(), nothing.code().as_str()), (404, "not_found"));
+    assert!(nothing.text().contains("/v1/surfaces/mill"), "{}", nothing.text());
+    let wrong = get(&app, MILL).await;
+    assert_eq!((wrong.status.as_u16(), wrong.code().as_str()), (405, "method_not_allowed"));
+    assert!(wrong.text().contains("does not answer GET, but POST"), "{}", wrong.text());
+    let wrong = get(&app, "/v1/arcs/fit").await;
+    assert!(wrong.text().contains("POST") && wrong.text().contains("PUT"), "{}", wrong.text());
 }

@@ -357,7 +357,7 @@ async fn without_a_height_a_program_goes_above_what_it_cuts() {
     };
     let answer = write(&level(json!({ "feed_mm_per_min": 600, "spindle_rpm": 8000 }))).await;
     let text = answer.text();
-    assert!(text.contains("G0 Z20.000\nX0.000 Y0.000\nZ0.000\nG1 X50.000 F600\nG0 Z20.000\nM5"), "{text}");
+    assert!(text.contains("G0 X0.000 Y0.000\nZ20.000\nZ0.000\nG1 X50.000 F600\nG0 Z20.000\nM5"), "{text}");
     assert!(text.contains("(WARNING: CLEARANCE_CHOSEN - "), "{text}");
     assert_eq!(answer.headers["toolpathd-warnings"], "clearance_chosen");
     for clearance in [-1, 0] {
@@ -368,6 +368,34 @@ async fn without_a_height_a_program_goes_above_what_it_cuts() {
     let given = json!({ "feed_mm_per_min": 600, "spindle_rpm": 8000, "clearance_z_mm": 5 });
     let answer = write(&level(given)).await;
     assert!(!answer.headers.contains_key("toolpathd-warnings") && !answer.text().contains("WARNING"));
+}
+
+/// Program, report and progress come of one computation.
+#[tokio::test]
+async fn the_program_stands_in_the_answer_and_in_the_event_where_it_is_asked_for() {
+    let app = app(&["--workers", "1"]);
+    let text = post(&app, &format!("{MILL}?format=gcode"), DIE.to_owned(), &[]).await.text();
+    let json = post(&app, &format!("{MILL}?nc=true"), DIE.to_owned(), &[]).await.json();
+    assert_eq!(json["nc"], json!(text));
+    assert!(json["report"]["n_passes"].as_u64() > Some(10));
+    let events = [("accept", "text/event-stream")];
+    let events = post(&app, &format!("{MILL}?nc=true&toolpath=false"), DIE.to_owned(), &events).await.text();
+    let result = events.split("event: result\ndata: ").nth(1).and_then(|rest| rest.lines().next()).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(result).unwrap()["nc"], json!(text));
+    let without = post(&app, MILL, DIE.to_owned(), &[]).await.json();
+    assert!(without.get("nc").is_none_or(Value::is_null), "{without}");
+}
+
+#[tokio::test]
+async fn programs_go_home_along_z_where_that_is_asked_for() {
+    for (safe_home, words) in [("g28", "G91 G28 Z0.000"), ("g53", "G53 G0 Z0.000"), ("none", "")] {
+        let text = write(&with("one-line", "/program/safe_home", json!(safe_home))).await.text();
+        let count = if words.is_empty() { 0 } else { text.matches(words).count() };
+        assert_eq!(count, if words.is_empty() { 0 } else { 2 }, "{text}");
+        assert_eq!(text.contains("G28") || text.contains("G53"), !words.is_empty(), "{text}");
+    }
+    let refused = write(&with("one-line", "/program/safe_home", json!("home"))).await;
+    assert_eq!(refused.violations()[0].1, "#/program/safe_home");
 }
 
 #[tokio::test]

@@ -52,7 +52,14 @@ pub fn check(directory: &Path) -> Result<String, String> {
         ..Job::new(curve, Method::Parabolic, Subdivision::Least(Joints::OnCurve), band)
     };
     let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;
-    let program = Program { resolution, number: 1, name: None, block_numbers: false, work_offset: None, safe_home: SafeHome::None };
+    let program = Program {
+        resolution,
+        number: 1,
+        name: None,
+        block_numbers: false,
+        work_offset: None,
+        safe_home: SafeHome::None,
+    };
     let cutting = plan.cutting.ok_or("no conditions")?;
     let written = post::write(
         &plan.toolpath,

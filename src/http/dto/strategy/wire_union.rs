@@ -48,7 +48,11 @@ impl Sections {
     /// Refuses what says nothing to a wire union, whose cutter goes straight up and down.
     pub fn check_absent(&self, at: &Pointer, is_given: bool, violations: &mut Violations) {
         if is_given && matches!(self.spacing, core::Spacing::WirePitch(_)) {
-            violations.add(at, FieldCode::Conflict, "the cutter comes to the wires of `wire_union` straight down");
+            violations.add(
+                at,
+                FieldCode::Conflict,
+                "the cutter comes to the wires of `wire_union` straight down",
+            );
         }
     }
 

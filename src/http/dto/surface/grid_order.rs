@@ -14,9 +14,15 @@ const SAME_MM: f64 = 1e-9;
 /// the sum in the given order.
 const REVERSED_PART: f64 = 0.5;
 
+/// A point is an outlier whose every neighbour is this many times as far away as that neighbour is from any other.
+const OUTLIER_FACTOR: f64 = 5.0;
+
+/// Points each way of the smallest grid in which an outlier can be told from the corner of a part.
+const LEAST_ROWS: usize = 3;
+
 /// Blames the first row or column that repeats the one before it, and the first row that runs the other way; a grid whose
-/// points are all the same as a whole. Rows are as long as the first.
-pub fn check(at: &Pointer, points: &[Vec<Point>], violations: &mut Violations) {
+/// points are all the same as a whole; and, where outliers are refused, the first of them. Rows are as long as the first.
+pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violations: &mut Violations) {
     let rows: Vec<Vec<Point3<f64>>> =
         points.iter().map(|row| row.iter().copied().map(Point3::from).collect()).collect();
     let columns = rows.first().map_or(0, Vec::len);
@@ -43,7 +49,50 @@ pub fn check(at: &Pointer, points: &[Vec<Point>], violations: &mut Violations) {
         let detail =
             format!("row {} runs the other way than row {i}: reverse it, so that all rows run alike", i + 1);
         violations.add(&at.index(i + 1), FieldCode::ReversedRow, detail);
+    } else if refuses_outliers
+        && let Some(Outlier { place: [i, j], from_neighbours, between }) = outlier(&rows)
+    {
+        let detail = format!(
+            "the point is {from_neighbours:.4} mm away from the nearest of its neighbours, which lie at most {between:.4} mm from theirs: \
+             correct it, or say `outliers: accept`"
+        );
+        violations.add(&at.index(i).index(j), FieldCode::Outlier, detail);
     }
+}
+
+/// A point that is far away from all of its neighbours.
+struct Outlier {
+    place: [usize; 2],
+    /// To the nearest neighbour, mm.
+    from_neighbours: f64,
+    /// The largest distance of a neighbour from its other neighbours, mm.
+    between: f64,
+}
+
+fn outlier(rows: &[Vec<Point3<f64>>]) -> Option<Outlier> {
+    let size = [rows.len(), rows[0].len()];
+    if size.iter().any(|n| *n < LEAST_ROWS) {
+        return None;
+    }
+    let neighbours = |[i, j]: [usize; 2]| {
+        let rows = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter(move |i| *i < size[0]);
+        let columns = [j.checked_sub(1), Some(j + 1)].into_iter().flatten().filter(move |j| *j < size[1]);
+        rows.map(move |row| [row, j]).chain(columns.map(move |column| [i, column]))
+    };
+    let apart = |[a, b]: [usize; 2], [c, d]: [usize; 2]| (rows[a][b] - rows[c][d]).norm();
+    let places = (0..size[0]).flat_map(|i| (0..size[1]).map(move |j| [i, j]));
+    for place in places {
+        let from_neighbours =
+            neighbours(place).map(|other| apart(place, other)).fold(f64::INFINITY, f64::min);
+        let others = neighbours(place).flat_map(|other| {
+            neighbours(other).filter(move |next| *next != place).map(move |next| apart(other, next))
+        });
+        let between = others.fold(0.0, f64::max);
+        if from_neighbours > OUTLIER_FACTOR * between {
+            return Some(Outlier { place, from_neighbours, between });
+        }
+    }
+    None
 }
 
 fn is_reversed(before: &[Point3<f64>], row: &[Point3<f64>]) -> bool {

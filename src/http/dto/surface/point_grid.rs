@@ -38,6 +38,11 @@ pub struct PointGrid {
     /// The end conditions of the splines; `clamped` takes the tangents of `end_tangents`. `natural` has no curvature at the
     /// edges, which bends the rim of a part that was measured. Default: `not_a_knot`.
     ends: Option<Ends>,
+    /// What happens where a point lies far away from all of its neighbours, five times as far as they lie from each other: mostly it is a
+    /// mistake, and takes long to mill.
+    #[serde(default)]
+    #[schema(default = "refuse")]
+    outliers: Outliers,
     #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
 }
@@ -57,6 +62,14 @@ pub enum Ends {
     NotAKnot,
     Clamped,
     Bessel,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Outliers {
+    #[default]
+    Refuse,
+    Accept,
 }
 
 /// Tangents along the boundaries, one vector for each boundary point: derivatives by the parameter that grows by one
@@ -88,9 +101,9 @@ impl PointGrid {
     }
 
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
-        let Self { _kind: _, points, twist: _, ends, end_tangents } = self;
+        let Self { _kind: _, points, twist: _, ends, outliers, end_tangents } = self;
         let Some(size) = grid::check_points(&at.field("points"), points, limits, violations) else { return };
-        grid_order::check(&at.field("points"), points, violations);
+        grid_order::check(&at.field("points"), points, *outliers == Outliers::Refuse, violations);
         let at_tangents = at.field("end_tangents");
         match (ends, end_tangents) {
             (Some(Ends::Clamped), Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),
@@ -127,7 +140,7 @@ impl EndTangents {
 
 /// Converts what has been checked.
 impl From<PointGrid> for core::PointGrid {
-    fn from(PointGrid { _kind: _, points, twist, ends, end_tangents }: PointGrid) -> Self {
+    fn from(PointGrid { _kind: _, points, twist, ends, outliers: _, end_tangents }: PointGrid) -> Self {
         Self {
             points: grid::converted(points),
             twist: match twist {

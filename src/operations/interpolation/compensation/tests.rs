@@ -59,6 +59,31 @@ fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
     chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
 }
 
+/// Lines that meet under a hundredth of a radian: with a mitre the path has as many lines and no arc, connected, and no farther out.
+#[test]
+fn small_angles_are_mitred_and_large_ones_rounded() {
+    let arc_and_lines =
+        contour(&[(0.0, 0.0), (30.0, 0.0), (60.0, -0.3), (90.0, -0.9), (91.0, -30.0)], &[0.0, 0.001]);
+    for (mitre_mm, arcs) in [(0.0, 4), (1e-4, 2)] {
+        let found = compensate(&arc_and_lines, Side::Left, R, mitre_mm, &Budget::unlimited()).unwrap();
+        let [chain] = &found.chains[..] else { panic!("{found:?}") };
+        assert_eq!(
+            chain.iter().filter(|element| matches!(element, Element::Arc(_))).count(),
+            arcs,
+            "{chain:?}"
+        );
+        for pair in chain.windows(2) {
+            assert_eq!(pair[0].end(), pair[1].start());
+        }
+        for element in chain {
+            for k in 0..=50 {
+                let apart = to_chain(&arc_and_lines, pieces::at(element, f64::from(k) / 50.0));
+                assert!((R - 1e-6..=R + mitre_mm + 1e-6).contains(&apart), "{mitre_mm} {apart}");
+            }
+        }
+    }
+}
+
 fn other(side: Side) -> Side {
     if side == Side::Left { Side::Right } else { Side::Left }
 }
@@ -74,7 +99,7 @@ fn length(chain: &[Element]) -> f64 {
 /// The path, after it has been sampled: it is connected, does not gouge, and has every point beside the contour that it
 /// may have.
 fn run(contour: &[Element], side: Side, radius: f64) -> Compensated {
-    let found = compensate(contour, side, radius, &Budget::unlimited()).unwrap();
+    let found = compensate(contour, side, radius, 0.0, &Budget::unlimited()).unwrap();
     let path: Vec<Element> = found.chains.iter().flatten().copied().collect();
     for chain in &found.chains {
         for pair in chain.windows(2) {
@@ -180,7 +205,7 @@ fn a_circle_from_outside_and_from_inside() {
     let found = run_all_ways(&circle(5.0), Side::Right, 50.0);
     assert_near(length(one(&found)), TAU * 55.0);
     for radius in [5.0, 6.0, 50.0] {
-        let none = compensate(&circle(5.0), Side::Left, radius, &Budget::unlimited());
+        let none = compensate(&circle(5.0), Side::Left, radius, 0.0, &Budget::unlimited());
         assert_eq!(none, Err(CompensationError::NothingLeft));
     }
 }
@@ -194,7 +219,7 @@ fn a_closed_square() {
     let outside = run_all_ways(&square, Side::Right, R);
     assert_near(length(one(&outside)), 40.0 + TAU * R);
     assert_eq!(one(&outside)[0].start(), one(&outside)[7].end());
-    let none = compensate(&square, Side::Left, 5.1, &Budget::unlimited());
+    let none = compensate(&square, Side::Left, 5.1, 0.0, &Budget::unlimited());
     assert_eq!(none, Err(CompensationError::NothingLeft));
 }
 
@@ -229,7 +254,7 @@ fn a_v_narrower_than_the_cutter() {
     assert_near(length(path), 2.0 * (10.0 - R * 3f64.sqrt()));
     assert_near(found.uncut_mm, R);
     // Legs so short that it never enters: nothing but their ends would be touched.
-    let none = compensate(&v(3.0), Side::Left, R, &Budget::unlimited());
+    let none = compensate(&v(3.0), Side::Left, R, 0.0, &Budget::unlimited());
     assert_eq!(none, Err(CompensationError::NothingLeft));
 }
 
@@ -313,7 +338,7 @@ fn tiny_elements_and_doubled_points() {
     let smooth = lines(&[(0.0, 0.0), (9.0, 0.0), (9.0, 4.0)]);
     for side in [Side::Left, Side::Right] {
         let [rough, smooth] = [lines(&rough), smooth.clone()]
-            .map(|contour| compensate(&contour, side, R, &Budget::unlimited()).unwrap());
+            .map(|contour| compensate(&contour, side, R, 0.0, &Budget::unlimited()).unwrap());
         assert!((length(one(&rough)) - length(one(&smooth))).abs() < 1e-6, "{rough:?}");
     }
 }
@@ -322,7 +347,7 @@ fn tiny_elements_and_doubled_points() {
 fn a_cancelled_budget_stops() {
     let budget = Budget::unlimited();
     budget.cancel();
-    let stopped = compensate(&circle(5.0), Side::Left, R, &budget);
+    let stopped = compensate(&circle(5.0), Side::Left, R, 0.0, &budget);
     assert_eq!(stopped, Err(CompensationError::Stopped(Stopped::Cancelled)));
 }
 
@@ -358,7 +383,7 @@ proptest! {
         }
         let contour = contour(&points, &bulges);
         for side in [Side::Left, Side::Right] {
-            match compensate(&contour, side, radius, &Budget::unlimited()) {
+            match compensate(&contour, side, radius, 0.0, &Budget::unlimited()) {
                 Err(CompensationError::NothingLeft) => {}
                 _ => { run(&contour, side, radius); }
             }

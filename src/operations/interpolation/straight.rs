@@ -1,0 +1,70 @@
+//! Lines in the place of arcs that are hardly bent, where that takes no more elements.
+//!
+//! An arc of several metres along a flank that is straight, or as good as straight, is a move that no machinist expects and that rounding
+//! of its centre bends. Where the band holds a line from the arc's start on, and the arcs after it reach as far as before, the line stays.
+
+use super::Error;
+use super::fit::{Fitted, Fitter};
+use super::job::Method;
+use crate::budget::Budget;
+use crate::geometry::element::Element;
+use crate::geometry::plane_curve::PlaneCurve;
+
+/// So many elements after a line may be made anew; lines after which the old joints are not reached by then are not taken.
+const MOST_MOVED: usize = 16;
+
+/// A line shorter than this part of its arc is not taken: the bend would be all the sharper behind it.
+const LEAST_PART: f64 = 0.5;
+
+/// Puts lines in the place of arcs.
+///
+/// # Errors
+/// When the budget ends.
+pub fn straighten(
+    fitter: &Fitter<impl PlaneCurve>,
+    fitted: &mut [Fitted],
+    budget: &Budget,
+) -> Result<(), Error> {
+    if fitter.method != Method::Arc {
+        return Ok(());
+    }
+    for k in 0..fitted.len() {
+        budget.check()?;
+        if let Element::Arc(arc) = fitted[k].element
+            && bulge_mm(arc.start, arc.end, arc.turn) <= fitter.band.below_mm.max(fitter.band.above_mm)
+            && let Some(moved) = from_line(fitter, &fitted[k..])
+        {
+            fitted[k..k + moved.len()].copy_from_slice(&moved);
+        }
+    }
+    Ok(())
+}
+
+/// How far an arc leaves its chord, mm.
+fn bulge_mm(start: nalgebra::Point2<f64>, end: nalgebra::Point2<f64>, turn: f64) -> f64 {
+    0.5 * (end - start).norm() * (turn / 4.0).tan().abs()
+}
+
+/// A line at the place of the first element, and new ones for those after it up to a joint that stays; `None` where there are none.
+fn from_line(fitter: &Fitter<impl PlaneCurve>, rest: &[Fitted]) -> Option<Vec<Fitted>> {
+    let [from, to] = rest[0].range;
+    let lines = Fitter { method: Method::Linear, ..*fitter };
+    let line = lines.longest([from, to], to - from).ok()?;
+    let mut moved = vec![line];
+    let mut at = line.range[1];
+    if at - from < LEAST_PART * (to - from) {
+        return None;
+    }
+    for old in rest.iter().skip(1).take(MOST_MOVED) {
+        if at >= old.range[0] {
+            break;
+        }
+        let next = match fitter.fit([at, old.range[1]]) {
+            Some(whole) => whole,
+            None => fitter.longest([at, old.range[1]], old.range[1] - old.range[0]).ok()?,
+        };
+        at = next.range[1];
+        moved.push(next);
+    }
+    (at >= rest[moved.len() - 1].range[1]).then_some(moved)
+}

@@ -24,10 +24,14 @@ use std::{env, fs, process, thread};
 
 use toolpathd::budget::Budget;
 use toolpathd::post::{self, DIALECTS, Dialect, ProgramJob};
+use toolpathd::toolpath::Toolpath;
 use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
 
 const TOOLPATHS: usize = 1_000;
 const WORKERS: usize = 2;
+
+/// One in so many of them also goes home along Z, either way.
+const HOMED: usize = 10;
 
 fn main() -> ExitCode {
     let directory = env::temp_dir().join(format!("toolpathd-controller-{}", process::id()));
@@ -91,7 +95,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             name: Some(format!("random {seed}")),
             block_numbers: seed.is_multiple_of(7),
             work_offset: seed.is_multiple_of(3).then_some(54),
-            safe_home: [SafeHome::None, SafeHome::G28, SafeHome::G53][seed as usize % 3],
+            safe_home: SafeHome::None,
         };
         let dialect = DIALECTS[seed % DIALECTS.len()];
         let job = ProgramJob {
@@ -107,6 +111,11 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             .map_err(|error| error.to_string())
             .and_then(|written| {
                 let motions = canon::interpret(&canon::translated(&written.text, dialect), directory, &name)?;
+                for safe_home in [SafeHome::G28, SafeHome::G53] {
+                    if seed.is_multiple_of(HOMED) {
+                        cuts_alike_from_home(&case.toolpath, &job, safe_home, directory, &motions)?;
+                    }
+                }
                 let text = compare::with_text(&written.text, dialect, &motions)?;
                 let path = compare::with_toolpath(&case.toolpath, &motions, resolution, dialect.parabolas)?;
                 Ok(text.and(path))
@@ -114,6 +123,31 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             .map_err(|error| format!("{name}: {error}"))?;
         figures = figures.and(found);
     }
+}
+
+/// The control takes the way home, and cuts the same.
+fn cuts_alike_from_home(
+    toolpath: &Toolpath,
+    job: &ProgramJob,
+    safe_home: SafeHome,
+    directory: &Path,
+    motions: &[canon::Motion],
+) -> Result<(), String> {
+    let program = Program { safe_home, ..job.program.clone() };
+    let job = ProgramJob { program: &program, ..*job };
+    let written = post::write(toolpath, &job, &Budget::unlimited()).map_err(|error| error.to_string())?;
+    let text = canon::translated(&written.text, job.dialect);
+    let name = format!("{}-home", program.name.as_deref().unwrap_or_default().replace(' ', ""));
+    let homed = canon::interpret(&text, directory, &name)?;
+    let cuts = |motions: &[canon::Motion]| -> Vec<String> {
+        let cuts = motions.iter().filter(|motion| !matches!(motion, canon::Motion::Rapid { .. }));
+        cuts.map(|motion| format!("{motion:?}")).collect()
+    };
+    let rapids = |motions: &[canon::Motion]| motions.len() - cuts(motions).len();
+    if cuts(&homed) != cuts(motions) || rapids(&homed) <= rapids(motions) {
+        return Err(format!("{safe_home:?}: the control cuts something else, or does not go home"));
+    }
+    Ok(())
 }
 
 /// The dialect whose files are called so.

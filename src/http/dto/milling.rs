@@ -99,7 +99,9 @@ pub enum Boundary {
 /// Blames a surface that is so much smaller than the cutter that it cannot be meant.
 fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {
     let [x, y] = extent;
-    let is_speck = x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
+    // A cutter beyond any is itself the mistake, or stands for a diameter that could not be read.
+    let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
+    let is_speck = is_cutter && x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
     if is_speck && x.max(y) > 0.0 {
         let detail = format!(
             "the part measures {x:.4} mm by {y:.4} mm, less than a twentieth of the cutter: are its points in metres or inches?"
@@ -107,6 +109,9 @@ fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Viol
         violations.add(at, FieldCode::OutOfRange, detail);
     }
 }
+
+/// No cutter has a larger diameter, mm.
+const LARGEST_CUTTER_MM: f64 = 500.0;
 
 /// Surfaces smaller than this part of the cutter's diameter are refused.
 const LEAST_PART_OF_CUTTER: f64 = 0.05;

@@ -92,7 +92,7 @@ fn driving_lines(cutting: &Cutting) -> [String; 3] {
     [
         format!("spindle: {spindle}, coolant: {coolant}"),
         format!("feed: {feed}, plunge: {plunge} mm/min"),
-        format!("clearance: Z {} mm", cutting.clearance_z_mm),
+        format!("clearance: Z {:.3} mm", cutting.clearance_z_mm),
     ]
 }
 

@@ -113,7 +113,7 @@ pub enum Warning {
     PartSmallerThanCutter,
     /// Nobody says what stands over the surface: rapids come down to this far above it.
     StockNotGiven { approach_mm: f64 },
-    /// So many entries and exits of those asked for are not clear: there the cutter goes straight down or up.
+    /// The number of entries and exits for which there is no room: there the cutter goes straight down or up.
     EntryNotClear { count: usize },
     /// The path is one for roughing, and cuts this deep into the surface.
     RoughingPathGouges { depth_mm: f64 },

@@ -10,7 +10,7 @@ use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// So many elements after a line may be made anew; lines after which the old joints are not reached by then are not taken.
+/// A line is taken only if the chain is back at an old joint after this many elements.
 const MOST_MOVED: usize = 16;
 
 /// A line shorter than this part of its arc is not taken: the bend would be all the sharper behind it.

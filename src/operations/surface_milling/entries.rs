@@ -128,8 +128,8 @@ impl<P: Patch> Entries<'_, P> {
         z + APPROACH_MM + self.job.stock.map_or(0.0, Stock::thickness_mm)
     }
 
-    /// The lowest height, from `low` on, to which the cutter may come down over a place by rapid, mm: at most that of the retract plane,
-    /// if it is not below `low`.
+    /// The lowest height to which the cutter may come down over a place by rapid, mm. It is not below `low`, and not above the higher of
+    /// `low` and the retract plane.
     fn free_height(&self, place: Point3<f64>, low: f64) -> Result<f64, Error> {
         let high = self.cutting.retract_z_mm.max(low);
         if let Some(Stock::Block { top_z_mm }) = self.job.stock {

@@ -134,8 +134,8 @@ pub struct Job {
     pub tolerance: Tolerance,
     /// Stock to be left on the surface, mm; zero or more.
     pub allowance_mm: f64,
-    /// Where nobody says, rapids come down as if there were none, and the answer warns; but those of wire unions, as in a block as high as
-    /// the part.
+    /// `None` where the caller does not say: rapids then come down as if there were no stock, and the answer warns. Wire unions take
+    /// it for a block as high as the part.
     pub stock: Option<Stock>,
     pub entry: Entry,
     pub exit: Exit,

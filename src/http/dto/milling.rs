@@ -51,8 +51,8 @@ pub struct MillRequest {
     /// Stock to be left on the surface. Default: 0.
     #[schema(minimum = 0, maximum = 1000)]
     allowance_mm: Option<f64>,
-    /// Default: rapids come down to 2 mm above the surface that is left, and the answer warns; those of `wire_union`, to 2 mm above
-    /// the part.
+    /// Without it the answer warns, and rapids end 2 mm above the surface, raised by `allowance_mm`. With `wire_union` they end 2 mm
+    /// above the part, and there is no warning.
     stock: Option<Stock>,
     /// Of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,

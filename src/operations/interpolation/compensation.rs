@@ -5,7 +5,7 @@
 //!    consists of points of these pieces.
 //! 2. `clip`: of each piece the ranges are taken away where the cutter would gouge some element of the contour. That cuts
 //!    concave corners, cusps and global loops alike, and opens the path where a neck is too narrow.
-//! 3. `link`: what is left is joined to chains; corners that are hardly any are mitred (`mitre`).
+//! 3. `link`: what is left is joined to chains; arcs about nearly straight corners are replaced by mitres (`mitre`).
 //! 4. Proof: the least distance of each element of the path from each element of the contour that is in reach has a closed
 //!    form (`distance`); one that is too small refuses the path.
 //!

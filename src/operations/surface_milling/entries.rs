@@ -1,8 +1,8 @@
 //! How the cutter comes down to a pass, and how it leaves one.
 //!
 //! # Method
-//! Rapids come down to [`APPROACH_MM`] above what is cut at a place. In a block that is one height. Over stock that follows the surface it
-//! is found by halves: the cutter, larger by the stock all around and lower by that distance, is proved to stay off the surface
+//! Rapids end [`APPROACH_MM`] above the stock. The top of a block is one height. The height over stock that follows the surface is found by
+//! halving an interval: the cutter, larger by the stock all around and lower by that distance, is proved to stay off the surface
 //! ([`gouge`](crate::geometry::gouge)). From there the cutter plunges, or enters by a ramp or along an arc where that is asked for and
 //! proved clear.
 
@@ -18,7 +18,7 @@ use crate::geometry::surface::{BezierSurface, Patch};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::{Builder, PathError, Role};
 
-/// Rapids end this far above what is cut at a place, mm.
+/// Height of the cutter over the stock where a rapid down ends and the feed begins, mm.
 pub(super) const APPROACH_MM: f64 = 2.0;
 
 /// Halvings between a height that is not proved free and one that is: to a thousandth of the way down.
@@ -43,7 +43,7 @@ impl<'a, P: Patch> Proofs<'a, P> {
     }
 }
 
-/// What is known about ways to passes.
+/// Finds the ways by which the cutter comes to a pass and leaves it.
 pub(super) struct Entries<'a, P> {
     pub(super) job: &'a Job,
     pub(super) cutting: &'a Cutting,

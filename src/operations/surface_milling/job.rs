@@ -86,7 +86,7 @@ pub enum Interpolation {
 /// What stands over the surface before the path is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stock {
-    /// What lies no farther than this above the surface that is left, mm: what roughing leaves.
+    /// A layer on the surface, as roughing leaves it, at most this thick along the normal, mm. The surface counts with its allowance.
     OnSurface { thickness_mm: f64 },
     /// Everything up to a height.
     Block { top_z_mm: f64 },

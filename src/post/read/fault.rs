@@ -1,4 +1,4 @@
-//! What is wrong with a line.
+//! The faults for which the reader refuses a line.
 
 use crate::geometry::curve::ArcError;
 

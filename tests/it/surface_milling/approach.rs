@@ -1,4 +1,4 @@
-//! How the cutter comes to passes and leaves them: rapids near what is cut and no nearer, entries, exits and links.
+//! Rapids end 2 mm above the stock; entries, exits and links are where they are asked for and clear.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;

@@ -131,7 +131,7 @@ fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
     }
 }
 
-/// Rapids run level at or above the retract plane; what is lower runs straight up, or straight down to 2 mm above the surface.
+/// A rapid below the retract plane is vertical. A rapid down ends 2 mm above the surface, or higher.
 fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, cutter: &Cutter, job: &Job, floor: f64) {
     for (kind, motion) in moves {
         if kind == Kind::Rapid {

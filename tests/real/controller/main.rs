@@ -30,7 +30,7 @@ use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
 const TOOLPATHS: usize = 1_000;
 const WORKERS: usize = 2;
 
-/// One in so many of them also goes home along Z, either way.
+/// Every tenth toolpath is also written with G28 and with G53.
 const HOMED: usize = 10;
 
 fn main() -> ExitCode {

@@ -59,7 +59,8 @@ fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
     chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
 }
 
-/// Lines that meet under a hundredth of a radian: with a mitre the path has as many lines and no arc, connected, and no farther out.
+/// Elements that meet under a hundredth of a radian. Without a mitre the path has an arc about each joint; with one it has none there,
+/// is connected, and leaves its distance by the mitre at most.
 #[test]
 fn small_angles_are_mitred_and_large_ones_rounded() {
     let arc_and_lines =

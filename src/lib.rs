@@ -5,6 +5,7 @@ pub mod config;
 pub mod geometry;
 pub mod http;
 pub mod language;
+pub mod machining;
 pub mod operations;
 pub mod plot;
 pub mod post;

@@ -15,7 +15,6 @@ pub mod offset;
 pub mod parallel_sweep;
 pub mod patch;
 pub mod point_grid;
-pub mod regularity;
 pub mod ruled;
 pub mod source;
 

@@ -1,7 +1,7 @@
 //! Where a cutter that comes down at given places touches a surface.
 //!
 //! # Method
-//! Direct contact ([`contact`](crate::geometry::contact)), each point with the one before as a first guess: in the order in which they
+//! Direct contact ([`contact`](crate::machining::drop_cutter)), each point with the one before as a first guess: in the order in which they
 //! were given, or to and fro along strips, whichever is the shorter way. Points are shared out to threads in groups whose size
 //! does not depend on these.
 //!
@@ -14,9 +14,9 @@
 use nalgebra::{Point2, Point3};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::contact::{Contact, Contacts};
 use crate::geometry::surface::source::{AnySurface, Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::drop_cutter::{Contact, Contacts};
 use crate::operations::sharing::in_order;
 use crate::toolpath::tool::Tool;
 

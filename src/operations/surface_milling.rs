@@ -5,9 +5,9 @@
 //! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), and continued past its edges where the cutter is to
 //!    run past them.
 //! 2. *By contact*: the tip follows where the cutter, larger by the stock to be left, touches from above
-//!    ([`contact`](crate::geometry::contact)). *By sections of the offset*: the surface is proved to be smooth
+//!    ([`contact`](crate::machining::drop_cutter)). *By sections of the offset*: the surface is proved to be smooth
 //!    ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the radius and the stock, not to fold
-//!    ([`regularity`](crate::geometry::surface::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). Where
+//!    ([`regularity`](crate::machining::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). Where
 //!    that proof is there and the certificate bears it out, passes by contact of a ball are made so too. From it come the heights that
 //!    passes leave between them (`scallop`).
 //! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
@@ -53,11 +53,11 @@ mod wire_union;
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::section::SectionError;
 use crate::geometry::surface::joints::NotSmooth;
-use crate::geometry::surface::regularity::Irregular;
 use crate::geometry::surface::source::{AnySurface, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::offset_section::SectionError;
+use crate::machining::regularity::Irregular;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};

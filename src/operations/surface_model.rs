@@ -3,7 +3,7 @@
 //! # Method
 //! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its normal points up
 //! where it starts. Its box and its most concave place are found by branch and bound on control nets; wires are those of
-//! [`wires`].
+//! [`wire_model`].
 //!
 //! # Guarantees
 //! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is level along a curve as
@@ -23,7 +23,7 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::joints::{self, NotSmooth};
 use crate::geometry::surface::source::{AnySurface, Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch, Surface, curvature};
-use crate::geometry::wires::{self, Wire, WireError, WireJob};
+use crate::machining::wire_model::{self, Wire, WireError, WireJob};
 
 /// How far the box may exceed the surface, mm, unless a side of it is level along a whole curve.
 pub const BOUNDS_ACCURACY_MM: f64 = 1e-6;
@@ -119,8 +119,8 @@ fn examine<P: Patch>(surface: &BezierSurface<P>, job: &Job, budget: &Budget) -> 
     budget.progress("wires", 2, 3);
     let wires = match &job.wires {
         None => None,
-        Some(wires) if wires.runs_along_a_parameter() => Some(wires::wires(surface, wires, budget)?),
-        Some(wires) => Some(wires::wires(&upward, wires, budget)?),
+        Some(wires) if wires.runs_along_a_parameter() => Some(wire_model::wires(surface, wires, budget)?),
+        Some(wires) => Some(wire_model::wires(&upward, wires, budget)?),
     };
     Ok(Findings { bounds, wires, curvature, not_smooth })
 }
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::geometry::surface::net_grid::NetGrid;
     use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-    use crate::geometry::wires::Along;
+    use crate::machining::wire_model::Along;
 
     fn grid(height: impl Fn(f64, f64) -> f64, ends: Ends, n: usize) -> Source {
         let row =

@@ -1,6 +1,6 @@
 //! Cutters.
 
-use crate::geometry::cutter::Cutter;
+use crate::machining::cutter::Cutter;
 
 /// The form of a cutter below its cylindrical shank of the same radius. The tip is its lowest point on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

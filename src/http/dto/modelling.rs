@@ -13,10 +13,10 @@ use super::toolpath::Bounds;
 use crate::config::Limits;
 use crate::geometry::surface::source::AnySurface;
 use crate::geometry::surface::{BezierSurface, BicubicPatch, Patch as _, RationalPatch, Surface as _};
-use crate::geometry::wires::{self, Wire};
 use crate::http::error::ApiError;
 use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
+use crate::machining::wire_model::{self, Wire};
 use crate::operations::surface_model as core;
 
 /// Patches of one answer: some hundred thousand control points.
@@ -95,16 +95,16 @@ impl IntoJob for ModelRequest {
 }
 
 impl Wires {
-    fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> wires::WireJob {
+    fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> wire_model::WireJob {
         let Self { pitch_mm, direction, chord_height_mm } = self;
         violations.number(&at.field("pitch_mm"), pitch_mm, Range::POSITIVE, "mm");
         violations.optional(&at.field("chord_height_mm"), chord_height_mm, CHORD_HEIGHT, "mm");
-        wires::WireJob {
+        wire_model::WireJob {
             along: match direction {
-                WireDirection::U => wires::Along::U,
-                WireDirection::V => wires::Along::V,
-                WireDirection::X => wires::Along::X,
-                WireDirection::Y => wires::Along::Y,
+                WireDirection::U => wire_model::Along::U,
+                WireDirection::V => wire_model::Along::V,
+                WireDirection::X => wire_model::Along::X,
+                WireDirection::Y => wire_model::Along::Y,
             },
             pitch_mm,
             chord_height_mm: chord_height_mm.unwrap_or(DEFAULT_CHORD_HEIGHT_MM),

@@ -7,7 +7,6 @@ use axum::response::Response;
 
 use crate::budget::Budget;
 use crate::geometry::surface::source::Source;
-use crate::geometry::wires::{self, Wire};
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -15,6 +14,7 @@ use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Models, Wanted};
+use crate::machining::wire_model::{self, Wire};
 use crate::operations::cutter_location::{self, Error};
 use crate::plot::Drawing;
 
@@ -46,7 +46,7 @@ fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport>, ApiError
 
 /// A few curves on the surface.
 fn sketched(surface: &Source) -> Vec<Wire> {
-    surface.surface().map(|surface| wires::sketch(&surface)).unwrap_or_default()
+    surface.surface().map(|surface| wire_model::sketch(&surface)).unwrap_or_default()
 }
 
 impl From<Error> for ApiError {

@@ -9,7 +9,6 @@ use axum::response::Response;
 
 use crate::budget::Budget;
 use crate::geometry::surface::source::Source;
-use crate::geometry::wires;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -18,6 +17,7 @@ use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
 use crate::http::wanted::{Toolpaths, Wanted};
+use crate::machining::wire_model;
 use crate::operations::surface_milling::{self, Plan};
 use crate::plot::Drawing;
 use crate::toolpath::units::rounded_up_mm;
@@ -56,7 +56,7 @@ fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> 
 
 /// The surface that was milled, shaded, with a few curves on it.
 fn drawing(surface: &Source) -> Drawing {
-    let draw = |surface| Drawing::of_relief(&surface, wires::sketch(&surface));
+    let draw = |surface| Drawing::of_relief(&surface, wire_model::sketch(&surface));
     surface.surface().map(draw).unwrap_or_default()
 }
 

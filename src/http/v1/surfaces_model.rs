@@ -6,7 +6,6 @@ use axum::extract::State;
 use axum::response::Response;
 
 use crate::budget::Budget;
-use crate::geometry::wires::{WireError, sketch};
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
 use crate::http::dto::answer::Answer;
@@ -16,6 +15,7 @@ use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::extract::JobBody;
 use crate::http::pointer::Pointer;
 use crate::http::wanted::{Models, Wanted};
+use crate::machining::wire_model::{WireError, sketch};
 use crate::operations::surface_model::{self, Error};
 use crate::plot::Drawing;
 

@@ -11,15 +11,15 @@ use super::{
     certificate, data_warnings, rest, scallop,
 };
 use crate::budget::{Budget, Stopped};
-use crate::geometry::contact::{Contacts, TipSections};
 use crate::geometry::curve::Curve;
-use crate::geometry::gouge::{GougeProof, Penetration};
-use crate::geometry::section::PlaneAt;
-use crate::geometry::section::Sections;
 use crate::geometry::surface::joints::{self, Joints, NotSmooth};
 use crate::geometry::surface::patch::Bounds;
-use crate::geometry::surface::regularity::{self, Irregular, Regularity, Slope};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::drop_cutter::{Contacts, TipSections};
+use crate::machining::gouge::{GougeProof, Penetration};
+use crate::machining::offset_section::PlaneAt;
+use crate::machining::offset_section::Sections;
+use crate::machining::regularity::{self, Irregular, Regularity, Slope};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;

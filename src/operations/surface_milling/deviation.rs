@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::{Error, Job};
 use crate::geometry::curve::Curve;
-use crate::geometry::section::chord_height;
+use crate::machining::offset_section::chord_height;
 use crate::toolpath::quantize::{Grid, Parabolas, round};
 
 /// How exactly a tip lies on its section, mm.

@@ -3,7 +3,7 @@
 //! # Method
 //! Rapids end [`APPROACH_MM`] above the stock. The top of a block is one height. The height over stock that follows the surface is found by
 //! halving an interval: the cutter, larger by the stock all around and lower by that distance, is proved to stay off the surface
-//! ([`gouge`](crate::geometry::gouge)). From there the cutter plunges, or enters by a ramp or along an arc where that is asked for and
+//! ([`gouge`](crate::machining::gouge)). From there the cutter plunges, or enters by a ramp or along an arc where that is asked for and
 //! proved clear.
 
 use nalgebra::{Point3, Vector3};
@@ -13,8 +13,8 @@ use super::passes::CutPass;
 use super::{CERTIFICATE_GAP, Entry, Error, Exit, Job, Stock, certificate};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
-use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::gouge::{GougeProof, Penetration};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::{Builder, PathError, Role};
 

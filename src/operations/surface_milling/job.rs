@@ -1,8 +1,8 @@
 //! What is to be milled, and how.
 
-use crate::geometry::cutter::Cutter;
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::source::Source;
+use crate::machining::cutter::Cutter;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::tool::Tool;

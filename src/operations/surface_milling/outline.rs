@@ -3,8 +3,8 @@
 use nalgebra::{Point3, Vector2};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::section::Chain;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
+use crate::machining::offset_section::Chain;
 
 /// Chords of the whole outline, shared evenly by the patches along it; each has one at least.
 const CHORD_LIMIT: usize = 20_000;

@@ -10,7 +10,7 @@ use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
-use crate::geometry::section::{Chain, PlaneAt, Spacing, chord_height};
+use crate::machining::offset_section::{Chain, PlaneAt, Spacing, chord_height};
 use crate::operations::sharing::in_order;
 
 /// CL points of one job; a path of ten kilometres has some of the order.

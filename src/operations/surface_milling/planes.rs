@@ -3,9 +3,9 @@
 use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
-use crate::geometry::contact::TipSections;
-use crate::geometry::section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
 use crate::geometry::surface::patch::Patch;
+use crate::machining::drop_cutter::TipSections;
+use crate::machining::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
 
 /// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
 /// instead, half a hundredth of a millimetre, to have a section.

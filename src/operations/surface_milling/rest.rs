@@ -11,8 +11,8 @@
 use nalgebra::{Point3, Vector2};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::contact::Contacts;
 use crate::geometry::surface::Patch;
+use crate::machining::drop_cutter::Contacts;
 
 /// Places that are looked at.
 const PLACES: usize = 1500;

@@ -12,8 +12,8 @@
 //! height itself.
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::surface::regularity::Slope;
 use crate::geometry::surface::{BezierSurface, Patch, curvature};
+use crate::machining::regularity::Slope;
 
 /// Places of a patch, each way, at which slopes are looked at.
 const SAMPLES: usize = 5;

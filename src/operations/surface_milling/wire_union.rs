@@ -3,13 +3,13 @@
 //! # Method
 //! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch apart, the first
 //!    and the last on the extent of the surface. Of a surface that overhangs they are its highest sheet
-//!    ([`skyline`](crate::geometry::skyline)).
+//!    ([`skyline`](crate::machining::upper_envelope)).
 //! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path passes at the
 //!    largest z that wire k or one of its neighbours has at the same x.
 //! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by lines.
 //! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the retract plane, plunge.
 //! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported
-//!    ([`gouge`](crate::geometry::gouge)).
+//!    ([`gouge`](crate::machining::gouge)).
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the exact union, as far as
@@ -48,10 +48,10 @@ use super::{
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
-use crate::geometry::gouge::{GougeProof, Penetration};
 use crate::geometry::plane::Plane;
-use crate::geometry::skyline::{Accuracy, Skyline, SkylineError, Stretch, union};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::gouge::{GougeProof, Penetration};
+use crate::machining::upper_envelope::{Accuracy, Skyline, SkylineError, Stretch, union};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::{Parabolas, round};
 use crate::toolpath::{Role, Toolpath};

@@ -7,7 +7,7 @@ use super::super::relief::MAX_BYTES;
 use super::super::{Drawing, Scene, svg};
 use super::reading::{self, strokes};
 use crate::geometry::surface::{BezierSurface, BicubicPatch, Surface};
-use crate::geometry::wires::sketch;
+use crate::machining::wire_model::sketch;
 
 /// `n` by `n` patches of corners from `at`, over unit squares, straight between them.
 fn patches(n: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> BezierSurface {

@@ -7,11 +7,11 @@
 use nalgebra::{Point3, Vector3};
 use toolpathd::budget::Budget;
 use toolpathd::geometry::curve::{Arc, Curve, Direction, Line};
-use toolpathd::geometry::gouge::{GougeProof, Penetration};
 use toolpathd::geometry::surface::BezierSurface;
 use toolpathd::geometry::surface::nurbs::Nurbs;
 use toolpathd::geometry::surface::point_grid::Ends;
 use toolpathd::geometry::surface::source::{AnySurface, Source};
+use toolpathd::machining::gouge::{GougeProof, Penetration};
 use toolpathd::operations::surface_milling::{Job, plan};
 use toolpathd::toolpath::Move;
 use toolpathd::toolpath::tool::{Shape, Tool};

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
-use toolpathd::geometry::contact::Contacts;
-use toolpathd::geometry::cutter::Cutter;
 use toolpathd::geometry::surface::Surface;
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
+use toolpathd::machining::cutter::Cutter;
+use toolpathd::machining::drop_cutter::Contacts;
 use toolpathd::operations::surface_milling::{Interpolation, Job, plan};
 use toolpathd::toolpath::tool::{Shape, Tool};
 

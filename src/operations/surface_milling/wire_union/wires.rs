@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 
 use super::super::Error;
 use crate::budget::Budget;
-use crate::geometry::section::INSET_MM;
-use crate::geometry::skyline::{Accuracy, Profiles, Stretch};
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::machining::offset_section::INSET_MM;
+use crate::machining::upper_envelope::{Accuracy, Profiles, Stretch};
 
 /// How exactly the extent of the surface is known, mm: less than what its outermost wires are inside.
 const EXTENT_ACCURACY_MM: f64 = 1e-7;

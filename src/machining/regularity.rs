@@ -23,9 +23,9 @@
 
 use nalgebra::Point3;
 
-use super::curvature;
-use super::{BezierSurface, Jet, Patch, Surface};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::curvature;
+use crate::geometry::surface::{BezierSurface, Jet, Patch, Surface};
 
 /// Why a surface cannot be followed by the cutter.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

@@ -18,10 +18,10 @@
 
 use nalgebra::Point3;
 
-use super::section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
-use super::surface::regularity::{self, Irregular};
-use super::surface::{BezierSurface, Patch, Surface, span_of};
+use super::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
+use super::regularity::{self, Irregular};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::{BezierSurface, Patch, Surface, span_of};
 
 /// A curve through points, mm.
 pub type Wire = Vec<Point3<f64>>;

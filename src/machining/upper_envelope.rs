@@ -28,8 +28,8 @@ mod part;
 
 use nalgebra::{Point3, Vector2};
 
-use super::surface::{BezierSurface, Patch};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::{BezierSurface, Patch};
 pub use envelope::{Skyline, union};
 
 /// Parts that are looked at for one plane; some hundred are usual.

@@ -10,7 +10,7 @@
 //! 3. A section ends at another initial intersection point.
 //!
 //! # Guarantees
-//! Given the proof of [`regularity`](super::surface::regularity): every point lies on the section to within
+//! Given the proof of [`regularity`](super::regularity): every point lies on the section to within
 //! rounding, and between consecutive points the section leaves the chord by at most the chord height asked
 //! for, because its curvature is bounded over the patches around both.
 //!
@@ -34,10 +34,10 @@ mod boundary;
 
 use nalgebra::{Point3, Vector3};
 
-use super::surface::offset::{OffsetJet, offset};
-use super::surface::regularity::Regularity;
-use super::surface::{Surface, span_of};
+use super::regularity::Regularity;
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::offset::{OffsetJet, offset};
+use crate::geometry::surface::{Surface, span_of};
 use boundary::{Boundary, BoundaryPoint};
 
 /// How far inside the extent of the offset its outermost sections are to be traced, mm: enough for a plane along a straight

@@ -1,9 +1,9 @@
 use proptest::prelude::*;
 
-use super::bound::{Level, Track};
 use super::drop::Drop;
+use super::lift_bound::{Level, Track};
 use super::round::RoundBodies;
-use super::stretch::Stretch;
+use super::segment_proof::Stretch;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 

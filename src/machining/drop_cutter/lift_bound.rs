@@ -12,10 +12,10 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::tree::{Bends, Part};
-use crate::geometry::cutter::{Cutter, Form, LowerPoint};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::ball::Ball;
 use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::machining::cutter::{Cutter, Form, LowerPoint};
 
 /// The part of the least curvature that pays for what is not known of how it changes with the way.
 const SHARE_FOR_DOUBT: f64 = 0.2;

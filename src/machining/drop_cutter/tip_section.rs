@@ -13,11 +13,11 @@
 use nalgebra::Point3;
 
 use super::Contacts;
-use super::sides::{Sides, position};
+use super::edge_contacts::{Sides, position};
 use super::trace::{Trace, WALL_MM};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::section::{Chain, PlaneAt, SectionError, Spacing};
 use crate::geometry::surface::patch::Patch;
+use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
 
 /// The cutter just grazes the surface from farther out, in parts of the radius.
 const GRAZING: f64 = 1e-6;

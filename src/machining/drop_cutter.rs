@@ -23,28 +23,28 @@
 //! Ju traces sections of the offset and Koo et al. unite shifted wires: neither sees what lies beside the
 //! section or the wire.
 
-mod bound;
-mod climb;
+mod axis_above_surface;
 mod drop;
-mod over;
+mod edge_contacts;
+mod lift_bound;
+mod newton;
 mod round;
-mod section;
+mod segment_proof;
 mod side;
-mod sides;
-mod stretch;
 mod support;
+mod tip_section;
 mod trace;
 mod tree;
 
 use nalgebra::{Point3, Vector2, Vector3};
 
 use super::cutter::Cutter;
-use super::surface::patch::{Bounds, Patch};
-use super::surface::{BezierSurface, Surface, span_of};
 use crate::budget::{Budget, Stopped};
-use bound::Track;
+use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::{BezierSurface, Surface, span_of};
 use drop::{Best, Drop};
-pub use section::TipSections;
+use lift_bound::Track;
+pub use tip_section::TipSections;
 use tree::{Part, Tree};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
@@ -120,7 +120,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
     /// Only the budget's stop.
     pub fn new(surface: &'a BezierSurface<P>, cutter: Cutter, budget: &Budget) -> Result<Self, Stopped> {
         let tree = Tree::new(surface, cutter.radius(), budget)?;
-        let bends = surface.patches().iter().map(|patch| stretch::bends(patch, BEND_HALVINGS)).collect();
+        let bends =
+            surface.patches().iter().map(|patch| segment_proof::bends(patch, BEND_HALVINGS)).collect();
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
         let size = (tree.bounds().max - tree.bounds().min).xy().norm();
         let scale = cutter.radius().min(SCALE_SHARE * size);

@@ -12,15 +12,15 @@
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
-use super::bound::{Level, Track};
-use super::climb::{Climb, TOUCHING};
+use super::lift_bound::{Level, Track};
+use super::newton::{Climb, TOUCHING};
 use super::round::RoundBodies;
 use super::support::Support;
 use super::tree::{Cover, Part, Visitor};
 use super::{Contact, Contacts, patches_at};
-use crate::geometry::cutter::LowerPoint;
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Jet, Surface, span_of};
+use crate::machining::cutter::LowerPoint;
 
 /// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long. Shorter ones may have as many
 /// more as they are shorter: where contacts change place, it is they that decide.

@@ -2,17 +2,17 @@
 
 use nalgebra::{Point3, Vector2};
 
-use super::bound::{Level, Track};
-use super::climb::{self, Climb, Found};
+use super::lift_bound::{Level, Track};
+use super::newton::{self, Climb, Found};
 use super::round::RoundBodies;
 use super::support::Support;
 use super::tree::{Cover, Part, Visitor};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
-use crate::geometry::cutter::LowerPoint;
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{Jet, Surface, span_of};
+use crate::machining::cutter::LowerPoint;
 
 /// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
 const FIRST_STEPS: usize = 5;
@@ -211,7 +211,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         let bends = part.bends();
         let mut climb = Climb::new(&contacts.cutter, &track, start);
         let (mut highest, mut is_found) = (f64::INFINITY, false);
-        for k in 1..=climb::STEPS {
+        for k in 1..=newton::STEPS {
             let jet = climb.look(&part.patch);
             let found = climb.found(&jet);
             is_found |= found.is_some();
@@ -227,7 +227,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
                 }
             }
             let looked = climb;
-            if k == climb::STEPS || !climb.step(&part.patch, &jet) {
+            if k == newton::STEPS || !climb.step(&part.patch, &jet) {
                 highest = highest.min(seen_from(&looked));
                 break;
             }

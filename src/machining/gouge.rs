@@ -41,11 +41,11 @@ mod tree;
 
 use nalgebra::{Point3, Vector3};
 
-use super::best_first::BestFirst;
-use super::surface::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::best_first::BestFirst;
 use crate::geometry::curve::Curve;
-use crate::geometry::cutter::Cutter;
+use crate::geometry::surface::{BezierSurface, Patch, Surface};
+use crate::machining::cutter::Cutter;
 use part::{Part, Sides};
 use piece::Piece;
 use planes::{Planes, Shown, sideways};

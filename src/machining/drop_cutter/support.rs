@@ -2,10 +2,10 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::bound::{Level, Track};
+use super::lift_bound::{Level, Track};
 use super::tree::{Cover, Part};
-use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::machining::cutter::{Cutter, LowerPoint};
 
 /// What the contact known says of other parts: its tangent plane, and the paraboloid about it.
 #[derive(Debug, Clone, Copy)]

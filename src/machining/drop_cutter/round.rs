@@ -19,12 +19,12 @@
 
 use nalgebra::Vector3;
 
-use super::bound::{Level, Track};
+use super::lift_bound::{Level, Track};
 use super::side::Side;
 use super::tree::Part;
-use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
+use crate::machining::cutter::{Cutter, LowerPoint};
 
 /// Contacts with a smaller slope have a ball as good as a plane.
 const LEAST_SLOPE: f64 = 0.02;

@@ -11,9 +11,9 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::round::is_beyond;
 use super::tree::Part;
-use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
+use crate::machining::cutter::{Cutter, LowerPoint};
 
 /// Larger circles, in radii of the cutter, are as good as a plane.
 const LARGEST: f64 = 50.0;

@@ -8,12 +8,12 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::bound::{Level, Touch, Track};
+use super::lift_bound::{Level, Touch, Track};
 use super::tree::{Bends, Part};
-use crate::geometry::cutter::{Cutter, LowerPoint};
 use crate::geometry::solve::falling_root;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
+use crate::machining::cutter::{Cutter, LowerPoint};
 
 /// Steps before a part is halved.
 pub(super) const STEPS: usize = 7;

@@ -1,6 +1,7 @@
 use super::*;
+use crate::geometry::surface::BezierSurface;
 use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use crate::geometry::surface::{BezierSurface, regularity};
+use crate::machining::regularity;
 
 fn grid(n: usize, side: f64, height: impl Fn(f64, f64) -> f64) -> BezierSurface {
     let at = |i: usize| side * (i as f64 / (n - 1) as f64 - 0.5);

@@ -13,11 +13,11 @@
 use nalgebra::{Point3, Vector2};
 
 use super::Contact;
-use super::section::TipSections;
-use super::stretch::Stretch;
+use super::segment_proof::Stretch;
+use super::tip_section::TipSections;
 use crate::budget::Budget;
-use crate::geometry::section::{PlaneAt, SectionError, Spacing};
 use crate::geometry::surface::patch::Patch;
+use crate::machining::offset_section::{PlaneAt, SectionError, Spacing};
 
 /// Tips this near to each other may be at any height: the wall between them is upright.
 pub(super) const WALL_MM: f64 = 1e-6;

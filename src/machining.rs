@@ -1,0 +1,10 @@
+//! Cutters against surfaces: where a cutter touches, how deep it cuts, and which curves its tip or centre follows. It knows
+//! nothing of feeds, programs or wire formats.
+
+pub mod cutter;
+pub mod drop_cutter;
+pub mod gouge;
+pub mod offset_section;
+pub mod regularity;
+pub mod upper_envelope;
+pub mod wire_model;

@@ -20,6 +20,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Point3, Vector3};
 
 use super::curve::{Arc, Curve, Direction};
+use super::solve::bisect;
 
 /// A bound may exceed what was found by this part of it, and by this, mm.
 const LOOSE_PART: f64 = 1e-7;
@@ -217,12 +218,8 @@ impl<'a> Track<'a> {
     }
 
     /// A place within a distance of a point, found by halving between one that is not and one that is.
-    fn first(&self, p: &Vector3<f64>, [mut out, mut within]: [f64; 2], mm: f64) -> f64 {
-        for _ in 0..PLACE_STEPS {
-            let middle = 0.5 * (out + within);
-            if self.distance(p, middle) <= mm { within = middle } else { out = middle }
-        }
-        within
+    fn first(&self, p: &Vector3<f64>, [out, within]: [f64; 2], mm: f64) -> f64 {
+        bisect([within, out], PLACE_STEPS, |place| self.distance(p, place) <= mm)[0]
     }
 
     /// Bound of how far the line between two points runs from the curve between their places, if more than `most`.

@@ -1,4 +1,35 @@
-//! Roots and largest values of functions of one number.
+//! Roots, largest values and limits of what holds, for functions of one number.
+
+use std::convert::Infallible;
+
+/// Halvings after which no range of numbers can be halved again.
+pub const TO_ROUNDING: usize = 2_200;
+
+/// A range between a place where something holds and one where it fails, halved `halvings` times or until it cannot be halved.
+/// The first place of the range that is returned is one where it was found to hold, or the first one given.
+///
+/// # Errors
+/// Those of `holds`.
+pub fn try_bisect<E>(
+    [mut inside, mut outside]: [f64; 2],
+    halvings: usize,
+    mut holds: impl FnMut(f64) -> Result<bool, E>,
+) -> Result<[f64; 2], E> {
+    for _ in 0..halvings {
+        let middle = 0.5 * (inside + outside);
+        if middle == inside || middle == outside {
+            break;
+        }
+        *if holds(middle)? { &mut inside } else { &mut outside } = middle;
+    }
+    Ok([inside, outside])
+}
+
+/// As [`try_bisect`], where nothing can fail.
+pub fn bisect(range: [f64; 2], halvings: usize, mut holds: impl FnMut(f64) -> bool) -> [f64; 2] {
+    let Ok(halved) = try_bisect(range, halvings, |x| Ok::<_, Infallible>(holds(x)));
+    halved
+}
 
 /// Steps in the search for a root; it takes five to ten.
 const STEPS: usize = 60;
@@ -64,6 +95,14 @@ mod tests {
         assert_eq!(falling_root([0.0, 1.0], |x| 2.0 - x), 1.0);
         assert_eq!(falling_root([3.0, 5.0], |x| 2.0 - x), 3.0);
         assert!((falling_root([-1.0, 1e9], |x| (0.5 - x).cbrt()) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn bisection_ends_beside_the_limit_of_what_holds() {
+        let [inside, outside] = bisect([0.0, 4.0], TO_ROUNDING, |x| x * x < 2.0);
+        assert!(inside * inside < 2.0 && outside * outside >= 2.0 && outside == inside.next_up());
+        assert_eq!(bisect([8.0, 0.0], 3, |x| x > 5.0), [6.0, 5.0]);
+        assert_eq!(try_bisect([0.0, 1.0], 1, |_| Err("stopped")), Err("stopped"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The boundary curves of an offset surface, cut into stretches on which one coordinate is monotone.
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::solve::bisect;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::offset::offset;
 
@@ -158,18 +159,8 @@ impl Boundary {
     }
 
     /// Where the derivative changes sign, by bisection.
-    fn extreme(&self, surface: &dyn Surface, side: Side, [mut a, mut b]: [f64; 2], slope_a: f64) -> f64 {
-        for _ in 0..BISECTION_LIMIT {
-            let middle = 0.5 * (a + b);
-            if middle <= a || middle >= b {
-                break;
-            }
-            if self.value(surface, side, middle)[1] * slope_a > 0.0 {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
+    fn extreme(&self, surface: &dyn Surface, side: Side, range: [f64; 2], slope: f64) -> f64 {
+        let [a, b] = bisect(range, BISECTION_LIMIT, |t| self.value(surface, side, t)[1] * slope > 0.0);
         0.5 * (a + b)
     }
 

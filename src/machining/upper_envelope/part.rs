@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::{Accuracy, Stretch};
+use crate::geometry::solve::bisect;
 use crate::geometry::surface::patch::{DerivativeBounds, Patch};
 
 /// Halvings between a place before the plane and one behind it: to the last bit.
@@ -160,11 +161,7 @@ impl<P: Patch> Sides<'_, P> {
     /// The u at which the plane meets the side of constant v, at whose ends y lies on different sides of it.
     fn crossing_along(&self, v: f64) -> f64 {
         let is_behind = self.behind(0.0, v) > 0.0;
-        let (mut same, mut other) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (same + other);
-            if (self.behind(middle, v) > 0.0) == is_behind { same = middle } else { other = middle }
-        }
+        let [same, other] = bisect([0.0, 1.0], HALVINGS, |u| (self.behind(u, v) > 0.0) == is_behind);
         0.5 * (same + other)
     }
 }

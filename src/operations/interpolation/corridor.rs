@@ -31,6 +31,7 @@ use nalgebra::{Point2, Vector2};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Band, GUARD_MM, GUARD_PART, Measure};
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::geometry::solve::{TO_ROUNDING, bisect};
 use gates::Gate;
 
 /// Points of a chain between two looks at the budget.
@@ -155,22 +156,16 @@ impl Corridor {
         if self.band.measure == Measure::Vertical {
             return Some(Joint { at, t: at.x, offset_mm: at.y - curve.point(at.x).y });
         }
-        let mut low = self.gates[first.saturating_sub(2)].t;
-        let mut high = self.gates[(last + 2).min(self.gates.len() - 1)].t;
+        let low = self.gates[first.saturating_sub(2)].t;
+        let high = self.gates[(last + 2).min(self.gates.len() - 1)].t;
         let ahead = |t: f64| (at - curve.point(t)).dot(&curve.derivative(t));
         if !(ahead(low) >= 0.0 && ahead(high) <= 0.0) {
             return None;
         }
-        loop {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if ahead(middle) > 0.0 { low = middle } else { high = middle }
-        }
-        let from = at - curve.point(low);
-        let offset_mm = from.norm().copysign(curve.derivative(low).perp(&from));
-        Some(Joint { at, t: low, offset_mm })
+        let [t, _] = bisect([low, high], TO_ROUNDING, |t| ahead(t) > 0.0);
+        let from = at - curve.point(t);
+        let offset_mm = from.norm().copysign(curve.derivative(t).perp(&from));
+        Some(Joint { at, t, offset_mm })
     }
 }
 

@@ -36,6 +36,7 @@ use crate::geometry::deviation::{Ends, GUARD_MM, Measure, Verdict, judge};
 use crate::geometry::element::Element;
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+use crate::geometry::solve::bisect;
 
 /// How much farther than guessed an element is looked at, in parts of its length: the first that is outside bounds the reach.
 const BEYOND_PARTS: [f64; 5] = [1e-6, 1e-4, 1e-3, 1e-2, 5e-2];
@@ -176,11 +177,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                 return to;
             }
         }
-        for _ in 0..REFINEMENTS {
-            let middle = 0.5 * (low + high);
-            if is_ruled_out(middle) { high = middle } else { low = middle }
-        }
-        start + high
+        let [ruled_out, _] = bisect([high, low], REFINEMENTS, is_ruled_out);
+        start + ruled_out
     }
 
     /// Whether a few points over a range show that no element of the method stays within the band there.

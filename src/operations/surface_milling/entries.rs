@@ -13,6 +13,7 @@ use super::passes::CutPass;
 use super::{CERTIFICATE_GAP, Entry, Error, Exit, Job, Stock, certificate};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
+use crate::geometry::solve::try_bisect;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
 use crate::toolpath::cutting::Cutting;
@@ -138,11 +139,7 @@ impl<P: Patch> Entries<'_, P> {
         if self.is_free(place, [low, high])? {
             return Ok(low);
         }
-        let [mut taken, mut free] = [low, high];
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (taken + free);
-            *if self.is_free(place, [middle, high])? { &mut free } else { &mut taken } = middle;
-        }
+        let [free, _] = try_bisect([high, low], HALVINGS, |z| self.is_free(place, [z, high]))?;
         Ok(free)
     }
 

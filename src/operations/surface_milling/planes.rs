@@ -3,6 +3,7 @@
 use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
+use crate::geometry::solve::try_bisect;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::TipSections;
 use crate::machining::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
@@ -102,14 +103,9 @@ fn extent_where<E>(
         if first == 0 { low } else { probe(first - 1) },
         if last == PROBES - 1 { high } else { probe(last + 1) },
     ];
-    let last_that_holds = |mut inside: f64, mut outside: f64| -> Result<f64, E> {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            *if holds(middle)? { &mut inside } else { &mut outside } = middle;
-        }
-        Ok(inside)
-    };
-    Ok(Some([last_that_holds(probe(first), outside[0])?, last_that_holds(probe(last), outside[1])?]))
+    let [low, _] = try_bisect([probe(first), outside[0]], HALVINGS, &holds)?;
+    let [high, _] = try_bisect([probe(last), outside[1]], HALVINGS, &holds)?;
+    Ok(Some([low, high]))
 }
 
 /// The number of equal spaces, none larger than `stepover` mm; at least one.

@@ -12,6 +12,7 @@
 //! height itself.
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::solve::bisect;
 use crate::geometry::surface::{BezierSurface, Patch, curvature};
 use crate::machining::regularity::Slope;
 
@@ -35,16 +36,8 @@ pub(super) fn height(radius: f64, spacing: f64, slopes: &[Slope]) -> Option<f64>
 
 /// The largest spacing of planes that leaves no more than `height_mm`, mm.
 pub(super) fn spacing(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
-    let (mut good, mut bad) = (0.0, 2.0 * radius);
-    for _ in 0..HALVINGS {
-        let trial = 0.5 * (good + bad);
-        if height(radius, trial, slopes).is_some_and(|left| left <= height_mm) {
-            good = trial;
-        } else {
-            bad = trial;
-        }
-    }
-    good
+    let is_low = |spacing: f64| height(radius, spacing, slopes).is_some_and(|left| left <= height_mm);
+    bisect([0.0, 2.0 * radius], HALVINGS, is_low)[0]
 }
 
 /// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm` on slopes across the planes, mm: at a slope

@@ -1,28 +1,29 @@
 //! The post-processor: a toolpath becomes the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower`: the toolpath becomes blocks of integers, units of the last decimal, with the approach before
-//!    and the retract behind it; curves are rounded by [`crate::toolpath::quantize`]. A parabola that the dialect cannot
-//!    say becomes lines.
-//! 2. `header`: what people should know about the program before it runs.
-//! 3. `write`: the blocks become lines of words between the dialect's start and end; modal words are left out
-//!    where they would repeat what holds.
-//! 4. `check`: the text is read back by a reader of its own and compared with the blocks.
+//! 1. `lower` turns the toolpath into blocks of integers, in units of the last decimal, between the approach
+//!    and the retract. [`crate::toolpath::quantize`] rounds the curves. A parabola becomes lines where the
+//!    dialect has no parabolas.
+//! 2. `header` collects what people should know about the program before it runs.
+//! 3. `write` turns the blocks into lines of words between the dialect's start and end. A modal word is left
+//!    out where its mode is in force already.
+//! 4. `check` reads the text back with [`read`], and compares the steps with the blocks.
 //!
-//! Programs of others' making are shortened by [`rewrite`], which shares the dialects and the numbers.
+//! [`rewrite`] shortens programs of any origin. `nc` is the lexer and the modal state that `read` and
+//! `rewrite` share.
 //!
 //! # Guarantees
-//! * What is returned has been read back: kinds, ends, senses, feeds, centres and control points are those of the blocks, and
-//!   no two radii of an arc differ by more than 1.5 units of the last decimal.
+//! * A returned program has been read back: kinds, ends, senses, feeds, centres and control points are those
+//!   of the blocks. The two radii of an arc differ by at most 1.5 units of the last decimal.
 //! * Every cutting point of the text lies within 1.5 units of the last decimal of the toolpath, and vice
-//!   versa, in order. Nothing accumulates: ends are absolute and rounded on their own.
-//! * No motion is added but the approach to the start (Z to the clearance plane, then X and Y, then down) and
+//!   versa, in order. No error accumulates: ends are absolute, and each end is rounded on its own.
+//! * No motion is added but the approach to the start (X and Y, then Z to the clearance plane, then down) and
 //!   the retract to the clearance plane. A rapid that moves Z and X or Y is split: up first, down last.
-//! * User text is only ever part of a comment behind a fixed label.
+//! * User text stands in comments only, behind a fixed label.
 //!
 //! # Cost
-//! O(n) in the moves, and as much memory. Half arcs, half lines take 1.5 microseconds a move, for any number from 2,000
-//! to 200,000 (`benches/programs.rs`).
+//! O(n) in the moves, in time and memory. Half arcs, half lines take 1.5 microseconds a move, for 2,000 to
+//! 200,000 moves (`benches/programs.rs`).
 
 pub mod dialect;
 pub mod dialects;
@@ -32,10 +33,12 @@ pub mod rewrite;
 mod check;
 mod header;
 mod lower;
+mod nc;
 mod words;
 mod write;
 
-pub use dialect::{DIALECTS, Dialect, dialect};
+pub use dialect::Dialect;
+pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
 
 use crate::budget::{Budget, Stopped};
@@ -45,24 +48,25 @@ use crate::toolpath::program::Program;
 use crate::toolpath::quantize::{Grid, QuantizeError};
 use crate::toolpath::tool::Tool;
 
-/// The largest number of blocks of one program: with their text they take some 200 MB. A few arcs of kilometre radius,
-/// written as chords, come to as many.
+/// Most blocks of one program. Two million blocks with their text take some 200 MB. A few arcs of kilometre
+/// radius, written as chords, reach this limit.
 pub const MAX_BLOCKS: usize = 2_000_000;
 
-/// Blocks between two looks at the budget.
+/// Blocks between two checks of the budget. More blocks delay a cancellation; fewer cost time.
 const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 
 /// What a program is written from beside its toolpath.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramJob<'a> {
     pub program: &'a Program,
-    /// Without one the program calls tool 1 with length offset 1 and says nothing about its form.
+    /// Without a tool the program calls tool 1 with length offset 1, and its header says nothing about the
+    /// tool.
     pub tool: Option<&'a Tool>,
     pub cutting: &'a Cutting,
     pub dialect: &'a Dialect,
     /// User text, one comment each; any characters.
     pub comments: &'a [String],
-    /// What somebody should look at before it is cut, one warning each; any characters.
+    /// Warnings to people at the machine, one comment or several each; any characters.
     pub warnings: &'a [String],
 }
 
@@ -70,7 +74,8 @@ pub struct ProgramJob<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NcProgram {
     pub text: String,
-    /// Upper bound for the distance between the feed moves and whatever a control may run for them, mm, both ways.
+    /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
+    /// both ways.
     pub max_displacement_mm: f64,
     /// The largest difference of the two radii of an arc block, mm.
     pub max_radius_mismatch_mm: f64,
@@ -85,36 +90,38 @@ pub enum WriteError {
     Stopped(#[from] Stopped),
     #[error(transparent)]
     Quantize(#[from] QuantizeError),
-    #[error("{decimals} decimals cannot be written; 1 to {max} can")]
+    #[error("a program cannot have {decimals} decimals; choose 1 to {max}")]
     Decimals { decimals: u8, max: u8 },
-    #[error("the program number {number} is outside 1..={max}")]
+    #[error("the program number {number} is out of range; choose 1 to {max}")]
     ProgramNumber { number: u32, max: u32 },
-    #[error("a number of the program has more than the {limit} digits its control reads")]
+    #[error(
+        "a number of the program needs more than the {limit} digits that the control reads; choose fewer decimals"
+    )]
     TooManyDigits { limit: u32 },
-    #[error("there is no work offset G{number}; G54 to G59 are")]
+    #[error("G{number} is no work offset; choose G54 to G59")]
     WorkOffset { number: u8 },
-    #[error("a spindle speed of {rpm} rpm cannot be written")]
+    #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
     SpindleSpeed { rpm: f64 },
-    #[error("a move has no feed")]
+    #[error("a cutting move of the toolpath has no feed; give every cutting move a feed")]
     FeedMissing,
-    #[error("a feed of {mm_per_min} mm/min cannot be written")]
+    #[error("a feed of {mm_per_min} mm/min is too small or too large for a program; choose another feed")]
     Feed { mm_per_min: f64 },
-    #[error("a dwell of {seconds} s cannot be written")]
+    #[error("a dwell of {seconds} s is longer than a million seconds; choose a shorter dwell")]
     Dwell { seconds: f64 },
-    #[error("the program needs more than {limit} blocks")]
+    #[error("the program needs more than {limit} blocks; split the toolpath")]
     TooManyBlocks { limit: usize },
-    #[error("a line of the program is longer than the {limit} characters its control takes")]
+    #[error("a line of the program is longer than the {limit} characters that the control reads")]
     LineTooLong { limit: usize },
-    #[error("the written program does not read back: {0}")]
+    #[error("the check of the written program failed: {0}")]
     Unreadable(#[from] read::ReadError),
-    #[error("line {line} of the written program reads back with another {what}")]
+    #[error("the check of the written program failed: line {line} has another {what} than the toolpath")]
     Differs { line: usize, what: &'static str },
 }
 
 /// Writes `toolpath` as a program.
 ///
 /// # Errors
-/// One of [`WriteError`]; a program that does not read back as its toolpath is never returned.
+/// One of [`WriteError`]. A program that does not read back as its toolpath is never returned.
 pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<NcProgram, WriteError> {
     let resolution = job.program.resolution;
     let max = job.dialect.max_decimals;

@@ -1,4 +1,4 @@
-//! Compares a written text, read back, with the blocks it was written from.
+//! Reads a written text back, and compares its steps with the blocks of the program.
 
 use nalgebra::Point3;
 
@@ -12,17 +12,19 @@ use crate::geometry::curve::Curve;
 use crate::toolpath::quantize::Grid;
 use crate::toolpath::units::FeedRate;
 
-/// The largest difference of an arc block's radii that is let out, in units of the last decimal.
+/// Largest difference of the two radii of an arc block, in units of the last decimal. Rounding an arc makes
+/// at most 1; some controls refuse arcs of a larger difference.
 const MISMATCH_LIMIT_STEPS: f64 = 1.5;
 
-/// Numbers that were written and read agree within this part of a unit of the last decimal: the text holds
-/// whole units, so any difference that is not the rounding of a product is a fault.
+/// Largest difference of a written and a read number, in units of the last decimal. The text holds whole
+/// units, so a larger difference is a fault. A smaller limit would take the rounding of a product for a
+/// fault.
 const AGREEMENT_STEPS: f64 = 0.01;
 
 /// Reads `text` and returns the largest radius mismatch in it, mm.
 ///
 /// # Errors
-/// When the text cannot be read, or says anything else than `blocks`.
+/// When the text cannot be read, or its steps differ from `blocks`.
 pub fn read_back(
     text: &str,
     blocks: &[Block],
@@ -55,7 +57,8 @@ pub fn read_back(
     }
 }
 
-/// What a step has that its block has not. `at` is where the block starts, and then where it ends.
+/// What differs between a block and the step that was read for it. `at` is where the block starts, and then
+/// where the block ends.
 fn difference(
     block: &Block,
     at: &mut [Option<i64>; 3],
@@ -64,71 +67,65 @@ fn difference(
 ) -> Option<&'static str> {
     let start = *at;
     match *block {
-        Block::Rapid { to } => {
-            for (axis, to) in to.into_iter().enumerate() {
-                at[axis] = to.or(at[axis]);
-            }
-        }
+        Block::Rapid { to } => *at = [0, 1, 2].map(|axis| to[axis].or(at[axis])),
         Block::Line { to, .. } | Block::Arc { to, .. } => *at = to.map(Some),
-        Block::Parabola { to, .. } => *at = [Some(to[0]), Some(to[1]), at[2]],
+        Block::Parabola { to: [x, y], .. } => *at = [Some(x), Some(y), at[2]],
         Block::Dwell { .. } => {}
     }
-    let is_near = |a: f64, b: f64| (a - b).abs() <= AGREEMENT_STEPS * grid.step_mm();
+    let is_near = |mm: f64, units: i64| (mm - grid.mm(units)).abs() <= AGREEMENT_STEPS * grid.step_mm();
     let are_near = |read: [Option<f64>; 3], units: [Option<i64>; 3]| {
         read.into_iter().zip(units).all(|pair| match pair {
-            (Some(read), Some(units)) => is_near(read, grid.mm(units)),
+            (Some(read), Some(units)) => is_near(read, units),
             (None, None) => true,
             _ => false,
         })
     };
-    let is_at = |p: Point3<f64>, units| are_near([Some(p.x), Some(p.y), Some(p.z)], units);
+    let joins = |curve: &Curve| {
+        let [from, to] = [curve.start(), curve.end()].map(|p| [Some(p.x), Some(p.y), Some(p.z)]);
+        are_near(from, start) && are_near(to, *at)
+    };
+    let are_offsets = |curve: &Curve, p: Point3<f64>, [a, b]: [usize; 2], offsets: [i64; 2]| {
+        let start = curve.start();
+        is_near(p[a] - start[a], offsets[0]) && is_near(p[b] - start[b], offsets[1])
+    };
     let is_feed = |rate: FeedRate, feed: FeedWord| {
         let wanted = feed.value() * grid.unit_mm();
         (rate.mm_per_min() - wanted).abs() <= 1e-12 * wanted
     };
     match (*block, placed.step) {
         (Block::Rapid { .. }, Step::Rapid { from, to }) => {
-            (!(are_near(from, start) && are_near(to, *at))).then_some("place")
+            first_false(&[(are_near(from, start) && are_near(to, *at), "place")])
         }
-        (Block::Line { feed, .. }, Step::Feed { along: Curve::Line(line), rate, .. }) => {
-            if !(is_at(line.start, start) && is_at(line.end, *at)) {
-                return Some("place");
-            }
-            (!is_feed(rate, feed)).then_some("feed")
+        (Block::Line { feed, .. }, Step::Feed { along: along @ Curve::Line(_), rate, .. }) => {
+            first_false(&[(joins(&along), "place"), (is_feed(rate, feed), "feed")])
         }
         (
             Block::Arc { plane, direction, center, feed, .. },
-            Step::Feed { along: Curve::Arc(arc), rate, center: Some(written), .. },
+            Step::Feed { along: along @ Curve::Arc(arc), rate, center: Some(written), .. },
         ) => {
-            if !(is_at(arc.start(), start) && is_at(arc.end(), *at)) {
-                return Some("place");
-            }
-            if (arc.plane(), arc.direction()) != (plane, direction) {
-                return Some("sense");
-            }
             let [a, b, _] = plane.axes();
-            let offsets = [written[a] - arc.start()[a], written[b] - arc.start()[b]];
-            if !(is_near(offsets[0], grid.mm(center[0])) && is_near(offsets[1], grid.mm(center[1]))) {
-                return Some("centre");
-            }
-            (!is_feed(rate, feed)).then_some("feed")
+            first_false(&[
+                (joins(&along), "place"),
+                ((arc.plane(), arc.direction()) == (plane, direction), "sense"),
+                (are_offsets(&along, written, [a, b], center), "centre"),
+                (is_feed(rate, feed), "feed"),
+            ])
         }
         (
             Block::Parabola { control, feed, .. },
-            Step::Feed { along: Curve::Parabola(parabola), rate, .. },
-        ) => {
-            if !(is_at(parabola.start(), start) && is_at(parabola.end(), *at)) {
-                return Some("place");
-            }
-            let offset = parabola.control() - parabola.start();
-            if !(is_near(offset.x, grid.mm(control[0])) && is_near(offset.y, grid.mm(control[1]))) {
-                return Some("control");
-            }
-            (!is_feed(rate, feed)).then_some("feed")
-        }
+            Step::Feed { along: along @ Curve::Parabola(parabola), rate, .. },
+        ) => first_false(&[
+            (joins(&along), "place"),
+            (are_offsets(&along, parabola.control(), [0, 1], control), "control"),
+            (is_feed(rate, feed), "feed"),
+        ]),
         (Block::Dwell { milliseconds }, Step::Dwell { seconds }) => {
-            ((seconds * 1000.0 - milliseconds as f64).abs() > 1e-3).then_some("dwell")
+            first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= 1e-3, "dwell")])
         }
         _ => Some("kind"),
     }
+}
+
+fn first_false(checks: &[(bool, &'static str)]) -> Option<&'static str> {
+    checks.iter().find(|(holds, _)| !holds).map(|(_, what)| *what)
 }

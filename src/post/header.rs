@@ -1,6 +1,6 @@
-//! What a program says to people before its first block: a page at most.
+//! The comments for people before the first block of a program: a page at most.
 //!
-//! Lengths and feeds are in the units of the program. User text is cleaned where it is written, like all other.
+//! Lengths and feeds are in the units of the program. `write` cleans every text, user text included.
 
 use std::fmt::Write;
 
@@ -15,10 +15,10 @@ use crate::toolpath::program::Units;
 use crate::toolpath::tool::{Shape, Tool};
 use crate::toolpath::units::rounded_up_mm;
 
-/// Notes beyond this many are only counted.
+/// Most notes of a header. Further notes are only counted, so that the header stays a page.
 const MAX_NOTES: usize = 40;
 
-/// The label of what somebody should look at; such a remark is never cut short.
+/// The label of a warning. A warning may take several lines.
 pub const WARNING: &str = "WARNING";
 
 /// One remark: a fixed label and the text behind it.
@@ -114,7 +114,7 @@ fn tool_text(tool: &Tool, unit: &Unit) -> String {
     format!("T{number} H{length_offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
 }
 
-/// The feeds of every role that occurs, as they will be written; a range where there are several.
+/// The feed of every role in the toolpath, as written; a range where a role has several feeds.
 fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
     const ROLES: [(Role, &str); 6] = [
         (Role::Cut, "CUT"),
@@ -162,7 +162,7 @@ fn spindle(job: &ProgramJob) -> String {
     format!("{speed} - COOLANT {coolant}")
 }
 
-/// The box of all motion, that to the clearance plane included.
+/// The bounding box of all motion, with the motion to the clearance plane.
 fn range(bounds: &Bounds, clearance_z_mm: f64, unit: &Unit) -> String {
     let Bounds { min, mut max } = *bounds;
     max.z = max.z.max(clearance_z_mm);
@@ -170,7 +170,7 @@ fn range(bounds: &Bounds, clearance_z_mm: f64, unit: &Unit) -> String {
     format!("X {} Y {} Z {} {}", along(0), along(1), along(2), unit.name)
 }
 
-/// A time as people read it.
+/// A time in hours, minutes and seconds.
 pub fn clock(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_told_as_a_clock_tells_them() {
+    fn a_time_is_written_in_hours_minutes_and_seconds() {
         for (seconds, text) in
             [(0.2, "0 S"), (59.6, "1 MIN 0 S"), (3599.4, "59 MIN 59 S"), (7322.0, "2 H 2 MIN 2 S")]
         {

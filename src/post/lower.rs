@@ -1,4 +1,4 @@
-//! Lowers a toolpath to blocks: integers only, in the order in which they will be written.
+//! Lowers a toolpath to blocks of integers, in the order of the program.
 
 use nalgebra::Point3;
 
@@ -13,13 +13,13 @@ use crate::toolpath::program::Resolution;
 use crate::toolpath::quantize::{self, Form, Grid, Parabolas, Written};
 use crate::toolpath::units::FeedRate;
 
-/// The longest dwell, s: eleven days.
+/// The longest dwell, s: eleven days. A longer dwell is taken for a mistake and refused.
 const MAX_DWELL_S: f64 = 1e6;
 
 /// One block of motion or dwell. Positions are absolute, in units of the last decimal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Block {
-    /// Along the axes that are named; the others stay.
+    /// Moves the axes that have a value.
     Rapid {
         to: [Option<i64>; 3],
     },
@@ -27,7 +27,7 @@ pub enum Block {
         to: [i64; 3],
         feed: FeedWord,
     },
-    /// `center` is counted from the start along the plane's first and second axis.
+    /// `center` counts from the start along the plane's first and second axis.
     Arc {
         plane: Plane,
         direction: Direction,
@@ -35,7 +35,7 @@ pub enum Block {
         center: [i64; 2],
         feed: FeedWord,
     },
-    /// At the height where it starts. `control`, of the Bezier form, is counted from the start.
+    /// Stays at the height of its start. `control`, the Bezier control point, counts from the start.
     Parabola {
         to: [i64; 2],
         control: [i64; 2],
@@ -46,10 +46,11 @@ pub enum Block {
     },
 }
 
-/// A toolpath as blocks, with what rounding has done to it.
+/// A toolpath as blocks, with a bound for their rounding.
 pub struct Lowered {
     pub blocks: Vec<Block>,
-    /// Upper bound for the distance of the feed moves from what a control may run for them, mm, both ways.
+    /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
+    /// ways.
     pub displacement_mm: f64,
 }
 
@@ -64,7 +65,7 @@ pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<L
     lowering.approach(clearance)?;
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
-        // One move may become very many blocks, and very many moves none.
+        // One move may become very many blocks, and very many moves may become no block.
         if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
         {
             budget.check()?;
@@ -93,8 +94,8 @@ struct Lowering {
 }
 
 impl Lowering {
-    /// From where the tool was changed to the start: across at the height where the machine is, then down to the clearance plane, then to
-    /// the start.
+    /// From the tool change to the start: across at the height of the tool change, then down to the clearance
+    /// plane, then to the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
         let [x, y, z] = self.at;
         self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
@@ -105,8 +106,8 @@ impl Lowering {
         Ok(())
     }
 
-    /// A rapid along Z and across is not straight on a machine, so it is written as two: up, then across;
-    /// across, then down.
+    /// Writes a rapid along Z and across as two blocks, because a machine does not run such a rapid straight:
+    /// up, then across; or across, then down.
     fn rapid(&mut self, to: &Point3<f64>) -> Result<(), WriteError> {
         let [x, y, z] = self.grid.round(to)?;
         let [from_x, from_y, from_z] = self.at;

@@ -1,30 +1,50 @@
-//! Reads programs of the kind this crate writes: the control's own view of a text.
+//! Reads programs of the kind this crate writes, as a control reads them.
 //!
 //! # Method
-//! Line by line: the words of a block are collected (`block`), then take effect in the control's order:
-//! units, plane, feed, motion. The reader shares no code with the writer, only the data of the dialect.
+//! Line by line: `words` collects the words of a block, then the words take effect in the control's order:
+//! units, plane, feed, motion. The reader shares the lexer and the modal state with `rewrite`, and the data
+//! of the dialect with the writer. It shares no code with the writer, which it checks.
 //!
 //! # Guarantees
-//! A word, code or combination that is not understood is an error, never skipped.
+//! A word, code or combination that the reader does not know is an error. Nothing is skipped.
 //!
 //! # Degenerate input
-//! A rapid whose start is not known on every axis is reported with what is known; a feed move from such a
-//! place is an error.
+//! A rapid whose start is unknown on some axis is reported with the known coordinates. A feed move from an
+//! unknown place is an error.
 //!
 //! # Cost
 //! O(n) in the characters; one line is held at a time.
 
-mod block;
-mod fault;
+mod words;
 
 use nalgebra::{Point3, Vector3};
 
-use self::block::Words;
-pub use self::fault::Fault;
+use self::words::Words;
 use super::dialect::{Dialect, Dwell, Parabolas, Point};
-use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
+pub use super::nc::Fault;
+use super::nc::{Distance, Modal, Motion, effect, modal_group};
+use crate::geometry::curve::{Arc, Curve, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
+
+/// G codes that the reader knows, in tenths. G5.1 is known besides, where the dialect writes parabolas.
+const KNOWN_G: &[i32] = &[
+    0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 400, 430, 490, 530, 540, 550, 560, 570, 580, 590, 610,
+    640, 800, 900, 910, 940,
+];
+const DWELL: i32 = 40;
+const PARABOLA: i32 = 51;
+const HOME: i32 = 280;
+const MACHINE_COORDINATES: i32 = 530;
+const LENGTH_OFFSET: i32 = 430;
+const BLENDING: i32 = 640;
+
+/// M codes that the reader knows, in tenths, and those of them that end a program.
+const KNOWN_M: &[i32] = &[20, 30, 50, 60, 70, 80, 90, 300];
+const ENDS: [i32; 2] = [20, 300];
+
+/// The modal group of G0 to G3, G5.1 and G80.
+const MOTION_GROUP: i32 = 1;
 
 /// What one block moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +54,7 @@ pub enum Step {
         from: [Option<f64>; 3],
         to: [Option<f64>; 3],
     },
-    /// Along the exact curve nearest to the written one.
+    /// Along the exact curve nearest to the written curve.
     Feed {
         along: Curve,
         rate: FeedRate,
@@ -66,66 +86,48 @@ pub struct ReadError {
 pub struct Reader<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     dialect: &'a Dialect,
-    part: Part,
+    expects: Expected,
     mismatch_limit_mm: f64,
     line: usize,
     is_over: bool,
-    unit_mm: f64,
-    plane: Plane,
-    motion: Option<Motion>,
-    feed: Option<FeedRate>,
-    at: [Option<f64>; 3],
-    /// Whether coordinates count from where the tool is.
-    is_relative: bool,
+    /// Position in mm.
+    modal: Modal<f64, FeedRate>,
 }
 
+/// What the next line has to be.
 #[derive(Clone, Copy, PartialEq)]
-enum Motion {
-    Rapid,
-    Line,
-    Arc(Direction),
-    /// In this block alone.
-    Parabola,
-}
-
-/// Where in a program the reader is.
-#[derive(Clone, Copy, PartialEq)]
-enum Part {
+enum Expected {
     TapeMark,
     ProgramNumber,
-    Blocks,
+    Block,
 }
 
 impl<'a> Reader<'a> {
     /// Arcs whose radii differ by more than `mismatch_limit_mm` are refused.
     pub fn new(text: &'a str, dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+        let has_mark = dialect.tape_mark.is_some();
         Self {
             lines: text.lines().enumerate(),
             dialect,
-            part: if dialect.tape_mark.is_some() { Part::TapeMark } else { Part::ProgramNumber },
+            expects: if has_mark { Expected::TapeMark } else { Expected::ProgramNumber },
             mismatch_limit_mm,
             line: 0,
             is_over: false,
-            unit_mm: 1.0,
-            plane: Plane::Xy,
-            motion: None,
-            feed: None,
-            at: [None; 3],
-            is_relative: false,
+            modal: Modal::START,
         }
     }
 
     /// Takes the next line.
     fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
-        match self.part {
-            Part::TapeMark => {
-                self.part = Part::ProgramNumber;
+        match self.expects {
+            Expected::TapeMark => {
+                self.expects = Expected::ProgramNumber;
                 if Some(text.trim()) == self.dialect.tape_mark { Ok(None) } else { Err(Fault::TapeMark) }
             }
-            Part::ProgramNumber => {
-                self.part = Part::Blocks;
+            Expected::ProgramNumber => {
+                self.expects = Expected::Block;
                 let Some(number) = self.dialect.program_number else { return self.line(text) };
-                // The program's name may stand beside it.
+                // The program's name may stand beside the number.
                 let line = match text.split_once(" (") {
                     Some((line, name))
                         if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) =>
@@ -138,13 +140,10 @@ impl<'a> Reader<'a> {
                     digits.len() >= number.digits && digits.bytes().all(|c| c.is_ascii_digit())
                 });
                 let read = digits.and_then(|digits| digits.parse().ok());
-                if read.is_some_and(|read| (1..=number.max).contains(&read)) {
-                    Ok(None)
-                } else {
-                    Err(Fault::ProgramNumber)
-                }
+                let is_legal = read.is_some_and(|read| (1..=number.max).contains(&read));
+                if is_legal { Ok(None) } else { Err(Fault::ProgramNumber) }
             }
-            Part::Blocks => {
+            Expected::Block => {
                 let words = Words::of(text)?;
                 self.check_points(&words)?;
                 let step = self.block(&words)?;
@@ -153,17 +152,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where a point decides the value, numbers that are measured have one and numbers that are counted have none.
+    /// Where a point decides the value, measured numbers have a point and counted numbers have none.
     fn check_points(&self, words: &Words) -> Result<(), Fault> {
         if self.dialect.numbers.point == Point::WhereNeeded {
             return Ok(());
         }
-        let (with, without) = (words.pointed("XYZIJKF"), words.pointed("NHSTP"));
-        with.1.map_or(Ok(()), |letter| Err(Fault::MissingPoint(letter)))?;
-        without.0.map_or(Ok(()), |letter| Err(Fault::UnexpectedPoint(letter)))
+        let missing = words.first_written("XYZIJKF", false).map(Fault::MissingPoint);
+        let unexpected = || words.first_written("NHSTP", true).map(Fault::UnexpectedPoint);
+        missing.or_else(unexpected).map_or(Ok(()), Err)
     }
 
-    /// Behind the last block stands the mark and nothing else, where there must be one.
+    /// Behind the last block stands the mark and nothing else, where the dialect has a mark.
     fn check_end(&mut self) -> Result<(), Fault> {
         let Some(mark) = self.dialect.tape_mark else { return Ok(()) };
         let mut rest = self.lines.by_ref().map(|(_, text)| text.trim());
@@ -172,103 +171,94 @@ impl<'a> Reader<'a> {
     }
 
     fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        let mut motions = 0;
-        let mut is_dwell = false;
-        let (mut takes_length, mut takes_blending) = (false, false);
-        let mut home = None;
-        for &tenths in words.g() {
-            match tenths {
-                0 | 10 | 20 | 30 => {
-                    motions += 1;
-                    self.motion = Some(match tenths {
-                        0 => Motion::Rapid,
-                        10 => Motion::Line,
-                        20 => Motion::Arc(Direction::Cw),
-                        _ => Motion::Arc(Direction::Ccw),
-                    });
-                }
-                51 if self.dialect.parabolas == Parabolas::InXy => {
-                    motions += 1;
-                    self.motion = Some(Motion::Parabola);
-                }
-                40 => is_dwell = true,
-                170 => self.plane = Plane::Xy,
-                180 => self.plane = Plane::Zx,
-                190 => self.plane = Plane::Yz,
-                200 => self.unit_mm = 25.4,
-                210 => self.unit_mm = 1.0,
-                280 | 530 => home = Some(tenths),
-                430 => takes_length = true,
-                640 => takes_blending = true,
-                800 => {
-                    motions += 1;
-                    self.motion = None;
-                }
-                900 => self.is_relative = false,
-                910 => self.is_relative = true,
-                400 | 490 | 540 | 550 | 560 | 570 | 580 | 590 | 610 | 940 => {}
-                _ => return Err(Fault::UnknownG(f64::from(tenths) / 10.0)),
+        self.check_codes(words)?;
+        let g = &words.g;
+        for &code in g.all() {
+            self.modal.apply(effect(code));
+            if code == PARABOLA {
+                // A block without a G word behind it would be run as the last G0 to G3 says, even as a rapid.
+                self.modal.motion = None;
             }
         }
-        let mut ends = false;
-        for &tenths in words.m() {
-            match tenths {
-                20 | 300 => ends = true,
-                30 | 50 | 60 | 70 | 80 | 90 => {}
-                _ => return Err(Fault::UnknownM(f64::from(tenths) / 10.0)),
+        if g.has(HOME) || g.has(MACHINE_COORDINATES) {
+            return self.home(words);
+        }
+        let (is_dwell, is_blending) = (g.has(DWELL), g.has(BLENDING));
+        for (letter, is_used) in [('Q', is_blending), ('P', is_blending || is_dwell)] {
+            if words.has(letter) && !is_used {
+                return Err(Fault::Unused(letter));
             }
-        }
-        if motions > 1 || words.has_conflict() || (takes_blending && is_dwell) {
-            return Err(Fault::Conflict);
-        }
-        if takes_length != words.get('H').is_some() {
-            return Err(if takes_length { Fault::Missing('H') } else { Fault::Unused('H') });
-        }
-        if let Some(home) = home {
-            // One step by no distance, or a rapid to zero of the machine's coordinates, and up alone.
-            let is_known =
-                self.is_relative == (home == 280) && (home == 280 || self.motion == Some(Motion::Rapid));
-            if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJK").is_some() {
-                return Err(Fault::Conflict);
-            }
-            self.at[2] = None;
-            return Ok(None);
-        }
-        if words.get('Q').is_some() && !takes_blending {
-            return Err(Fault::Unused('Q'));
-        }
-        if words.get('P').is_some() && !takes_blending && !is_dwell {
-            return Err(Fault::Unused('P'));
         }
         if let Some(feed) = words.get('F') {
-            self.feed = Some(FeedRate::from_mm_per_min(feed * self.unit_mm).ok_or(Fault::BadNumber('F'))?);
+            let rate = FeedRate::from_mm_per_min(feed * self.unit_mm());
+            self.modal.feed = Some(rate.ok_or(Fault::BadNumber('F'))?);
         }
-        self.is_over |= ends;
+        self.is_over = ENDS.iter().any(|&code| words.m.has(code));
         if is_dwell {
-            let count = words.get('P').ok_or(Fault::Missing('P'))?;
-            let seconds = match self.dialect.dwell {
-                Dwell::Seconds => count,
-                Dwell::Milliseconds => count / 1000.0,
-            };
-            if motions > 0 || words.first_of("XYZIJK").is_some() || seconds < 0.0 {
-                return Err(Fault::Conflict);
-            }
-            return Ok(Some(Step::Dwell { seconds }));
+            return self.dwell(words);
         }
-        self.motion_of(words)
+        if g.has(PARABOLA) { self.parabola(words) } else { self.motion(words) }
     }
 
-    fn motion_of(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        if self.motion == Some(Motion::Parabola) {
-            // What the control does without a G word after it is what it did before, even a rapid.
-            self.motion = None;
-            return self.parabola_of(words);
+    /// # Errors
+    /// When a code is unknown, two codes exclude each other, or G43 and H do not stand together.
+    fn check_codes(&self, words: &Words) -> Result<(), Fault> {
+        let Words { g, m, .. } = words;
+        let has_parabolas = self.dialect.parabolas == Parabolas::InXy;
+        let is_known = |code: &i32| KNOWN_G.contains(code) || *code == PARABOLA && has_parabolas;
+        let number = |code: &i32| f64::from(*code) / 10.0;
+        if let Some(code) = g.all().iter().find(|code| !is_known(code)) {
+            return Err(Fault::UnknownG(number(code)));
         }
+        if let Some(code) = m.all().iter().find(|code| !KNOWN_M.contains(code)) {
+            return Err(Fault::UnknownM(number(code)));
+        }
+        let mut groups = g.all().iter().map(|&code| modal_group(code)).enumerate();
+        let is_twice = groups.any(|(k, group)| g.all()[..k].iter().any(|&other| modal_group(other) == group));
+        if is_twice || g.has(BLENDING) && g.has(DWELL) {
+            return Err(Fault::Conflict);
+        }
+        match (g.has(LENGTH_OFFSET), words.has('H')) {
+            (true, false) => Err(Fault::Missing('H')),
+            (false, true) => Err(Fault::Unused('H')),
+            _ => Ok(()),
+        }
+    }
+
+    /// The way to the machine's end of Z: a step of no length by G28, or a rapid to zero of the machine's
+    /// coordinates.
+    fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        let is_relative = self.modal.distance == Some(Distance::Incremental);
+        let is_rapid = self.modal.motion == Some(Motion::Rapid);
+        // The last of the two codes counts.
+        let last = words.g.all().iter().rfind(|code| [HOME, MACHINE_COORDINATES].contains(code));
+        let is_known = if last == Some(&HOME) { is_relative } else { !is_relative && is_rapid };
+        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJK").is_some() {
+            return Err(Fault::Conflict);
+        }
+        self.modal.at[2] = None;
+        Ok(None)
+    }
+
+    fn dwell(&self, words: &Words) -> Result<Option<Step>, Fault> {
+        let count = words.get('P').ok_or(Fault::Missing('P'))?;
+        let seconds = match self.dialect.dwell {
+            Dwell::Seconds => count,
+            Dwell::Milliseconds => count / 1000.0,
+        };
+        let has_motion = words.g.all().iter().any(|&code| modal_group(code) == MOTION_GROUP);
+        if has_motion || words.first_of("XYZIJK").is_some() || seconds < 0.0 {
+            return Err(Fault::Conflict);
+        }
+        Ok(Some(Step::Dwell { seconds }))
+    }
+
+    fn motion(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
         if words.first_of("XYZIJK").is_none() {
             return Ok(None);
         }
-        let motion = self.motion.ok_or(Fault::NoMotion)?;
-        if self.is_relative {
+        let motion = self.modal.motion.ok_or(Fault::NoMotion)?;
+        if self.modal.distance == Some(Distance::Incremental) {
             return Err(Fault::Relative);
         }
         let from = self.moved(words);
@@ -276,28 +266,26 @@ impl<'a> Reader<'a> {
             return Err(Fault::Unused(letter));
         }
         if motion == Motion::Rapid {
-            return Ok(Some(Step::Rapid { from, to: self.at }));
+            return Ok(Some(Step::Rapid { from, to: self.modal.at }));
         }
-        let rate = self.feed.ok_or(Fault::NoFeed)?;
-        let start = known(from).ok_or(Fault::UnknownStart)?;
-        let end = known(self.at).ok_or(Fault::UnknownStart)?;
+        let (rate, start, end) = self.cut_from(from)?;
         let Motion::Arc(direction) = motion else {
             let along = Curve::Line(Line { start, end });
             return Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }));
         };
-        let center = self.center(words, &start)?;
-        let [s, e, c] = [start, end, center].map(|p| self.plane.to_local(&p).xy());
+        let (plane, center) = (self.plane(), self.center(words, &start)?);
+        let [s, e, c] = [start, end, center].map(|p| plane.to_local(&p).xy());
         let radius_mismatch_mm = ((s - c).norm() - (e - c).norm()).abs();
         if radius_mismatch_mm > self.mismatch_limit_mm {
             return Err(Fault::RadiusMismatch { mismatch_mm: radius_mismatch_mm });
         }
-        let arc = Arc::with_center_near(self.plane, direction, start, end, center).map_err(Fault::Arc)?;
+        let arc = Arc::with_center_near(plane, direction, start, end, center).map_err(Fault::Arc)?;
         Ok(Some(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) }))
     }
 
-    /// The parabola of a block: the offsets of its control point are both written, and it stays at its height.
-    fn parabola_of(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        if self.plane != Plane::Xy {
+    /// The parabola of a block. Both offsets of its control point have to be written, and it has no Z word.
+    fn parabola(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if self.plane() != Plane::Xy {
             return Err(Fault::ParabolaPlane);
         }
         if let Some(letter) = words.first_of("ZK") {
@@ -306,44 +294,60 @@ impl<'a> Reader<'a> {
         if words.first_of("XY").is_none() {
             return Err(Fault::Missing('X'));
         }
-        let offset =
-            |letter| words.get(letter).map(|value| value * self.unit_mm).ok_or(Fault::Missing(letter));
-        let offset = Vector3::new(offset('I')?, offset('J')?, 0.0);
+        let offset = |letter| words.get(letter).ok_or(Fault::Missing(letter));
+        let offset = Vector3::new(offset('I')? * self.unit_mm(), offset('J')? * self.unit_mm(), 0.0);
         let from = self.moved(words);
-        let rate = self.feed.ok_or(Fault::NoFeed)?;
-        let start = known(from).ok_or(Fault::UnknownStart)?;
-        let end = known(self.at).ok_or(Fault::UnknownStart)?;
+        let (rate, start, end) = self.cut_from(from)?;
         let parabola = Parabola::new(start, start + offset, end).map_err(|_| Fault::ParabolaSize)?;
         let along = Curve::Parabola(parabola);
         Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }))
     }
 
-    /// Goes to the coordinates of a block, and returns where it starts.
+    /// Goes to the coordinates of a block, and returns where the block starts.
     fn moved(&mut self, words: &Words) -> [Option<f64>; 3] {
-        let from = self.at;
+        let from = self.modal.at;
         for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
             if let Some(value) = words.get(letter) {
-                self.at[axis] = Some(value * self.unit_mm);
+                self.modal.at[axis] = Some(value * self.unit_mm());
             }
         }
         from
     }
 
+    /// Feed, start and end of a cutting block that has moved the position.
+    fn cut_from(&self, from: [Option<f64>; 3]) -> Result<(FeedRate, Point3<f64>, Point3<f64>), Fault> {
+        let known = |at: [Option<f64>; 3]| match at {
+            [Some(x), Some(y), Some(z)] => Ok(Point3::new(x, y, z)),
+            _ => Err(Fault::UnknownStart),
+        };
+        Ok((self.modal.feed.ok_or(Fault::NoFeed)?, known(from)?, known(self.modal.at)?))
+    }
+
     /// The written centre: offsets from the start, of which one may be missing.
     fn center(&self, words: &Words, start: &Point3<f64>) -> Result<Point3<f64>, Fault> {
         const OFFSETS: [char; 3] = ['I', 'J', 'K'];
-        let [a, b, n] = self.plane.axes();
-        if words.get(OFFSETS[n]).is_some() {
+        let [a, b, n] = self.plane().axes();
+        if words.has(OFFSETS[n]) {
             return Err(Fault::Unused(OFFSETS[n]));
         }
-        let offsets = [a, b].map(|axis| words.get(OFFSETS[axis]));
-        if offsets == [None; 2] {
+        let mut center = *start;
+        let offsets = [a, b].map(|axis| (axis, words.get(OFFSETS[axis])));
+        if offsets.iter().all(|(_, offset)| offset.is_none()) {
             return Err(Fault::MissingCenter);
         }
-        let mut center = *start;
-        center[a] += offsets[0].unwrap_or(0.0) * self.unit_mm;
-        center[b] += offsets[1].unwrap_or(0.0) * self.unit_mm;
+        for (axis, offset) in offsets {
+            center[axis] += offset.unwrap_or(0.0) * self.unit_mm();
+        }
         Ok(center)
+    }
+
+    /// The reader never forgets a mode that [`Modal::START`] knows, so neither fallback is ever taken.
+    fn unit_mm(&self) -> f64 {
+        self.modal.units.unwrap_or_default().mm()
+    }
+
+    fn plane(&self) -> Plane {
+        self.modal.plane.unwrap_or(Plane::Xy)
     }
 }
 
@@ -358,8 +362,8 @@ impl Iterator for Reader<'_> {
             };
             self.line = index + 1;
             match self.line(text) {
-                Ok(Some(step)) => return Some(Ok(Placed { line: self.line, step })),
                 Ok(None) => {}
+                Ok(Some(step)) => return Some(Ok(Placed { line: self.line, step })),
                 Err(fault) => {
                     self.is_over = true;
                     return Some(Err(ReadError { line: self.line, fault }));
@@ -368,10 +372,6 @@ impl Iterator for Reader<'_> {
         }
         None
     }
-}
-
-fn known(at: [Option<f64>; 3]) -> Option<Point3<f64>> {
-    Some(Point3::new(at[0]?, at[1]?, at[2]?))
 }
 
 #[cfg(test)]

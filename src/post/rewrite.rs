@@ -1,114 +1,117 @@
-//! Rewrites NC programs of anybody's making: runs of G1 blocks become fewer arcs and lines.
+//! Rewrites NC programs of any origin: runs of G1 blocks become fewer arcs and lines.
 //!
 //! # Method
-//! 1. Bytes become lines (`push`), however they were cut. A line that says nothing but a number, G1, coordinates and
-//!    a feed is a block that may stand in a run (`block`); of any other, the words are read as far as they are understood
-//!    (`line`, `codes`) and change the state of the control that is followed (`modes`).
-//! 2. Consecutive blocks of lines with one feed, under modes that allow it, are a run (`run`). It ends at everything else.
-//! 3. The points of a run are fitted, rounded and proved (`pieces`), and written (`text`); what does not get shorter stays.
-//!    A run longer than [`WINDOW`] is fitted window by window: of each, the pieces that end within its first three
-//!    quarters are written, and the next window begins where they end.
-//! 4. Before a line that relies on G1 or on the plane where the output holds another, the mode is set again: by a
-//!    G1 in the line where it moves as the mode says, else by a block of its own.
+//! 1. `push` cuts bytes into lines, wherever the chunks of bytes end. `block` reads the words of a line as
+//!    far as they are understood, and `modes` follows the modal state of the control.
+//! 2. Consecutive G1 blocks with one feed, under modes that allow it, are a run (`run`). Any other line ends
+//!    the run.
+//! 3. `segments` fits, rounds and proves the points of a run, and `text` writes them. Blocks that would not
+//!    get shorter stay. A run longer than [`WINDOW`] is fitted window by window. Of each window the segments
+//!    that end within its first three quarters are written, and the next window begins where they end.
+//! 4. A line may rely on G1, or on a plane, where the output has left another mode. Then the mode is set
+//!    again: by a G1 in the line where the line moves as the mode says, else by a block before the line.
 //!
 //! # Guarantees
-//! * Every byte that is no part of a run stays where it is; what is put between is such a G1 or such a block, and no motion.
-//! * A run's output lies within the tolerance of the run's lines and vice versa, whatever radius between those at its two ends
-//!   a control takes for an arc; joints are points of the program, exactly, so nothing accumulates.
-//! * The output does not depend on how the input was cut.
-//! * No full circle is written, which controls read in several ways.
-//! * A stream's optimum is exact within windows of [`WINDOW`] blocks. Tangent continuity, where it is asked for, ends at
-//!   windows, at pieces that were fitted again because rounding had moved them too far, and where blocks stay as they were.
+//! * Every byte outside of runs stays where it is. Only such a G1 or such a block is added, and no motion.
+//! * A run's output lies within the tolerance of the run's lines and vice versa, whatever radius a control
+//!   takes for an arc between the two radii at its ends. Joints are exactly points of the program, so no
+//!   error accumulates.
+//! * The output does not depend on where the input is cut into chunks.
+//! * No full circle is written, because controls read a full circle in several ways.
+//! * The optimal method finds the optimum of each window of [`WINDOW`] blocks. Tangent continuity, where it
+//!   is asked for, ends at windows, at kept blocks, and at segments that rounding moved too far and that were
+//!   fitted again.
 //!
 //! # What is left alone
-//! * A program that does not say otherwise is taken to begin in mm, absolute, in XY, with feeds by the minute. Behind macros,
-//!   calls, jumps, program names and ends, units, compensations and the way feeds and centres are counted are taken to be
-//!   as before; everything else is unknown until it is said again. An assignment leaves only feed and position unknown.
-//! * Nothing is fitted under cutter compensation, rotation, scaling, mirroring, polar or cylindrical coordinates, diameters,
-//!   tool centre point control, exact stop, modal macros, feeds by the turn.
-//! * An axis is known when a block has said where it is, and not any more behind whatever shifts it. A block that moves
-//!   an unknown axis absolutely is in no run; one that never moves counts as 0.
-//! * Once a line has been met that goes on elsewhere in the program, numbered blocks are in no run and behind them nothing
-//!   is known: something may arrive there. Numbers of blocks before that may have gone.
+//! * A program is taken to begin in mm, absolute, in XY, with feeds by the minute. Behind macros, calls,
+//!   jumps, program names and ends, the units, the modifiers, and the way feeds and centres are counted are
+//!   taken to be as before. Every other mode is unknown until the program says it again. An assignment makes
+//!   only feed and position unknown.
+//! * Nothing is fitted under cutter compensation, rotation, scaling, mirroring, polar or cylindrical
+//!   coordinates, diameters, tool centre point control, exact stop, modal macros, or feeds by the turn.
+//! * A block gives an axis a known position, and any shift of coordinates takes it away. A block that moves
+//!   an unknown axis absolutely is in no run. An axis that never moves counts as 0.
+//! * Behind the first line that jumps, numbered blocks are in no run, and nothing is known behind a numbered
+//!   block: the program may jump there. Numbers of earlier blocks may have gone.
 //!
 //! # Degenerate input
-//! A line longer than [`MAX_LINE_LENGTH`] is an error. Whatever else is odd is left alone: bytes of any encoding, missing line
-//! ends, numbers finer than a millionth.
+//! A line longer than [`MAX_LINE_LENGTH`] is an error. Other odd text is left alone: bytes of any encoding,
+//! missing line ends, numbers finer than a millionth.
 //!
 //! # Numbers
-//! They have as many decimals as those of the run, not fewer than the dialect's default, and more where the points need it. Zeros
-//! at the end are written where all numbers of the run have the same decimals, and as many as that; else they are not. A run
+//! Numbers have as many decimals as those of the run, at least the dialect's default, and more where the
+//! points need more. Zeros at the end are written where all numbers of the run have that many decimals. A run
 //! whose points need more decimals than the dialect has stays as it is.
 //!
 //! # Cost
-//! O(n) beside the fitting. Memory is bounded: a window of blocks of at most 256 bytes, and a line.
+//! O(n) beside the fitting. Memory is bounded by one window of blocks of at most 256 bytes, and one line.
 
 mod block;
-mod codes;
-mod line;
 mod modes;
-mod number;
-mod pieces;
 mod run;
+mod segments;
 mod text;
 
-use self::block::Block;
-use self::line::Line;
-use self::modes::{Distance, Modes, Motion, Needs};
-use self::pieces::Fitting;
+use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
+use self::modes::{Modes, Needs};
 use self::run::{Run, Style};
+use self::segments::Fitting;
 use self::text::{Output, Tally, Writer, line_end, push_with_g1};
 use super::dialect::Dialect;
+use super::nc::{Distance, Motion};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::arc_fit::{Fit, Joints, Measure};
 
-/// Blocks of a run that are fitted at once.
+/// Blocks of a run that are fitted at once. A larger window needs more memory and time; a smaller window ends
+/// more arcs early.
 pub const WINDOW: usize = 4096;
 
-/// The longest line that is read, bytes with its end.
+/// The longest line that is read, bytes with the line end. Bounds the memory that one line takes.
 pub const MAX_LINE_LENGTH: usize = 64 * 1024;
 
-/// Runs of fewer blocks stay as they are.
+/// A run of fewer blocks stays as it is: two blocks can hardly become shorter.
 const MIN_BLOCKS: usize = 3;
 
-/// Lines between two looks at the budget.
+/// Lines between two checks of the budget.
 const LINES_BETWEEN_CHECKS: u64 = 1024;
 
 /// How a program is rewritten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RewriteJob {
     pub dialect: &'static Dialect,
-    /// The measure is that of the polyline, joints are on its points and it is open, whatever this says.
+    /// Measure, joints and closure are replaced: the polyline is measured, joints lie on its points, and it
+    /// is open.
     pub fit: Fit,
 }
 
-/// What has been done so far.
+/// Counts of the work so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
     pub n_runs: u64,
-    /// Ends of the blocks of runs.
+    /// Blocks of runs, each with one end point.
     pub n_points: u64,
     pub n_arcs: u64,
-    /// Lines in runs that were written or stayed.
+    /// Lines in runs that were written or kept.
     pub n_lines: u64,
-    /// Upper bound for the distance of what was written from the lines it stands for, mm, both ways.
+    /// Upper bound for the distance between the written curves and the lines they replace, mm, both ways.
     pub deviation_max_mm: f64,
     /// Lines of the program that move an axis.
     pub n_motions: u64,
-    /// Cutting lines that no run could take, by the reason.
+    /// Cutting lines that no run could take, by reason.
     pub left_alone: LeftAlone,
     pub bytes_in: u64,
     pub bytes_out: u64,
 }
 
-/// Why lines that cut were left as they are, and how many.
+/// How many cutting lines were left as they are, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeftAlone {
-    /// Variables, expressions, and words that are not understood.
+    /// Variables, expressions, and unknown words.
     pub macros: u64,
     /// Axes beside X, Y and Z.
     pub other_axes: u64,
-    /// Cutter compensation, absolute centres without a known place, feeds by time, or a mode of which nothing is known.
+    /// Cutter compensation or another modifier, absolute centres without a known position, feeds by the turn,
+    /// or an unknown mode.
     pub modes: u64,
 }
 
@@ -117,7 +120,7 @@ pub struct LeftAlone {
 pub enum RewriteError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("line {line} is longer than {limit} bytes")]
+    #[error("line {line} is longer than {limit} bytes; split the line")]
     LineTooLong {
         /// From 1.
         line: u64,
@@ -125,18 +128,19 @@ pub enum RewriteError {
     },
 }
 
-/// Rewrites one program; after an error it is of no more use.
+/// Rewrites one program. After an error the rewriter cannot go on.
 #[derive(Debug)]
 pub struct Rewriter {
     job: RewriteJob,
     modes: Modes,
     output: Output,
     run: Run,
-    /// The beginning of a line whose end has not come yet.
+    /// The beginning of a line whose end is still to come.
     partial: Vec<u8>,
-    /// What is written for a window, and a block of it.
+    /// The text for a window.
     written: Vec<u8>,
-    block: String,
+    /// The text for a block of the window.
+    written_block: String,
     line_end: &'static [u8],
     n_lines: u64,
     may_jump: bool,
@@ -153,7 +157,7 @@ impl Rewriter {
             run: Run::default(),
             partial: Vec::new(),
             written: Vec::new(),
-            block: String::new(),
+            written_block: String::new(),
             line_end: b"\n",
             n_lines: 0,
             may_jump: false,
@@ -168,18 +172,18 @@ impl Rewriter {
     pub fn push(&mut self, bytes: &[u8], out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
         let before = out.len();
         self.figures.bytes_in += bytes.len() as u64;
-        let mut rest = bytes;
-        while let Some(end) = rest.iter().position(|&c| c == b'\n') {
-            let (line, behind) = rest.split_at(end + 1);
-            rest = behind;
-            if self.partial.is_empty() {
-                self.line(line, out, budget)?;
-            } else {
-                self.keep_partial(line)?;
+        for part in bytes.split_inclusive(|&c| c == b'\n') {
+            let is_whole = part.ends_with(b"\n");
+            if is_whole && self.partial.is_empty() {
+                self.line(part, out, budget)?;
+                continue;
+            }
+            self.check_length(self.partial.len() + part.len())?;
+            self.partial.extend_from_slice(part);
+            if is_whole {
                 self.partial_line(out, budget)?;
             }
         }
-        self.keep_partial(rest)?;
         self.figures.bytes_out += (out.len() - before) as u64;
         Ok(())
     }
@@ -200,12 +204,6 @@ impl Rewriter {
 
     pub fn figures(&self) -> &Figures {
         &self.figures
-    }
-
-    fn keep_partial(&mut self, bytes: &[u8]) -> Result<(), RewriteError> {
-        self.check_length(self.partial.len() + bytes.len())?;
-        self.partial.extend_from_slice(bytes);
-        Ok(())
     }
 
     fn partial_line(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
@@ -235,22 +233,20 @@ impl Rewriter {
             self.line_end = end;
         }
         let text = &line[..line.len() - end.len()];
-        let is_in_run = match Block::read(text) {
-            Some(block) => self.join(line, &block, out, budget)?,
-            None => false,
-        };
-        if is_in_run {
+        let block = Block::read(text);
+        let may_be_in_run = text.len() <= MAX_RUN_BLOCK_LENGTH && block.may_be_in_run();
+        if may_be_in_run && self.join(line, &block, out, budget)? {
             self.figures.n_motions += 1;
         } else {
             self.end_run(out, budget)?;
-            let said = Line::read(text);
-            self.count(&said);
-            self.pass(line, &said, out);
+            self.count(&block);
+            self.pass(line, &block, out);
         }
         Ok(())
     }
 
-    /// Takes a block into the run, or as the first of the next; `false` where it can be in none.
+    /// Takes a block into the run, or as the first block of the next run. `false` where the block can be in
+    /// no run.
     fn join(
         &mut self,
         line: &[u8],
@@ -258,18 +254,17 @@ impl Rewriter {
         out: &mut Vec<u8>,
         budget: &Budget,
     ) -> Result<bool, RewriteError> {
-        let is_line = block.has_g1 || self.modes.motion == Some(Motion::Line);
+        let is_line = block.g.has(10) || self.modes.motion == Some(Motion::Line);
         let may_arrive = self.may_jump && !block.number.is_empty();
         if !is_line || may_arrive || !self.modes.allow_runs() {
             return Ok(false);
         }
-        let step = self.run.step(block, &self.modes, self.job.dialect);
-        if step.is_some_and(|step| !self.run.is_empty() && !self.run.continues(&step, &self.modes)) {
+        let Some(step) = self.run.step(block, &self.modes, self.job.dialect) else { return Ok(false) };
+        if !self.run.is_empty() && !self.run.continues(&step, &self.modes) {
             self.end_run(out, budget)?;
-            // Now it starts where the next run does.
+            // Now the step starts where the next run does.
             return self.join(line, block, out, budget);
         }
-        let Some(step) = step else { return Ok(false) };
         self.run.push(line, block, &step, &mut self.modes);
         if self.run.blocks.len() == WINDOW {
             self.write_run(WINDOW / 4 * 3, out, budget)?;
@@ -278,9 +273,9 @@ impl Rewriter {
     }
 
     /// Counts a line that is in no run.
-    fn count(&mut self, said: &Line) {
-        let named = [0, 10, 20, 30].into_iter().find(|motion| said.g.has(*motion));
-        let is_motion = (said.has_axes() || said.is_unclear && !said.is_assignment)
+    fn count(&mut self, block: &Block) {
+        let named = [0, 10, 20, 30].into_iter().find(|motion| block.g.has(*motion));
+        let is_motion = (block.has_axes() || block.is_unclear && !block.is_assignment)
             && (named.is_some() || self.modes.motion.is_some());
         if !is_motion {
             return;
@@ -291,28 +286,31 @@ impl Rewriter {
             return;
         }
         let LeftAlone { macros, other_axes, modes } = &mut self.figures.left_alone;
-        if said.is_unclear {
+        if block.is_unclear {
             *macros += 1;
-        } else if said.has_other_axes() {
+        } else if block.has_other_axes() {
             *other_axes += 1;
         } else if !self.modes.allow_runs() {
             *modes += 1;
         }
     }
 
-    /// Writes a line that is in no run, and follows what it says.
-    fn pass(&mut self, line: &[u8], said: &Line, out: &mut Vec<u8>) {
+    /// Writes a line that is in no run, and follows its words.
+    fn pass(&mut self, line: &[u8], block: &Block, out: &mut Vec<u8>) {
         let dialect = self.job.dialect;
-        let may_arrive = self.may_jump && said.is_numbered;
+        let may_arrive = self.may_jump && !block.number.is_empty();
         let before = if may_arrive { self.modes.forgotten() } else { self.modes };
-        let (next, needs) = before.read(said, dialect);
+        let (next, needs) = before.read(block, dialect);
         let needs = if may_arrive { Needs::ALL } else { needs };
         if self.output.settle(&needs, &self.modes, dialect, self.line_end, out) {
-            push_with_g1(out, line, said.first, said.is_spaced || self.run.is_spaced);
+            // One blank at the end of a line may be a slip.
+            let blanks_behind = line.len() - line_end(line).len() - block.end;
+            let is_spaced = block.is_spaced || self.run.is_spaced || blanks_behind > 1;
+            push_with_g1(out, line, block.first, is_spaced);
         } else {
             out.extend_from_slice(line);
         }
-        self.may_jump |= said.jumps || said.m.has(970) || said.m.has(990) && said.has(b"P");
+        self.may_jump |= block.jumps || block.m.has(970) || block.m.has(990) && block.has(b"P");
         self.modes = next;
     }
 
@@ -324,7 +322,7 @@ impl Rewriter {
         Ok(())
     }
 
-    /// Writes and forgets the blocks of the run up to `reach`, or fewer, but some.
+    /// Writes and forgets at least one and at most `reach` blocks of the run.
     fn write_run(&mut self, reach: usize, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
         let is_long = self.run.blocks.len() >= MIN_BLOCKS;
         let style = self.modes.units.and_then(|units| self.run.style(units, self.job.dialect));
@@ -351,8 +349,8 @@ impl Rewriter {
         Ok(())
     }
 
-    /// Puts what may be written for the blocks up to `reach`, or fewer, into `written`. Returns for how many blocks it
-    /// stands, and what it is; none where it is no shorter than they are.
+    /// Puts the text that may replace at most `reach` blocks into `written`. Returns how many blocks the text
+    /// replaces, and its tally; no tally where the text is no shorter than the blocks.
     fn rewritten(
         &mut self,
         style: Style,
@@ -365,7 +363,7 @@ impl Rewriter {
             _ => [true; 3],
         };
         let fitting = Fitting { fit: &self.job.fit, resolution: style.resolution, is_writable, budget };
-        let stretches = fitting.stretches(&run.points, reach)?;
+        let segments = fitting.segments(&run.points, reach)?;
         self.written.clear();
         let mut writer = Writer {
             run,
@@ -374,14 +372,14 @@ impl Rewriter {
             style,
             output: self.output,
             text: &mut self.written,
-            line: &mut self.block,
+            line: &mut self.written_block,
             tally: Tally::default(),
             is_refused: false,
         };
         let mut end = 0;
-        for stretch in &stretches {
-            writer.stretch(end, stretch);
-            end = stretch.end;
+        for segment in &segments {
+            writer.segment(end, segment);
+            end = segment.end;
         }
         let (output, tally) = (writer.output, writer.tally);
         // The plane may have to come back in a block of its own.

@@ -92,7 +92,7 @@ fn sample() -> Toolpath {
 }
 
 #[test]
-fn inches_block_numbers_and_no_spindle() {
+fn inches_block_numbers_and_a_stopped_spindle_are_written() {
     let program = Program { block_numbers: true, ..program(INCH) };
     let cutting = Cutting { spindle_rpm: None, coolant: Coolant::Off, ..cutting() };
     let text = written(&sample(), &program, &cutting, &[]).unwrap().text;
@@ -112,7 +112,7 @@ fn inches_block_numbers_and_no_spindle() {
 }
 
 #[test]
-fn block_numbers_start_again_before_they_grow_too_long() {
+fn block_numbers_start_again_behind_the_largest() {
     let mut path = Toolpath::builder(Point3::origin());
     for k in 0..11_000 {
         path.line(Point3::new(f64::from(k % 2 + 1), 0.0, 0.0), feed(100.0), Role::Cut).unwrap();
@@ -123,7 +123,7 @@ fn block_numbers_start_again_before_they_grow_too_long() {
 }
 
 #[test]
-fn paths_without_length_are_still_whole_programs() {
+fn a_path_without_length_still_gives_a_whole_program() {
     for z in [0.0, 45.0, 100.0] {
         let mut path = Toolpath::builder(Point3::new(0.0, 0.0, z));
         path.line(Point3::new(0.0, 0.0, z), feed(1.0), Role::Cut).unwrap();
@@ -133,8 +133,8 @@ fn paths_without_length_are_still_whole_programs() {
         for dialect in DIALECTS {
             let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
             assert!(text.contains("\nM30\n") && !text.contains("G1 ") && !text.contains("-0"));
-            // The first motion is across, at the height where the machine is; the next to the clearance plane or above, with a length
-            // offset in force.
+            // The first motion is across, at the height where the machine is; the next to the clearance plane
+            // or above, with a length offset in force.
             let mut motions = text.lines().skip_while(|line| !line.starts_with("G0"));
             let (first, next) = (motions.next().unwrap(), motions.next().unwrap());
             assert!(first.starts_with("G0 X") && !first.contains('Z'), "{first}");
@@ -145,7 +145,7 @@ fn paths_without_length_are_still_whole_programs() {
 }
 
 #[test]
-fn what_cannot_be_written_is_an_error() {
+fn a_value_that_no_program_can_hold_is_an_error() {
     let path = sample();
     let decimals = |decimals| program(Resolution { units: Units::Mm, decimals });
     for count in [0, 7, 255] {
@@ -169,7 +169,7 @@ fn what_cannot_be_written_is_an_error() {
 }
 
 #[test]
-fn a_changed_text_does_not_pass_the_check() {
+fn a_changed_program_fails_the_check() {
     let (program, cutting) = (program(MM), cutting());
     let job = ProgramJob {
         program: &program,
@@ -337,8 +337,8 @@ proptest! {
     }
 }
 
-/// What stands in a text, seen as characters: the decimals of every coordinate, no lower case, no exponent, no minus
-/// zero.
+/// What stands in a text, seen as characters: the decimals of every coordinate, no lower case, no exponent,
+/// no minus zero.
 fn check_words(text: &str, dialect: &Dialect, resolution: Resolution) -> Result<(), TestCaseError> {
     let header = |line: &&str| line.contains(dialect.comment.open);
     for line in text.lines().filter(|line| !header(line)) {
@@ -364,7 +364,7 @@ fn check_words(text: &str, dialect: &Dialect, resolution: Resolution) -> Result<
 }
 
 #[test]
-fn arcs_flatter_than_half_a_unit_are_written_as_lines() {
+fn an_arc_flatter_than_half_a_unit_is_written_as_a_line() {
     let mut path = Toolpath::builder(Point3::origin());
     let (r, half) = (5000.0, 2e-4f64);
     let (end, center) =

@@ -1,16 +1,51 @@
-//! Numbers and comments as text.
+//! Numbers, words and comments as text.
 
 use std::fmt::Write;
 
 use super::WriteError;
 use super::dialect::Numbers;
+use crate::geometry::curve::Direction;
+use crate::geometry::plane::Plane;
 use crate::toolpath::program::Units;
 use crate::toolpath::units::FeedRate;
 
-/// A feed is written with the fewest decimals that keep it within this part of itself.
+/// The letters of the axes, and of the offsets of centres and control points along the axes.
+pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
+pub const OFFSETS: [char; 3] = ['I', 'J', 'K'];
+
+/// Relative error of a written feed, at most. A feed gets the fewest decimals that keep within it.
 const FEED_AGREEMENT: f64 = 5e-5;
+
+/// Most decimals of a feed. A feed that needs more is refused.
 const MAX_FEED_DECIMALS: u8 = 6;
+
+/// Largest feed, units of the program a minute. A larger feed is refused.
 const MAX_FEED: f64 = 1e9;
+
+/// The word that selects a plane.
+pub fn plane(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Xy => "G17",
+        Plane::Zx => "G18",
+        Plane::Yz => "G19",
+    }
+}
+
+/// The word of motion for an arc.
+pub fn arc(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Cw => "G2",
+        Direction::Ccw => "G3",
+    }
+}
+
+/// The offsets of a centre along the plane's axes, each with its axis, in the order I, J, K.
+pub fn center_offsets(plane: Plane, center: [i64; 2]) -> [(usize, i64); 2] {
+    let [first, second, _] = plane.axes();
+    let mut offsets = [(first, center[0]), (second, center[1])];
+    offsets.sort_unstable();
+    offsets
+}
 
 /// A feed in units of the program a minute, `digits` times ten to the power of minus `decimals`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,10 +75,11 @@ pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
         .ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
 }
 
-/// A spindle speed as digits and decimals: whole numbers stay whole, and all are where the control wants it.
+/// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the
+/// decimals that the control reads.
 ///
 /// # Errors
-/// When the speed is no number, rounds to zero or is above what the control reads.
+/// When the speed is no number, rounds to zero or is above the largest speed that the control reads.
 pub fn spindle(rpm: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
     if !(rpm > 0.0 && rpm <= f64::from(numbers.max_spindle_rpm)) {
         return Err(WriteError::SpindleSpeed { rpm });
@@ -53,7 +89,7 @@ pub fn spindle(rpm: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
     if digits == 0 { Err(WriteError::SpindleSpeed { rpm }) } else { Ok(FeedWord { digits, decimals }) }
 }
 
-/// Appends `digits` times ten to the power of minus `decimals`, always with that many decimals, never in an
+/// Appends `digits` times ten to the power of minus `decimals`, always with that many decimals, without an
 /// exponent and never as minus zero.
 pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
     let sign = if digits < 0 { "-" } else { "" };
@@ -67,11 +103,12 @@ pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
     };
 }
 
-/// Signs that no control takes for the end of a comment or for a command within one.
+/// Signs that no control takes for the end of a comment or for a command within a comment.
 const KEPT: &str = "._-/+,=#'";
 
-/// User text as it may stand in a comment: capitals, digits, space and [`KEPT`], no longer than `limit`. Other scripts are
-/// written in these letters; whatever else there is becomes a space, and runs of spaces become one.
+/// User text as it may stand in a comment: capitals, digits, space and [`KEPT`], no longer than `limit`.
+/// Letters of other scripts are transliterated. Any other character becomes a space, and several spaces
+/// become one.
 pub fn cleaned(text: &str, limit: usize) -> String {
     let mut clean = String::new();
     let ascii = deunicode::deunicode_with_tofu(text, " ");
@@ -89,7 +126,7 @@ pub fn cleaned(text: &str, limit: usize) -> String {
     clean
 }
 
-/// Clean text in lines of at most `limit` characters, broken between words where that can be.
+/// Clean text in lines of at most `limit` characters, broken between words where possible.
 pub fn lines(text: &str, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for mut word in text.split(' ') {
@@ -126,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_their_decimals_and_no_minus_zero() {
+    fn fixed_numbers_keep_their_decimals_and_have_no_minus_zero() {
         let cases = [(0, 3, "0.000"), (-5, 3, "-0.005"), (10_500, 3, "10.500"), (-1_234_567, 4, "-123.4567")];
         for (digits, decimals, text) in cases {
             assert_eq!(fixed(digits, decimals), text);
@@ -136,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn feeds_have_as_few_decimals_as_they_need() {
+    fn a_feed_has_the_fewest_decimals_that_keep_its_value() {
         let word = |mm_per_min, units| {
             let word = feed(FeedRate::from_mm_per_min(mm_per_min).unwrap(), units).unwrap();
             fixed(word.digits, word.decimals)
@@ -151,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn spindle_speeds_are_whole_where_they_are_or_must_be() {
+    fn a_spindle_speed_is_whole_if_the_value_or_the_control_is() {
         let (free, whole) = (LINUXCNC.numbers, FANUC.numbers);
         assert_eq!(spindle(12_000.0, &free), Ok(FeedWord { digits: 12_000, decimals: 0 }));
         assert_eq!(spindle(12.5, &free), Ok(FeedWord { digits: 12_500, decimals: 3 }));
@@ -173,7 +210,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn cleaned_text_holds_only_what_it_may(text in "(?s).{0,300}", limit in 0usize..200) {
+        fn cleaned_text_has_only_allowed_characters(text in "(?s).{0,300}", limit in 0usize..200) {
             let clean = cleaned(&text, limit);
             prop_assert!(clean.len() <= limit);
             prop_assert!(clean.bytes().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || b" ._-/+,=#'".contains(&c)));

@@ -1,34 +1,29 @@
-//! Blocks as lines of words, with modal words left out where they hold already.
+//! Writes blocks as lines of words. A modal word is left out where its mode is in force already.
 
 use super::dialect::{Comment, Dialect, Dwell, Frame, Point, ProgramNumber};
 use super::header::{self, Remark};
 use super::lower::Block;
-use super::words::{self, FeedWord};
+use super::words::{self, AXES, FeedWord, OFFSETS};
 use super::{ProgramJob, WriteError};
-use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::{SafeHome, Units};
 use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
 
-/// The letters of the axes and of the offsets of centres and control points along them.
-const AXES: [char; 3] = ['X', 'Y', 'Z'];
-const OFFSETS: [char; 3] = ['I', 'J', 'K'];
-
-/// Remarks are no longer than this, whatever the control takes: a header is to be read.
+/// Most characters of a remark. A longer line would be hard to read on a control's screen.
 const MAX_REMARK_LENGTH: usize = 100;
 
-/// Controls show so much of a program's name.
+/// Most characters of a program's name. Controls show no more in their lists of programs.
 const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 
-/// Characters of a warning; the rest of a longer one is left out.
+/// Most characters of a warning. The rest of a longer warning is left out.
 const MAX_WARNING_LENGTH: usize = 600;
 
 /// The text of a whole program.
 ///
 /// # Errors
-/// When a word of the frame cannot be written, a number has more digits or a line more characters than the control
-/// takes.
+/// When a word of the frame cannot be written, a number has more digits or a line more characters than the
+/// control takes.
 pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<String, WriteError> {
     let mut writer = Writer {
         job,
@@ -64,11 +59,11 @@ struct Writer<'a> {
     text: String,
     line: String,
     block_number: u32,
-    /// Whether the next motion along Z is to take the tool's length.
+    /// The next motion along Z has to take the length offset.
     owes_length_offset: bool,
     motion: Option<&'static str>,
     plane: Plane,
-    /// Where the control is, as last written.
+    /// The position as last written.
     at: [Option<i64>; 3],
     feed: Option<FeedWord>,
 }
@@ -112,7 +107,7 @@ impl Writer<'_> {
         self.end_line()
     }
 
-    /// Up to the machine's end of Z, wherever the tool is.
+    /// Up to the machine's end of Z, from any position.
     fn safe_home(&mut self) -> Result<(), WriteError> {
         match self.job.program.safe_home {
             SafeHome::None => return Ok(()),
@@ -132,7 +127,7 @@ impl Writer<'_> {
         self.end_line()
     }
 
-    /// Number and length offset of the tool.
+    /// The numbers of the tool and of its length offset.
     fn tool(&self) -> (u32, u32) {
         self.job.tool.map_or((DEFAULT_NUMBER, DEFAULT_NUMBER), Tool::places)
     }
@@ -153,8 +148,8 @@ impl Writer<'_> {
             return Err(WriteError::ProgramNumber { number, max });
         }
         self.word(&format!("{letter}{number:0digits$}"));
-        // Where controls look for it in their lists of programs.
-        // A comma could make a command of its first word.
+        // Controls take the name in their lists of programs from here. A comma could turn its first word into
+        // a command.
         let name = job.program.name.as_deref().unwrap_or_default().replace(',', " ");
         let name = words::cleaned(&name, MAX_PROGRAM_NAME_LENGTH);
         if !name.is_empty() {
@@ -164,8 +159,8 @@ impl Writer<'_> {
         self.end_line_unnumbered()
     }
 
-    /// Writes a remark as one comment line, and a warning as several where it is long. A text without any character that comments may
-    /// hold writes no line.
+    /// Writes a remark as one comment line, and a long warning as several. A text without any character that
+    /// a comment may hold writes no line.
     fn remark(&mut self, Remark { label, text }: &Remark) -> Result<(), WriteError> {
         let Comment { open, separator, close } = self.job.dialect.comment;
         // Room for a block number beside the label and its punctuation.
@@ -205,24 +200,19 @@ impl Writer<'_> {
             }
             Block::Arc { plane, direction, to, center, feed } => {
                 self.plane(plane);
-                self.motion(match direction {
-                    Direction::Cw => "G2",
-                    Direction::Ccw => "G3",
-                });
-                let [first, second, normal] = plane.axes();
+                self.motion(words::arc(direction));
+                let [_, _, normal] = plane.axes();
                 for (axis, to) in to.into_iter().enumerate() {
                     if axis == normal { self.axis_if_changed(axis, to) } else { self.axis(axis, to) }
                 }
-                let mut offsets = [(first, center[0]), (second, center[1])];
-                offsets.sort_unstable();
-                for (axis, offset) in offsets {
+                for (axis, offset) in words::center_offsets(plane, center) {
                     self.coordinate(OFFSETS[axis], offset);
                 }
                 self.feed(feed);
             }
             Block::Parabola { to, control, feed } => {
                 self.plane(Plane::Xy);
-                // It is no mode, and what was one before it must be said again.
+                // G5.1 is not modal and ends the mode of motion.
                 self.word("G5.1");
                 self.motion = None;
                 for (axis, to) in to.into_iter().enumerate() {
@@ -274,11 +264,7 @@ impl Writer<'_> {
 
     fn plane(&mut self, plane: Plane) {
         if self.plane != plane {
-            self.word(match plane {
-                Plane::Xy => "G17",
-                Plane::Zx => "G18",
-                Plane::Yz => "G19",
-            });
+            self.word(words::plane(plane));
             self.plane = plane;
         }
     }
@@ -320,7 +306,8 @@ impl Writer<'_> {
         self.line.push_str(word);
     }
 
-    /// Ends the line, with its number in front where they are asked for; an empty one leaves nothing.
+    /// Ends the line, with a block number in front where the job asks for block numbers. An empty line writes
+    /// nothing.
     fn end_line(&mut self) -> Result<(), WriteError> {
         if self.job.program.block_numbers && !self.line.is_empty() {
             let numbers = self.job.dialect.block_numbers;

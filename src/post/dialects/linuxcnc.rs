@@ -1,16 +1,16 @@
 //! LinuxCNC.
 //!
-//! The control blends with `G64 P Q0`: it may leave the written path at joints by one unit of the last decimal
-//! and joins no blocks. Exact path mode, G61, would leave the path nowhere but stop at every joint that
-//! rounding has kinked; without either word a control keeps its speed and cuts corners as far as it likes.
+//! The control blends with `G64 P Q0`: it may leave the written path at joints by one unit of the last
+//! decimal, and joins no blocks. Exact path mode, G61, would keep the path exactly, but stop at every joint
+//! that rounding has kinked. Without G64 or G61 the control keeps its speed and cuts corners by any distance.
 //!
-//! A parabola at one height is `G5.1 X Y I J`, with the Bezier control point from the start: X, Y, I and J of a quadratic
-//! spline. The interpreter wants G17, no Z, and the G word with both offsets on every block; the feed is modal as
-//! elsewhere. It is no mode: a block without a G word behind it is run as the last G0 to G3 says, so that word is written
-//! again. The control runs such a block as 24 arcs, and what these leave of it is part of the rounding that the header
-//! states.
+//! A parabola at one height is `G5.1 X Y I J`, a quadratic spline: I and J go from the start to the Bezier
+//! control point. The interpreter needs G17, no Z, and G5.1 with both offsets on every block. The feed is
+//! modal. G5.1 is not modal: the control runs a next block without a G word as the last G0 to G3 says, so the
+//! next block repeats its G word. The control runs a parabola as 24 arcs. The rounding in the header includes
+//! the distance of these arcs from the parabola.
 //!
-//! M30 alone ends the program; a pair of percent signs would be the other way and is not needed.
+//! M30 alone ends the program. Percent signs at both ends would serve as well and are left out.
 
 use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
 
@@ -20,7 +20,7 @@ pub const LINUXCNC: Dialect = Dialect {
     file_extension: "ngc",
     comment: Comment { open: "(", separator: ": ", close: ")" },
     line_end: "\n",
-    // The interpreter reads 255 characters with the line end.
+    // The interpreter reads at most 255 characters with the line end.
     max_line_length: 240,
     tape_mark: None,
     program_number: None,
@@ -29,7 +29,7 @@ pub const LINUXCNC: Dialect = Dialect {
     max_decimals: 6,
     numbers: Numbers {
         point: Point::WhereNeeded,
-        // What a double holds exactly.
+        // An f64 holds any number of 15 digits without loss.
         max_digits: 15,
         spindle_decimals: 3,
         max_spindle_rpm: 1_000_000,

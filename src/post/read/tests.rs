@@ -24,7 +24,7 @@ fn fault(text: &str) -> (usize, Fault) {
 }
 
 #[test]
-fn reads_every_kind_of_step() {
+fn every_kind_of_step_is_read() {
     let text = "%\n(PROGRAM: DIE)\nN10 G17 G21 G90 G40 G49 G80 G94\nG64 P0.001 Q0\nG54\nT1 M6\nG43 H1\nS1000 M3\nM8\n\
                 G0 Z50.000\nX0.000 Y0.000 ; across\ng1 z0. f300\nG18 G3 X10 I5 K0\nG19 G2 Y10. J5.\nG4 P1.5\n\
                 G17 G2 I-5 J0\nG5.1 X20 Y12 I3 J4\nM5\nM9\nM30\nG0 X99\n%\n";
@@ -115,7 +115,7 @@ fn every_fault_is_found_with_its_line() {
 }
 
 #[test]
-fn fanuc_counts_without_a_point_and_keeps_within_its_marks() {
+fn fanuc_programs_need_points_marks_and_a_number() {
     let whole = "%\nO0501\n(DIE)\nG21\nG0 G43 H1 Z5.\nX0. Y0.\nG1 X10. F800.\nG4 P250\nM30\n%\n";
     let steps = read_as(&FANUC, whole).unwrap();
     assert_eq!(steps.len(), 4);
@@ -148,7 +148,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_text_ends_in_steps_or_one_fault(text in "(?s)([GMXYZIJKFHPQSTN%(); \n.+-]|[0-9]|.){0,200}") {
+    fn any_text_gives_steps_and_at_most_one_fault(text in "(?s)([GMXYZIJKFHPQSTN%(); \n.+-]|[0-9]|.){0,200}") {
         for dialect in DIALECTS {
             for text in [text.clone(), format!("%\nO0001\n{text}")] {
                 let faults = Reader::new(&text, dialect, LIMIT_MM).filter(|placed| placed.is_err()).count();

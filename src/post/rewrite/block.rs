@@ -1,72 +1,144 @@
-//! Blocks that may stand in a run: a number, G1, coordinates and a feed, and nothing else.
+//! The words of one line of any kind, as far as they are understood.
 
 use std::ops::Range;
 
-use super::number::{Number, blanks};
+use crate::post::nc::{Codes, Decimal, Lexer, Token};
 
-/// Longer lines are in no run, so that a window of them is bounded.
-pub const MAX_BLOCK_LENGTH: usize = 256;
+/// Longest line that may stand in a run, bytes. Bounds the memory of a window of such lines.
+pub const MAX_RUN_BLOCK_LENGTH: usize = 256;
 
-/// The words of such a block; places are those of bytes in its line.
-#[derive(Debug, Clone, PartialEq)]
+/// Letters of axes beside X, Y and Z. No arc is fitted along them.
+const OTHER_AXES: &[u8] = b"ABCUVW";
+
+/// Letters that may carry a value besides: parameters of G and M words, and O, T, H and S.
+const PARAMETERS: &[u8] = b"DHIJKLOPQRST";
+
+/// The only letters that a block of a run may have.
+const RUN_LETTERS: &[u8] = b"GXYZF";
+
+/// What a line says. Places are those of bytes in the line.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
-    /// Of the N word; empty where there is none.
+    pub g: Codes,
+    pub m: Codes,
+    pub axes: [Option<Decimal>; 3],
+    pub feed: Option<(Decimal, Range<usize>)>,
+    /// A bit for every letter of the line; see [`Block::has`].
+    letters: u32,
+    /// Of the N word at the start; empty where there is none.
     pub number: Range<usize>,
-    pub has_g1: bool,
-    pub axes: [Option<Number>; 3],
-    pub feed: Option<(Number, Range<usize>)>,
     /// Where the first word behind the N word begins.
     pub first: usize,
-    /// Whether blanks stand between its words.
+    /// Where the last word or comment ends.
+    pub end: usize,
+    /// Blanks stand between words.
     pub is_spaced: bool,
+    /// Block delete: a switch of the machine decides whether the line is run.
+    pub is_optional: bool,
+    pub has_comment: bool,
+    /// The line has a percent sign, which begins and ends programs.
+    pub has_tape_mark: bool,
+    /// The line has an expression, a variable, an unknown word, or two words of one letter.
+    pub is_unclear: bool,
+    /// The line is unclear, but only gives a variable a value: it has no letter of a word that could change a
+    /// mode.
+    pub is_assignment: bool,
+    /// The line is unclear and has a GOTO.
+    pub jumps: bool,
 }
 
 impl Block {
-    /// The block that `line`, without its end, is; none where it says anything else, twice or nothing of where to go.
-    pub fn read(line: &[u8]) -> Option<Self> {
-        if line.len() > MAX_BLOCK_LENGTH {
-            return None;
+    /// Reads `line`, a line without its end.
+    pub fn read(line: &[u8]) -> Self {
+        let mut block = Self::default();
+        if block.tokens(line).is_none() {
+            block.is_unclear = true;
+            block.is_assignment = is_assignment(&line[block.first..]);
+            block.jumps = line.windows(4).any(|word| word.eq_ignore_ascii_case(b"GOTO"));
         }
-        let number = number(line);
-        let first = number.end + blanks(&line[number.end..]);
-        let is_spaced = first > number.end && !number.is_empty();
-        let mut block = Self { number, has_g1: false, axes: [None; 3], feed: None, first, is_spaced };
-        let mut at = first;
-        while let Some(letter) = line.get(at) {
-            let (value, length) = Number::read(&line[at + 1..])?;
-            let end = at + 1 + length;
-            block.take(letter.to_ascii_uppercase(), value, at..end)?;
-            at = end + blanks(&line[end..]);
-            block.is_spaced |= at > end && at < line.len();
-        }
-        block.axes.iter().any(Option::is_some).then_some(block)
+        block
     }
 
-    fn take(&mut self, letter: u8, value: Number, place: Range<usize>) -> Option<()> {
-        match letter {
-            b'X' | b'Y' | b'Z' => {
-                let axis = &mut self.axes[usize::from(letter - b'X')];
-                axis.replace(value).is_none().then_some(())
-            }
-            b'F' => self.feed.replace((value, place)).is_none().then_some(()),
-            b'G' => {
-                let is_first = !std::mem::replace(&mut self.has_g1, true);
-                (is_first && value.tenths() == Some(10)).then_some(())
-            }
-            _ => None,
+    /// Whether the line says where a G1 block goes, at which feed at most, and nothing else.
+    pub fn may_be_in_run(&self) -> bool {
+        let is_plain = !(self.is_unclear || self.is_optional || self.has_comment || self.has_tape_mark);
+        let others = self.letters & !bits(RUN_LETTERS);
+        is_plain && others == 0 && matches!(self.g.all(), [] | [10]) && self.axes.iter().any(Option::is_some)
+    }
+
+    pub fn has(&self, letters: &[u8]) -> bool {
+        self.letters & bits(letters) != 0
+    }
+
+    /// Whether the line says where some axis is to go, or how far.
+    pub fn has_axes(&self) -> bool {
+        self.has(b"XYZ") || self.has_other_axes()
+    }
+
+    pub fn has_other_axes(&self) -> bool {
+        self.has(OTHER_AXES)
+    }
+
+    /// Takes tokens up to the first that is not understood, which gives none.
+    fn tokens(&mut self, line: &[u8]) -> Option<()> {
+        let mut lexer = Lexer::new(line);
+        let mut next = lexer.next();
+        if let Some((_, Token::BlockDelete)) = next {
+            self.is_optional = true;
+            next = lexer.next();
         }
+        if let Some((place, token)) = &next
+            && is_block_number(token)
+        {
+            (self.number, self.end) = (place.clone(), place.end);
+            next = lexer.next();
+        }
+        self.first = next.as_ref().map_or(line.len(), |(place, _)| place.start);
+        while let Some((place, token)) = next {
+            self.is_spaced |= self.end > 0 && place.start > self.end;
+            self.end = place.end;
+            match token {
+                Token::Word { letter, number } => self.word(letter, Decimal::read(number)?, place)?,
+                Token::Comment { is_closed: true } => self.has_comment = true,
+                Token::TapeMark => self.has_tape_mark = true,
+                Token::Comment { is_closed: false } | Token::BlockDelete | Token::Unknown => return None,
+            }
+            next = lexer.next();
+        }
+        Some(())
+    }
+
+    fn word(&mut self, letter: u8, number: Decimal, place: Range<usize>) -> Option<()> {
+        let is_repeated = self.has(&[letter]);
+        self.letters |= bits(&[letter]);
+        match letter {
+            b'G' => return self.g.push(number.tenths()?),
+            b'M' => return self.m.push(number.tenths()?),
+            b'X' | b'Y' | b'Z' => self.axes[usize::from(letter - b'X')] = Some(number),
+            b'F' => self.feed = Some((number, place)),
+            _ if OTHER_AXES.contains(&letter) || PARAMETERS.contains(&letter) => {}
+            _ => return None,
+        }
+        (!is_repeated).then_some(())
     }
 }
 
-/// Where the N word at the start of a line stands; empty, at the start, where there is none.
-pub fn number(line: &[u8]) -> Range<usize> {
-    let start = blanks(line);
-    if !matches!(line.get(start), Some(b'N' | b'n')) {
-        return start..start;
-    }
-    let digits = start + 1 + blanks(&line[start + 1..]);
-    let count = line[digits..].iter().take_while(|c| c.is_ascii_digit()).count();
-    if count == 0 { start..start } else { start..digits + count }
+/// Whether the token is N with digits alone.
+fn is_block_number(token: &Token) -> bool {
+    let Token::Word { letter: b'N', number } = token else { return false };
+    !number.is_empty() && number.iter().all(u8::is_ascii_digit)
+}
+
+/// Whether `code` begins with a variable and has no letter of a word that changes a mode.
+fn is_assignment(code: &[u8]) -> bool {
+    let end = code.iter().position(|c| matches!(c, b'(' | b';')).unwrap_or(code.len());
+    let code = &code[..end];
+    code.first() == Some(&b'#') && code.contains(&b'=') && !code.iter().any(|c| b"GMOgmo".contains(c))
+}
+
+/// A bit for each capital letter.
+fn bits(letters: &[u8]) -> u32 {
+    letters.iter().fold(0, |bits, letter| bits | 1 << (letter - b'A'))
 }
 
 #[cfg(test)]
@@ -74,29 +146,53 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blocks_of_a_run_are_told_from_others() {
+    fn a_block_of_a_run_has_a_number_g1_coordinates_and_a_feed_only() {
         for line in ["X1", "n10 g01 x.5 Y -3 F100", "  Z+3.", "G1X1Y2Z3F4", "N 7X-0", "X1 G1"] {
-            assert!(Block::read(line.as_bytes()).is_some(), "{line}");
+            assert!(Block::read(line.as_bytes()).may_be_in_run(), "{line}");
         }
         let others = [
             "", " ", "N10", "G1", "F100", "G1 F100", "X1 X2", "G1 G1 X1", "G0 X1", "G2 X1", "X1 (a)", "X1;",
             "/X1", "X#1", "X[1]", "A1", "X1 M8", "%", "X1 0", "X1.2.3", "X", "N X1", "X1 S5", "G1.5 X1",
-            "X1e5",
+            "X1e5", "X1 %", "X1 O5",
         ];
         for line in others {
-            assert_eq!(Block::read(line.as_bytes()), None, "{line}");
+            assert!(!Block::read(line.as_bytes()).may_be_in_run(), "{line}");
         }
-        assert_eq!(Block::read(&[b'X'; MAX_BLOCK_LENGTH + 1]), None);
     }
 
     #[test]
     fn words_are_found_where_they_stand() {
         let line = b" N 10  X5 F200";
-        let block = Block::read(line).unwrap();
+        let block = Block::read(line);
         assert_eq!(&line[block.number.clone()], b"N 10");
         assert_eq!(block.first, 7);
         assert_eq!(&line[block.feed.unwrap().1], b"F200");
         assert!(block.is_spaced);
-        assert!(!Block::read(b"N10X5F200 ").unwrap().is_spaced);
+        assert!(!Block::read(b"N10X5F200 ").is_spaced);
+    }
+
+    #[test]
+    fn comments_and_numbers_are_no_words() {
+        let block = Block::read(b"N5 G0 (X1 #2) X 2.5 ;Y3 [");
+        assert!(!block.number.is_empty() && block.is_spaced && !block.is_unclear);
+        assert_eq!((block.g.all(), block.first), ([0].as_slice(), 3));
+        assert!(block.axes[0].is_some() && block.axes[1].is_none());
+        assert!(Block::read(b"(\xff\xfe)").g.all().is_empty());
+        assert!(!Block::read(b" ").is_unclear);
+    }
+
+    #[test]
+    fn unknown_text_makes_a_line_unclear() {
+        for text in
+            ["#1=5", "X[1]", "X#1", "(open", "IF [1] GOTO 5", "X1 X2", "\u{e9}", "G0 E5", "G", "O100 sub"]
+        {
+            assert!(Block::read(text.as_bytes()).is_unclear, "{text}");
+        }
+        assert!(Block::read(b"if [1] goto 5").jumps && !Block::read(b"#1=5").jumps);
+        assert!(Block::read(b"N5 #1=[#2*SIN[3]] (GO)").is_assignment);
+        assert!(!Block::read(b"#1=5 G91").is_assignment && !Block::read(b"X#1").is_assignment);
+        let optional = Block::read(b"/2 N10 X1");
+        assert!(optional.is_optional && !optional.number.is_empty() && !optional.is_unclear);
+        assert!(Block::read(b"O0501").has(b"O") && Block::read(b"%").has_tape_mark);
     }
 }

@@ -1,46 +1,50 @@
-//! The blocks of a run that are not yet written, with their text and the points they go to.
+//! The blocks of a run that are still to be written, with their text and their end points.
 
 use std::ops::Range;
 
 use nalgebra::Point3;
 
 use super::block::Block;
-use super::modes::{Distance, Feed, FeedMode, Modes, Motion, default_decimals};
-use super::number::{DECIMALS, is_coordinate};
+use super::modes::{Feed, Modes, default_decimals};
 use crate::post::dialect::Dialect;
+use crate::post::nc::{DECIMALS, Distance, FeedMode, Motion, is_coordinate};
 use crate::toolpath::program::{Resolution, Units};
 
-/// Under G93 blocks of a run have implied speeds that differ by this part at most.
+/// Largest relative difference of the speeds that the blocks of a run imply under G93. A larger value joins
+/// blocks of visibly different speeds; a smaller value ends runs at the rounding of feeds.
 const SPEED_AGREEMENT: f64 = 0.01;
 
-/// One block of a run; places are those of bytes in the run's text.
+/// One block of a run. Places within the block are counted from the start of its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// With its line end.
+    /// With the line end, in the run's text.
     pub text: Range<usize>,
+    /// The N word; empty where there is none.
     pub number: Range<usize>,
+    /// The start of the first word behind the N word.
     pub first: usize,
     pub has_g1: bool,
-    /// Of the F word; empty where there is none.
+    /// The F word; empty where there is none.
     pub feed: Range<usize>,
-    /// Under G93, in inverse minutes.
+    /// The feed under G93, in inverse minutes.
     pub rate: f64,
 }
 
-/// A part of a run of at most a window; memory is kept between runs.
+/// The part of a run that is not written yet, at most a window. Memory is kept between runs.
 #[derive(Debug, Default)]
 pub struct Run {
     pub text: Vec<u8>,
     pub blocks: Vec<Placed>,
-    /// Where it starts and where each block ends, in millionths of a unit of the program, an axis that is not known from 0.
+    /// The start and the end of each block, in millionths of a unit of the program. An unknown axis counts
+    /// from 0.
     pub units: Vec<[i64; 3]>,
-    /// The same, mm.
+    /// The same points in mm.
     pub points: Vec<Point3<f64>>,
-    /// Whether the position is known in the program's coordinates.
+    /// Axes whose position is known in the program's coordinates.
     pub is_known: [bool; 3],
-    /// Whether blanks stand between the words of some block.
+    /// Blanks stand between the words of some block.
     pub is_spaced: bool,
-    /// Whether blocks of it have been written already.
+    /// Earlier blocks of the run have been written already.
     pub is_continued: bool,
     decimals: [u8; 2],
     speeds: [f64; 2],
@@ -50,7 +54,7 @@ pub struct Run {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Style {
     pub resolution: Resolution,
-    /// Whether zeros at the end are written.
+    /// Zeros at the end of a number are written.
     pub is_padded: bool,
 }
 
@@ -60,18 +64,18 @@ pub struct Step {
     to: [i64; 3],
     decimals: [u8; 2],
     feed: Option<Feed>,
-    /// Under G93: the feed, and the speed it implies.
+    /// Under G93: the feed, and the speed that the feed implies.
     rate: Option<[f64; 2]>,
 }
 
 impl Run {
-    /// Whether it has not begun; when all its blocks have been written, it has.
+    /// Whether the run has not begun. A run whose blocks have all been written has begun.
     pub fn is_empty(&self) -> bool {
         self.units.is_empty()
     }
 
-    /// The step that `block` would be under `modes`, behind what there is or as the first; none where it goes to, or comes
-    /// from, what is not known, or lacks the feed it needs.
+    /// The step of `block` under `modes`, behind the last block of the run or as the first. None where the
+    /// start or the end is unknown, or where G93 needs a feed and the block has none.
     pub fn step(&self, block: &Block, modes: &Modes, dialect: &Dialect) -> Option<Step> {
         let from = self.units.last().copied().unwrap_or_else(|| modes.at.map(Option::unwrap_or_default));
         let (mut to, mut decimals) = (from, [u8::MAX, 0]);
@@ -97,8 +101,8 @@ impl Run {
         to.into_iter().all(is_coordinate).then_some(step)
     }
 
-    /// Whether `step` is a block of the same run: it repeats the feed that holds, or says none; under G93 its speed is that
-    /// of the others.
+    /// Whether `step` belongs to the same run: it has the modal feed, or no feed. Under G93 it has the speed
+    /// of the other blocks.
     pub fn continues(&self, step: &Step, modes: &Modes) -> bool {
         match step.rate {
             Some([_, speed]) => {
@@ -109,20 +113,19 @@ impl Run {
         }
     }
 
-    /// Takes the next block, whose line is `text`, and brings `modes` behind it.
+    /// Takes the next block with its line `text`, and changes `modes` to the state behind the block.
     pub fn push(&mut self, text: &[u8], block: &Block, step: &Step, modes: &mut Modes) {
         if self.is_empty() {
             self.begin(modes);
         }
-        let base = self.text.len();
-        let moved = |range: &Range<usize>| base + range.start..base + range.end;
+        let start = self.text.len();
         self.text.extend_from_slice(text);
         self.blocks.push(Placed {
-            text: base..self.text.len(),
-            number: moved(&block.number),
-            first: base + block.first,
-            has_g1: block.has_g1,
-            feed: block.feed.as_ref().map_or(base..base, |(_, range)| moved(range)),
+            text: start..self.text.len(),
+            number: block.number.clone(),
+            first: block.first,
+            has_g1: block.g.has(10),
+            feed: block.feed.as_ref().map_or(0..0, |(_, place)| place.clone()),
             rate: step.rate.map_or(0.0, |[rate, _]| rate),
         });
         for axis in 0..3 {
@@ -151,14 +154,11 @@ impl Run {
         self.units.drain(..count);
         self.points.drain(..count);
         for block in &mut self.blocks {
-            for range in [&mut block.text, &mut block.number, &mut block.feed] {
-                *range = range.start - cut..range.end - cut;
-            }
-            block.first -= cut;
+            block.text = block.text.start - cut..block.text.end - cut;
         }
     }
 
-    /// Forgets everything but the memory it had.
+    /// Forgets the run and keeps its memory.
     pub fn clear(&mut self) {
         self.text.clear();
         self.blocks.clear();
@@ -167,7 +167,7 @@ impl Run {
         self.is_continued = false;
     }
 
-    /// How its numbers are written; none where the dialect has not as many decimals as its points need.
+    /// How the numbers of the run are written. None where its points need more decimals than the dialect has.
     pub fn style(&self, units: Units, dialect: &Dialect) -> Option<Style> {
         let [least, most] = self.decimals;
         let usual = default_decimals(Some(units), dialect);
@@ -195,12 +195,12 @@ impl Run {
     }
 }
 
-/// Millionths in one unit of the last of so many decimals.
+/// Millionths in one unit of the last decimal.
 pub fn step(decimals: u8) -> i64 {
     10i64.pow(u32::from(DECIMALS - decimals))
 }
 
-/// The point, mm, exactly as the grid of the output computes it.
+/// The point in mm, exactly as the grid of the output computes it.
 fn point(millionths: [i64; 3], units: Option<Units>) -> Point3<f64> {
     let mm = units.unwrap_or_default().mm();
     Point3::from(millionths.map(|at| at as f64 / 1e6 * mm))

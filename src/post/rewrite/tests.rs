@@ -33,7 +33,8 @@ fn rewritten(program: &str) -> String {
     String::from_utf8(rewritten_as(&LINUXCNC, program.as_bytes(), usize::MAX).0).unwrap()
 }
 
-/// Blocks along an arc of radius 20 in the plane of two axes, from the place (20, 0), with `rise` along the third.
+/// Blocks along an arc of radius 20 in the plane of two axes, from the place (20, 0), with `rise` along the
+/// third.
 fn arc(letters: [char; 3], n: usize, sweep: f64, rise: f64) -> String {
     let mut text = String::new();
     for k in 1..=n {
@@ -88,7 +89,7 @@ fn a_helix_is_one_block() {
 }
 
 #[test]
-fn modes_come_back_where_they_are_relied_on() {
+fn a_mode_that_a_line_relies_on_is_set_again() {
     let before = "G17\nG0 X0 Y0 Z20\nG1 F100\n";
     let arc = arc(['Z', 'X', 'Y'], 40, 1.0, 0.0);
     let behind = |text: &str| {
@@ -114,7 +115,7 @@ fn modes_come_back_where_they_are_relied_on() {
 }
 
 #[test]
-fn nothing_is_fitted_where_it_must_not_be() {
+fn nothing_is_fitted_under_a_modifier_or_across_other_lines() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
     let bars = "G41 D1|G42|G68 X0 Y0 R30|G51 P2|G51.1 X0|G16|G7|G43.4 H1|G95|G61|G66 P100|G112";
     for bar in bars.split('|') {
@@ -131,7 +132,7 @@ fn nothing_is_fitted_where_it_must_not_be() {
 }
 
 #[test]
-fn a_block_that_comes_from_an_unknown_place_stays() {
+fn a_block_from_an_unknown_position_stays() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
     let first = arc.lines().next().unwrap();
     let stays = |line: &str| {
@@ -153,7 +154,7 @@ fn a_block_that_comes_from_an_unknown_place_stays() {
 }
 
 #[test]
-fn an_axis_that_is_not_known_is_in_no_run() {
+fn a_block_that_moves_an_unknown_axis_is_in_no_run() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
     // X and Y are known behind the first block; Z never moves.
     let output = rewritten(&format!("G1 F100\n{arc}"));
@@ -169,7 +170,7 @@ fn an_axis_that_is_not_known_is_in_no_run() {
 }
 
 #[test]
-fn words_stand_as_those_of_the_run() {
+fn new_words_are_spelled_like_the_words_of_the_run() {
     let spaced = "N10 G1 X1.500 Y0.000 F100\nN20 X2.500 Y0.000 F100\nN30 X3.500 Y0.000\nN40 X4.500 Y1.000\n";
     let before = "G0 X0.5 Y0 Z0\n";
     assert_eq!(
@@ -183,7 +184,7 @@ fn words_stand_as_those_of_the_run() {
 }
 
 #[test]
-fn least_increments_are_counted_where_points_are_missing() {
+fn numbers_without_a_point_count_least_increments_on_a_fanuc() {
     let program = "G21 G90\nG0 X0. Y0. Z0.\nG1 X1000 F100.\nX2000\nX3.\nX3. Y1.\n";
     let (output, _) = rewritten_as(&FANUC, program.as_bytes(), usize::MAX);
     let wanted = "G21 G90\nG0 X0. Y0. Z0.\nG1 X3. F100.\nX3. Y1.\n";
@@ -202,7 +203,7 @@ fn least_increments_are_counted_where_points_are_missing() {
 }
 
 #[test]
-fn time_is_kept_where_feeds_are_inverse() {
+fn inverse_time_feeds_keep_the_time_of_a_run() {
     let mut run = String::new();
     let mut at = (20.0f64, 0.0f64);
     for line in arc(['X', 'Y', 'Z'], 60, 1.5, 0.0).lines() {
@@ -232,7 +233,7 @@ fn a_spike_and_repeated_points_are_kept() {
 }
 
 #[test]
-fn jumps_make_numbered_blocks_places_to_arrive_at() {
+fn numbered_blocks_behind_a_jump_stay() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
     let numbered: String = arc.lines().map(|line| format!("N5 {line}\n")).collect();
     let program = format!("G0 X20 Y0 Z0\nG1 F100\nIF[#1 EQ 2]GOTO 5\nG90 G17 G1 X20 Y0 Z0\n{numbered}");
@@ -242,7 +243,7 @@ fn jumps_make_numbered_blocks_places_to_arrive_at() {
 }
 
 #[test]
-fn centers_are_absolute_where_the_program_says_so() {
+fn centers_are_absolute_under_g90_1() {
     let run = arc(['X', 'Y', 'Z'], 80, 1.5, 0.0);
     let output = check("G90.1\nG0 X20 Y0 Z0\nG1 F100\n", &run, "(a)\n");
     assert!(output.contains("G3") && stops(&output, 1.0).len() == 2);
@@ -275,13 +276,13 @@ fn long_runs_are_fitted_in_bounded_memory() {
 }
 
 #[test]
-fn windows_join_without_a_gap() {
+fn arcs_of_two_windows_join_without_a_gap() {
     let output = check("G0 X20 Y0 Z0\nG1 F100\n", &arc(['X', 'Y', 'Z'], 5000, 5.0, 4.0), "M30\n");
     assert!(output.lines().count() < 200, "{output}");
 }
 
 #[test]
-fn lines_have_a_limit_and_so_has_the_budget() {
+fn a_long_line_and_a_spent_budget_are_errors() {
     let mut rewriter = Rewriter::new(job(&LINUXCNC));
     let (budget, mut out) = (Budget::unlimited(), Vec::new());
     rewriter.push(&[b'\n'; 3], &mut out, &budget).unwrap();

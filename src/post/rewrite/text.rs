@@ -1,33 +1,35 @@
-//! The text of what is written for a part of a run, and of what sets modes right behind it.
+//! The text that replaces a part of a run, and the words that set the modes right behind it.
 
-use super::modes::{Distance, FeedMode, Modes, MotionNeed, Needs};
-use super::pieces::Stretch;
+use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};
-use crate::geometry::curve::{Curve, Direction};
+use super::segments::Segment;
+use crate::geometry::curve::Curve;
 use crate::geometry::plane::Plane;
 use crate::post::dialect::{Dialect, Point};
-use crate::post::words::push_fixed;
+use crate::post::nc::{Distance, FeedMode};
+use crate::post::words::{self, AXES, OFFSETS, push_fixed};
 use crate::toolpath::quantize::{Form, Written};
 
-const AXES: [char; 3] = ['X', 'Y', 'Z'];
-const OFFSETS: [char; 3] = ['I', 'J', 'K'];
-
-/// A feed in inverse time has this many digits: time is kept to a millionth.
+/// Digits of a feed in inverse time. Seven digits keep the time to a millionth of itself.
 const RATE_DIGITS: i32 = 7;
+
+/// Most decimals of a feed in inverse time, however small the feed is.
 const MAX_RATE_DECIMALS: i32 = 8;
 
-/// The modes of who reads the output, where they are not those of who reads the program.
+/// How the modal state behind the output differs from the modal state behind the input.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Output {
-    /// The mode is G2 or G3, where the program's is G1.
+    /// The output is in G2 or G3 where the program is in G1.
     pub is_arc: bool,
+    /// The plane of the output where it is another than the program's.
     pub plane: Option<Plane>,
     /// The last feed in inverse time.
     pub rate: f64,
 }
 
 impl Output {
-    /// Appends what has to stand before a line with these needs, and says whether a G1 has to stand in it.
+    /// Appends the block that has to stand before a line with these needs, and returns whether the line
+    /// itself needs a G1.
     pub fn settle(
         &mut self,
         needs: &Needs,
@@ -38,7 +40,7 @@ impl Output {
     ) -> bool {
         let owes_plane = self.plane.is_some() && needs.plane && !needs.says_plane;
         let owes_motion = self.is_arc && !needs.says_motion;
-        let plane = modes.plane.filter(|_| owes_plane).map_or("", plane_word);
+        let plane = modes.plane.filter(|_| owes_plane).map_or("", words::plane);
         let is_own = owes_motion && needs.motion == MotionNeed::Mode;
         out.extend_from_slice(plane.as_bytes());
         if is_own {
@@ -57,13 +59,13 @@ impl Output {
         owes_motion && needs.motion == MotionNeed::Word
     }
 
-    /// Appends the blocks of `run` from `from` to before `end` as they are: the first says G1 where it has to, and the
-    /// others rely on it.
+    /// Appends the blocks of `run` from `from` to before `end` as they are. The first gets a G1 where it
+    /// needs one; the others rely on it.
     pub fn keep(&mut self, run: &Run, from: usize, end: usize, out: &mut Vec<u8>) -> Tally {
         let (first, last) = (&run.blocks[from], &run.blocks[end - 1]);
         let text = &run.text[first.text.start..last.text.end];
         if self.is_arc && !first.has_g1 {
-            push_with_g1(out, text, first.first - first.text.start, run.is_spaced);
+            push_with_g1(out, text, first.first, run.is_spaced);
         } else {
             out.extend_from_slice(text);
         }
@@ -73,12 +75,12 @@ impl Output {
     }
 }
 
-/// What has been written for blocks of a run.
+/// Counts of what has been written for blocks of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     pub arcs: u64,
     pub lines: u64,
-    /// Upper bound for its distance from the lines it stands for, mm.
+    /// Upper bound for the distance from the lines it replaces, mm.
     pub deviation_mm: f64,
 }
 
@@ -99,7 +101,7 @@ pub fn line_end(line: &[u8]) -> &'static [u8] {
     }
 }
 
-/// Writes stretches of a run.
+/// Writes segments of a run.
 pub struct Writer<'a> {
     pub run: &'a Run,
     pub modes: &'a Modes,
@@ -110,66 +112,61 @@ pub struct Writer<'a> {
     /// The block that is being written.
     pub line: &'a mut String,
     pub tally: Tally,
-    /// Something of the stretch is longer than the dialect reads.
+    /// A number or a block of the segment is longer than the dialect reads.
     pub is_refused: bool,
 }
 
 impl Writer<'_> {
-    /// Writes what stands for the blocks from `from` to the end of `stretch`: its curves, or the blocks themselves where
-    /// these are no longer, or the curves are longer than the dialect reads.
-    pub fn stretch(&mut self, from: usize, stretch: &Stretch) {
-        let blocks = &self.run.blocks[from..stretch.end];
+    /// Writes the curves of `segment` in place of the blocks from `from` to its end. Keeps the blocks where
+    /// their text is no longer, or where a number or block of the curves is longer than the dialect reads.
+    pub fn segment(&mut self, from: usize, segment: &Segment) {
+        let blocks = &self.run.blocks[from..segment.end];
         let bytes = blocks[blocks.len() - 1].text.end - blocks[0].text.start;
         let (start, output, tally) = (self.text.len(), self.output, self.tally);
-        if !stretch.curves.is_empty() {
+        if !segment.curves.is_empty() {
             self.is_refused = false;
-            self.curves(from, stretch, blocks);
+            self.curves(from, segment, blocks);
             if !self.is_refused && self.text.len() - start < bytes {
-                self.tally.deviation_mm = tally.deviation_mm.max(stretch.deviation_mm);
+                self.tally.deviation_mm = tally.deviation_mm.max(segment.deviation_mm);
                 return;
             }
         }
         self.text.truncate(start);
         (self.output, self.tally) = (output, tally);
-        self.tally.lines += self.output.keep(self.run, from, stretch.end, self.text).lines;
+        self.tally.lines += self.output.keep(self.run, from, segment.end, self.text).lines;
     }
 
-    fn curves(&mut self, from: usize, stretch: &Stretch, blocks: &[Placed]) {
-        let length: f64 = stretch.curves.iter().map(|written| written.curve.length()).sum();
+    fn curves(&mut self, from: usize, segment: &Segment, blocks: &[Placed]) {
+        let length: f64 = segment.curves.iter().map(|written| written.curve.length()).sum();
         let minutes: f64 = blocks.iter().map(|block| 1.0 / block.rate).sum();
         let mut start = self.run.units[from].map(|at| at / step(self.style.resolution.decimals));
-        let last = stretch.curves.len() - 1;
-        for (k, written) in stretch.curves.iter().enumerate() {
+        let last = segment.curves.len() - 1;
+        for (k, written) in segment.curves.iter().enumerate() {
             self.curve(start, written, &blocks[k]);
             if self.modes.feed_mode == Some(FeedMode::InverseTime) {
                 self.output.rate = length / (written.curve.length() * minutes);
                 self.separate();
                 push_rate(self.line, self.output.rate, self.dialect);
             } else if k == 0 && from == 0 {
-                self.verbatim(&blocks[0].feed);
+                self.verbatim(&blocks[0], &blocks[0].feed);
             }
             self.end_line(if k == last { &blocks[blocks.len() - 1] } else { &blocks[0] });
             start = written.end_units;
         }
     }
 
-    /// A block without its feed; `block` is the one whose number it has.
+    /// Writes a block without its feed, with the number of `block`.
     fn curve(&mut self, start: [i64; 3], written: &Written, block: &Placed) {
-        self.verbatim(&block.number);
+        self.verbatim(block, &block.number);
         let end = written.end_units;
         match (written.form, &written.curve) {
             (Form::Arc { center }, Curve::Arc(arc)) => {
                 self.plane(arc.plane());
-                self.word(match arc.direction() {
-                    Direction::Cw => "G2",
-                    Direction::Ccw => "G3",
-                });
-                let [a, b, n] = arc.plane().axes();
-                self.ends(start, end, |axis| axis != n);
-                let mut offsets = [(a, center[0]), (b, center[1])];
-                offsets.sort_unstable();
-                for (axis, offset) in offsets {
-                    let is_absolute = self.modes.centers == Some(Distance::Absolute);
+                self.word(words::arc(arc.direction()));
+                let [_, _, normal] = arc.plane().axes();
+                self.ends(start, end, |axis| axis != normal);
+                let is_absolute = self.modes.centers == Some(Distance::Absolute);
+                for (axis, offset) in words::center_offsets(arc.plane(), center) {
                     self.number(OFFSETS[axis], if is_absolute { start[axis] + offset } else { offset });
                 }
                 self.output.is_arc = true;
@@ -188,12 +185,12 @@ impl Writer<'_> {
 
     fn plane(&mut self, plane: Plane) {
         if self.output.plane.or(self.modes.plane) != Some(plane) {
-            self.word(plane_word(plane));
+            self.word(words::plane(plane));
             self.output.plane = Some(plane).filter(|plane| self.modes.plane != Some(*plane));
         }
     }
 
-    /// The words of an end: of the axes that must have one, and of those that move.
+    /// The words of an end: for the axes that must have a word, and for the axes that move.
     fn ends(&mut self, start: [i64; 3], end: [i64; 3], must: impl Fn(usize) -> bool) {
         let is_incremental = self.modes.distance == Some(Distance::Incremental);
         for axis in 0..3 {
@@ -219,11 +216,12 @@ impl Writer<'_> {
         self.line.push_str(word);
     }
 
-    /// A word of the run as it stands there, if there is one.
-    fn verbatim(&mut self, place: &std::ops::Range<usize>) {
+    /// Copies a word of a block of the run; nothing where the place is empty.
+    fn verbatim(&mut self, block: &Placed, place: &std::ops::Range<usize>) {
         if !place.is_empty() {
             self.separate();
-            self.line.extend(self.run.text[place.clone()].iter().copied().map(char::from));
+            let text = &self.run.text[block.text.clone()];
+            self.line.extend(text[place.clone()].iter().copied().map(char::from));
         }
     }
 
@@ -233,20 +231,12 @@ impl Writer<'_> {
         }
     }
 
-    /// Ends the block as `block` ends.
+    /// Ends the line with the line end of `block`.
     fn end_line(&mut self, block: &Placed) {
         self.is_refused |= self.line.len() > self.dialect.max_line_length;
         self.text.extend_from_slice(self.line.as_bytes());
         self.text.extend_from_slice(line_end(&self.run.text[block.text.clone()]));
         self.line.clear();
-    }
-}
-
-fn plane_word(plane: Plane) -> &'static str {
-    match plane {
-        Plane::Xy => "G17",
-        Plane::Zx => "G18",
-        Plane::Yz => "G19",
     }
 }
 
@@ -261,7 +251,8 @@ fn push_rate(line: &mut String, rate: f64, dialect: &Dialect) {
     }
 }
 
-/// Takes the zeros away that end the number from `from` on, behind its point, and the point where it may be missing.
+/// Removes the zeros at the end of the number that starts at `from`, and the point where the dialect allows
+/// that.
 fn trim(line: &mut String, from: usize, dialect: &Dialect) {
     let number = line[from..].trim_end_matches('0');
     let kept = match dialect.numbers.point {

@@ -62,7 +62,7 @@ fn the_tool_goes_home_along_z_before_it_is_changed_and_at_the_end() {
 }
 
 #[test]
-fn fanuc_refuses_what_its_control_does_not_read() {
+fn fanuc_refuses_numbers_that_its_control_does_not_read() {
     let refused = |path: &Toolpath, program: &Program, cutting: &Cutting| {
         written_in(&FANUC, path, program, cutting, &[]).unwrap_err()
     };
@@ -85,7 +85,7 @@ fn fanuc_refuses_what_its_control_does_not_read() {
 }
 
 #[test]
-fn headers_are_in_the_units_of_the_program_and_a_page_at_most() {
+fn a_header_is_in_the_units_of_the_program_and_a_page_at_most() {
     let bull_nose = Tool { shape: Shape::BullNose { corner_radius_mm: 1.27 }, radius_mm: 6.35, ..TOOL };
     let notes: Vec<String> = (0..100).map(|k| format!("note {k} {}", "x".repeat(1000))).collect();
     for dialect in DIALECTS {

@@ -22,7 +22,7 @@ fn wave() -> Toolpath {
 }
 
 #[test]
-fn linuxcnc_says_them_as_splines_with_every_word_on_every_block() {
+fn linuxcnc_writes_parabolas_as_splines_with_every_word_on_every_block() {
     let text = written(&wave(), &program(MM), &cutting(), &[]).unwrap().text;
     let expected = "\nG18 G3 X2.000 Z1.000 I1.000 K0.000 F200\n\
         G17 G5.1 X12.000 Y0.000 I5.000 J4.000 F800\nG5.1 X12.000 Y6.000 I3.000 J3.000\n\
@@ -38,7 +38,7 @@ fn linuxcnc_says_them_as_splines_with_every_word_on_every_block() {
 }
 
 #[test]
-fn fanuc_cuts_them_as_lines_within_its_rounding() {
+fn fanuc_writes_parabolas_as_lines_within_its_rounding() {
     let written = written_in(&FANUC, &wave(), &program(MM), &cutting(), &[]).unwrap();
     assert!(!written.text.contains("G5.1") && written.max_displacement_mm <= 0.0015);
     lies_along(&wave(), &written.text, &FANUC);
@@ -71,7 +71,7 @@ fn lies_along(path: &Toolpath, text: &str, dialect: &Dialect) {
 }
 
 #[test]
-fn a_changed_spline_does_not_pass_the_check() {
+fn a_changed_spline_fails_the_check() {
     let program = program(MM);
     let cutting = cutting();
     let dialect = DIALECTS[0];
@@ -104,7 +104,7 @@ fn a_changed_spline_does_not_pass_the_check() {
 }
 
 #[test]
-fn those_that_climb_are_lines_and_those_that_a_control_runs_badly_are_several() {
+fn a_rising_parabola_becomes_lines_and_a_large_parabola_several_splines() {
     let count = |control: [f64; 3], to: [f64; 3]| {
         let mut path = Toolpath::builder(Point3::origin());
         path.parabola(to.into(), control.into(), feed(100.0), Role::Cut).unwrap();
@@ -124,7 +124,7 @@ fn those_that_climb_are_lines_and_those_that_a_control_runs_badly_are_several() 
 }
 
 #[test]
-fn a_move_without_a_feed_is_not_written() {
+fn a_cutting_move_without_a_feed_is_refused() {
     let mut path = Toolpath::builder(Point3::origin());
     path.parabola(Point3::new(2.0, 0.0, 0.0), Point3::new(1.0, 1.0, 0.0), None, Role::Cut).unwrap();
     let path = path.finish().unwrap();
@@ -138,7 +138,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_parabola_is_written_within_its_promise(
+    fn every_parabola_is_written_within_one_and_a_half_units(
         points in prop::collection::vec(prop::array::uniform3(-20.0..20.0f64), 2..8), level: bool,
         dialect in prop::sample::select(DIALECTS),
     ) {
@@ -163,7 +163,7 @@ proptest! {
 }
 
 #[test]
-fn a_parabola_that_turns_back_keeps_its_way() {
+fn a_parabola_that_turns_back_is_cut_to_its_turning_point() {
     let turning =
         Parabola::new(Point3::origin(), Point3::new(8.0, 0.0, 0.0), Point3::new(4.0, 0.0, 0.0)).unwrap();
     let mut path = Toolpath::builder(turning.start());

@@ -28,7 +28,8 @@ pub struct State {
     pub is_inverse: bool,
 }
 
-/// The lines with a comment, and the end, in order. `increment` is what a number without a point counts, if not 1.
+/// The lines with a comment, and the end, in order. `increment` is what a number without a point counts, if
+/// not 1.
 pub fn stops(program: &str, increment: f64) -> Vec<Stop> {
     let mut state = State {
         at: Point3::origin(),

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use super::evaluator::{SAGITTA_MM, Stop, distance, stops};
 use super::*;
 
-/// Lines that end runs. Each has a comment with a place for a number, so that both programs can be compared there.
+/// Lines that end runs. Each has a comment with a place for a number, so that both programs can be compared
+/// there.
 const BARRIERS: &[&str] = &[
     "(@)",
     "G0 X# Y# (@)",
@@ -209,7 +210,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn the_path_and_all_else_stay(parts in prop::collection::vec(part(), 1..14), looks in looks()) {
+    fn the_path_and_every_other_line_stay(parts in prop::collection::vec(part(), 1..14), looks in looks()) {
         let input = program(&parts, looks);
         let (output, figures) = rewritten_as(&LINUXCNC, input.as_bytes(), usize::MAX);
         let output = String::from_utf8(output).unwrap();
@@ -223,7 +224,7 @@ proptest! {
     }
 
     #[test]
-    fn the_output_does_not_depend_on_the_cuts(parts in prop::collection::vec(part(), 1..6), looks in looks(), cut in 1usize..60) {
+    fn the_output_does_not_depend_on_the_chunks(parts in prop::collection::vec(part(), 1..6), looks in looks(), cut in 1usize..60) {
         let input = program(&parts, looks);
         let (whole, _) = rewritten_as(&LINUXCNC, input.as_bytes(), usize::MAX);
         for cut in [1, cut] {
@@ -233,13 +234,13 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_pass(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn random_bytes_pass_unchanged(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let (output, _) = rewritten_as(&LINUXCNC, &bytes, 7);
         prop_assert_eq!(output, bytes);
     }
 
     #[test]
-    fn any_words_are_taken(text in "([GXYZFNIJ] ?-?[0-9]{0,3}\\.?[0-9]{0,4} ?|\n|\r\n|/|%|;|\\(|G1X|G91){0,120}") {
+    fn random_words_are_accepted(text in "([GXYZFNIJ] ?-?[0-9]{0,3}\\.?[0-9]{0,4} ?|\n|\r\n|/|%|;|\\(|G1X|G91){0,120}") {
         let (output, figures) = rewritten_as(&LINUXCNC, text.as_bytes(), 11);
         prop_assert!(figures.n_runs > 0 || output.len() >= text.len());
     }

@@ -1,0 +1,116 @@
+//! Numbers of a program as exact decimals.
+
+/// Decimals of a millionth.
+pub const DECIMALS: u8 = 6;
+
+/// Largest coordinate, in millionths of a unit: ten kilometres in mm. The sum of two such coordinates fits an
+/// `i64`, and neighbouring coordinates stay different as `f64`.
+const MAX_COORDINATE: i64 = 10_000_000_000_000;
+
+/// Digits before the point. With six digits behind the point they fit an `i64`.
+const MAX_WHOLE_DIGITS: usize = 12;
+
+/// A number as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Decimal {
+    /// Its value in millionths.
+    pub millionths: i64,
+    /// How many digits stand behind the point, zeros beyond the sixth left out.
+    pub decimals: u8,
+    pub has_point: bool,
+}
+
+impl Decimal {
+    /// The value of `number`, the text of a number as the lexer cuts it. None where the text is empty, the
+    /// number has more than twelve digits before the point, or is no multiple of a millionth.
+    pub fn read(number: &[u8]) -> Option<Self> {
+        let (is_negative, digits) = match number {
+            [] => return None,
+            [sign @ (b'-' | b'+'), digits @ ..] => (*sign == b'-', digits),
+            digits => (false, digits),
+        };
+        let point = digits.iter().position(|&c| c == b'.');
+        let (whole, fraction) = point.map_or((digits, &[][..]), |at| (&digits[..at], &digits[at + 1..]));
+        let kept = fraction.len().min(usize::from(DECIMALS));
+        let (fraction, finer) = fraction.split_at(kept);
+        if whole.len() > MAX_WHOLE_DIGITS || finer.iter().any(|&c| c != b'0') {
+            return None;
+        }
+        let value = whole.iter().chain(fraction).fold(0, |value, c| value * 10 + i64::from(c - b'0'));
+        let millionths = value * 10i64.pow((usize::from(DECIMALS) - kept) as u32);
+        Some(Self {
+            millionths: if is_negative { -millionths } else { millionths },
+            decimals: kept as u8,
+            has_point: point.is_some(),
+        })
+    }
+
+    /// As a coordinate in millionths of a unit of the program, and its decimals. Where `increment` is given,
+    /// a number without a point counts units of that decimal. None beyond ten kilometres.
+    pub fn coordinate(self, increment: Option<u8>) -> Option<(i64, u8)> {
+        let (millionths, decimals) = match increment {
+            Some(decimals) if !self.has_point => (self.millionths / 10i64.pow(u32::from(decimals)), decimals),
+            _ => (self.millionths, self.decimals),
+        };
+        is_coordinate(millionths).then_some((millionths, decimals))
+    }
+
+    /// As the number of a G or M word, in tenths.
+    pub fn tenths(self) -> Option<i32> {
+        let is_code = self.millionths >= 0 && self.millionths % 100_000 == 0;
+        is_code.then(|| i32::try_from(self.millionths / 100_000).ok()).flatten()
+    }
+}
+
+/// Whether a sum of coordinates, in millionths, is small enough for a coordinate.
+pub fn is_coordinate(millionths: i64) -> bool {
+    millionths.abs() <= MAX_COORDINATE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_usual_spelling_is_read() {
+        let cases = [
+            ("10", 10_000_000, 0),
+            ("10.", 10_000_000, 0),
+            (".5", 500_000, 1),
+            ("-0", 0, 0),
+            ("+3", 3_000_000, 0),
+            ("-.470", -470_000, 3),
+            ("007.123456000", 7_123_456, 6),
+            ("999999999999.999999", 999_999_999_999_999_999, 6),
+        ];
+        for (text, millionths, decimals) in cases {
+            let number = Decimal::read(text.as_bytes()).unwrap();
+            assert_eq!((number.millionths, number.decimals), (millionths, decimals), "{text}");
+            assert_eq!(number.has_point, text.contains('.'), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_that_millionths_cannot_hold_is_none() {
+        for text in ["", "1.0000001", "1234567890123", "0000000000001", ".00000010"] {
+            assert_eq!(Decimal::read(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_without_a_point_counts_least_increments_where_the_control_does() {
+        let read = |text: &str| Decimal::read(text.as_bytes()).unwrap().coordinate(Some(3));
+        assert_eq!(read("10"), Some((10_000, 3)));
+        assert_eq!(read("10."), Some((10_000_000, 0)));
+        let huge = Decimal::read(b"999999999999").unwrap();
+        assert_eq!(huge.coordinate(None), None);
+        assert!(huge.coordinate(Some(3)).is_none());
+    }
+
+    #[test]
+    fn codes_are_whole_tenths_from_zero() {
+        let tenths = |text: &str| Decimal::read(text.as_bytes()).unwrap().tenths();
+        assert_eq!((tenths("01"), tenths("59.1"), tenths("-0")), (Some(10), Some(591), Some(0)));
+        assert_eq!((tenths("1.05"), tenths("-1"), tenths("999999999")), (None, None, None));
+    }
+}

@@ -1,0 +1,139 @@
+//! One line of NC text as tokens, each with its place in the line.
+
+use std::ops::Range;
+
+/// What stands at one place of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Token<'a> {
+    /// An address letter in upper case, and the text of its number: a sign, digits, a point, digits. The text
+    /// is empty where no number follows the letter.
+    Word { letter: u8, number: &'a [u8] },
+    /// Text in parentheses, or from a semicolon to the end of the line.
+    Comment { is_closed: bool },
+    /// A slash, and the digits of its switch.
+    BlockDelete,
+    /// The percent sign, which stands before and after a program.
+    TapeMark,
+    /// A byte that begins no token.
+    Unknown,
+}
+
+/// The tokens of one line, without its line end. Blanks between tokens are skipped.
+#[derive(Debug, Clone)]
+pub struct Lexer<'a> {
+    line: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Lexer<'a> {
+    pub fn new(line: &'a [u8]) -> Self {
+        Self { line, at: 0 }
+    }
+}
+
+impl<'a> Iterator for Lexer<'a> {
+    type Item = (Range<usize>, Token<'a>);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let start = self.at + blanks(&self.line[self.at..]);
+        let first = *self.line.get(start)?;
+        let rest = &self.line[start + 1..];
+        let (token, length) = match first {
+            b'A'..=b'Z' | b'a'..=b'z' => {
+                let gap = blanks(rest);
+                let number = &rest[gap..gap + number(&rest[gap..])];
+                (Token::Word { letter: first.to_ascii_uppercase(), number }, gap + number.len())
+            }
+            b'(' => match rest.iter().position(|&c| c == b')') {
+                Some(inside) => (Token::Comment { is_closed: true }, inside + 1),
+                None => (Token::Comment { is_closed: false }, rest.len()),
+            },
+            b';' => (Token::Comment { is_closed: true }, rest.len()),
+            b'/' => (Token::BlockDelete, digits(rest)),
+            b'%' => (Token::TapeMark, 0),
+            _ => (Token::Unknown, 0),
+        };
+        self.at = start + 1 + length;
+        Some((start..self.at, token))
+    }
+}
+
+/// How many bytes at the start of `bytes` are blanks.
+fn blanks(bytes: &[u8]) -> usize {
+    bytes.iter().take_while(|c| matches!(c, b' ' | b'\t')).count()
+}
+
+/// How many bytes at the start of `bytes` are digits.
+fn digits(bytes: &[u8]) -> usize {
+    bytes.iter().take_while(|c| c.is_ascii_digit()).count()
+}
+
+/// How many bytes at the start of `bytes` are a number; 0 without any digit.
+fn number(bytes: &[u8]) -> usize {
+    let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let whole = digits(&bytes[sign..]);
+    let point = sign + whole;
+    if bytes.get(point) != Some(&b'.') {
+        return if whole > 0 { point } else { 0 };
+    }
+    let fraction = digits(&bytes[point + 1..]);
+    if whole + fraction > 0 { point + 1 + fraction } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn tokens(line: &str) -> Vec<(&str, Token<'_>)> {
+        Lexer::new(line.as_bytes()).map(|(place, token)| (&line[place], token)).collect()
+    }
+
+    #[test]
+    fn a_line_is_words_comments_and_marks_where_they_stand() {
+        let word = |letter, number: &'static str| Token::Word { letter, number: number.as_bytes() };
+        let closed = Token::Comment { is_closed: true };
+        assert_eq!(
+            tokens("/2 g01X\t-.5 (a;b) #Y ;c"),
+            [
+                ("/2", Token::BlockDelete),
+                ("g01", word(b'G', "01")),
+                ("X\t-.5", word(b'X', "-.5")),
+                ("(a;b)", closed),
+                ("#", Token::Unknown),
+                ("Y ", word(b'Y', "")),
+                (";c", closed)
+            ]
+        );
+        assert_eq!(tokens("%(a"), [("%", Token::TapeMark), ("(a", Token::Comment { is_closed: false })]);
+    }
+
+    #[test]
+    fn a_number_has_one_sign_one_point_and_a_digit() {
+        for (text, length) in
+            [("10", 2), ("10.", 3), (".5", 2), ("-0Y", 2), ("+3.20 ", 5), ("1.2.3", 3), ("1-2", 1)]
+        {
+            assert_eq!(number(text.as_bytes()), length, "{text}");
+        }
+        for text in ["", "-", ".", "-.", "#1", "[1]", "- 5", "--1", "X"] {
+            assert_eq!(number(text.as_bytes()), 0, "{text}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn tokens_and_the_blanks_between_them_are_the_whole_line(line in "([GXYN%(); \t./+-]|[0-9]|.){0,60}") {
+            let mut end = 0;
+            let is_blank = |bytes: &[u8]| bytes.iter().all(|c| b" \t".contains(c));
+            for (place, _) in Lexer::new(line.as_bytes()) {
+                prop_assert!(is_blank(&line.as_bytes()[end..place.start]) && place.start < place.end);
+                end = place.end;
+            }
+            prop_assert!(is_blank(&line.as_bytes()[end..]));
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The words of one line, strictly: a character, number or comment that is not whole is a fault.
+
+use super::Fault;
+use crate::post::nc::{Codes, Lexer, Token};
+
+/// Characters of a number, more than any control reads. A longer number is a fault.
+const MAX_NUMBER_LENGTH: usize = 40;
+
+/// Letters that carry a value, at most once a line.
+const VALUES: &str = "FHIJKNPQSTXYZ";
+
+/// The text of every value by its letter, and the G and M codes in tenths.
+pub struct Words<'a> {
+    values: [&'a str; 26],
+    pub g: Codes,
+    pub m: Codes,
+}
+
+impl<'a> Words<'a> {
+    /// # Errors
+    /// When a character begins no word, a number cannot be read or a word stands twice.
+    pub fn of(line: &'a str) -> Result<Self, Fault> {
+        let line = line.trim();
+        let mut words = Self { values: [""; 26], g: Codes::default(), m: Codes::default() };
+        for (place, token) in Lexer::new(line.as_bytes()) {
+            match token {
+                Token::Word { letter, number } => {
+                    let number = &line[place.end - number.len()..place.end];
+                    words.take(letter.into(), number, &line[place.end..])?;
+                }
+                Token::Comment { is_closed: true } => {}
+                Token::Comment { is_closed: false } => return Err(Fault::OpenComment),
+                Token::TapeMark if line == "%" => {}
+                Token::BlockDelete | Token::TapeMark | Token::Unknown => {
+                    return Err(Fault::UnknownWord(line[place.start..].chars().next().unwrap_or_default()));
+                }
+            }
+        }
+        Ok(words)
+    }
+
+    /// Takes a word with the text of its number and the rest of the line.
+    fn take(&mut self, letter: char, number: &'a str, rest: &str) -> Result<(), Fault> {
+        let is_code = letter == 'G' || letter == 'M';
+        if !is_code && !VALUES.contains(letter) {
+            return Err(Fault::UnknownWord(letter));
+        }
+        let is_cut_short = rest.starts_with(['+', '-', '.']);
+        let value = Some(number)
+            .filter(|number| number.len() <= MAX_NUMBER_LENGTH && !is_cut_short)
+            .and_then(|number| number.parse::<f64>().ok())
+            .ok_or(Fault::BadNumber(letter))?;
+        if is_code {
+            let tenths = value * 10.0;
+            if tenths != tenths.round() || !(0.0..10_000.0).contains(&tenths) {
+                return Err(if letter == 'G' { Fault::UnknownG(value) } else { Fault::UnknownM(value) });
+            }
+            let codes = if letter == 'G' { &mut self.g } else { &mut self.m };
+            return codes.push(tenths as i32).ok_or(Fault::Conflict);
+        }
+        let slot = &mut self.values[index(letter)];
+        if slot.is_empty() {
+            *slot = number;
+            Ok(())
+        } else {
+            Err(Fault::Twice(letter))
+        }
+    }
+
+    pub fn has(&self, letter: char) -> bool {
+        !self.values[index(letter)].is_empty()
+    }
+
+    pub fn get(&self, letter: char) -> Option<f64> {
+        self.values[index(letter)].parse().ok()
+    }
+
+    /// The first of `letters` that the line has.
+    pub fn first_of(&self, letters: &str) -> Option<char> {
+        letters.chars().find(|&letter| self.has(letter))
+    }
+
+    /// The first of `letters` whose number has a decimal point, if `has_point`, or else none.
+    pub fn first_written(&self, letters: &str, has_point: bool) -> Option<char> {
+        let is_so = |letter: &char| self.values[index(*letter)].contains('.') == has_point;
+        letters.chars().filter(|&letter| self.has(letter)).find(is_so)
+    }
+}
+
+/// The slot of a capital letter.
+fn index(letter: char) -> usize {
+    letter as usize - 'A' as usize
+}

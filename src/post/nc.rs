@@ -18,7 +18,7 @@ mod lexer;
 mod modal;
 
 pub use codes::{Codes, Effect, Function, Place, effect, function, modal_group};
-pub use decimal::{DECIMALS, Decimal, is_coordinate};
+pub use decimal::{Decimal, SCALES, is_coordinate};
 pub use fault::Fault;
 pub use lexer::{Lexer, Token};
 pub use modal::{Distance, FeedMode, Modal, Motion};

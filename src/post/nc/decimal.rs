@@ -1,7 +1,7 @@
 //! Numbers of a program as exact decimals.
 
-/// Decimals of a millionth.
-pub const DECIMALS: u8 = 6;
+/// Decimals of a millionth, the finest number that is read.
+const DECIMALS: u8 = 6;
 
 /// Largest coordinate, in millionths of a unit: ten kilometres in mm. The sum of two such coordinates fits an
 /// `i64`, and neighbouring coordinates stay different as `f64`.
@@ -9,6 +9,9 @@ const MAX_COORDINATE: i64 = 10_000_000_000_000;
 
 /// Digits before the point. With six digits behind the point they fit an `i64`.
 const MAX_WHOLE_DIGITS: usize = 12;
+
+/// Millionths in one unit of the last decimal, by decimals.
+pub const SCALES: [i64; DECIMALS as usize + 1] = [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
 
 /// A number as it is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,25 +26,36 @@ pub struct Decimal {
 impl Decimal {
     /// The value of `number`, the text of a number as the lexer cuts it. None where the text is empty, the
     /// number has more than twelve digits before the point, or is no multiple of a millionth.
+    #[inline]
     pub fn read(number: &[u8]) -> Option<Self> {
         let (is_negative, digits) = match number {
             [] => return None,
             [sign @ (b'-' | b'+'), digits @ ..] => (*sign == b'-', digits),
             digits => (false, digits),
         };
-        let point = digits.iter().position(|&c| c == b'.');
-        let (whole, fraction) = point.map_or((digits, &[][..]), |at| (&digits[..at], &digits[at + 1..]));
-        let kept = fraction.len().min(usize::from(DECIMALS));
-        let (fraction, finer) = fraction.split_at(kept);
-        if whole.len() > MAX_WHOLE_DIGITS || finer.iter().any(|&c| c != b'0') {
+        let (mut value, mut whole, mut behind, mut has_point) = (0i64, 0, 0, false);
+        for &c in digits {
+            if c == b'.' {
+                (has_point, whole) = (true, behind);
+                behind = 0;
+            } else if !has_point || behind < usize::from(DECIMALS) {
+                value = value.wrapping_mul(10).wrapping_add(i64::from(c - b'0'));
+                behind += 1;
+            } else if c != b'0' {
+                return None;
+            }
+        }
+        if !has_point {
+            (whole, behind) = (behind, 0);
+        }
+        if whole > MAX_WHOLE_DIGITS {
             return None;
         }
-        let value = whole.iter().chain(fraction).fold(0, |value, c| value * 10 + i64::from(c - b'0'));
-        let millionths = value * 10i64.pow((usize::from(DECIMALS) - kept) as u32);
+        let millionths = value * SCALES[behind];
         Some(Self {
             millionths: if is_negative { -millionths } else { millionths },
-            decimals: kept as u8,
-            has_point: point.is_some(),
+            decimals: behind as u8,
+            has_point,
         })
     }
 

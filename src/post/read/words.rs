@@ -46,11 +46,11 @@ impl<'a> Words<'a> {
             return Err(Fault::UnknownWord(letter));
         }
         let is_cut_short = rest.starts_with(['+', '-', '.']);
-        let value = Some(number)
-            .filter(|number| number.len() <= MAX_NUMBER_LENGTH && !is_cut_short)
-            .and_then(|number| number.parse::<f64>().ok())
-            .ok_or(Fault::BadNumber(letter))?;
+        if number.is_empty() || number.len() > MAX_NUMBER_LENGTH || is_cut_short {
+            return Err(Fault::BadNumber(letter));
+        }
         if is_code {
+            let value: f64 = number.parse().map_err(|_| Fault::BadNumber(letter))?;
             let tenths = value * 10.0;
             if tenths != tenths.round() || !(0.0..10_000.0).contains(&tenths) {
                 return Err(if letter == 'G' { Fault::UnknownG(value) } else { Fault::UnknownM(value) });
@@ -58,13 +58,9 @@ impl<'a> Words<'a> {
             let codes = if letter == 'G' { &mut self.g } else { &mut self.m };
             return codes.push(tenths as i32).ok_or(Fault::Conflict);
         }
-        let slot = &mut self.values[index(letter)];
-        if slot.is_empty() {
-            *slot = number;
-            Ok(())
-        } else {
-            Err(Fault::Twice(letter))
-        }
+        let is_first = self.values[index(letter)].is_empty();
+        self.values[index(letter)] = number;
+        is_first.then_some(()).ok_or(Fault::Twice(letter))
     }
 
     pub fn has(&self, letter: char) -> bool {

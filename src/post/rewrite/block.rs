@@ -108,6 +108,7 @@ impl Block {
         Some(())
     }
 
+    #[inline]
     fn word(&mut self, letter: u8, number: Decimal, place: Range<usize>) -> Option<()> {
         let is_repeated = self.has(&[letter]);
         self.letters |= bits(&[letter]);

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use super::block::Block;
 use super::modes::{Feed, Modes, default_decimals};
 use crate::post::dialect::Dialect;
-use crate::post::nc::{DECIMALS, Distance, FeedMode, Motion, is_coordinate};
+use crate::post::nc::{Distance, FeedMode, Motion, SCALES, is_coordinate};
 use crate::toolpath::program::{Resolution, Units};
 
 /// Largest relative difference of the speeds that the blocks of a run imply under G93. A larger value joins
@@ -197,7 +197,7 @@ impl Run {
 
 /// Millionths in one unit of the last decimal.
 pub fn step(decimals: u8) -> i64 {
-    10i64.pow(u32::from(DECIMALS - decimals))
+    SCALES[usize::from(decimals)]
 }
 
 /// The point in mm, exactly as the grid of the output computes it.

@@ -60,25 +60,29 @@ impl<'a> Iterator for Lexer<'a> {
 }
 
 /// How many bytes at the start of `bytes` are blanks.
+#[inline]
 fn blanks(bytes: &[u8]) -> usize {
-    bytes.iter().take_while(|c| matches!(c, b' ' | b'\t')).count()
+    bytes.iter().position(|c| !matches!(c, b' ' | b'\t')).unwrap_or(bytes.len())
 }
 
 /// How many bytes at the start of `bytes` are digits.
+#[inline]
 fn digits(bytes: &[u8]) -> usize {
-    bytes.iter().take_while(|c| c.is_ascii_digit()).count()
+    bytes.iter().position(|c| !c.is_ascii_digit()).unwrap_or(bytes.len())
 }
 
 /// How many bytes at the start of `bytes` are a number; 0 without any digit.
+#[inline]
 fn number(bytes: &[u8]) -> usize {
     let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
-    let whole = digits(&bytes[sign..]);
-    let point = sign + whole;
-    if bytes.get(point) != Some(&b'.') {
-        return if whole > 0 { point } else { 0 };
+    let mut end = sign + digits(&bytes[sign..]);
+    let mut count = end - sign;
+    if bytes.get(end) == Some(&b'.') {
+        let fraction = digits(&bytes[end + 1..]);
+        count += fraction;
+        end += 1 + fraction;
     }
-    let fraction = digits(&bytes[point + 1..]);
-    if whole + fraction > 0 { point + 1 + fraction } else { 0 }
+    if count > 0 { end } else { 0 }
 }
 
 #[cfg(test)]

@@ -86,10 +86,8 @@ impl Unit {
     }
 
     fn length(&self, mm: f64) -> String {
-        let mut text = String::new();
         let digits = (mm / self.mm * 10f64.powi(i32::from(self.decimals))).round() as i64;
-        words::push_fixed(&mut text, digits, self.decimals);
-        text
+        words::fixed(digits, self.decimals)
     }
 }
 
@@ -138,11 +136,7 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
         let Some((least, most)) = range else { continue };
         let [least, most] = [least, most].map(|rate| words::feed(rate, job.program.resolution.units));
         let (least, most) = (least?, most?);
-        let number = |FeedWord { digits, decimals }: FeedWord| {
-            let mut text = String::new();
-            words::push_fixed(&mut text, digits, decimals);
-            text
-        };
+        let number = |FeedWord { digits, decimals }: FeedWord| words::fixed(digits, decimals);
         let to = if least == most { String::new() } else { format!(" TO {}", number(most)) };
         parts.push(format!("{name} {}{to}", number(least)));
     }

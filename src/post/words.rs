@@ -103,6 +103,13 @@ pub fn push_fixed(text: &mut String, digits: i64, decimals: u8) {
     };
 }
 
+/// The number alone; see [`push_fixed`].
+pub fn fixed(digits: i64, decimals: u8) -> String {
+    let mut text = String::new();
+    push_fixed(&mut text, digits, decimals);
+    text
+}
+
 /// Signs that no control takes for the end of a comment or for a command within a comment.
 const KEPT: &str = "._-/+,=#'";
 
@@ -155,12 +162,6 @@ mod tests {
     use super::*;
     use crate::post::dialects::fanuc::FANUC;
     use crate::post::dialects::linuxcnc::LINUXCNC;
-
-    fn fixed(digits: i64, decimals: u8) -> String {
-        let mut text = String::new();
-        push_fixed(&mut text, digits, decimals);
-        text
-    }
 
     #[test]
     fn fixed_numbers_keep_their_decimals_and_have_no_minus_zero() {

@@ -37,6 +37,7 @@ pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<St
         plane: Plane::Xy,
         at: [None; 3],
         feed: None,
+        has_long_number: false,
     };
     writer.tape_mark()?;
     writer.program_number()?;
@@ -66,6 +67,8 @@ struct Writer<'a> {
     /// The position as last written.
     at: [Option<i64>; 3],
     feed: Option<FeedWord>,
+    /// Some number has more digits than the control reads.
+    has_long_number: bool,
 }
 
 impl Writer<'_> {
@@ -178,7 +181,6 @@ impl Writer<'_> {
     }
 
     fn block(&mut self, block: &Block) -> Result<(), WriteError> {
-        self.check_digits(block)?;
         match *block {
             Block::Rapid { to } => {
                 self.motion("G0");
@@ -235,26 +237,6 @@ impl Writer<'_> {
         self.end_line()
     }
 
-    /// # Errors
-    /// When a number of the block is longer than the control reads.
-    fn check_digits(&self, block: &Block) -> Result<(), WriteError> {
-        let limit = self.job.dialect.numbers.max_digits;
-        let is_longer = |digits: u64| digits >= 10u64.saturating_pow(limit);
-        let is_long = |units: i64| is_longer(units.unsigned_abs());
-        let is_too_long = match *block {
-            Block::Rapid { to } => to.into_iter().flatten().any(is_long),
-            Block::Line { to, feed } => to.into_iter().chain([feed.digits]).any(is_long),
-            Block::Arc { to, center, feed, .. } => {
-                to.into_iter().chain(center).chain([feed.digits]).any(is_long)
-            }
-            Block::Parabola { to, control, feed } => {
-                to.into_iter().chain(control).chain([feed.digits]).any(is_long)
-            }
-            Block::Dwell { milliseconds } => is_longer(milliseconds),
-        };
-        if is_too_long { Err(WriteError::TooManyDigits { limit }) } else { Ok(()) }
-    }
-
     fn motion(&mut self, word: &'static str) {
         if self.motion != Some(word) {
             self.word(word);
@@ -297,6 +279,8 @@ impl Writer<'_> {
     fn number(&mut self, word: &str, digits: i64, decimals: u8) {
         self.word(word);
         words::push_fixed(&mut self.line, digits, decimals);
+        let limit = 10u64.saturating_pow(self.job.dialect.numbers.max_digits);
+        self.has_long_number |= digits.unsigned_abs() >= limit;
     }
 
     fn word(&mut self, word: &str) {
@@ -324,7 +308,10 @@ impl Writer<'_> {
         if self.line.is_empty() {
             return Ok(());
         }
-        let Dialect { max_line_length, line_end, .. } = *self.job.dialect;
+        let Dialect { max_line_length, line_end, numbers, .. } = *self.job.dialect;
+        if self.has_long_number {
+            return Err(WriteError::TooManyDigits { limit: numbers.max_digits });
+        }
         if self.line.len() > max_line_length {
             return Err(WriteError::LineTooLong { limit: max_line_length });
         }

@@ -46,11 +46,14 @@ use crate::geometry::mesh::Mesh;
 use crate::geometry::surface::Surface;
 use crate::toolpath::{Move, Toolpath};
 use class::Class;
-use layout::{Layout, SHEET_MM};
+use layout::Layout;
 use pen::Pen;
 use relief::Relief;
 use text::escape;
 use view::View;
+
+/// The sheet is A4 landscape: width and height, mm.
+const SHEET_MM: [u32; 2] = [297, 210];
 
 /// What is drawn, and what the sheet says of it.
 #[derive(Debug, Clone, Copy)]

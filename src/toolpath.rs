@@ -11,6 +11,7 @@
 pub mod contour;
 pub mod cutting;
 pub mod flatten;
+pub mod linking;
 pub mod measure;
 pub mod motion_time;
 pub mod near_arc;

@@ -9,6 +9,10 @@ use nalgebra::{Point2, Vector2};
 
 use super::interval::Interval;
 
+/// The largest coordinate or parameter of designed curves, and one over the least step of the parameter: far beyond any part, and
+/// such that no second derivative overflows.
+pub const LARGEST: f64 = 1e60;
+
 /// Where a curve and its first two derivatives by the parameter are, over a range of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enclosure {

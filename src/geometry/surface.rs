@@ -3,6 +3,7 @@
 //! Every kind of surface ([`source`]) is brought to Bezier patches over a grid of unit squares: patch (i, j) covers
 //! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
 
+pub mod any_surface;
 pub mod ball;
 pub mod bezier;
 pub mod curvature;

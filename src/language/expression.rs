@@ -32,7 +32,6 @@ pub mod function;
 mod jet;
 mod offence;
 mod parse;
-mod power;
 mod tape;
 #[cfg(test)]
 mod tests;

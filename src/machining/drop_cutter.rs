@@ -33,7 +33,6 @@ mod segment_proof;
 mod side;
 mod support;
 mod tip_section;
-mod trace;
 mod tree;
 
 use nalgebra::{Point3, Vector2, Vector3};

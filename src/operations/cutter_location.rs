@@ -14,7 +14,8 @@
 use nalgebra::{Point2, Point3};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::surface::source::{AnySurface, Source, SourceError};
+use crate::geometry::surface::any_surface::AnySurface;
+use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contact, Contacts};
 use crate::operations::sharing::in_order;

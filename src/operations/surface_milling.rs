@@ -53,8 +53,9 @@ mod wire_union;
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::joints::NotSmooth;
-use crate::geometry::surface::source::{AnySurface, SourceError};
+use crate::geometry::surface::source::SourceError;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::SectionError;
 use crate::machining::regularity::Irregular;

@@ -20,8 +20,9 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::joints::{self, NotSmooth};
-use crate::geometry::surface::source::{AnySurface, Source, SourceError};
+use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch, Surface, curvature};
 use crate::machining::wire_model::{self, Wire, WireError, WireJob};
 

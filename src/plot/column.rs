@@ -2,8 +2,9 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::SHEET_MM;
 use super::class::Class;
-use super::layout::{BORDER_MM, COLUMN_X_MM, Layout, SHEET_MM};
+use super::layout::{BORDER_MM, COLUMN_X_MM, Layout};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, SIZE_MM, TITLE_SIZE_MM, escape};
 use super::{Scene, marks, relief};

@@ -5,7 +5,7 @@
 
 use nalgebra::Point2;
 
-use super::layout::SHEET_MM;
+use super::SHEET_MM;
 
 /// A bit for each cell of the sheet.
 #[derive(Debug)]

@@ -11,8 +11,6 @@ use super::{Scene, text};
 use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::units::FeedRate;
 
-/// A4 landscape.
-pub const SHEET_MM: [u32; 2] = [297, 210];
 /// The border, which printers reach: left, top, right, bottom.
 pub const BORDER_MM: [f64; 4] = [7.0, 7.0, 290.0, 203.0];
 /// Where the column beside the views begins.

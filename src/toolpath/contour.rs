@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::cutting::Cutting;
+use super::linking::at_height;
 use super::{PathError, Role, Toolpath};
 use crate::geometry::curve::Curve;
 
@@ -20,24 +21,21 @@ const LIFT_MM: f64 = 2.0;
 pub fn contour(chains: &[Vec<Curve>], top_mm: f64, cutting: Option<&Cutting>) -> Result<Toolpath, PathError> {
     let is_lifted = cutting.is_some() || chains.len() > 1;
     let lifted_mm = cutting.map_or(top_mm + LIFT_MM, |cutting| cutting.retract_z_mm);
-    let above = |p: Point3<f64>| Point3::new(p.x, p.y, lifted_mm);
     let feed = |role: Role| cutting.map(|cutting| cutting.feed_of(role));
     let start = chains.iter().flatten().next().map_or(Point3::origin(), Curve::start);
-    let mut builder = Toolpath::builder(if is_lifted { above(start) } else { start });
+    let mut builder = Toolpath::builder(if is_lifted { at_height(start, lifted_mm) } else { start });
     for chain in chains {
-        let (Some(first), Some(last)) = (chain.first(), chain.last()) else { continue };
+        let Some(first) = chain.first() else { continue };
         builder.begin_pass(None);
         if is_lifted {
-            if builder.at() != above(first.start()) {
-                builder.rapid(above(first.start()))?;
-            }
+            builder.rapid_over(first.start(), lifted_mm, lifted_mm)?;
             builder.line(first.start(), feed(Role::Plunge), Role::Plunge)?;
         }
         for curve in chain {
             builder.follow(*curve, feed(Role::Cut), Role::Cut)?;
         }
         if is_lifted {
-            builder.rapid(above(last.end()))?;
+            builder.rapid_to_height(lifted_mm)?;
         }
     }
     builder.finish()

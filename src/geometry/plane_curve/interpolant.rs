@@ -21,7 +21,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::piecewise::{Bezier, BezierError, LARGEST, Piecewise, PiecewiseError};
+use super::LARGEST;
+use super::piecewise::{Bezier, BezierError, Piecewise, PiecewiseError};
 use crate::geometry::spline::{EndCondition, derivatives_over};
 
 /// Why points make no curve.

@@ -17,7 +17,8 @@
 
 use nalgebra::{Point2, Vector3};
 
-use super::piecewise::{Bezier, BezierError, LARGEST, Piecewise, PiecewiseError};
+use super::LARGEST;
+use super::piecewise::{Bezier, BezierError, Piecewise, PiecewiseError};
 use super::weights::{WeightError, check_weights};
 use crate::geometry::bspline::{KnotError, KnotRules, MAX_DEGREE, Span, check_knots, spans};
 

@@ -31,12 +31,8 @@ pub use bezier::{Bezier, BezierError};
 use nalgebra::{Point2, Vector2};
 
 use self::net::Net;
-use super::{Enclosure, PlaneCurve};
+use super::{Enclosure, LARGEST, PlaneCurve};
 use crate::geometry::interval::Interval;
-
-/// The largest coordinate or parameter, and one over the least step of the parameter: far beyond any part, and such
-/// that no second derivative overflows.
-pub const LARGEST: f64 = 1e60;
 
 /// Ends of neighbouring pieces this close, in parts of the coordinates' magnitude, differ by the rounding of what
 /// they were computed from: thousands of units of it.

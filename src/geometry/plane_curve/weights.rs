@@ -1,6 +1,6 @@
 //! The rules for the weights of a rational curve.
 
-use super::piecewise::LARGEST;
+use super::LARGEST;
 use crate::geometry::bspline::MAX_WEIGHT_RATIO;
 
 /// Why numbers are no weights.

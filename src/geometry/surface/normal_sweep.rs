@@ -33,8 +33,7 @@ mod unit_normal;
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
-use super::nurbs::PATCH_LIMIT;
-use super::source::AnySurface;
+use super::any_surface::{AnySurface, PATCH_LIMIT};
 use super::swept::{self, Rail, Station, TooManyPatches};
 use crate::geometry::profile::{Piece, Profile, Shape};
 use unit_normal::NormalFault;

@@ -17,17 +17,13 @@
 
 use nalgebra::{Point3, Vector4};
 
+use super::any_surface::{AnySurface, HIGH_DEGREE_PATCH_LIMIT, PATCH_LIMIT};
 use super::bezier::BezierSurface;
 use super::patch::RationalPatch;
 use super::patch::raise::raised;
-use super::source::AnySurface;
 use crate::geometry::bspline::{
     KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
 };
-
-/// Patches of degree up to 3, and of a higher one: some sixty megabytes of either.
-pub const PATCH_LIMIT: usize = 125_000;
-pub const HIGH_DEGREE_PATCH_LIMIT: usize = 30_000;
 
 /// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be one.
 pub const SHORTEST_SPAN: f64 = 1e-6;

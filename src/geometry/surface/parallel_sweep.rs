@@ -18,8 +18,7 @@
 
 use nalgebra::Vector3;
 
-use super::nurbs::PATCH_LIMIT;
-use super::source::AnySurface;
+use super::any_surface::{AnySurface, PATCH_LIMIT};
 use super::swept::{self, Rail, Station, TooManyPatches};
 use crate::geometry::profile::Profile;
 

@@ -30,8 +30,7 @@ mod length;
 mod part;
 
 use super::RationalPatch;
-use super::nurbs::PATCH_LIMIT;
-use super::source::AnySurface;
+use super::any_surface::{AnySurface, PATCH_LIMIT};
 use super::swept::of_weights;
 use crate::geometry::profile::{ControlPoint, Profile};
 use part::Part;

@@ -1,7 +1,8 @@
-//! What surfaces are made from, and the surface that comes of it.
+//! What surfaces are made from, one variant for each kind of data.
 
 use nalgebra::Point3;
 
+use super::any_surface::AnySurface;
 use super::ferguson::{Ferguson, FergusonError};
 use super::net_grid::{NetGrid, NetGridError};
 use super::normal_sweep::{NormalSweep, NormalSweepError};
@@ -9,7 +10,6 @@ use super::nurbs::{Nurbs, NurbsError};
 use super::parallel_sweep::{ParallelSweep, ParallelSweepError};
 use super::point_grid::{GridError, PointGrid};
 use super::ruled::{Ruled, RuledError};
-use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
 
 /// The data of a surface, one variant for each kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,16 +40,6 @@ pub enum SourceError {
     NormalSweep(#[from] NormalSweepError),
     #[error(transparent)]
     Ruled(#[from] RuledError),
-}
-
-/// A surface of patches of any kind.
-#[derive(Debug, Clone, PartialEq)]
-pub enum AnySurface {
-    Bicubic(BezierSurface<BicubicPatch>),
-    /// Of degree up to 3.
-    Rational(BezierSurface<RationalPatch<4>>),
-    /// Of a higher degree, rational or not.
-    HighDegree(BezierSurface<RationalPatch>),
 }
 
 impl Source {
@@ -105,24 +95,6 @@ impl Source {
             Self::ParallelSweep(sweep) => sweep.loose_joints(),
             Self::NormalSweep(sweep) => sweep.loose_joints(),
             Self::Ruled(ruled) => ruled.loose_joints(),
-        }
-    }
-}
-
-impl Surface for AnySurface {
-    fn spans(&self) -> [usize; 2] {
-        match self {
-            Self::Bicubic(surface) => surface.spans(),
-            Self::Rational(surface) => surface.spans(),
-            Self::HighDegree(surface) => surface.spans(),
-        }
-    }
-
-    fn jet(&self, u: f64, v: f64) -> Jet {
-        match self {
-            Self::Bicubic(surface) => surface.jet(u, v),
-            Self::Rational(surface) => surface.jet(u, v),
-            Self::HighDegree(surface) => surface.jet(u, v),
         }
     }
 }

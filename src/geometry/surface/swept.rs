@@ -7,9 +7,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::nurbs::PATCH_LIMIT;
+use super::any_surface::{AnySurface, PATCH_LIMIT};
 use super::patch::raise::raised;
-use super::source::AnySurface;
 use super::{BezierSurface, RationalPatch};
 use crate::geometry::profile::{ControlPoint, Profile};
 

@@ -11,7 +11,7 @@ use super::point::Place;
 use super::surface::Surface;
 use super::toolpath::Bounds;
 use crate::config::Limits;
-use crate::geometry::surface::source::AnySurface;
+use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::{BezierSurface, BicubicPatch, Patch as _, RationalPatch, Surface as _};
 use crate::http::error::ApiError;
 use crate::http::extract::IntoJob;

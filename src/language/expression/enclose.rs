@@ -9,9 +9,9 @@
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.
 
+use super::jet::power;
 use super::jet::{self, Jet, Node};
 use super::offence::{Certainty, Finding, Offence};
-use super::power;
 use super::tape::{Operation, Tape};
 use crate::geometry::interval::Interval;
 

@@ -8,11 +8,12 @@
 //! Where an operand leaves the domain, the jet is that of the operation extended to the nearest legal operand. A
 //! derivative that does not exist, or is not bounded, is the whole line.
 
+pub mod power;
+
 use std::f64::consts::{LN_2, LN_10};
 
 use super::function::{Function, Pairing};
 use super::offence::{Certainty, Offence, Verdict};
-use super::power;
 use crate::geometry::interval::Interval;
 
 pub type Jet = [Interval; 3];

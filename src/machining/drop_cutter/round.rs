@@ -32,12 +32,6 @@ const LEAST_SLOPE: f64 = 0.02;
 /// A flattened spheroid with less weight in plan is as good as a plane.
 const LEAST_WEIGHT: f64 = 1e-3;
 
-/// Rounding of a squared distance in parts of its largest term.
-const ROUNDING: f64 = 2e-13;
-
-/// The same, more than enough.
-const NEARLY: f64 = 1e-9;
-
 /// The round bodies about a cutter that touches where its slope is known.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RoundBodies {
@@ -132,34 +126,13 @@ impl Spheroid {
         match way.seen_along {
             Some(along) => {
                 let axes = [first, along.cross(&first)].map(scaled);
-                is_beyond(part, &way.center, &axes, &[share, 1.0], needed)
+                part.is_beyond(&way.center, &axes, &[share, 1.0], needed)
             }
             None => {
                 let level = Vector3::new(-first.y, first.x, 0.0).try_normalize(0.0).unwrap_or(Vector3::x());
                 let axes = [first, level, first.cross(&level)].map(scaled);
-                is_beyond(part, &way.center, &axes, &[share, 1.0, 1.0], needed)
+                part.is_beyond(&way.center, &axes, &[share, 1.0, 1.0], needed)
             }
         }
     }
-}
-
-/// Whether every point p of a part has a sum of `weights` times squared coordinates, along `axes` from `origin`, of at least `least` mm^2.
-/// Rounding is not counted.
-pub(super) fn is_beyond<P: Patch, const N: usize>(
-    part: &Part<P>,
-    origin: &Vector3<f64>,
-    axes: &[Vector3<f64>; N],
-    weights: &[f64; N],
-    least: f64,
-) -> bool {
-    let squares = |p: &Vector3<f64>| -> f64 {
-        axes.iter().zip(weights).map(|(axis, weight)| weight * axis.dot(&(p - origin)).powi(2)).sum()
-    };
-    let is_near = |p: &Vector3<f64>| squares(p) < (1.0 - NEARLY) * least;
-    // A look at the corners mostly tells where there is nothing to prove.
-    if part.patch.corners().iter().any(is_near) {
-        return false;
-    }
-    let squares = part.patch.bound_squares(origin, axes, weights);
-    squares.lowest + ROUNDING * squares.magnitude.max(least) >= least
 }

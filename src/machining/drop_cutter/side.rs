@@ -9,7 +9,6 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::round::is_beyond;
 use super::tree::Part;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
@@ -87,7 +86,7 @@ impl Side {
             let radius = held.iter().flatten().map(reach).fold(radius, f64::max);
             let origin = side * center.x + Vector3::z() * center.y;
             radius < self.largest
-                && is_beyond(part, &origin, &[side, Vector3::z()], &[1.0; 2], radius * radius)
+                && part.is_beyond(&origin, &[side, Vector3::z()], &[1.0; 2], radius * radius)
         };
         // The way up from the surface.
         let [sine, cosine] = self.steepness;
@@ -122,7 +121,7 @@ impl Side {
         });
         let radius = radius[0].max(radius[1]);
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        radius < self.largest && is_beyond(part, &center, &axes, &[1.0; 3], radius * radius)
+        radius < self.largest && part.is_beyond(&center, &axes, &[1.0; 3], radius * radius)
     }
 }
 

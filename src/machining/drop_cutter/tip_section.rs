@@ -10,14 +10,16 @@
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
 
+mod trace;
+
 use nalgebra::Point3;
 
 use super::Contacts;
 use super::edge_contacts::{Sides, position};
-use super::trace::{Trace, WALL_MM};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::Patch;
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
+use trace::{Trace, WALL_MM};
 
 /// The cutter just grazes the surface from farther out, in parts of the radius.
 const GRAZING: f64 = 1e-6;

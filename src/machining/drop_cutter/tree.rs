@@ -24,6 +24,12 @@ const LEVEL_SHARE: f64 = 1e-9;
 /// Halvings of one patch in advance.
 const DEPTH_LIMIT: u32 = 14;
 
+/// Rounding of a sum of squared coordinates, in parts of its largest term.
+const ROUNDING: f64 = 2e-13;
+
+/// Rounding of such a sum at one point, more than enough.
+const NEARLY: f64 = 1e-9;
+
 /// A part of a patch, over a unit square of its own.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<P> {
@@ -116,6 +122,27 @@ impl<P: Patch> Part<P> {
     /// The middle of its box.
     pub(super) fn middle(&self) -> Vector3<f64> {
         0.5 * (self.bounds.min + self.bounds.max)
+    }
+
+    /// Whether every point p of the part has a sum of `weights` times squared coordinates, along `axes` from `origin`, of at least `least` mm^2.
+    /// Rounding is not counted.
+    pub(super) fn is_beyond<const N: usize>(
+        &self,
+        origin: &Vector3<f64>,
+        axes: &[Vector3<f64>; N],
+        weights: &[f64; N],
+        least: f64,
+    ) -> bool {
+        let squares = |p: &Vector3<f64>| -> f64 {
+            axes.iter().zip(weights).map(|(axis, weight)| weight * axis.dot(&(p - origin)).powi(2)).sum()
+        };
+        let is_near = |p: &Vector3<f64>| squares(p) < (1.0 - NEARLY) * least;
+        // A look at the corners mostly tells where there is nothing to prove.
+        if self.patch.corners().iter().any(is_near) {
+            return false;
+        }
+        let squares = self.patch.bound_squares(origin, axes, weights);
+        squares.lowest + ROUNDING * squares.magnitude.max(least) >= least
     }
 
     pub(super) fn size(&self) -> f64 {

@@ -8,7 +8,6 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::links::at_height;
 use super::passes::CutPass;
 use super::{CERTIFICATE_GAP, Entry, Error, Exit, Job, Stock, certificate};
 use crate::budget::Budget;
@@ -17,6 +16,7 @@ use crate::geometry::solve::try_bisect;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::linking::at_height;
 use crate::toolpath::{Builder, PathError, Role};
 
 /// Height of the cutter over the stock where a rapid down ends and the feed begins, mm.
@@ -65,12 +65,7 @@ impl<P: Patch> Entries<'_, P> {
             Some(lead) => (lead.start(), lead.start().z),
             None => (pass.start(), self.above_stock(pass.start().z)),
         };
-        for height in [builder.at().z, self.free_height(from, low)?] {
-            let to = at_height(from, height);
-            if builder.at() != to {
-                builder.rapid(to)?;
-            }
-        }
+        builder.rapid_over(from, builder.at().z, self.free_height(from, low)?)?;
         if builder.at() != from {
             builder.line(from, self.cutting.feed_of(Role::Plunge), Role::Plunge)?;
         }
@@ -94,15 +89,6 @@ impl<P: Patch> Entries<'_, P> {
             builder.follow(arc, self.cutting.feed_of(Role::LeadOut), Role::LeadOut)?;
         }
         Ok(is_clear)
-    }
-
-    /// Straight up or down.
-    pub(super) fn rapid_to(&self, builder: &mut Builder, z: f64) -> Result<(), Error> {
-        let to = at_height(builder.at(), z);
-        if builder.at() != to {
-            builder.rapid(to)?;
-        }
-        Ok(())
     }
 
     /// Whether curves are proved to cut no deeper than the tolerance, as computed and as written.

@@ -13,6 +13,7 @@ use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::surface::Patch;
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::linking::at_height;
 use crate::toolpath::{Role, Toolpath};
 
 /// A link that is not clear is lifted in its middle by this part of its length first, and by twice as much each time after that.
@@ -51,7 +52,7 @@ pub(super) fn join<P: Patch>(
         } else {
             if let Some(before) = before {
                 n_not_clear += usize::from(!entries.leave(&mut builder, before)?);
-                entries.rapid_to(&mut builder, cutting.retract_z_mm)?;
+                builder.rapid_to_height(cutting.retract_z_mm)?;
             }
             builder.begin_pass(None);
             n_not_clear += usize::from(!entries.enter(&mut builder, pass)?);
@@ -61,7 +62,7 @@ pub(super) fn join<P: Patch>(
         }
     }
     n_not_clear += usize::from(!entries.leave(&mut builder, &passes[passes.len() - 1])?);
-    entries.rapid_to(&mut builder, cutting.clearance_z_mm)?;
+    builder.rapid_to_height(cutting.clearance_z_mm)?;
     Ok(Joined { toolpath: builder.finish()?, n_not_clear })
 }
 
@@ -89,9 +90,4 @@ fn link(
         lift *= 2.0;
     }
     Ok(None)
-}
-
-/// The place over or under `p` at a height.
-pub(super) fn at_height(p: Point3<f64>, z: f64) -> Point3<f64> {
-    Point3::new(p.x, p.y, z)
 }

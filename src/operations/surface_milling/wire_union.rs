@@ -53,6 +53,7 @@ use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
 use crate::machining::upper_envelope::{Accuracy, Skyline, SkylineError, Stretch, union};
 use crate::toolpath::cutting::Cutting;
+use crate::toolpath::linking::at_height;
 use crate::toolpath::quantize::{Parabolas, round};
 use crate::toolpath::{Role, Toolpath};
 use wires::WireModel;
@@ -228,25 +229,16 @@ fn divided(line: &Line, longest_mm: Option<f64>) -> Vec<Curve> {
 
 /// The toolpath from the clearance plane over the first pass to that over the last.
 fn one_way(cutting: &Cutting, passes: &[CutPass]) -> Result<Toolpath, Error> {
-    let at_height = |p: Point3<f64>, z: f64| Point3::new(p.x, p.y, z);
     let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
     for pass in passes {
         builder.begin_pass(None);
-        for to in [
-            at_height(builder.at(), cutting.clearance_z_mm),
-            at_height(pass.start(), cutting.clearance_z_mm),
-            at_height(pass.start(), cutting.retract_z_mm),
-        ] {
-            if builder.at() != to {
-                builder.rapid(to)?;
-            }
-        }
+        builder.rapid_over(pass.start(), cutting.clearance_z_mm, cutting.retract_z_mm)?;
         builder.line(pass.start(), cutting.feed_of(Role::Plunge), Role::Plunge)?;
         for curve in &pass.curves {
             builder.line(curve.end(), cutting.feed, Role::Cut)?;
         }
     }
-    builder.rapid(at_height(builder.at(), cutting.clearance_z_mm))?;
+    builder.rapid_to_height(cutting.clearance_z_mm)?;
     Ok(builder.finish()?)
 }
 

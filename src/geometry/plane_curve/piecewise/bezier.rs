@@ -2,8 +2,8 @@
 
 use nalgebra::Point2;
 
-use super::LARGEST;
 use crate::geometry::bspline::MAX_DEGREE;
+use crate::geometry::plane_curve::LARGEST;
 use crate::geometry::plane_curve::weights::{WeightError, check_weights};
 
 const SIZE: usize = MAX_DEGREE + 1;

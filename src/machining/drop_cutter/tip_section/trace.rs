@@ -12,11 +12,11 @@
 
 use nalgebra::{Point3, Vector2};
 
-use super::Contact;
-use super::segment_proof::Stretch;
-use super::tip_section::TipSections;
+use super::TipSections;
 use crate::budget::Budget;
 use crate::geometry::surface::patch::Patch;
+use crate::machining::drop_cutter::Contact;
+use crate::machining::drop_cutter::segment_proof::Stretch;
 use crate::machining::offset_section::{PlaneAt, SectionError, Spacing};
 
 /// Tips this near to each other may be at any height: the wall between them is upright.

@@ -5,9 +5,9 @@
 //! a^b is exp(b ln a), for positive a; its value, which is extreme at corners of the ranges of a and b, is also
 //! defined where a is zero and b positive.
 
-use super::jet::{Jet, Node, ONE, unless};
-use super::offence::{Certainty, Offence, Verdict};
+use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;
+use crate::language::expression::offence::{Certainty, Offence, Verdict};
 
 pub fn whole(a: Node, n: i32) -> (Node, Verdict) {
     let x = a.jet[0];

@@ -1,0 +1,35 @@
+//! A surface of patches of any kind.
+
+use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
+
+/// Patches of a surface of degree up to 3, and of one of a higher degree: some sixty megabytes of either.
+pub const PATCH_LIMIT: usize = 125_000;
+pub const HIGH_DEGREE_PATCH_LIMIT: usize = 30_000;
+
+/// A surface of patches of any kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnySurface {
+    Bicubic(BezierSurface<BicubicPatch>),
+    /// Of degree up to 3.
+    Rational(BezierSurface<RationalPatch<4>>),
+    /// Of a higher degree, rational or not.
+    HighDegree(BezierSurface<RationalPatch>),
+}
+
+impl Surface for AnySurface {
+    fn spans(&self) -> [usize; 2] {
+        match self {
+            Self::Bicubic(surface) => surface.spans(),
+            Self::Rational(surface) => surface.spans(),
+            Self::HighDegree(surface) => surface.spans(),
+        }
+    }
+
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        match self {
+            Self::Bicubic(surface) => surface.jet(u, v),
+            Self::Rational(surface) => surface.jet(u, v),
+            Self::HighDegree(surface) => surface.jet(u, v),
+        }
+    }
+}

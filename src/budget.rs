@@ -1,4 +1,4 @@
-//! What a computation may spend: a deadline, a cancel flag and a place to report progress.
+//! What a computation may spend: a deadline, a cancel flag, a place to report progress, and threads that help.
 //!
 //! This is the only door through which the core sees the outside world while it computes. A budget is
 //! asked at every step of every long loop; it answers `Err(Stopped)` when the caller has gone away or the
@@ -7,6 +7,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+
+use crate::parallel::{self, Helpers};
 
 /// Why a computation was stopped from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -22,12 +24,13 @@ pub trait ProgressSink: Send + Sync {
     fn progress(&self, stage: &'static str, done: usize, total: usize);
 }
 
-/// The limits of one computation. Cheap to clone; clones share the cancel flag.
+/// The limits of one computation. Cheap to clone; clones share the cancel flag and the helpers.
 #[derive(Clone, Default)]
 pub struct Budget {
     cancelled: Arc<AtomicBool>,
     deadline: Option<Instant>,
     sink: Option<Arc<dyn ProgressSink>>,
+    helpers: Helpers,
 }
 
 impl Budget {
@@ -44,6 +47,24 @@ impl Budget {
     pub fn with_progress(mut self, sink: Arc<dyn ProgressSink>) -> Self {
         self.sink = Some(sink);
         self
+    }
+
+    /// Shares threads with other computations instead of having all of the machine's.
+    pub fn with_helpers(mut self, helpers: Helpers) -> Self {
+        self.helpers = helpers;
+        self
+    }
+
+    /// As [`parallel::in_order`], with the helpers of this budget.
+    ///
+    /// # Errors
+    /// The first error of `make`.
+    pub fn in_order<T: Send, E: Send>(
+        &self,
+        n: usize,
+        make: impl Fn(usize) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        parallel::in_order(&self.helpers, n, make)
     }
 
     /// Stops the computation at its next check. May be called from any thread.

@@ -7,6 +7,7 @@ pub mod http;
 pub mod language;
 pub mod machining;
 pub mod operations;
+pub mod parallel;
 pub mod plot;
 pub mod post;
 pub mod toolpath;

@@ -3,6 +3,5 @@
 pub mod arc_fitting;
 pub mod cutter_location;
 pub mod interpolation;
-pub mod sharing;
 pub mod surface_milling;
 pub mod surface_model;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Modules of the crate with the modules they may name. What is not listed here does not exist.
 const LAYERS: &[(&str, &[&str])] = &[
-    ("budget", &[]),
+    ("parallel", &[]),
+    ("budget", &["parallel"]),
     ("geometry", &["budget"]),
     ("language", &["budget", "geometry"]),
     ("machining", &["budget", "geometry"]),
@@ -15,7 +16,18 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("plot", &["budget", "geometry", "machining", "toolpath"]),
     (
         "http",
-        &["budget", "geometry", "language", "machining", "toolpath", "operations", "post", "plot", "config"],
+        &[
+            "budget",
+            "geometry",
+            "language",
+            "machining",
+            "toolpath",
+            "operations",
+            "parallel",
+            "post",
+            "plot",
+            "config",
+        ],
     ),
     ("config", &[]),
     ("main", &["http", "config"]),

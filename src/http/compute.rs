@@ -12,6 +12,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::timeout_at;
 
 use crate::budget::{Budget, ProgressSink};
+use crate::parallel::Helpers;
 
 /// How much later than the deadline an answer is still waited for: the time between two looks at the budget.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
@@ -35,6 +36,8 @@ pub struct Compute {
     workers: usize,
     queue: usize,
     deadline: Duration,
+    /// Shared by all computations.
+    helpers: Helpers,
 }
 
 impl Compute {
@@ -59,6 +62,7 @@ impl Compute {
             workers,
             queue,
             deadline,
+            helpers: Helpers::default(),
         })
     }
 
@@ -119,7 +123,10 @@ impl Compute {
             .map_err(|_| Failure::DeadlinePassed)?
             .map_err(|_| Failure::Overloaded)?;
 
-        let budget = Budget::unlimited().with_deadline(deadline).with_progress(Arc::new(Log::and(listener)));
+        let budget = Budget::unlimited()
+            .with_deadline(deadline)
+            .with_progress(Arc::new(Log::and(listener)))
+            .with_helpers(self.helpers.clone());
         let _cancel = CancelOnDrop(budget.clone());
         let (answer, result) = oneshot::channel();
         self.pool.spawn(move || {

@@ -18,7 +18,6 @@ use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contact, Contacts};
-use crate::operations::sharing::in_order;
 use crate::toolpath::tool::Tool;
 
 /// Points that follow each other on one thread.
@@ -76,7 +75,7 @@ fn locate_on<P: Patch>(
     let order = order(&job.points);
     let groups: Vec<&[usize]> = order.chunks(GROUP).collect();
     let of_group = |k: usize| locate_group(&contacts, groups[k].iter().map(|&k| job.points[k]), budget);
-    let located = in_order(groups.len(), of_group)?;
+    let located = budget.in_order(groups.len(), of_group)?;
     let mut locations = vec![None; job.points.len()];
     for (k, location) in order.into_iter().zip(located.into_iter().flatten()) {
         locations[k] = location;

@@ -7,7 +7,6 @@ use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::geometry::surface::Patch;
 use crate::machining::gouge::{GougeProof, Penetration};
-use crate::operations::sharing::in_order;
 use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::{Move, Role, Toolpath};
 
@@ -68,7 +67,7 @@ impl<'a, P: Patch> Search<'a, P> {
     /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if it is deeper.
     pub(super) fn deepest(&self, known: Penetration, moves: &[Curve]) -> Result<Penetration, Error> {
         let rows: Vec<&[Curve]> = moves.chunks(MOVES_IN_A_ROW).collect();
-        match in_order(rows.len(), |k| self.of_row(known, rows[k])) {
+        match self.budget.in_order(rows.len(), |k| self.of_row(known, rows[k])) {
             Ok(of_rows) => Ok(of_rows.into_iter().fold(known, Penetration::or_deeper)),
             Err(End::Deep(deepest)) => Ok(deepest),
             Err(End::Error(error)) => Err(error),

@@ -11,7 +11,6 @@ use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::machining::offset_section::{Chain, PlaneAt, Spacing, chord_height};
-use crate::operations::sharing::in_order;
 
 /// CL points of one job; a path of ten kilometres has some of the order.
 const CL_POINT_LIMIT: usize = 20_000_000;
@@ -113,7 +112,7 @@ pub(super) fn cut(
         budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
         Ok(cut)
     };
-    let cut = in_order(planes.len(), cut_one)?.into_iter().fold(Passes::default(), Passes::and);
+    let cut = budget.in_order(planes.len(), cut_one)?.into_iter().fold(Passes::default(), Passes::and);
     if cut.passes.is_empty() { Err(Error::NothingToCut) } else { Ok(cut) }
 }
 

@@ -1,21 +1,34 @@
 //! Work shared out to threads, with the results in order.
 //!
-//! The threads of one call are its own: no job waits for the work of another. All calls together have as many as there are
-//! processors beside the threads that call; who comes later works alone.
+//! A computation starts its own threads and never waits for the work of another computation. Computations that share [`Helpers`] have
+//! so many threads together, beside the threads that they were called on; a computation that finds no helper free works alone.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// Threads that help callers now.
-static HELPERS: AtomicUsize = AtomicUsize::new(0);
+/// How many threads may still be started to help. Clones count together.
+#[derive(Debug, Clone)]
+pub struct Helpers {
+    free: Arc<AtomicUsize>,
+}
 
-/// What `make` makes of 0..n, in that order, or its first error, whichever thread was first. What comes after an error is not begun.
+impl Default for Helpers {
+    /// One for each processor but one: the caller's own thread works too.
+    fn default() -> Self {
+        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+        Self { free: Arc::new(AtomicUsize::new(processors - 1)) }
+    }
+}
+
+/// The results of `make` for 0..n in that order, or its first error in that order. Work after an error is not begun.
 ///
 /// # Errors
 /// The first error of `make`.
 pub fn in_order<T: Send, E: Send>(
+    helpers: &Helpers,
     n: usize,
     make: impl Fn(usize) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, E> {
@@ -34,7 +47,7 @@ pub fn in_order<T: Send, E: Send>(
             made.push((k, result));
         }
     };
-    let helpers = Helpers::taken(n.saturating_sub(1));
+    let helpers = helpers.take(n.saturating_sub(1));
     let mut made = thread::scope(|scope| {
         let help = |_| thread::Builder::new().name("helper".into()).spawn_scoped(scope, work).ok();
         let helping: Vec<_> = (0..helpers.count).filter_map(help).collect();
@@ -48,28 +61,28 @@ pub fn in_order<T: Send, E: Send>(
     made.into_iter().map(|(_, result)| result).collect()
 }
 
-/// The right to so many threads.
-struct Helpers {
+/// The right to start `count` threads, given back when dropped.
+struct Taken<'a> {
     count: usize,
+    from: &'a Helpers,
 }
 
 impl Helpers {
-    /// As many as are left, at most `most`.
-    fn taken(most: usize) -> Self {
-        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    /// Takes as many helpers as are free, at most `most`.
+    fn take(&self, most: usize) -> Taken<'_> {
         let mut count = 0;
-        let take = |taken: usize| {
-            count = most.min((processors - 1).saturating_sub(taken));
-            Some(taken + count)
+        let taken = |free: usize| {
+            count = most.min(free);
+            Some(free - count)
         };
-        let _ = HELPERS.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take);
-        Self { count }
+        let _ = self.free.fetch_update(Ordering::Relaxed, Ordering::Relaxed, taken);
+        Taken { count, from: self }
     }
 }
 
-impl Drop for Helpers {
+impl Drop for Taken<'_> {
     fn drop(&mut self) {
-        HELPERS.fetch_sub(self.count, Ordering::Relaxed);
+        self.from.free.fetch_add(self.count, Ordering::Relaxed);
     }
 }
 
@@ -80,7 +93,7 @@ mod tests {
     #[test]
     fn the_first_error_counts_and_what_follows_is_left() {
         let begun = AtomicUsize::new(0);
-        let made = in_order(10_000, |k| {
+        let made = in_order(&Helpers::default(), 10_000, |k| {
             begun.fetch_add(1, Ordering::Relaxed);
             if k % 1000 == 700 { Err(k) } else { Ok(k) }
         });
@@ -90,15 +103,17 @@ mod tests {
 
     #[test]
     fn results_are_in_order_and_calls_may_be_nested() {
-        let rows = in_order(20, |i| in_order(30, |j| Ok::<_, ()>(100 * i + j)));
+        let helpers = &Helpers { free: Arc::new(AtomicUsize::new(5)) };
+        let rows = in_order(helpers, 20, |i| in_order(helpers, 30, |j| Ok::<_, ()>(100 * i + j)));
         let expected: Vec<Vec<usize>> = (0..20).map(|i| (0..30).map(|j| 100 * i + j).collect()).collect();
         assert_eq!(rows, Ok(expected));
-        assert_eq!(in_order(0, Ok::<usize, ()>), Ok(vec![]));
+        assert_eq!(in_order(helpers, 0, Ok::<usize, ()>), Ok(vec![]));
+        assert_eq!(helpers.free.load(Ordering::Relaxed), 5);
     }
 
     #[test]
     #[should_panic(expected = "seven")]
     fn a_panic_is_the_callers() {
-        let _ = in_order(50, |k| if k == 7 { panic!("seven") } else { Ok::<_, ()>(k) });
+        let _ = in_order(&Helpers::default(), 50, |k| if k == 7 { panic!("seven") } else { Ok::<_, ()>(k) });
     }
 }

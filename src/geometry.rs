@@ -3,6 +3,7 @@
 pub mod arc_fit;
 pub mod bernstein;
 pub mod best_first;
+pub mod bounding_tree;
 pub mod bspline;
 pub mod curve;
 pub mod deviation;

@@ -37,20 +37,20 @@ mod part;
 mod piece;
 mod planes;
 mod solid;
-mod tree;
 
 use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
+use crate::geometry::bounding_tree::{BoundingTree, Visitor};
 use crate::geometry::curve::Curve;
+use crate::geometry::surface::patch::Bounds;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 use crate::machining::cutter::Cutter;
 use part::{Part, Sides};
 use piece::Piece;
 use planes::{Planes, Shown, sideways};
 use solid::Solid;
-use tree::PatchTree;
 
 /// Pairs halved for one piece; beyond this the bound at hand is taken.
 const PAIR_LIMIT: usize = 20_000;
@@ -91,7 +91,7 @@ impl Penetration {
 /// A surface and a cutter made ready for the question how deep the cutter cuts.
 pub struct GougeProof<'a, P> {
     surface: &'a BezierSurface<P>,
-    tree: PatchTree,
+    tree: BoundingTree<Bounds, [usize; 2]>,
     /// Of each patch.
     edges: Vec<Sides>,
     solid: Solid,
@@ -103,11 +103,32 @@ pub struct GougeProof<'a, P> {
     piece_length: f64,
 }
 
+/// A search for the patches whose boxes meet a box.
+struct Near {
+    reach: Bounds,
+    patches: Vec<[usize; 2]>,
+}
+
+impl Visitor<Bounds, [usize; 2]> for Near {
+    fn promise(&self, bounds: &Bounds) -> f64 {
+        let is_apart = (0..3).any(|c| bounds.min[c] > self.reach.max[c] || bounds.max[c] < self.reach.min[c]);
+        if is_apart { -1.0 } else { 1.0 }
+    }
+
+    fn is_settled(&self, promise: f64) -> bool {
+        promise < 0.0
+    }
+
+    fn visit(&mut self, patch: &[usize; 2], _promise: f64) {
+        self.patches.push(*patch);
+    }
+}
+
 impl<'a, P: Patch> GougeProof<'a, P> {
     /// The axis of `cutter` is along +z. With `stock` mm to be left on the surface, the cutter counts as that much larger all around.
     pub fn new(surface: &'a BezierSurface<P>, cutter: &Cutter, stock: f64) -> Self {
-        let tree = PatchTree::new(surface);
-        let magnitude = tree.bounds().magnitude();
+        let tree = surface.bounding_tree();
+        let magnitude = tree.volume().magnitude();
         let [nu, nv] = surface.spans();
         let sizes = surface.patches().iter().map(Patch::extents);
         let mean_size = sizes.map(|[u, v]| u.max(v)).sum::<f64>() / (nu * nv) as f64;
@@ -130,16 +151,15 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         deepest: &mut Penetration,
         budget: &Budget,
     ) -> Result<(), Stopped> {
-        let mut near = Vec::new();
         for piece in piece::pieces(tip, self.rise, self.piece_length, slack, 0.25 * gap) {
             budget.check()?;
-            near.clear();
-            self.tree.collect(&piece.reach(&self.solid), &mut near);
+            let mut near = Near { reach: piece.reach(&self.solid), patches: Vec::new() };
+            self.tree.search(&mut near);
             // What the slack adds is the same for every part, so the search need not know it; but a piece with
             // slack must be found less deep to be good enough.
             let bound = deepest.bound_mm.max(deepest.found_mm + gap) - piece.slack;
             let mut own = Penetration::NONE;
-            self.search(piece, &near, Enough { gap, bound }, &mut own, budget)?;
+            self.search(piece, &near.patches, Enough { gap, bound }, &mut own, budget)?;
             if own.found_mm > deepest.found_mm {
                 (deepest.found_mm, deepest.at) = (own.found_mm, own.at);
             }
@@ -165,13 +185,13 @@ impl<'a, P: Patch> GougeProof<'a, P> {
     fn search(
         &self,
         piece: Piece,
-        near: &[(usize, usize)],
+        near: &[[usize; 2]],
         mut enough: Enough,
         deepest: &mut Penetration,
         budget: &Budget,
     ) -> Result<(), Stopped> {
         let mut open = BestFirst::default();
-        for (k, &(i, j)) in near.iter().enumerate() {
+        for (k, &[i, j]) in near.iter().enumerate() {
             if k % PAIRS_BETWEEN_CHECKS == PAIRS_BETWEEN_CHECKS - 1 {
                 budget.check()?;
             }

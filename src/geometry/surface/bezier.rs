@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::patch::{BicubicPatch, Patch};
-use super::{Jet, Surface, span_of};
+use super::patch::{BicubicPatch, Bounds, Patch};
+use super::{Jet, PatchRange, Surface, span_of};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::bounding_tree::BoundingTree;
 
 /// Halvings in the search for the top.
 const TOP_HALVINGS: usize = 100_000;
@@ -36,6 +37,22 @@ impl<P: Patch> BezierSurface<P> {
 
     pub fn patches(&self) -> &[P] {
         &self.patches
+    }
+
+    /// The boxes of the control points over the indices (i, j) of the patches.
+    pub fn bounding_tree(&self) -> BoundingTree<Bounds, [usize; 2]> {
+        let mut tree = BoundingTree::new();
+        self.add_boxes(&mut tree, PatchRange::all(self.spans));
+        tree
+    }
+
+    fn add_boxes(&self, tree: &mut BoundingTree<Bounds, [usize; 2]>, range: PatchRange) -> usize {
+        let Some(halves) = range.halves() else {
+            let (i, j) = (range.i[0], range.j[0]);
+            return tree.add(self.patch(i, j).bounds(), [i, j]);
+        };
+        let halves = halves.map(|half| self.add_boxes(tree, half));
+        tree.join(halves)
     }
 
     /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as high

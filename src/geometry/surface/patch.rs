@@ -14,6 +14,7 @@ pub use rational::RationalPatch;
 
 use super::Jet;
 use super::ball::Ball;
+use crate::geometry::bounding_tree::Volume;
 
 /// A patch over the unit square whose every point is a convex combination of its control points; mm.
 pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
@@ -174,5 +175,11 @@ impl Bounds {
     /// The largest absolute coordinate.
     pub fn magnitude(&self) -> f64 {
         self.min.amax().max(self.max.amax())
+    }
+}
+
+impl Volume for Bounds {
+    fn joined(&self, other: &Self) -> Self {
+        self.union(other)
     }
 }

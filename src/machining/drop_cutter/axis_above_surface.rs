@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::tree::{Cover, Part, Visitor};
+use super::tree::{Cover, Part, PartVisitor};
 use super::{Contact, Contacts};
 use crate::geometry::surface::patch::{Bounds, Patch};
 
@@ -56,13 +56,9 @@ impl Over {
     }
 }
 
-impl<P: Patch> Visitor<P> for Over {
-    fn promise(&self, bounds: &Bounds) -> f64 {
-        if self.may_be_in(bounds) { 1.0 } else { -1.0 }
-    }
-
-    fn is_beneath(&self, _cover: &Cover) -> bool {
-        false
+impl<P: Patch> PartVisitor<P> for Over {
+    fn promise(&self, cover: &Cover) -> f64 {
+        if self.may_be_in(&cover.bounds) { 1.0 } else { -1.0 }
     }
 
     fn is_settled(&self, promise: f64) -> bool {

@@ -6,11 +6,11 @@ use super::lift_bound::{Level, Track};
 use super::newton::{self, Climb, Found};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, Part, Visitor};
+use super::tree::{Cover, Part, PartVisitor};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
-use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
@@ -45,14 +45,16 @@ pub(super) struct Drop<'a, 'b, P> {
     above: f64,
 }
 
-impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
-    fn promise(&self, bounds: &Bounds) -> f64 {
-        self.contacts.lift_of_box(bounds, &self.track)
-    }
-
-    fn is_beneath(&self, cover: &Cover) -> bool {
-        let Some(support) = &self.support else { return false };
-        support.excess_under(cover, &self.track, &self.flat_level()) <= self.accuracy
+impl<P: Patch> PartVisitor<P> for Drop<'_, '_, P> {
+    fn promise(&self, cover: &Cover) -> f64 {
+        match &self.support {
+            Some(support)
+                if support.excess_under(cover, &self.track, &self.flat_level()) <= self.accuracy =>
+            {
+                f64::NEG_INFINITY
+            }
+            _ => self.contacts.lift_of_box(&cover.bounds, &self.track),
+        }
     }
 
     fn is_settled(&self, promise: f64) -> bool {
@@ -60,7 +62,8 @@ impl<P: Patch> Visitor<P> for Drop<'_, '_, P> {
     }
 
     fn visit(&mut self, part: &Part<P>, promise: f64) {
-        let highest = promise.min(self.promise(&part.bounds)).min(self.highest(part));
+        let highest =
+            promise.min(self.contacts.lift_of_box(&part.bounds, &self.track)).min(self.highest(part));
         self.renew_support();
         if highest > self.level() {
             self.open.push(highest, *part);
@@ -168,7 +171,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
                 budget.check()?;
             }
             for half in part.halves() {
-                let promise = self.promise(&half.bounds);
+                let promise = self.contacts.lift_of_box(&half.bounds, &self.track);
                 if !self.is_settled(promise) {
                     self.visit(&half, promise);
                 }

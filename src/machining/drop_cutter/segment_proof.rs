@@ -16,9 +16,9 @@ use super::lift_bound::{Level, Track};
 use super::newton::{Climb, TOUCHING};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, Part, Visitor};
+use super::tree::{Cover, Part, PartVisitor};
 use super::{Contact, Contacts, patches_at};
-use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
@@ -303,15 +303,14 @@ impl<P: Patch> Look<'_, '_, P> {
     }
 }
 
-impl<P: Patch> Visitor<P> for Look<'_, '_, P> {
-    fn promise(&self, bounds: &Bounds) -> f64 {
-        self.contacts.lift_of_box(bounds, &self.track)
-    }
-
-    fn is_beneath(&self, cover: &Cover) -> bool {
-        self.support
-            .as_ref()
-            .is_some_and(|support| support.excess_under(cover, &self.track, &self.level) <= 0.0)
+impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
+    fn promise(&self, cover: &Cover) -> f64 {
+        match &self.support {
+            Some(support) if support.excess_under(cover, &self.track, &self.level) <= 0.0 => {
+                f64::NEG_INFINITY
+            }
+            _ => self.contacts.lift_of_box(&cover.bounds, &self.track),
+        }
     }
 
     fn is_settled(&self, promise: f64) -> bool {
@@ -325,7 +324,7 @@ impl<P: Patch> Visitor<P> for Look<'_, '_, P> {
             open.extend(part.halves());
         }
         while let Some(part) = open.pop() {
-            if self.is_settled(self.promise(&part.bounds)) || self.settles(&part) {
+            if self.is_settled(self.contacts.lift_of_box(&part.bounds, &self.track)) || self.settles(&part) {
                 continue;
             }
             self.halvings = self.halvings.saturating_sub(1);
@@ -345,13 +344,9 @@ struct Near<'a, 'b, P> {
     is_found: bool,
 }
 
-impl<P: Patch> Visitor<P> for Near<'_, '_, P> {
-    fn promise(&self, bounds: &Bounds) -> f64 {
-        self.contacts.lift_of_box(bounds, &self.track)
-    }
-
-    fn is_beneath(&self, _cover: &Cover) -> bool {
-        false
+impl<P: Patch> PartVisitor<P> for Near<'_, '_, P> {
+    fn promise(&self, cover: &Cover) -> f64 {
+        self.contacts.lift_of_box(&cover.bounds, &self.track)
     }
 
     fn is_settled(&self, promise: f64) -> bool {

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::bounding_tree::{BoundingTree, Visitor, Volume};
 use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
 use crate::geometry::surface::{BezierSurface, PatchRange, Surface};
 
@@ -170,14 +171,6 @@ impl Cover {
         Self { bounds: part.bounds, gradient, height }
     }
 
-    fn joined(&self, other: &Self) -> Self {
-        let bounds = self.bounds.union(&other.bounds);
-        let gradient = 0.5 * (self.gradient + other.gradient);
-        let center = (0.5 * (bounds.min + bounds.max)).xy();
-        let height = self.highest_over(&gradient, &center).max(other.highest_over(&gradient, &center));
-        Self { bounds, gradient, height }
-    }
-
     /// How far anything under the cover lies above the plane through `at` with a gradient, at most, and zero there; mm.
     pub(super) fn highest_over(&self, gradient: &Vector2<f64>, at: &Vector2<f64>) -> f64 {
         let center = (0.5 * (self.bounds.min + self.bounds.max)).xy();
@@ -186,21 +179,21 @@ impl Cover {
     }
 }
 
+impl Volume for Cover {
+    fn joined(&self, other: &Self) -> Self {
+        let bounds = self.bounds.union(&other.bounds);
+        let gradient = 0.5 * (self.gradient + other.gradient);
+        let center = (0.5 * (bounds.min + bounds.max)).xy();
+        let height = self.highest_over(&gradient, &center).max(other.highest_over(&gradient, &center));
+        Self { bounds, gradient, height }
+    }
+}
+
 /// The parts with the covers over them.
 pub(super) struct Tree<P> {
-    nodes: Vec<Node>,
+    /// Over the indices of the parts.
+    covers: BoundingTree<Cover, usize>,
     pub(super) parts: Vec<Part<P>>,
-}
-
-struct Node {
-    cover: Cover,
-    content: Content,
-}
-
-#[derive(Clone, Copy)]
-enum Content {
-    Part(usize),
-    Halves(usize, usize),
 }
 
 impl<P: Patch> Tree<P> {
@@ -208,7 +201,7 @@ impl<P: Patch> Tree<P> {
     pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
         let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
         let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
-        let mut tree = Self { nodes: Vec::new(), parts: Vec::new() };
+        let mut tree = Self { covers: BoundingTree::new(), parts: Vec::new() };
         tree.add_patches(surface, PatchRange::all(surface.spans()), size, budget)?;
         Ok(tree)
     }
@@ -228,69 +221,57 @@ impl<P: Patch> Tree<P> {
         };
         let first = self.add_patches(surface, first, size, budget)?;
         let second = self.add_patches(surface, second, size, budget)?;
-        Ok(self.join(first, second))
+        Ok(self.covers.join([first, second]))
     }
 
     fn add_part(&mut self, part: Part<P>, size: f64, depth: u32) -> usize {
         let [along_u, along_v] = part.patch.extents();
         if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
-            self.nodes.push(Node { cover: Cover::of(&part), content: Content::Part(self.parts.len()) });
             self.parts.push(Part { bends: Some(part.bends()), ..part });
-            return self.nodes.len() - 1;
+            return self.covers.add(Cover::of(&part), self.parts.len() - 1);
         }
-        let [first, second] = part.halves().map(|half| self.add_part(half, size, depth - 1));
-        self.join(first, second)
-    }
-
-    fn join(&mut self, first: usize, second: usize) -> usize {
-        let cover = self.nodes[first].cover.joined(&self.nodes[second].cover);
-        self.nodes.push(Node { cover, content: Content::Halves(first, second) });
-        self.nodes.len() - 1
+        let halves = part.halves().map(|half| self.add_part(half, size, depth - 1));
+        self.covers.join(halves)
     }
 
     /// The box of the whole surface.
     pub(super) fn bounds(&self) -> &Bounds {
-        &self.nodes[self.nodes.len() - 1].cover.bounds
+        &self.covers.volume().bounds
     }
 
-    /// Shows the visitor the parts that may matter to it, the more promising half first.
-    pub(super) fn visit(&self, visitor: &mut impl Visitor<P>) {
-        // Depths are logarithms of numbers that fit memory.
-        let mut stack: Vec<(usize, f64)> = Vec::with_capacity(64);
-        stack.push((self.nodes.len() - 1, f64::INFINITY));
-        while let Some((k, promise)) = stack.pop() {
-            if visitor.is_settled(promise) {
-                continue;
-            }
-            match self.nodes[k].content {
-                Content::Part(part) => visitor.visit(&self.parts[part], promise),
-                Content::Halves(first, second) => {
-                    let promise = |half: usize| {
-                        let cover = &self.nodes[half].cover;
-                        if visitor.is_beneath(cover) {
-                            f64::NEG_INFINITY
-                        } else {
-                            visitor.promise(&cover.bounds)
-                        }
-                    };
-                    let (a, b) = (promise(first), promise(second));
-                    stack.extend(if a > b { [(second, b), (first, a)] } else { [(first, a), (second, b)] });
-                }
-            }
-        }
+    /// Shows the visitor the parts that may matter to it, the more promising ones first.
+    pub(super) fn visit<V: PartVisitor<P>>(&self, visitor: &mut V) {
+        self.covers.search(&mut OfParts { parts: &self.parts, visitor });
     }
 }
 
-/// Who looks for something in the parts.
-pub(super) trait Visitor<P> {
-    /// The most that may be found in a box.
-    fn promise(&self, bounds: &Bounds) -> f64;
+/// A search among parts.
+pub(super) trait PartVisitor<P> {
+    /// The most that may be found under a cover.
+    fn promise(&self, cover: &Cover) -> f64;
 
-    /// Whether nothing under a cover matters.
-    fn is_beneath(&self, cover: &Cover) -> bool;
-
-    /// Whether so much no longer matters.
+    /// Whether a promise no longer matters.
     fn is_settled(&self, promise: f64) -> bool;
 
     fn visit(&mut self, part: &Part<P>, promise: f64);
+}
+
+/// A search for indices of parts.
+struct OfParts<'a, P, V> {
+    parts: &'a [Part<P>],
+    visitor: &'a mut V,
+}
+
+impl<P, V: PartVisitor<P>> Visitor<Cover, usize> for OfParts<'_, P, V> {
+    fn promise(&self, cover: &Cover) -> f64 {
+        self.visitor.promise(cover)
+    }
+
+    fn is_settled(&self, promise: f64) -> bool {
+        self.visitor.is_settled(promise)
+    }
+
+    fn visit(&mut self, part: &usize, promise: f64) {
+        self.visitor.visit(&self.parts[*part], promise);
+    }
 }

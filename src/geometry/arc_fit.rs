@@ -40,17 +40,17 @@
 
 mod biarc;
 mod bounds;
+mod candidate;
 mod chord;
+mod chord_frame;
 mod corners;
-mod fan;
+mod full_circle;
 mod greedy;
 mod joints;
 mod optimal;
 mod space;
-mod span;
+mod stabbing_bound;
 mod tangent;
-mod track;
-mod turn;
 
 use nalgebra::Vector2;
 
@@ -58,9 +58,9 @@ use crate::budget::{Budget, Stopped};
 use bounds::Bounds;
 use optimal::{Node, Outcome};
 
-pub use space::{FitError, Piece, fit_in_space};
-pub use span::Points;
-use span::{Rule, Span, Witnesses};
+pub use candidate::Points;
+use candidate::{Rule, Span, Witnesses};
+pub use space::{FitError, FittedCurve, fit_in_space};
 
 /// Controls have run whole circles where an arc's height was lost in rounding.
 pub const FLATTEST_MM: f64 = 1e-3;
@@ -107,7 +107,7 @@ pub enum Shape {
         bulge: f64,
     },
     /// Once round, to where it started.
-    Turn {
+    FullCircle {
         center: Vector2<f64>,
         is_ccw: bool,
     },
@@ -339,9 +339,9 @@ fn for_bounds(most: usize, n: usize) -> usize {
 }
 
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {
-    let turn = turn::full_turn(flat, rule)?;
+    let turn = full_circle::full_turn(flat, rule)?;
     let start = turn.center + (flat[0] - turn.center).normalize() * turn.radius;
-    let shape = Shape::Turn { center: turn.center, is_ccw: turn.is_ccw };
+    let shape = Shape::FullCircle { center: turn.center, is_ccw: turn.is_ccw };
     Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, to: start, shape }] })
 }
 

@@ -45,7 +45,7 @@ const FOOT_STEPS: usize = 6;
 /// Bound of the least distance within which the curve passes the points in order, mm; infinite where it turns by more than half
 /// a turn between two of them, for which they are no reason.
 pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
-    let Some(track) = Track::new(curve) else { return f64::INFINITY };
+    let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
     let places = track.places(&points);
     let ends = std::iter::once(0.0).chain(places.iter().copied()).chain([1.0]);
@@ -57,7 +57,7 @@ pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
 /// Bound of the distance within which the curve, from its start to its end, and the lines between the points run side by
 /// side, mm.
 pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
-    let Some(track) = Track::new(curve) else { return f64::INFINITY };
+    let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
     let mut places = track.places(&points);
     if let [first, .., last] = places.as_mut_slice() {
@@ -71,7 +71,7 @@ pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
 }
 
 /// A curve in a frame of its own; places on it count from 0 to 1.
-enum Track<'a> {
+enum FramedCurve<'a> {
     /// Along the first axis, from 0.
     Line { length: f64, start: Point3<f64>, along: Vector3<f64> },
     /// About the third axis, from the first axis to the left.
@@ -86,7 +86,7 @@ enum Track<'a> {
     },
 }
 
-impl<'a> Track<'a> {
+impl<'a> FramedCurve<'a> {
     fn new(curve: &'a Curve) -> Option<Self> {
         match curve {
             Curve::Line(line) => {

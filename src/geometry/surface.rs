@@ -4,7 +4,6 @@
 //! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
 
 pub mod any_surface;
-pub mod ball;
 pub mod bezier;
 pub mod curvature;
 pub mod ferguson;
@@ -18,6 +17,7 @@ pub mod patch;
 pub mod point_grid;
 pub mod ruled;
 pub mod source;
+pub mod vector_ball;
 
 mod hermite;
 mod swept;

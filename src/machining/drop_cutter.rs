@@ -42,9 +42,9 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::{BezierSurface, Surface, span_of};
 use drop::{Best, Drop};
-use lift_bound::Track;
+use lift_bound::AxisMove;
 pub use tip_section::TipSections;
-use tree::{Part, Tree};
+use tree::{SubPatch, Tree};
 
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
@@ -203,7 +203,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
     }
 
     /// The most that anything in a box can lift the tip along a track.
-    fn lift_of_box(&self, bounds: &Bounds, track: &Track) -> f64 {
+    fn lift_of_box(&self, bounds: &Bounds, track: &AxisMove) -> f64 {
         let squared = track.squared_distance(bounds, &track.center);
         let most = (1.0 - GRAZING) * self.cutter.radius();
         if squared > most * most {
@@ -217,7 +217,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
 impl<P: Patch> Contacts<'_, P> {
     /// The most that a part can lift the tip along a track, as seen along the line from the axis to it, or at right angles to a steep
     /// part: parts that lie along the side of the cutter are beside it by less than their boxes know. Infinite where boxes say as much.
-    fn lift_of_part(&self, part: &Part<P>, track: &Track) -> f64 {
+    fn lift_of_part(&self, part: &SubPatch<P>, track: &AxisMove) -> f64 {
         let from = track.nearest(&part.center);
         let outward = part.center - from;
         let distance = outward.norm();

@@ -47,8 +47,8 @@ use crate::geometry::curve::Curve;
 use crate::geometry::surface::patch::Bounds;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 use crate::machining::cutter::Cutter;
-use part::{Part, Sides};
-use piece::Piece;
+use part::{Sides, SubPatch};
+use piece::PathPiece;
 use planes::{Planes, Shown, sideways};
 use solid::Solid;
 
@@ -184,7 +184,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
     /// bound is halved next, until that bound is good enough.
     fn search(
         &self,
-        piece: Piece,
+        piece: PathPiece,
         near: &[[usize; 2]],
         mut enough: Enough,
         deepest: &mut Penetration,
@@ -196,7 +196,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
                 budget.check()?;
             }
             let [_, nv] = self.surface.spans();
-            let part = Part::new(*self.surface.patch(i, j), self.edges[i * nv + j]);
+            let part = SubPatch::new(*self.surface.patch(i, j), self.edges[i * nv + j]);
             self.add(piece, part, enough, deepest, &mut open);
         }
         for k in 0..PAIR_LIMIT {
@@ -228,8 +228,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
     /// Examines a pair and keeps it open where it may matter.
     fn add(
         &self,
-        piece: Piece,
-        part: Part<P>,
+        piece: PathPiece,
+        part: SubPatch<P>,
         enough: Enough,
         deepest: &mut Penetration,
         open: &mut BestFirst<Pair<P>>,
@@ -249,7 +249,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
     }
 
     /// Chooses whether to halve the piece, the part along u, or the part along v, so that the bound falls most.
-    fn halving(&self, piece: &Piece, part: &Part<P>, depth: &Depth, gap: f64) -> Halving {
+    fn halving(&self, piece: &PathPiece, part: &SubPatch<P>, depth: &Depth, gap: f64) -> Halving {
         let [along_u, along_v] = part.patch.extents();
         let size = along_u.max(along_v);
         let longer = if along_u >= along_v { Halving::AlongU } else { Halving::AlongV };
@@ -280,7 +280,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
     }
 
     /// Bounds the penetration of one part by one piece; the search ends at `enough`.
-    fn examine(&self, piece: &Piece, part: &Part<P>, enough: f64) -> Depth {
+    fn examine(&self, piece: &PathPiece, part: &SubPatch<P>, enough: f64) -> Depth {
         let center = part.patch.center();
         let nearest = piece.nearest(&center, self.solid.flat);
         let off = center - nearest;
@@ -365,8 +365,8 @@ enum Halving {
 /// A piece and a part that are not decided yet.
 #[derive(Clone, Copy)]
 struct Pair<P> {
-    piece: Piece,
-    part: Part<P>,
+    piece: PathPiece,
+    part: SubPatch<P>,
     halving: Halving,
 }
 

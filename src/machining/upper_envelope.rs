@@ -6,7 +6,7 @@
 //! 2. The section of a part runs between points that are found exactly, on the sides of the part. The second derivative of the
 //!    section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far it leaves their chord in height. Where that is too much
 //!    the part is halved.
-//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for becomes a [`Stretch`]
+//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for becomes a [`Segment`]
 //!    at the height of its top.
 //! 4. The upper envelope of the stretches of one section, or of several, is their skyline ([`union`]).
 //!
@@ -30,7 +30,7 @@ use nalgebra::{Point3, Vector2};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::{BezierSurface, Patch};
-pub use envelope::{Skyline, union};
+pub use envelope::{UpperEnvelope, union};
 
 /// Parts that are looked at for one plane; some hundred are usual.
 const PART_LIMIT: usize = 1_000_000;
@@ -40,12 +40,12 @@ const PARTS_BETWEEN_CHECKS: usize = 256;
 
 /// A straight stretch of a section: points (x, z), mm, the first at the smaller x.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub struct Segment {
     pub from: Vector2<f64>,
     pub to: Vector2<f64>,
 }
 
-impl Stretch {
+impl Segment {
     /// The height over a place between the ends, mm.
     fn height(&self, x: f64) -> f64 {
         let share = ((x - self.from.x) / (self.to.x - self.from.x)).clamp(0.0, 1.0);
@@ -63,7 +63,7 @@ pub struct Accuracy {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum SkylineError {
+pub enum EnvelopeError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
     #[error("the section lies in the plane, or is lost in it, near {at}")]
@@ -95,7 +95,7 @@ impl<'a, P: Patch> Profiles<'a, P> {
         y: f64,
         accuracy: Accuracy,
         budget: &Budget,
-    ) -> Result<Vec<Stretch>, SkylineError> {
+    ) -> Result<Vec<Segment>, EnvelopeError> {
         let met =
             self.ranges.iter().zip(self.surface.patches()).filter(|([low, high], _)| *low <= y && y <= *high);
         let mut open: Vec<P> = met.map(|(_, patch)| *patch).collect();
@@ -104,7 +104,7 @@ impl<'a, P: Patch> Profiles<'a, P> {
         while let Some(patch) = open.pop() {
             parts += 1;
             if parts > PART_LIMIT {
-                return Err(SkylineError::Lost { at: Point3::from(patch.center()) });
+                return Err(EnvelopeError::Lost { at: Point3::from(patch.center()) });
             }
             if parts.is_multiple_of(PARTS_BETWEEN_CHECKS) {
                 budget.check()?;

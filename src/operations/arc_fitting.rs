@@ -24,7 +24,7 @@
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{Fit, FitError, Measure, Method, Piece, fit_in_space};
+use crate::geometry::arc_fit::{Fit, FitError, FittedCurve, Measure, Method, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::following;
 use crate::geometry::plane::Plane;
@@ -184,7 +184,11 @@ struct Figures {
 }
 
 /// The chain with lines through the points in place of the curves that are chosen; where all are, it meets every point.
-fn as_lines(pieces: &[Piece], points: &[Point3<f64>], chosen: impl Iterator<Item = bool>) -> Vec<Piece> {
+fn as_lines(
+    pieces: &[FittedCurve],
+    points: &[Point3<f64>],
+    chosen: impl Iterator<Item = bool>,
+) -> Vec<FittedCurve> {
     let chosen: Vec<bool> = chosen.collect();
     let is_whole = chosen.iter().all(|piece| *piece);
     let mut chain = Vec::new();
@@ -197,7 +201,7 @@ fn as_lines(pieces: &[Piece], points: &[Point3<f64>], chosen: impl Iterator<Item
             for (end, point) in points.iter().enumerate().take(piece.end + 1).skip(first + 1) {
                 let to = if end == piece.end && !is_whole { piece.curve.end() } else { *point };
                 if to != at {
-                    chain.push(Piece { end, curve: Curve::Line(Line { start: at, end: to }) });
+                    chain.push(FittedCurve { end, curve: Curve::Line(Line { start: at, end: to }) });
                     at = to;
                 }
             }
@@ -207,7 +211,12 @@ fn as_lines(pieces: &[Piece], points: &[Point3<f64>], chosen: impl Iterator<Item
     chain
 }
 
-fn measured(pieces: &[Piece], points: &[Point3<f64>], job: &Job, budget: &Budget) -> Result<Figures, Error> {
+fn measured(
+    pieces: &[FittedCurve],
+    points: &[Point3<f64>],
+    job: &Job,
+    budget: &Budget,
+) -> Result<Figures, Error> {
     let mut figures = Figures {
         deviation_mm: 0.0,
         written_mm: 0.0,

@@ -33,17 +33,17 @@
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
 //! Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
 
+mod beam_search;
 mod bisection;
 mod compensation;
 mod corners;
 mod corridor;
 mod fit;
 mod job;
-mod layers;
 mod least;
 mod lower_bound;
 mod path;
-mod sketch;
+mod preview;
 mod source;
 mod straight;
 
@@ -60,7 +60,7 @@ pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
 pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Side, Source, Subdivision};
-pub use sketch::{Sketch, sketch};
+pub use preview::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 
 /// Bisection is much faster than finding how few elements there can be: that is told of it up to so many.
@@ -203,7 +203,7 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             Subdivision::Least(joints) => {
                 let mut fitted = least::fewest(&fitter, range, budget)?;
                 longest.extend_from_slice(&fitted);
-                if let Some(fewer) = layers::fewer(&fitter, &fitted, budget)? {
+                if let Some(fewer) = beam_search::fewer(&fitter, &fitted, budget)? {
                     fitted = fewer;
                 }
                 corners::keep_corners(&fitter, &mut fitted, budget)?;

@@ -29,11 +29,11 @@
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
 
-mod stretch;
+mod speed_segment;
 
 use nalgebra::Vector3;
 
-use self::stretch::Stretch;
+use self::speed_segment::SpeedSegment;
 use super::path::{Move, Toolpath};
 use super::units::{Acceleration, FeedRate};
 use crate::geometry::curve::Curve;
@@ -63,7 +63,7 @@ pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acce
             seconds += chain.finish(a);
             chain.kind = Some(kind);
         }
-        stretch::push(&mut chain.stretches, &curve, rate, a);
+        speed_segment::push(&mut chain.stretches, &curve, rate, a);
     }
     Some(seconds + chain.finish(a))
 }
@@ -78,7 +78,7 @@ enum Kind {
 #[derive(Default)]
 struct Chain {
     kind: Option<Kind>,
-    stretches: Vec<Stretch>,
+    stretches: Vec<SpeedSegment>,
 }
 
 impl Chain {
@@ -86,7 +86,7 @@ impl Chain {
     fn finish(&mut self, acceleration: f64) -> f64 {
         let speeds = self.joint_speeds(acceleration);
         let seconds =
-            |(stretch, ends): (&Stretch, &[f64])| trapezoid(stretch, ends[0], ends[1], acceleration);
+            |(stretch, ends): (&SpeedSegment, &[f64])| trapezoid(stretch, ends[0], ends[1], acceleration);
         let sum = self.stretches.iter().zip(speeds.windows(2)).map(seconds).sum();
         self.stretches.clear();
         sum
@@ -120,8 +120,8 @@ fn corner_radius_mm(before: &Vector3<f64>, after: &Vector3<f64>) -> f64 {
 }
 
 /// Seconds for one move between the squares of two speeds.
-fn trapezoid(stretch: &Stretch, entry: f64, exit: f64, acceleration: f64) -> f64 {
-    let &Stretch { length_mm, most, .. } = stretch;
+fn trapezoid(stretch: &SpeedSegment, entry: f64, exit: f64, acceleration: f64) -> f64 {
+    let &SpeedSegment { length_mm, most, .. } = stretch;
     let ends = entry.sqrt() + exit.sqrt();
     let peak = acceleration * length_mm + (entry + exit) / 2.0;
     if peak <= most {

@@ -216,13 +216,13 @@ impl Written {
 
 /// A part of the source arc between two fractions of its length.
 #[derive(Clone, Copy)]
-struct Piece<'a> {
+struct ArcPart<'a> {
     arc: &'a Arc,
     from: f64,
     to: f64,
 }
 
-impl Piece<'_> {
+impl ArcPart<'_> {
     fn start(&self) -> Point3<f64> {
         self.arc.point_at(self.from)
     }
@@ -265,7 +265,7 @@ struct Output {
 impl Output {
     fn arc(&mut self, arc: &Arc) -> Result<(), QuantizeError> {
         let step = self.grid.step_mm();
-        let mut open = vec![Piece { arc, from: 0.0, to: 1.0 }];
+        let mut open = vec![ArcPart { arc, from: 0.0, to: 1.0 }];
         while let Some(piece) = open.pop() {
             if self.curves.len() + open.len() >= MAX_PIECES {
                 return Err(QuantizeError::TooManyPieces { limit: MAX_PIECES });
@@ -280,8 +280,8 @@ impl Output {
                     Some(block) => self.push(block),
                     None => {
                         let middle = (piece.from + piece.to) / 2.0;
-                        open.push(Piece { from: middle, ..piece });
-                        open.push(Piece { to: middle, ..piece });
+                        open.push(ArcPart { from: middle, ..piece });
+                        open.push(ArcPart { to: middle, ..piece });
                     }
                 }
             }
@@ -290,7 +290,7 @@ impl Output {
     }
 
     /// Lines along a piece, each no farther from it than half a step before its ends are rounded.
-    fn chords(&mut self, piece: &Piece) -> Result<(), QuantizeError> {
+    fn chords(&mut self, piece: &ArcPart) -> Result<(), QuantizeError> {
         let sagitta = MIN_SAGITTA_STEPS * self.grid.step_mm();
         // At most half a turn each.
         let part = (sagitta / (2.0 * piece.arc.radius())).min(0.5);
@@ -302,7 +302,7 @@ impl Output {
         let at =
             |k: f64| if k == count { piece.to } else { piece.from + (piece.to - piece.from) * (k / count) };
         for k in 0..count as usize {
-            let chord = Piece { from: at(k as f64), to: at(k as f64 + 1.0), ..*piece };
+            let chord = ArcPart { from: at(k as f64), to: at(k as f64 + 1.0), ..*piece };
             self.line(&chord.start(), &chord.end(), chord.chord_distance())?;
         }
         Ok(())

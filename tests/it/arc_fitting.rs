@@ -31,7 +31,7 @@ fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
             Shape::Line => Way::line(from, element.to),
             // The bulge is positive to the left of the chord, where the arc turns clockwise.
             Shape::Arc { bulge } => Way::arc(from, element.to, -4.0 * bulge.atan()),
-            Shape::Turn { center, is_ccw } => Way::turn(center, from, is_ccw),
+            Shape::FullCircle { center, is_ccw } => Way::turn(center, from, is_ccw),
         };
         let range = [first, element.end];
         (from, first) = (element.to, element.end);

@@ -14,8 +14,8 @@
 //! O(n m) for elements of m points; the second step ends after so many looks at points.
 
 use super::Shapes;
+use super::candidate::{Points, Rule, Span, Witnesses};
 use super::chord::LARGEST_BULGE;
-use super::span::{Points, Rule, Span, Witnesses};
 use crate::budget::{Budget, Stopped};
 
 /// The factors of the tolerance up to the bulges of half a turn, of 270 degrees and the largest; and for lines.

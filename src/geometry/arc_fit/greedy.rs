@@ -7,7 +7,7 @@
 use nalgebra::Vector2;
 
 use super::Measure;
-use super::span::{Points, Rule, Span, Witnesses};
+use super::candidate::{Points, Rule, Span, Witnesses};
 use crate::budget::{Budget, Stopped};
 
 /// Points that Ju's method takes in one by one, for lengths at which it is usable.

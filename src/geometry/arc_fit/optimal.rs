@@ -11,8 +11,8 @@
 use nalgebra::Vector2;
 
 use super::bounds::Bounds;
-use super::fan::Fan;
-use super::span::{Points, Rule, Span, Witnesses};
+use super::candidate::{Points, Rule, Span, Witnesses};
+use super::stabbing_bound::Fan;
 use crate::budget::{Budget, Stopped};
 
 /// Where elements may meet: at `at`, which stands for the point `index`.

@@ -18,7 +18,7 @@ const LEAST_STRETCH: usize = 4;
 
 /// A curve of the result, which ends for the point with index `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub struct FittedCurve {
     pub end: usize,
     pub curve: Curve,
 }
@@ -40,14 +40,14 @@ pub fn fit_in_space(
     plane: Option<Plane>,
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<Piece>, FitError> {
+) -> Result<Vec<FittedCurve>, FitError> {
     let distinct: Vec<usize> = (0..points.len()).filter(|&k| k == 0 || points[k] != points[k - 1]).collect();
     if distinct.len() < 2 {
         return Err(FitError::OnePlace);
     }
     let ends: Vec<Point3<f64>> = distinct.iter().map(|&k| points[k]).collect();
     let divided = stretches(&ends);
-    let whole = |plane: Plane| vec![Stretch { plane, is_level: false, end: ends.len() - 1 }];
+    let whole = |plane: Plane| vec![PlanarRun { plane, is_level: false, end: ends.len() - 1 }];
     let mut pieces = match plane {
         Some(plane) => fit_stretches(&ends, &whole(plane), request, budget)?,
         None => fit_stretches(&ends, &divided, request, budget)?,
@@ -61,15 +61,15 @@ pub fn fit_in_space(
     }
     // What follows a point as its repetition belongs to it.
     let last = |end: usize| distinct.get(end + 1).map_or(points.len(), |next| *next) - 1;
-    Ok(pieces.into_iter().map(|piece| Piece { end: last(piece.end), ..piece }).collect())
+    Ok(pieces.into_iter().map(|piece| FittedCurve { end: last(piece.end), ..piece }).collect())
 }
 
 fn fit_stretches(
     points: &[Point3<f64>],
-    stretches: &[Stretch],
+    stretches: &[PlanarRun],
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<Piece>, FitError> {
+) -> Result<Vec<FittedCurve>, FitError> {
     // Where the plane changes, elements meet on a point.
     let request = match stretches {
         [_] => *request,
@@ -79,22 +79,22 @@ fn fit_stretches(
     let mut begin = 0;
     for stretch in stretches {
         let fitted = fit_stretch(&points[begin..=stretch.end], stretch.plane, &request, budget)?;
-        pieces.extend(fitted.into_iter().map(|piece| Piece { end: begin + piece.end, ..piece }));
+        pieces.extend(fitted.into_iter().map(|piece| FittedCurve { end: begin + piece.end, ..piece }));
         begin = stretch.end;
     }
     Ok(pieces)
 }
 
 /// The points up to `end`, from where the stretch before ended, have their arcs in `plane`, and lie in it if it is level.
-struct Stretch {
+struct PlanarRun {
     plane: Plane,
     is_level: bool,
     end: usize,
 }
 
-fn stretches(points: &[Point3<f64>]) -> Vec<Stretch> {
+fn stretches(points: &[Point3<f64>]) -> Vec<PlanarRun> {
     let last = points.len() - 1;
-    let mut stretches: Vec<Stretch> = Vec::new();
+    let mut stretches: Vec<PlanarRun> = Vec::new();
     let mut begin = 0;
     while begin < last {
         let level_end = |plane: Plane| {
@@ -102,11 +102,11 @@ fn stretches(points: &[Point3<f64>]) -> Vec<Stretch> {
             let is_level = |p: &&Point3<f64>| (p[normal] - points[begin][normal]).abs() <= LEVEL_MM;
             begin + points[begin..].iter().take_while(is_level).count() - 1
         };
-        let mut longest = Stretch { plane: Plane::Xy, is_level: true, end: level_end(Plane::Xy) };
+        let mut longest = PlanarRun { plane: Plane::Xy, is_level: true, end: level_end(Plane::Xy) };
         for plane in [Plane::Zx, Plane::Yz] {
             let end = level_end(plane);
             if end > longest.end {
-                longest = Stretch { plane, end, ..longest };
+                longest = PlanarRun { plane, end, ..longest };
             }
         }
         if longest.end - begin + 1 >= LEAST_STRETCH || (begin == 0 && longest.end == last) {
@@ -117,7 +117,7 @@ fn stretches(points: &[Point3<f64>]) -> Vec<Stretch> {
         begin += 1;
         match stretches.last_mut() {
             Some(loose) if !loose.is_level => loose.end = begin,
-            _ => stretches.push(Stretch { plane: Plane::Xy, is_level: false, end: begin }),
+            _ => stretches.push(PlanarRun { plane: Plane::Xy, is_level: false, end: begin }),
         }
     }
     stretches
@@ -129,7 +129,7 @@ fn fit_stretch(
     plane: Plane,
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<Piece>, FitError> {
+) -> Result<Vec<FittedCurve>, FitError> {
     let local: Vec<Vector3<f64>> = points.iter().map(|p| plane.to_local(p)).collect();
     let flat: Vec<Vector2<f64>> = local.iter().map(Vector3::xy).collect();
     let is_level = local.iter().all(|p| (p.z - local[0].z).abs() <= LEVEL_MM);
@@ -151,10 +151,10 @@ fn fit_stretch(
             let curve = match element.shape {
                 Shape::Line => line,
                 Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)).unwrap_or(line),
-                Shape::Turn { center, is_ccw } => arc(is_ccw, center).unwrap_or(line),
+                Shape::FullCircle { center, is_ccw } => arc(is_ccw, center).unwrap_or(line),
             };
             (from, height) = (element.to, end_height);
-            Piece { end: element.end, curve }
+            FittedCurve { end: element.end, curve }
         })
         .collect();
     Ok(pieces)

@@ -18,10 +18,10 @@ use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use super::bounds::Bounds;
+use super::candidate::{Points, Rule, Span, Witnesses};
 use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
-use super::span::{Points, Rule, Span, Witnesses};
 use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, for_bounds, joints, looks, shaped};
 use crate::budget::{Budget, Stopped};
 

@@ -38,7 +38,7 @@ fn kinks(fitted: &Fitted) -> Vec<(usize, f64)> {
         let chord = element.to - from;
         let half_sweep = match element.shape {
             Shape::Arc { bulge } => 2.0 * bulge.atan(),
-            Shape::Line | Shape::Turn { .. } => 0.0,
+            Shape::Line | Shape::FullCircle { .. } => 0.0,
         };
         let along = chord.y.atan2(chord.x);
         directions.push((element.end, along + half_sweep, along - half_sweep));
@@ -68,7 +68,9 @@ fn a_closed_circle_is_one_turn_and_an_open_one_is_not() {
         let mut points = circle(10.0, from, to, 61);
         points[60] = points[0];
         let closed = fitted(&points, &Fit { is_closed: true, ..Fit::within(1e-3) });
-        let Shape::Turn { center, is_ccw: turns_ccw } = closed.elements[0].shape else { panic!("no turn") };
+        let Shape::FullCircle { center, is_ccw: turns_ccw } = closed.elements[0].shape else {
+            panic!("no turn")
+        };
         assert_eq!((closed.elements.len(), turns_ccw), (1, is_ccw));
         assert!((center - Vector2::new(3.0, -7.0)).norm() < 1e-9);
         assert_eq!(fitted(&points, &Fit::within(1e-3)).elements.len(), 2);
@@ -82,7 +84,7 @@ fn a_closed_circle_is_one_turn_and_an_open_one_is_not() {
     let mut octagon = circle(10.0, 0.0, std::f64::consts::TAU, 9);
     octagon[8] = octagon[0];
     let closed = fitted(&octagon, &Fit { is_closed: true, ..Fit::within(1e-3) });
-    assert!(closed.elements.iter().all(|element| !matches!(element.shape, Shape::Turn { .. })));
+    assert!(closed.elements.iter().all(|element| !matches!(element.shape, Shape::FullCircle { .. })));
 }
 
 #[test]
@@ -228,7 +230,7 @@ proptest! {
                     Curve::Arc(Arc::new(Plane::Xy, direction, on(from), on(element.to), center).unwrap())
                 }
                 Shape::Line => Curve::Line(Line { start: on(from), end: on(element.to) }),
-                Shape::Turn { .. } => unreachable!(),
+                Shape::FullCircle { .. } => unreachable!(),
             };
             let off = from_points(&curve, &in_space[start..=element.end]);
             prop_assert!(off <= tolerance * (1.0 + 1e-6) + 1e-9, "{off}");

@@ -11,8 +11,8 @@
 //! # Degenerate input
 //! Where the normal vanishes there is no curvature, and no bound.
 
-use super::ball::Ball;
 use super::patch::{Bounds, DerivativeBounds};
+use super::vector_ball::VectorBall;
 use super::{BezierSurface, Jet, Patch};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
@@ -62,7 +62,7 @@ pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90 degrees.
     let normal = cross.center / length;
     let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
-    let second = |d: Ball| (normal.dot(&d.center), d.radius + tilt * d.reach());
+    let second = |d: VectorBall| (normal.dot(&d.center), d.radius + tilt * d.reach());
     let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
     // The larger eigenvalue grows with both diagonal entries and with the size of the other one.
     let high = larger_eigenvalue(laa + eaa, lbb + ebb, lab.abs() + eab);

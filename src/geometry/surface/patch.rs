@@ -13,7 +13,7 @@ pub use bicubic::BicubicPatch;
 pub use rational::RationalPatch;
 
 use super::Jet;
-use super::ball::Ball;
+use super::vector_ball::VectorBall;
 use crate::geometry::bounding_tree::Volume;
 
 /// A patch over the unit square whose every point is a convex combination of its control points; mm.
@@ -113,16 +113,16 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
 /// Sets that hold the derivatives of a patch everywhere, mm per unit of parameter; rounding is counted.
 #[derive(Debug, Clone, Copy)]
 pub struct DerivativeBounds {
-    pub du: Ball,
-    pub dv: Ball,
-    pub duu: Ball,
-    pub duv: Ball,
-    pub dvv: Ball,
+    pub du: VectorBall,
+    pub dv: VectorBall,
+    pub duu: VectorBall,
+    pub duv: VectorBall,
+    pub dvv: VectorBall,
 }
 
 impl DerivativeBounds {
     /// A set that holds the normals du x dv.
-    pub fn normal(&self) -> Ball {
+    pub fn normal(&self) -> VectorBall {
         self.du.cross(self.dv)
     }
 }

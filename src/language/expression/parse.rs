@@ -45,7 +45,7 @@ type Parsed<T> = Result<T, ErrMode<ExpressionError>>;
 
 /// An operand: bytes of the text, and the steps from `first` to the last one.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct Operand {
     start: usize,
     end: usize,
     first: usize,
@@ -94,12 +94,12 @@ pub fn tape(text: &str) -> Result<Tape, ExpressionError> {
 }
 
 /// Anything up to the end, a comma or a closing parenthesis.
-fn sum(source: &mut Source<'_>) -> Parsed<Part> {
+fn sum(source: &mut Source<'_>) -> Parsed<Operand> {
     expression(operand).prefix(sign).infix(operator).parse_next(source)
 }
 
 /// A number, a name with its arguments or a parenthesis.
-fn operand(source: &mut Source<'_>) -> Parsed<Part> {
+fn operand(source: &mut Source<'_>) -> Parsed<Operand> {
     match peek(source) {
         Some('0'..='9' | '.') => number(source),
         Some('(') => group(source),
@@ -108,8 +108,8 @@ fn operand(source: &mut Source<'_>) -> Parsed<Part> {
     }
 }
 
-fn sign<'t>(source: &mut Source<'t>) -> Parsed<Prefix<Source<'t>, Part, ErrMode<ExpressionError>>> {
-    let fold: fn(&mut Source<'t>, Part) -> Parsed<Part> = match peek(source) {
+fn sign<'t>(source: &mut Source<'t>) -> Parsed<Prefix<Source<'t>, Operand, ErrMode<ExpressionError>>> {
+    let fold: fn(&mut Source<'t>, Operand) -> Parsed<Operand> = match peek(source) {
         Some('-') => |source, part| {
             leave(source);
             negated(source, part)
@@ -126,7 +126,7 @@ fn sign<'t>(source: &mut Source<'t>) -> Parsed<Prefix<Source<'t>, Part, ErrMode<
     Ok(Prefix(SIGN, fold))
 }
 
-fn operator<'t>(source: &mut Source<'t>) -> Parsed<Infix<Source<'t>, Part, ErrMode<ExpressionError>>> {
+fn operator<'t>(source: &mut Source<'t>) -> Parsed<Infix<Source<'t>, Operand, ErrMode<ExpressionError>>> {
     let infix = match peek(source) {
         Some('+') => Infix::Left(SUM, |source, a, b| Ok(paired(source, Pairing::Add, a, b))),
         Some('-') => Infix::Left(SUM, |source, a, b| Ok(paired(source, Pairing::Subtract, a, b))),
@@ -150,7 +150,7 @@ fn operator<'t>(source: &mut Source<'t>) -> Parsed<Infix<Source<'t>, Part, ErrMo
     Ok(infix)
 }
 
-fn number(source: &mut Source<'_>) -> Parsed<Part> {
+fn number(source: &mut Source<'_>) -> Parsed<Operand> {
     let start = source.current_token_start();
     let digits = alt(((digit1, opt(('.', digit0))).void(), ('.', digit1).void()));
     let exponent = (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
@@ -161,7 +161,7 @@ fn number(source: &mut Source<'_>) -> Parsed<Part> {
     }
 }
 
-fn group(source: &mut Source<'_>) -> Parsed<Part> {
+fn group(source: &mut Source<'_>) -> Parsed<Operand> {
     let open = source.current_token_start();
     enter(source)?;
     any.parse_next(source)?;
@@ -172,10 +172,10 @@ fn group(source: &mut Source<'_>) -> Parsed<Part> {
         Some(other) => return stop(source, Fault::UnexpectedCharacter(other)),
     };
     leave(source);
-    Ok(Part { start: open, end: source.current_token_start(), ..part })
+    Ok(Operand { start: open, end: source.current_token_start(), ..part })
 }
 
-fn name(source: &mut Source<'_>) -> Parsed<Part> {
+fn name(source: &mut Source<'_>) -> Parsed<Operand> {
     let start = source.current_token_start();
     let written: &str = take_while(1.., ('a'..='z', 'A'..='Z', '0'..='9', '_')).parse_next(source)?;
     let Some(&(known, meaning)) = NAMES.iter().find(|(name, _)| *name == written) else {
@@ -193,17 +193,17 @@ fn name(source: &mut Source<'_>) -> Parsed<Part> {
     match (meaning, arguments.as_slice()) {
         (Meaning::Function(function), &[a]) => {
             push(source, Operation::Call(function), start);
-            Ok(Part { start, end, ..a })
+            Ok(Operand { start, end, ..a })
         }
         (Meaning::Pairing(pairing), &[a, b]) => {
-            Ok(Part { start, end, ..applied(source, pairing, a, b, start) })
+            Ok(Operand { start, end, ..applied(source, pairing, a, b, start) })
         }
         (_, given) => refuse(start, Fault::WrongNumberOfArguments { name: known, takes, given: given.len() }),
     }
 }
 
 /// What stands in the parentheses after the name of a function.
-fn arguments(source: &mut Source<'_>, name: &'static str) -> Parsed<Vec<Part>> {
+fn arguments(source: &mut Source<'_>, name: &'static str) -> Parsed<Vec<Operand>> {
     if peek(source) != Some('(') {
         return stop(source, Fault::MissingArguments(name));
     }
@@ -259,33 +259,33 @@ fn push(source: &mut Source<'_>, operation: Operation, at: usize) {
 }
 
 /// What was just read, from `start`, as an operand of one step.
-fn leaf(source: &mut Source<'_>, start: usize, operation: Operation) -> Part {
+fn leaf(source: &mut Source<'_>, start: usize, operation: Operation) -> Operand {
     let first = source.state.steps.len();
     push(source, operation, start);
-    Part { start, end: source.current_token_start(), first, holds_x: operation == Operation::Variable }
+    Operand { start, end: source.current_token_start(), first, holds_x: operation == Operation::Variable }
 }
 
 /// The operand with a minus sign before it; a number takes it up.
-fn negated(source: &mut Source<'_>, part: Part) -> Parsed<Part> {
+fn negated(source: &mut Source<'_>, part: Operand) -> Parsed<Operand> {
     let before = source.state.text.get(..part.start).unwrap_or("").trim_end();
     let start = before.len().saturating_sub(1);
     match source.state.steps.get_mut(part.first..) {
         Some([Step { operation: Operation::Constant(value), .. }]) => *value = -*value,
         _ => push(source, Operation::Negate, start),
     }
-    Ok(Part { start, ..part })
+    Ok(Operand { start, ..part })
 }
 
 /// Two operands with an operator between them.
-fn paired(source: &mut Source<'_>, pairing: Pairing, a: Part, b: Part) -> Part {
+fn paired(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand) -> Operand {
     let after = source.state.text.get(a.end..).unwrap_or("");
     let at = a.end + (after.len() - after.trim_start().len());
     applied(source, pairing, a, b, at)
 }
 
 /// Appends an operation on two operands, which comes from the byte `at`.
-fn applied(source: &mut Source<'_>, pairing: Pairing, a: Part, b: Part, at: usize) -> Part {
-    let whole = Part { start: a.start, end: b.end, first: a.first, holds_x: a.holds_x || b.holds_x };
+fn applied(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand, at: usize) -> Operand {
+    let whole = Operand { start: a.start, end: b.end, first: a.first, holds_x: a.holds_x || b.holds_x };
     let constant = if pairing == Pairing::Power && !b.holds_x { constant(source, b) } else { None };
     let operation = match constant {
         Some(exponent) if exponent.fract() == 0.0 && exponent.abs() <= LARGEST_WHOLE => {
@@ -302,7 +302,7 @@ fn applied(source: &mut Source<'_>, pairing: Pairing, a: Part, b: Part, at: usiz
 }
 
 /// The value of the last operand, which does not hold x, if it is defined.
-fn constant(source: &Source<'_>, part: Part) -> Option<f64> {
+fn constant(source: &Source<'_>, part: Operand) -> Option<f64> {
     let steps = source.state.steps.get(part.first..)?;
     let tape = Tape::new(steps.to_vec());
     let anywhere = 0.0;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::tree::{Cover, Part, PartVisitor};
+use super::tree::{Cover, PartVisitor, SubPatch};
 use super::{Contact, Contacts};
 use crate::geometry::surface::patch::{Bounds, Patch};
 
@@ -36,7 +36,7 @@ impl Over {
     }
 
     /// Whether Newton's method finds a place of the part under the axis.
-    fn is_under<P: Patch>(&self, part: &Part<P>) -> bool {
+    fn is_under<P: Patch>(&self, part: &SubPatch<P>) -> bool {
         let mut place = [0.5, 0.5];
         for _ in 0..STEPS {
             let jet = part.patch.jet(place[0], place[1]);
@@ -65,7 +65,7 @@ impl<P: Patch> PartVisitor<P> for Over {
         self.is_found || promise < 0.0
     }
 
-    fn visit(&mut self, part: &Part<P>, _promise: f64) {
+    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
         let mut open = vec![*part];
         for _ in 0..HALVINGS {
             let Some(part) = open.pop() else { return };

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Vector2};
 
-use super::lift_bound::{Level, Track};
+use super::lift_bound::{AxisMove, Level};
 use super::newton::{self, Climb, Found};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, Part, PartVisitor};
+use super::tree::{Cover, PartVisitor, SubPatch};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
@@ -30,7 +30,7 @@ pub(super) struct Best {
 /// A search for the contact at one place.
 pub(super) struct Drop<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
-    track: Track,
+    track: AxisMove,
     /// The tip is proved to be this exact, mm.
     accuracy: f64,
     /// Where the contact is expected.
@@ -40,7 +40,7 @@ pub(super) struct Drop<'a, 'b, P> {
     support: Option<Support>,
     round: Option<RoundBodies>,
     /// Parts that may lift the tip higher, with how high.
-    open: BestFirst<Part<P>>,
+    open: BestFirst<SubPatch<P>>,
     /// What could not be proved to be lower.
     above: f64,
 }
@@ -61,7 +61,7 @@ impl<P: Patch> PartVisitor<P> for Drop<'_, '_, P> {
         promise <= self.level()
     }
 
-    fn visit(&mut self, part: &Part<P>, promise: f64) {
+    fn visit(&mut self, part: &SubPatch<P>, promise: f64) {
         let highest =
             promise.min(self.contacts.lift_of_box(&part.bounds, &self.track)).min(self.highest(part));
         self.renew_support();
@@ -80,7 +80,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
     ) -> Self {
         Self {
             contacts,
-            track: Track::point(at),
+            track: AxisMove::point(at),
             accuracy,
             guess,
             best: None,
@@ -181,7 +181,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
     }
 
     /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the best.
-    fn highest(&mut self, part: &Part<P>) -> f64 {
+    fn highest(&mut self, part: &SubPatch<P>) -> f64 {
         if let (Some(best), Some(support)) = (&self.best, &self.support) {
             let highest = best.height + support.excess(part, &self.track, &self.flat_level());
             if highest <= self.level() {
@@ -209,7 +209,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
 
     /// Climbs a part from a place in its own parameters: the most that it can lift the tip, as seen on the way, and whether any place
     /// of the way lifts it.
-    fn climb_part(&mut self, part: &Part<P>, start: [f64; 2]) -> (f64, bool) {
+    fn climb_part(&mut self, part: &SubPatch<P>, start: [f64; 2]) -> (f64, bool) {
         let (contacts, track) = (self.contacts, self.track);
         let bends = part.bends();
         let mut climb = Climb::new(&contacts.cutter, &track, start);

@@ -11,10 +11,10 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::tree::{Bends, Part};
+use super::tree::{Bends, SubPatch};
 use crate::geometry::surface::Jet;
-use crate::geometry::surface::ball::Ball;
 use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::vector_ball::VectorBall;
 use crate::machining::cutter::{Cutter, Form, LowerPoint};
 
 /// The part of the least curvature that pays for what is not known of how it changes with the way.
@@ -26,14 +26,14 @@ const LEAST_SHARES: [f64; 2] = [1e-13, 1e-6];
 
 /// Positions of the axis: `center` + t `way`, |t| <= `reach`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Track {
+pub(super) struct AxisMove {
     pub(super) center: Vector2<f64>,
     /// Of unit length, or zero with a reach of zero.
     pub(super) way: Vector2<f64>,
     pub(super) reach: f64,
 }
 
-impl Track {
+impl AxisMove {
     pub(super) fn point(center: Vector2<f64>) -> Self {
         Self { center, way: Vector2::zeros(), reach: 0.0 }
     }
@@ -88,7 +88,7 @@ impl Quadratic {
 
 /// A place of a part and a point of the cutter that may touch there.
 pub(super) struct Touch<'a, P> {
-    pub(super) part: &'a Part<P>,
+    pub(super) part: &'a SubPatch<P>,
     pub(super) bends: &'a Bends,
     pub(super) place: [f64; 2],
     pub(super) jet: &'a Jet,
@@ -97,7 +97,7 @@ pub(super) struct Touch<'a, P> {
 
 impl<P: Patch> Touch<'_, P> {
     /// By how much the part lifts the tip above `level`, at most, mm; infinite where that is not known.
-    pub(super) fn excess(&self, cutter: &Cutter, track: &Track, level: &Level) -> f64 {
+    pub(super) fn excess(&self, cutter: &Cutter, track: &AxisMove, level: &Level) -> f64 {
         let from_touch = self.part.center - track.center - self.lower.place;
         let width = self.part.half_diagonal + track.reach;
         let least = self.lower.away_of(&from_touch) - width;
@@ -125,7 +125,7 @@ impl<P: Patch> Touch<'_, P> {
         least_share: f64,
         from_touch: &Vector2<f64>,
         width: f64,
-        track: &Track,
+        track: &AxisMove,
         level: &Level,
     ) -> (f64, bool) {
         let Bends { derivatives, first, second: by } = self.bends;
@@ -135,7 +135,7 @@ impl<P: Patch> Touch<'_, P> {
         let middle = gradient + form.times(from_touch);
         let changes = norm * width;
         let length = (1.0 + middle.norm_squared()).sqrt();
-        let second = |s: &Ball, reach: f64| {
+        let second = |s: &VectorBall, reach: f64| {
             let value = s.center.z - middle.dot(&s.center.xy());
             (value, length * s.radius + changes * reach)
         };

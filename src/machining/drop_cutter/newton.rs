@@ -8,8 +8,8 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::lift_bound::{Level, Touch, Track};
-use super::tree::{Bends, Part};
+use super::lift_bound::{AxisMove, Level, Touch};
+use super::tree::{Bends, SubPatch};
 use crate::geometry::solve::falling_root;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
@@ -47,7 +47,7 @@ pub(super) struct Found {
 #[derive(Clone, Copy)]
 pub(super) struct Climb<'a> {
     cutter: &'a Cutter,
-    track: &'a Track,
+    track: &'a AxisMove,
     place: [f64; 2],
     /// The cutter's point with the gradient of the surface, where there is one.
     tangent: Option<LowerPoint>,
@@ -56,7 +56,7 @@ pub(super) struct Climb<'a> {
 }
 
 impl<'a> Climb<'a> {
-    pub(super) fn new(cutter: &'a Cutter, track: &'a Track, place: [f64; 2]) -> Self {
+    pub(super) fn new(cutter: &'a Cutter, track: &'a AxisMove, place: [f64; 2]) -> Self {
         Self { cutter, track, place, tangent: None, over: None }
     }
 
@@ -147,7 +147,13 @@ impl<'a> Climb<'a> {
     }
 
     /// By how much the part lifts the tip above `level`, at most, as seen from the place that was looked at.
-    pub(super) fn excess<P: Patch>(&self, part: &Part<P>, bends: &Bends, jet: &Jet, level: &Level) -> f64 {
+    pub(super) fn excess<P: Patch>(
+        &self,
+        part: &SubPatch<P>,
+        bends: &Bends,
+        jet: &Jet,
+        level: &Level,
+    ) -> f64 {
         let mut excess = f64::INFINITY;
         for lower in [self.tangent, self.over].into_iter().flatten() {
             let touch = Touch { part, bends, place: self.place, jet, lower };

@@ -19,9 +19,9 @@
 
 use nalgebra::Vector3;
 
-use super::lift_bound::{Level, Track};
+use super::lift_bound::{AxisMove, Level};
 use super::side::Side;
-use super::tree::Part;
+use super::tree::SubPatch;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::cutter::{Cutter, LowerPoint};
@@ -66,7 +66,7 @@ impl RoundBodies {
     }
 
     /// Whether no point of a part lifts the tip over the level, for any position of the track. A `false` may mean that this is not known.
-    pub(super) fn keep_below<P: Patch>(&self, part: &Part<P>, track: &Track, level: &Level) -> bool {
+    pub(super) fn keep_below<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> bool {
         let tip = Vector3::new(track.center.x, track.center.y, level.level);
         let half = Vector3::new(track.way.x, track.way.y, level.slope) * track.reach;
         let way = |rise: f64, seen_along| Way { center: tip + Vector3::z() * rise, half, seen_along };
@@ -102,7 +102,7 @@ impl Spheroid {
     }
 
     /// Whether the body, or its cylinder along the direction of view, is clear of a part on all of the way.
-    fn keeps_below<P: Patch>(&self, part: &Part<P>, way: &Way) -> bool {
+    fn keeps_below<P: Patch>(&self, part: &SubPatch<P>, way: &Way) -> bool {
         // Beside the centre it is the shank that counts.
         if part.bounds.max.z > way.center.z - way.half.z.abs() {
             return false;

@@ -12,11 +12,11 @@
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
-use super::lift_bound::{Level, Track};
+use super::lift_bound::{AxisMove, Level};
 use super::newton::{Climb, TOUCHING};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, Part, PartVisitor};
+use super::tree::{Cover, PartVisitor, SubPatch};
 use super::{Contact, Contacts, patches_at};
 use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
@@ -46,7 +46,7 @@ const ENOUGH_INWARD: f64 = 0.995;
 
 /// Where the tips of a stretch lie by their chord.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Stretch {
+pub(super) enum ChordVerdict {
     /// Near it, from both sides.
     Within,
     /// Perhaps too far below it.
@@ -57,20 +57,20 @@ pub(super) enum Stretch {
 
 impl<P: Patch> Contacts<'_, P> {
     /// Compares the tips between two contacts with the chord of theirs: they may lie `below` mm under it and `above` mm over it.
-    pub(super) fn stretch(&self, from: &Contact, to: &Contact, [below, above]: [f64; 2]) -> Stretch {
+    pub(super) fn stretch(&self, from: &Contact, to: &Contact, [below, above]: [f64; 2]) -> ChordVerdict {
         let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
         if !self.is_above(from, to, below) {
-            Stretch::Lower
+            ChordVerdict::Lower
         } else if self.is_below([from.tip, to.tip], guess, above) {
-            Stretch::Within
+            ChordVerdict::Within
         } else {
-            Stretch::Higher
+            ChordVerdict::Higher
         }
     }
 
     /// Whether no part is near enough to lift the tip anywhere between two positions. A `false` may mean that this is not known.
     pub(super) fn is_free(&self, [from, to]: [Vector2<f64>; 2]) -> bool {
-        let mut near = Near { contacts: self, track: Track::between(from, to), is_found: false };
+        let mut near = Near { contacts: self, track: AxisMove::between(from, to), is_found: false };
         self.tree.visit(&mut near);
         !near.is_found
     }
@@ -82,7 +82,7 @@ impl<P: Patch> Contacts<'_, P> {
         let slope = if length > 0.0 { (to.z - from.z) / length } else { 0.0 };
         let mut look = Look {
             contacts: self,
-            track: Track::between(from.xy().coords, to.xy().coords),
+            track: AxisMove::between(from.xy().coords, to.xy().coords),
             level: Level { level: center.z + height, slope },
             guess,
             support: None,
@@ -258,7 +258,7 @@ fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
 /// A look at all parts that may lift the tip over the chord.
 struct Look<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
-    track: Track,
+    track: AxisMove,
     level: Level,
     guess: [f64; 2],
     support: Option<Support>,
@@ -279,7 +279,7 @@ impl<P: Patch> Look<'_, '_, P> {
         Some((climb.lower()?, jet))
     }
 
-    fn settles(&mut self, part: &Part<P>) -> bool {
+    fn settles(&mut self, part: &SubPatch<P>) -> bool {
         if let Some(support) = &self.support
             && support.excess(part, &self.track, &self.level) <= 0.0
         {
@@ -318,7 +318,7 @@ impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
         !self.is_below || promise <= least
     }
 
-    fn visit(&mut self, part: &Part<P>, _promise: f64) {
+    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
         let mut open = vec![];
         if !self.settles(part) {
             open.extend(part.halves());
@@ -340,7 +340,7 @@ impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
 /// A look for any part near a track.
 struct Near<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
-    track: Track,
+    track: AxisMove,
     is_found: bool,
 }
 
@@ -353,7 +353,7 @@ impl<P: Patch> PartVisitor<P> for Near<'_, '_, P> {
         self.is_found || promise == f64::NEG_INFINITY
     }
 
-    fn visit(&mut self, part: &Part<P>, _promise: f64) {
+    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
         self.is_found = self.contacts.lift_of_part(part, &self.track) > f64::NEG_INFINITY;
     }
 }

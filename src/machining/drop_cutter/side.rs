@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::tree::Part;
+use super::tree::SubPatch;
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::cutter::{Cutter, LowerPoint};
@@ -55,7 +55,7 @@ impl Side {
     /// `half` of it.
     pub(super) fn keeps_below<P: Patch>(
         &self,
-        part: &Part<P>,
+        part: &SubPatch<P>,
         [tip, half]: [Vector3<f64>; 2],
         along: Vector3<f64>,
     ) -> bool {
@@ -108,7 +108,11 @@ impl Side {
 
     /// The same by a ball about the centre of curvature, which holds all of the cutter up to the highest point of the part: exact for
     /// bowls.
-    pub(super) fn ball_keeps_below<P: Patch>(&self, part: &Part<P>, [tip, half]: [Vector3<f64>; 2]) -> bool {
+    pub(super) fn ball_keeps_below<P: Patch>(
+        &self,
+        part: &SubPatch<P>,
+        [tip, half]: [Vector3<f64>; 2],
+    ) -> bool {
         let Some(hollow) = self.hollow else { return false };
         let [sine, cosine] = self.steepness;
         let up = Vector3::new(-self.away.x * sine, -self.away.y * sine, cosine);

@@ -2,8 +2,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::lift_bound::{Level, Track};
-use super::tree::{Cover, Part};
+use super::lift_bound::{AxisMove, Level};
+use super::tree::{Cover, SubPatch};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::machining::cutter::{Cutter, LowerPoint};
 
@@ -18,7 +18,7 @@ pub(super) struct Support {
 }
 
 impl Support {
-    pub(super) fn of(cutter: &Cutter, lower: &LowerPoint, track: &Track) -> Self {
+    pub(super) fn of(cutter: &Cutter, lower: &LowerPoint, track: &AxisMove) -> Self {
         Self {
             at: track.center + lower.place,
             height: lower.height,
@@ -28,7 +28,7 @@ impl Support {
     }
 
     /// By how much a part lifts the tip above a level, at most, mm.
-    pub(super) fn excess<P: Patch>(&self, part: &Part<P>, track: &Track, level: &Level) -> f64 {
+    pub(super) fn excess<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> f64 {
         let tilted = |p: Vector3<f64>| p.z - self.gradient.dot(&(p.xy() - self.at));
         let higher = |highest: f64, height: f64| if height > highest { height } else { highest };
         let highest = part.patch.control_points().map(tilted).fold(f64::NEG_INFINITY, higher);
@@ -36,12 +36,12 @@ impl Support {
     }
 
     /// By how much anything under a cover does so.
-    pub(super) fn excess_under(&self, cover: &Cover, track: &Track, level: &Level) -> f64 {
+    pub(super) fn excess_under(&self, cover: &Cover, track: &AxisMove, level: &Level) -> f64 {
         self.excess_of(cover.highest_over(&self.gradient, &self.at), &cover.bounds, track, level)
     }
 
     /// What is in a box, no higher than `highest` over the tangent plane.
-    fn excess_of(&self, highest: f64, bounds: &Bounds, track: &Track, level: &Level) -> f64 {
+    fn excess_of(&self, highest: f64, bounds: &Bounds, track: &AxisMove, level: &Level) -> f64 {
         let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
         let squared = track.squared_distance(bounds, &self.at);
         highest - self.height + along - 0.5 * self.round * squared - level.level

@@ -1,9 +1,9 @@
 use proptest::prelude::*;
 
 use super::drop::Drop;
-use super::lift_bound::{Level, Track};
+use super::lift_bound::{AxisMove, Level};
 use super::round::RoundBodies;
-use super::segment_proof::Stretch;
+use super::segment_proof::ChordVerdict;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 
@@ -149,13 +149,13 @@ fn chords_are_confirmed_only_where_tips_keep_to_them() {
     let square = graph([0.0, 0.0], [10.0, 10.0], |_, _| 3.0);
     let contacts = Contacts::new(&square, Cutter::ball(5.0), &budget).unwrap();
     let at = |x: f64| contacts.drop(Vector2::new(x, 5.0), None, &budget).unwrap().unwrap();
-    assert_eq!(contacts.stretch(&at(3.0), &at(7.0), [1e-6; 2]), Stretch::Within);
+    assert_eq!(contacts.stretch(&at(3.0), &at(7.0), [1e-6; 2]), ChordVerdict::Within);
     // The height of an arc of radius 5 over a chord.
     let (from, to) = (at(-2.0), at(-1.6));
     let chord = (to.tip - from.tip).norm();
     let sagitta = 5.0 - (25.0 - 0.25 * chord * chord).sqrt();
-    assert_ne!(contacts.stretch(&from, &to, [0.9 * sagitta; 2]), Stretch::Within);
-    assert_eq!(contacts.stretch(&from, &to, [1.3 * sagitta; 2]), Stretch::Within);
+    assert_ne!(contacts.stretch(&from, &to, [0.9 * sagitta; 2]), ChordVerdict::Within);
+    assert_eq!(contacts.stretch(&from, &to, [1.3 * sagitta; 2]), ChordVerdict::Within);
 }
 
 proptest! {
@@ -185,7 +185,7 @@ proptest! {
         let way = Vector2::new(angle.cos(), angle.sin()) * reach;
         let at = Vector2::new(x, y);
         let level = Level { level: best.height + over, slope };
-        for track in [Track::point(at), Track::between(at - way, at + way)] {
+        for track in [AxisMove::point(at), AxisMove::between(at - way, at + way)] {
             let kept = contacts.tree.parts.iter().filter(|part| round.keep_below(part, &track, &level));
             for part in kept {
                 for k in 0..=10 * 10 * 4 {

@@ -33,7 +33,7 @@ const NEARLY: f64 = 1e-9;
 
 /// A part of a patch, over a unit square of its own.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part<P> {
+pub(super) struct SubPatch<P> {
     pub(super) patch: P,
     pub(super) bounds: Bounds,
     /// The middle of its box in plan, and half the diagonal.
@@ -71,7 +71,7 @@ impl Bends {
     }
 }
 
-impl<P: Patch> Part<P> {
+impl<P: Patch> SubPatch<P> {
     fn new(patch: P, start: [f64; 2], scale: [f64; 2]) -> Self {
         let bounds = patch.bounds();
         let center = (0.5 * (bounds.min + bounds.max)).xy();
@@ -162,7 +162,7 @@ pub(super) struct Cover {
 }
 
 impl Cover {
-    fn of<P: Patch>(part: &Part<P>) -> Self {
+    fn of<P: Patch>(part: &SubPatch<P>) -> Self {
         let gradient = part.patch.jet(0.5, 0.5).gradient();
         let gradient = if gradient.norm() < STEEPEST_COVER { gradient } else { Vector2::zeros() };
         let center = part.center;
@@ -193,7 +193,7 @@ impl Volume for Cover {
 pub(super) struct Tree<P> {
     /// Over the indices of the parts.
     covers: BoundingTree<Cover, usize>,
-    pub(super) parts: Vec<Part<P>>,
+    pub(super) parts: Vec<SubPatch<P>>,
 }
 
 impl<P: Patch> Tree<P> {
@@ -216,7 +216,7 @@ impl<P: Patch> Tree<P> {
         let Some([first, second]) = range.halves() else {
             budget.check()?;
             let (i, j) = (range.i[0], range.j[0]);
-            let part = Part::new(*surface.patch(i, j), [i as f64, j as f64], [1.0, 1.0]);
+            let part = SubPatch::new(*surface.patch(i, j), [i as f64, j as f64], [1.0, 1.0]);
             return Ok(self.add_part(part, size, DEPTH_LIMIT));
         };
         let first = self.add_patches(surface, first, size, budget)?;
@@ -224,10 +224,10 @@ impl<P: Patch> Tree<P> {
         Ok(self.covers.join([first, second]))
     }
 
-    fn add_part(&mut self, part: Part<P>, size: f64, depth: u32) -> usize {
+    fn add_part(&mut self, part: SubPatch<P>, size: f64, depth: u32) -> usize {
         let [along_u, along_v] = part.patch.extents();
         if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
-            self.parts.push(Part { bends: Some(part.bends()), ..part });
+            self.parts.push(SubPatch { bends: Some(part.bends()), ..part });
             return self.covers.add(Cover::of(&part), self.parts.len() - 1);
         }
         let halves = part.halves().map(|half| self.add_part(half, size, depth - 1));
@@ -253,12 +253,12 @@ pub(super) trait PartVisitor<P> {
     /// Whether a promise no longer matters.
     fn is_settled(&self, promise: f64) -> bool;
 
-    fn visit(&mut self, part: &Part<P>, promise: f64);
+    fn visit(&mut self, part: &SubPatch<P>, promise: f64);
 }
 
 /// A search for indices of parts.
 struct OfParts<'a, P, V> {
-    parts: &'a [Part<P>],
+    parts: &'a [SubPatch<P>],
     visitor: &'a mut V,
 }
 

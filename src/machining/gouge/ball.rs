@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::piece::{Piece, Track};
+use super::piece::{PathPiece, PieceCurve};
 use crate::geometry::curve::{Arc, Direction, Line};
 use crate::geometry::surface::Patch;
 use crate::geometry::surface::patch::SquareBound;
@@ -26,12 +26,12 @@ pub(super) struct Nearness {
 }
 
 /// The nearness of a part to a piece that is raised by `rise` mm.
-pub(super) fn nearness(piece: &Piece, rise: f64, part: &impl Patch) -> Nearness {
+pub(super) fn nearness(piece: &PathPiece, rise: f64, part: &impl Patch) -> Nearness {
     let up = Vector3::z() * rise;
     let squared = match &piece.track {
-        Track::Line(line) => to_line(&Line { start: line.start + up, end: line.end + up }, part),
-        Track::Arc(arc) if rise == 0.0 => to_arc(arc, part),
-        Track::Arc(arc) => to_arc(&arc.translated(&up), part),
+        PieceCurve::Line(line) => to_line(&Line { start: line.start + up, end: line.end + up }, part),
+        PieceCurve::Arc(arc) if rise == 0.0 => to_arc(arc, part),
+        PieceCurve::Arc(arc) => to_arc(&arc.translated(&up), part),
     };
     let [bend_u, bend_v] = squared.bends;
     let lowest = squared.lowest - ROUNDING * squared.magnitude;

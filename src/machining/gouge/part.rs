@@ -21,7 +21,7 @@ pub(super) type Sides = [bool; 4];
 
 /// A part of a patch.
 #[derive(Clone, Copy)]
-pub(super) struct Part<P> {
+pub(super) struct SubPatch<P> {
     pub(super) patch: P,
     /// Its ranges of the parameters of the patch.
     ranges: [[f64; 2]; 2],
@@ -36,7 +36,7 @@ pub(super) struct Beneath {
     pub(super) is_at_edge: bool,
 }
 
-impl<P: Patch> Part<P> {
+impl<P: Patch> SubPatch<P> {
     pub(super) fn new(patch: P, edges: Sides) -> Self {
         Self { patch, ranges: [[0.0, 1.0]; 2], edges }
     }

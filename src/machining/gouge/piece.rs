@@ -17,15 +17,15 @@ const PIECE_LIMIT: f64 = 1e5;
 
 /// What bounds are known for: a line, or an arc in its plane.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Track {
+pub(super) enum PieceCurve {
     Line(Line),
     Arc(Arc),
 }
 
 /// A part of the centre's path.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
-    pub(super) track: Track,
+pub(super) struct PathPiece {
+    pub(super) track: PieceCurve,
     /// How far the true path may leave the track, mm.
     pub(super) slack: f64,
 }
@@ -38,7 +38,7 @@ pub(super) fn pieces(
     length: f64,
     slack: f64,
     chord_height: f64,
-) -> impl Iterator<Item = Piece> {
+) -> impl Iterator<Item = PathPiece> {
     let center = raised(tip, rise);
     let by_length = (center.length() / length).ceil();
     let limited = |count: f64| count.clamp(1.0, PIECE_LIMIT);
@@ -64,14 +64,14 @@ pub(super) fn pieces(
     };
     (0..count as usize).map(move |k| {
         let [from, to] = [k, k + 1].map(|k| k as f64 / count);
-        let chord = |at: &dyn Fn(f64) -> Point3<f64>| Track::Line(Line { start: at(from), end: at(to) });
+        let chord = |at: &dyn Fn(f64) -> Point3<f64>| PieceCurve::Line(Line { start: at(from), end: at(to) });
         let track = match &center {
             Curve::Line(line) => chord(&|t| line.point_at(t)),
-            Curve::Arc(arc) if arc.rise() == 0.0 => Track::Arc(arc.part(from, to)),
+            Curve::Arc(arc) if arc.rise() == 0.0 => PieceCurve::Arc(arc.part(from, to)),
             Curve::Arc(arc) => chord(&|t| arc.point_at(t)),
             Curve::Parabola(parabola) => chord(&|t| parabola.at(t)),
         };
-        Piece { track, slack }
+        PathPiece { track, slack }
     })
 }
 
@@ -84,43 +84,45 @@ fn raised(curve: &Curve, by: f64) -> Curve {
     }
 }
 
-impl Track {
+impl PieceCurve {
     fn start(&self) -> Vector3<f64> {
         match self {
-            Track::Line(line) => line.start.coords,
-            Track::Arc(arc) => arc.start().coords,
+            PieceCurve::Line(line) => line.start.coords,
+            PieceCurve::Arc(arc) => arc.start().coords,
         }
     }
 
     fn end(&self) -> Vector3<f64> {
         match self {
-            Track::Line(line) => line.end.coords,
-            Track::Arc(arc) => arc.end().coords,
+            PieceCurve::Line(line) => line.end.coords,
+            PieceCurve::Arc(arc) => arc.end().coords,
         }
     }
 }
 
-impl Piece {
+impl PathPiece {
     pub(super) fn length(&self) -> f64 {
         match &self.track {
-            Track::Line(line) => line.length(),
-            Track::Arc(arc) => arc.length(),
+            PieceCurve::Line(line) => line.length(),
+            PieceCurve::Arc(arc) => arc.length(),
         }
     }
 
-    pub(super) fn halves(&self) -> [Piece; 2] {
+    pub(super) fn halves(&self) -> [PathPiece; 2] {
         let part = |from: f64, to: f64| match &self.track {
-            Track::Line(line) => Track::Line(Line { start: line.point_at(from), end: line.point_at(to) }),
-            Track::Arc(arc) => Track::Arc(arc.part(from, to)),
+            PieceCurve::Line(line) => {
+                PieceCurve::Line(Line { start: line.point_at(from), end: line.point_at(to) })
+            }
+            PieceCurve::Arc(arc) => PieceCurve::Arc(arc.part(from, to)),
         };
-        [part(0.0, 0.5), part(0.5, 1.0)].map(|track| Piece { track, slack: self.slack })
+        [part(0.0, 0.5), part(0.5, 1.0)].map(|track| PathPiece { track, slack: self.slack })
     }
 
     /// The largest coordinate along `direction` over the track.
     pub(super) fn support(&self, direction: &Vector3<f64>) -> f64 {
         match &self.track {
-            Track::Line(line) => line.support(direction),
-            Track::Arc(arc) => arc.support(direction),
+            PieceCurve::Line(line) => line.support(direction),
+            PieceCurve::Arc(arc) => arc.support(direction),
         }
     }
 
@@ -141,13 +143,13 @@ impl Piece {
 
     fn nearest_point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         match &self.track {
-            Track::Line(line) => {
+            PieceCurve::Line(line) => {
                 let along = line.end - line.start;
                 let squared = along.norm_squared();
                 let t = if squared > 0.0 { (p - line.start.coords).dot(&along) / squared } else { 0.0 };
                 line.point_at(t.clamp(0.0, 1.0)).coords
             }
-            Track::Arc(arc) => nearest_on_arc(arc, p),
+            PieceCurve::Arc(arc) => nearest_on_arc(arc, p),
         }
     }
 
@@ -179,8 +181,8 @@ impl Piece {
     pub(super) fn magnitude(&self) -> f64 {
         let ends = self.track.start().amax().max(self.track.end().amax());
         match &self.track {
-            Track::Line(_) => ends,
-            Track::Arc(arc) => ends + arc.radius(),
+            PieceCurve::Line(_) => ends,
+            PieceCurve::Arc(arc) => ends + arc.radius(),
         }
     }
 }

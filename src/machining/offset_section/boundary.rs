@@ -51,7 +51,7 @@ impl BoundaryPoint {
 
 /// A stretch of one side on which the coordinate is monotone, with its values at both ends, mm.
 #[derive(Debug, Clone, Copy)]
-struct Stretch {
+struct MonotoneRange {
     side: Side,
     t: [f64; 2],
     value: [f64; 2],
@@ -60,7 +60,7 @@ struct Stretch {
 pub(super) struct Boundary {
     radius: f64,
     axis: usize,
-    stretches: Vec<Stretch>,
+    stretches: Vec<MonotoneRange>,
 }
 
 impl Boundary {
@@ -116,7 +116,8 @@ impl Boundary {
         let reach = 1.0 / SAMPLES as f64;
         let t = [(middle - reach).max(0.0), (middle + reach).min(end)];
         let value = t.map(|t| self.value(surface, side, t)[0]);
-        ((value[0] < at) != (value[1] < at)).then(|| self.root(surface, &Stretch { side, t, value }, at))
+        ((value[0] < at) != (value[1] < at))
+            .then(|| self.root(surface, &MonotoneRange { side, t, value }, at))
     }
 
     fn add_side(&mut self, surface: &dyn Surface, side: Side, budget: &Budget) -> Result<(), Stopped> {
@@ -134,10 +135,10 @@ impl Boundary {
             if here[1] * next[1] < 0.0 {
                 let turn = self.extreme(surface, side, [t, next_t], here[1]);
                 let value = self.value(surface, side, turn)[0];
-                self.stretches.push(Stretch { side, t: [t, turn], value: [here[0], value] });
-                self.stretches.push(Stretch { side, t: [turn, next_t], value: [value, next[0]] });
+                self.stretches.push(MonotoneRange { side, t: [t, turn], value: [here[0], value] });
+                self.stretches.push(MonotoneRange { side, t: [turn, next_t], value: [value, next[0]] });
             } else {
-                self.stretches.push(Stretch { side, t: [t, next_t], value: [here[0], next[0]] });
+                self.stretches.push(MonotoneRange { side, t: [t, next_t], value: [here[0], next[0]] });
             }
             (t, here) = (next_t, next);
         }
@@ -165,7 +166,7 @@ impl Boundary {
     }
 
     /// The place of the value `at` on a stretch that crosses it: Newton's method kept inside the bracket.
-    fn root(&self, surface: &dyn Surface, stretch: &Stretch, at: f64) -> BoundaryPoint {
+    fn root(&self, surface: &dyn Surface, stretch: &MonotoneRange, at: f64) -> BoundaryPoint {
         let [mut a, mut b] = stretch.t;
         let rising = stretch.value[1] > stretch.value[0];
         let mut t =

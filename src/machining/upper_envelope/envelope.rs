@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::Stretch;
+use super::Segment;
 use crate::budget::{Budget, Stopped};
 
 /// Stretches that begin or end between two looks at the budget.
@@ -12,22 +12,22 @@ const EVENTS_BETWEEN_CHECKS: usize = 1024;
 const SAME_MM: f64 = 1e-7;
 
 /// A connected skyline: points (x, z), mm, with x that never falls; two at the same x are a wall.
-pub type Skyline = Vec<Vector2<f64>>;
+pub type UpperEnvelope = Vec<Vector2<f64>>;
 
 /// The skylines of all stretches together, from left to right. Gaps of at most `gap_mm` are bridged.
 ///
 /// # Errors
 /// Only the budget's stop.
-pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<Skyline>, Stopped> {
-    let mut waiting: Vec<Stretch> =
+pub fn union(stretches: &[Segment], gap_mm: f64, budget: &Budget) -> Result<Vec<UpperEnvelope>, Stopped> {
+    let mut waiting: Vec<Segment> =
         stretches.iter().copied().filter(|s| s.to.x > s.from.x + SAME_MM).collect();
     // The next to begin is the last.
     waiting.sort_by(|a, b| b.from.x.total_cmp(&a.from.x));
     let mut places: Vec<f64> = waiting.iter().flat_map(|s| [s.from.x, s.to.x]).collect();
     places.sort_by(f64::total_cmp);
     places.dedup_by(|next, kept| *next - *kept <= SAME_MM);
-    let mut open: Vec<Stretch> = Vec::new();
-    let mut skylines: Vec<Skyline> = Vec::new();
+    let mut open: Vec<Segment> = Vec::new();
+    let mut skylines: Vec<UpperEnvelope> = Vec::new();
     for (k, pair) in places.windows(2).enumerate() {
         if k.is_multiple_of(EVENTS_BETWEEN_CHECKS) {
             budget.check()?;
@@ -43,7 +43,7 @@ pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<
         let is_joined =
             skylines.last().and_then(|skyline| skyline.last()).is_some_and(|last| from - last.x <= gap_mm);
         if !is_joined {
-            skylines.push(Skyline::new());
+            skylines.push(UpperEnvelope::new());
         }
         if let Some(skyline) = skylines.last_mut() {
             follow(&open, [from, to], skyline);
@@ -53,7 +53,7 @@ pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<
 }
 
 /// Follows the highest of stretches that all run from one place to another.
-fn follow(open: &[Stretch], [from, to]: [f64; 2], skyline: &mut Skyline) {
+fn follow(open: &[Segment], [from, to]: [f64; 2], skyline: &mut UpperEnvelope) {
     let heights: Vec<[f64; 2]> = open.iter().map(|s| [s.height(from), s.height(to)]).collect();
     let higher = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
     let Some(mut top) = heights.iter().max_by(higher).copied() else { return };
@@ -73,7 +73,7 @@ fn follow(open: &[Stretch], [from, to]: [f64; 2], skyline: &mut Skyline) {
     append(skyline, Vector2::new(to, top[1]));
 }
 
-fn append(skyline: &mut Skyline, point: Vector2<f64>) {
+fn append(skyline: &mut UpperEnvelope, point: Vector2<f64>) {
     if skyline.last() != Some(&point) {
         skyline.push(point);
     }

@@ -5,18 +5,18 @@ use crate::geometry::surface::{BicubicPatch, RationalPatch, Surface};
 
 const ACCURACY: Accuracy = Accuracy { height_mm: 1e-3, width_mm: 1e-4 };
 
-fn stretches(surface: &BezierSurface<impl Patch>, y: f64) -> Vec<Stretch> {
+fn stretches(surface: &BezierSurface<impl Patch>, y: f64) -> Vec<Segment> {
     Profiles::new(surface).stretches(y, ACCURACY, &Budget::unlimited()).unwrap()
 }
 
-fn skylines(stretches: &[Stretch]) -> Vec<Skyline> {
+fn envelopes(stretches: &[Segment]) -> Vec<UpperEnvelope> {
     union(stretches, ACCURACY.width_mm, &Budget::unlimited()).unwrap()
 }
 
-fn height(skyline: &Skyline, x: f64) -> f64 {
-    let heights = skyline.windows(2).filter(|pair| pair[0].x <= x && x <= pair[1].x);
+fn height(envelope: &UpperEnvelope, x: f64) -> f64 {
+    let heights = envelope.windows(2).filter(|pair| pair[0].x <= x && x <= pair[1].x);
     let heights = heights.filter(|pair| pair[0].x < pair[1].x);
-    heights.map(|p| Stretch { from: p[0], to: p[1] }.height(x)).fold(f64::NEG_INFINITY, f64::max)
+    heights.map(|p| Segment { from: p[0], to: p[1] }.height(x)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// A cylinder of `radius` mm about y with its arc from `from` to `from + sweep` radians over -x, 30 mm long; u along the arc.
@@ -48,17 +48,19 @@ fn bumps() -> BezierSurface {
 }
 
 #[test]
-fn a_cylinder_has_the_circle_as_its_skyline() {
+fn a_cylinder_has_the_circle_as_its_upper_envelope() {
     use std::f64::consts::PI;
     for y in [0.0, 11.0, 15.0, 30.0] {
-        let skylines = skylines(&stretches(&cylinder(20.0, 0.1 * PI, 0.8 * PI), y));
-        let [skyline] = &skylines[..] else { panic!("{} skylines", skylines.len()) };
+        let envelopes = envelopes(&stretches(&cylinder(20.0, 0.1 * PI, 0.8 * PI), y));
+        let [envelope] = &envelopes[..] else { panic!("{} envelopes", envelopes.len()) };
         let reach = 20.0 * (0.1 * PI).cos();
-        assert!((skyline[0].x + reach).abs() < 1e-8 && (skyline[skyline.len() - 1].x - reach).abs() < 1e-8);
+        assert!(
+            (envelope[0].x + reach).abs() < 1e-8 && (envelope[envelope.len() - 1].x - reach).abs() < 1e-8
+        );
         for k in 0..=1000 {
             let x = reach * (f64::from(k) / 500.0 - 1.0);
             let z = (400.0 - x * x).sqrt();
-            assert!((height(skyline, x) - z).abs() <= ACCURACY.height_mm, "{y} {x}");
+            assert!((height(envelope, x) - z).abs() <= ACCURACY.height_mm, "{y} {x}");
         }
     }
 }
@@ -70,15 +72,15 @@ fn of_an_overhang_the_highest_sheet_counts() {
     let turn = cylinder(10.0, -0.25 * PI, 0.75 * PI).patch(0, 0).to_owned();
     let rest = cylinder(10.0, 0.5 * PI, 0.75 * PI).patch(0, 0).to_owned();
     let surface = BezierSurface::from_fn([2, 1], |i, _| if i == 0 { turn } else { rest });
-    let skylines = skylines(&stretches(&surface, 7.0));
-    let [skyline] = &skylines[..] else { panic!("{} skylines", skylines.len()) };
-    assert!((skyline[0].x + 10.0).abs() <= ACCURACY.width_mm, "{}", skyline[0]);
+    let envelopes = envelopes(&stretches(&surface, 7.0));
+    let [envelope] = &envelopes[..] else { panic!("{} envelopes", envelopes.len()) };
+    assert!((envelope[0].x + 10.0).abs() <= ACCURACY.width_mm, "{}", envelope[0]);
     for k in 1..1000 {
         let x = 10.0 * (f64::from(k) / 500.0 - 1.0);
         let near = |x: f64| (100.0 - x.clamp(-10.0, 10.0).powi(2)).sqrt();
         let least = near(x.abs() + ACCURACY.width_mm) - ACCURACY.height_mm;
         let most = near((x.abs() - ACCURACY.width_mm).max(0.0)) + ACCURACY.height_mm;
-        let z = height(skyline, x);
+        let z = height(envelope, x);
         assert!(least <= z && z <= most, "{x} {z} {least} {most}");
     }
 }
@@ -88,22 +90,22 @@ fn skew_patches_are_met_where_dense_points_lie() {
     let surface = bumps();
     for y in [0.0, 3.0, 14.9, 29.0] {
         let stretches = stretches(&surface, y);
-        let skylines = skylines(&stretches);
-        let [skyline] = &skylines[..] else { panic!("{} skylines", skylines.len()) };
+        let envelopes = envelopes(&stretches);
+        let [envelope] = &envelopes[..] else { panic!("{} envelopes", envelopes.len()) };
         // y is linear in v, and x in u and v.
         let v = y / 30.0;
         for k in 1..500 {
             let point = surface.jet(f64::from(k) / 500.0, v).point;
             assert!((point.y - y).abs() < 1e-9);
-            assert!((height(skyline, point.x) - point.z).abs() <= ACCURACY.height_mm, "{point}");
+            assert!((height(envelope, point.x) - point.z).abs() <= ACCURACY.height_mm, "{point}");
         }
     }
 }
 
 #[test]
 fn a_union_changes_over_at_crossings_and_keeps_gaps() {
-    let stretch = |a: [f64; 2], b: [f64; 2]| Stretch { from: Vector2::from(a), to: Vector2::from(b) };
-    let found = skylines(&[
+    let stretch = |a: [f64; 2], b: [f64; 2]| Segment { from: Vector2::from(a), to: Vector2::from(b) };
+    let found = envelopes(&[
         stretch([0.0, 0.0], [4.0, 4.0]),
         stretch([0.0, 3.0], [4.0, 1.0]),
         stretch([1.0, 5.0], [1.5, 5.0]),
@@ -114,6 +116,6 @@ fn a_union_changes_over_at_crossings_and_keeps_gaps() {
         vec![[5.0, 0.0], [6.0, 0.0]],
     ];
     let found: Vec<Vec<[f64; 2]>> =
-        found.into_iter().map(|skyline| skyline.into_iter().map(|p| [p.x, p.y]).collect()).collect();
+        found.into_iter().map(|envelope| envelope.into_iter().map(|p| [p.x, p.y]).collect()).collect();
     assert_eq!(found, expected);
 }

@@ -36,7 +36,7 @@ pub struct Path {
 }
 
 /// An element on its way to the program, with its proved deviation from the curve.
-struct Stretch {
+struct ProvedElement {
     element: Element,
     deviation_mm: f64,
 }
@@ -93,13 +93,14 @@ fn runnable(
     elements: &[ReportedElement],
     job: &Job,
     budget: &Budget,
-) -> Result<Vec<Stretch>, Error> {
+) -> Result<Vec<ProvedElement>, Error> {
     let mut stretches = Vec::with_capacity(elements.len());
     let fitter = |method| Fitter { curve, method, band: job.band, element_limit: job.element_limit };
     for element in elements {
         let is_run = job.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
         if is_run {
-            stretches.push(Stretch { element: element.element, deviation_mm: element.spread.largest_mm() });
+            stretches
+                .push(ProvedElement { element: element.element, deviation_mm: element.spread.largest_mm() });
             continue;
         }
         let fitted = match least::fewest(&fitter(Method::Arc), element.domain, budget) {
@@ -109,11 +110,10 @@ fn runnable(
             }
             fitted => fitted?,
         };
-        stretches.extend(
-            fitted
-                .iter()
-                .map(|fitted| Stretch { element: fitted.element, deviation_mm: fitted.spread.largest_mm() }),
-        );
+        stretches.extend(fitted.iter().map(|fitted| ProvedElement {
+            element: fitted.element,
+            deviation_mm: fitted.spread.largest_mm(),
+        }));
     }
     Ok(stretches)
 }

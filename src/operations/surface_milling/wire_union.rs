@@ -3,7 +3,7 @@
 //! # Method
 //! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch apart, the first
 //!    and the last on the extent of the surface. Of a surface that overhangs they are its highest sheet
-//!    ([`skyline`](crate::machining::upper_envelope)).
+//!    ([`envelope`](crate::machining::upper_envelope)).
 //! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path passes at the
 //!    largest z that wire k or one of its neighbours has at the same x.
 //! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by lines.
@@ -13,7 +13,7 @@
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the exact union, as far as
-//!   the skyline guarantees; it is at most the tolerance.
+//!   the envelope guarantees; it is at most the tolerance.
 //! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it has no offset in its own plane. On a slope of angle a along the wires a ball cuts
 //!   R (1 - cos a) deep. It is a roughing path, and answered with a warning.
 //!
@@ -51,7 +51,7 @@ use crate::geometry::curve::{Curve, Line};
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
-use crate::machining::upper_envelope::{Accuracy, Skyline, SkylineError, Stretch, union};
+use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Segment, UpperEnvelope, union};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
 use crate::toolpath::quantize::{Parabolas, round};
@@ -73,17 +73,17 @@ const EFFORT: usize = 600;
 /// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is none.
 const LEAST_DEPTH_MM: f64 = 1e-8;
 
-/// How exactly a skyline is made of its stretches, mm.
+/// How exactly a envelope is made of its stretches, mm.
 const SKYLINE_ACCURACY_MM: f64 = 2e-7;
 
 /// Wires at the radius are counted although their places are rounded; in pitches.
 const PITCH_ROUNDING: f64 = 1e-9;
 
-impl From<SkylineError> for Error {
-    fn from(error: SkylineError) -> Self {
+impl From<EnvelopeError> for Error {
+    fn from(error: EnvelopeError) -> Self {
         match error {
-            SkylineError::Stopped(stopped) => Self::Stopped(stopped),
-            SkylineError::Lost { at } => Self::SectionLost { at },
+            EnvelopeError::Stopped(stopped) => Self::Stopped(stopped),
+            EnvelopeError::Lost { at } => Self::SectionLost { at },
         }
     }
 }
@@ -148,13 +148,13 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
         budget.check()?;
         budget.progress("wires", k, model.wires.len());
         let last = k.saturating_add(reach).min(model.wires.len() - 1);
-        let near: Vec<Stretch> = model.wires[k.saturating_sub(reach)..=last]
+        let near: Vec<Segment> = model.wires[k.saturating_sub(reach)..=last]
             .iter()
             .flat_map(|wire| &wire.stretches)
             .copied()
             .collect();
-        for skyline in union(&near, accuracy.width_mm, budget)? {
-            let Some(pass) = pass(job, &skyline, model.wires[k].at, accuracy, budget)? else { continue };
+        for envelope in union(&near, accuracy.width_mm, budget)? {
+            let Some(pass) = pass(job, &envelope, model.wires[k].at, accuracy, budget)? else { continue };
             n_lines += pass.curves.len();
             if n_lines > LINE_LIMIT {
                 return Err(Error::TooMuchWork { what: "lines", needed: n_lines, limit: LINE_LIMIT });
@@ -165,17 +165,17 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
-/// The pass along a skyline in the plane at `y` mm; `None` where it would vanish in rounding.
+/// The pass along a envelope in the plane at `y` mm; `None` where it would vanish in rounding.
 fn pass(
     job: &Job,
-    skyline: &Skyline,
+    envelope: &UpperEnvelope,
     y: f64,
     accuracy: Accuracy,
     budget: &Budget,
 ) -> Result<Option<CutPass>, Error> {
     let step = job.resolution.step_mm();
     let tips: Vec<Point3<f64>> =
-        skyline.iter().map(|point| Point3::new(point.x, y, point.y + job.allowance_mm)).collect();
+        envelope.iter().map(|point| Point3::new(point.x, y, point.y + job.allowance_mm)).collect();
     let length: f64 = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     if length <= 2.0 * step {
         return Ok(None);

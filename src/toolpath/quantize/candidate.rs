@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, Form, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, Piece,
-    QuantizeError, Written,
+    ACCEPTED_STEPS, ArcPart, Form, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM,
+    MIN_SAGITTA_STEPS, QuantizeError, Written,
 };
 use crate::geometry::curve::{Arc, Curve};
 
@@ -16,7 +16,7 @@ const RADIUS_MARGIN: f64 = 1.01;
 
 /// A piece with its ends rounded, in its plane: (first, second, normal).
 struct Rounded<'a> {
-    piece: &'a Piece<'a>,
+    piece: &'a ArcPart<'a>,
     grid: &'a Grid,
     start_units: [i64; 3],
     end_units: [i64; 3],
@@ -26,7 +26,7 @@ struct Rounded<'a> {
 }
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
-pub fn best(piece: &Piece, grid: &Grid) -> Result<Option<Written>, QuantizeError> {
+pub fn best(piece: &ArcPart, grid: &Grid) -> Result<Option<Written>, QuantizeError> {
     let rounded = Rounded::new(piece, grid)?;
     let [a, b] = rounded.in_plane(rounded.start_units);
     let [to_a, to_b] = rounded.in_plane(rounded.end_units);
@@ -47,7 +47,7 @@ pub fn best(piece: &Piece, grid: &Grid) -> Result<Option<Written>, QuantizeError
 }
 
 impl<'a> Rounded<'a> {
-    fn new(piece: &'a Piece<'a>, grid: &'a Grid) -> Result<Self, QuantizeError> {
+    fn new(piece: &'a ArcPart<'a>, grid: &'a Grid) -> Result<Self, QuantizeError> {
         let plane = piece.arc.plane();
         let (start, end) = (piece.start(), piece.end());
         let (start_units, end_units) = (grid.round(&start)?, grid.round(&end)?);

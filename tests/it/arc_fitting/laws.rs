@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::arc_fit::{
-    Fit, FitError, Joints, LARGEST_RADIUS_MM, Measure, Method, Piece, Shape, Shapes, fit_in_space,
+    Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes, fit_in_space,
 };
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::following::{from_lines, from_points};
@@ -27,13 +27,13 @@ fn count(points: &[Vector2<f64>], request: &Fit) -> usize {
     judge(points, &fitted(points, request), request.tolerance_mm).unwrap()
 }
 
-fn in_space(points: &[Point3<f64>], request: &Fit) -> Vec<Piece> {
+fn in_space(points: &[Point3<f64>], request: &Fit) -> Vec<FittedCurve> {
     fit_in_space(points, None, request, &Budget::unlimited()).unwrap()
 }
 
 /// Fails unless the curves are one chain from the first point to the last, near every point and in order by the fitting's own
 /// measure.
-fn judge_in_space(points: &[Point3<f64>], pieces: &[Piece], tolerance: f64) {
+fn judge_in_space(points: &[Point3<f64>], pieces: &[FittedCurve], tolerance: f64) {
     let (mut at, mut first) = (points[0], 0);
     for piece in pieces {
         assert_eq!(piece.curve.start(), at);
@@ -118,7 +118,7 @@ proptest! {
             .map(|k| lifted[k / 2])
             .collect();
         let [pieces, again] = [&lifted, &repeated].map(|points| in_space(points, &on_points()));
-        let curves = |pieces: &[Piece]| pieces.iter().map(|piece| piece.curve).collect::<Vec<_>>();
+        let curves = |pieces: &[FittedCurve]| pieces.iter().map(|piece| piece.curve).collect::<Vec<_>>();
         prop_assert_eq!(curves(&pieces), curves(&again));
         judge_in_space(&repeated, &again, TOLERANCE_MM);
     }
@@ -176,7 +176,7 @@ fn coarse_polygons_become_arcs_only_within_the_tolerance() {
         assert_eq!(count(&points, &Fit::within(1e-6)), 1);
         // By the curve: the arc is as far from the lines as they are high.
         let lifted: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
-        let [Piece { curve, .. }] = in_space(&lifted, &Fit::within(1e-6))[..] else { panic!() };
+        let [FittedCurve { curve, .. }] = in_space(&lifted, &Fit::within(1e-6))[..] else { panic!() };
         assert!((from_lines(&curve, &lifted) - sagitta).abs() < 1e-6);
     }
 }
@@ -189,7 +189,7 @@ fn a_helix_is_one_arc() {
             (0..=300).map(|k| Point3::new(at(k).x, at(k).y, rise * 0.02 * f64::from(k))).collect();
         let pieces = in_space(&points, &Fit::within(1e-4));
         judge_in_space(&points, &pieces, 1e-4);
-        let [Piece { curve: Curve::Arc(arc), .. }] = pieces[..] else { panic!("{pieces:?}") };
+        let [FittedCurve { curve: Curve::Arc(arc), .. }] = pieces[..] else { panic!("{pieces:?}") };
         assert!((arc.sweep() - 6.0).abs() < 1e-3 && (arc.rise() - 6.0 * rise).abs() < 1e-9, "{arc:?}");
     }
     // The same way round at uneven heights is none.

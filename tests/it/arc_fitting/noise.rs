@@ -53,7 +53,7 @@ fn a_closed_noisy_circle_is_one_turn() {
             points.push(points[0]);
             for tolerance in [2.2e-3, 3e-3] {
                 let found = fitted(&points, &Fit { is_closed: true, ..Fit::within(tolerance) });
-                let [Element { shape: Shape::Turn { center, is_ccw }, .. }] = found.elements[..] else {
+                let [Element { shape: Shape::FullCircle { center, is_ccw }, .. }] = found.elements[..] else {
                     panic!("{seed}: {found:?}")
                 };
                 assert_eq!(judge(&points, &found, tolerance), Ok(1));

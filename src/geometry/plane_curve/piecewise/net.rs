@@ -25,7 +25,7 @@ pub(super) struct Net<const N: usize, const D: usize> {
 }
 
 /// The control points of a part of a polynomial, and how far each coordinate of one may be wrong.
-pub(super) struct Part<const N: usize, const D: usize> {
+pub(super) struct NetPart<const N: usize, const D: usize> {
     points: [[f64; D]; N],
     len: usize,
     pub(super) error: [f64; D],
@@ -77,12 +77,12 @@ impl<const N: usize, const D: usize> Net<N, D> {
 
     /// The value at `u` alone, as the part of no length there.
     #[inline(always)]
-    pub(super) fn at(&self, u: f64) -> Part<N, D> {
-        Part { points: [self.value(u); N], len: 1, error: self.part_error() }
+    pub(super) fn at(&self, u: f64) -> NetPart<N, D> {
+        NetPart { points: [self.value(u); N], len: 1, error: self.part_error() }
     }
 
     #[inline(always)]
-    pub(super) fn part(&self, [u, v]: [f64; 2]) -> Part<N, D> {
+    pub(super) fn part(&self, [u, v]: [f64; 2]) -> NetPart<N, D> {
         let steps = self.len.saturating_sub(1);
         // Row c: the values with c of the arguments so far at v, the others at u.
         let mut rows = [self.points; N];
@@ -97,7 +97,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
                 }
             }
         }
-        Part { points: std::array::from_fn(|c| rows[c][0]), len: self.len, error: self.part_error() }
+        NetPart { points: std::array::from_fn(|c| rows[c][0]), len: self.len, error: self.part_error() }
     }
 
     #[inline(always)]
@@ -134,7 +134,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
     }
 }
 
-impl<const N: usize, const D: usize> Part<N, D> {
+impl<const N: usize, const D: usize> NetPart<N, D> {
     #[inline(always)]
     pub(super) fn points(&self) -> impl Iterator<Item = &[f64; D]> {
         self.points.iter().take(self.len)

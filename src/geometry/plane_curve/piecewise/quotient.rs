@@ -11,7 +11,7 @@
 //! # Guarantees
 //! The excess shrinks with the square of the range for C and C', and with the range for C''.
 
-use super::net::{Net, Part, UNIT};
+use super::net::{Net, NetPart, UNIT};
 use crate::geometry::interval::{Interval, outward};
 use crate::geometry::plane_curve::Enclosure;
 
@@ -77,7 +77,11 @@ fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f6
 }
 
 /// The quotient and its derivatives, from the same part of A and W and of their derivatives.
-fn quotients<const N: usize>(part: &Part<N, 3>, first: &Part<N, 3>, second: &Part<N, 3>) -> Enclosure {
+fn quotients<const N: usize>(
+    part: &NetPart<N, 3>,
+    first: &NetPart<N, 3>,
+    second: &NetPart<N, 3>,
+) -> Enclosure {
     let [_, _, w] = part.hull();
     let by_w = Interval::point(1.0).div(w);
     let [dx, dy, dw] = first.hull();
@@ -92,7 +96,7 @@ fn quotients<const N: usize>(part: &Part<N, 3>, first: &Part<N, 3>, second: &Par
 
 /// A box that holds the control points A_k / W_k, and with them the quotient, since the W_k are above zero.
 #[inline(always)]
-fn control_hull<const N: usize>(part: &Part<N, 3>) -> [Interval; 2] {
+fn control_hull<const N: usize>(part: &NetPart<N, 3>) -> [Interval; 2] {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     let (mut least_weight, mut largest) = (f64::INFINITY, [0.0f64; 2]);

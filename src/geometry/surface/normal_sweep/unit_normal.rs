@@ -16,7 +16,7 @@ use crate::geometry::bernstein::{derived, dot, lowest, magnitude};
 const MOST_HALVINGS: usize = 30;
 
 /// A part of the cubic, and the cubic in the place of its unit normal.
-pub(super) struct Part {
+pub(super) struct CubicPart {
     pub(super) points: [Point2<f64>; 4],
     pub(super) normals: [Vector2<f64>; 4],
 }
@@ -34,12 +34,16 @@ pub(super) enum NormalFault {
 
 /// Parts from the start to the end of the cubic, for a drive curve that reaches from `reach[0]` to `reach[1]` mm to the
 /// left; `room` at most.
-pub(super) fn parts(cubic: [Point2<f64>; 4], reach: [f64; 2], room: usize) -> Result<Vec<Part>, NormalFault> {
+pub(super) fn parts(
+    cubic: [Point2<f64>; 4],
+    reach: [f64; 2],
+    room: usize,
+) -> Result<Vec<CubicPart>, NormalFault> {
     let farthest = reach[0].abs().max(reach[1].abs());
     let mut open = vec![(cubic, 0)];
     let mut parts = Vec::new();
     while let Some((points, halvings)) = open.pop() {
-        let part = Part::of(points, reach)?;
+        let part = CubicPart::of(points, reach)?;
         let error = part.normal_error();
         let is_near = error.is_finite() && error * farthest <= TOLERANCE_MM;
         if is_near && !reach.iter().any(|x| part.may_run_backward(*x)) {
@@ -57,7 +61,7 @@ pub(super) fn parts(cubic: [Point2<f64>; 4], reach: [f64; 2], room: usize) -> Re
     Ok(parts)
 }
 
-impl Part {
+impl CubicPart {
     fn of(points: [Point2<f64>; 4], reach: [f64; 2]) -> Result<Self, NormalFault> {
         let [a, b, c, d] = points;
         let [from, by_from] = end_normal((b - a) * 3.0, ((c - b) - (b - a)) * 6.0, reach)?;

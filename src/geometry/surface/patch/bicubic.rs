@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 use crate::geometry::surface::Jet;
-use crate::geometry::surface::ball::Ball;
+use crate::geometry::surface::vector_ball::VectorBall;
 
 /// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten ulps,
 /// and that of at most nine times four terms.
@@ -101,7 +101,7 @@ impl Patch for BicubicPatch {
     fn derivatives(&self) -> DerivativeBounds {
         let n = &self.net;
         let rounding = ROUNDING * self.bounds().magnitude();
-        let ball = |vectors: &[Vector3<f64>]| Ball::around(vectors.iter().copied(), rounding);
+        let ball = |vectors: &[Vector3<f64>]| VectorBall::around(vectors.iter().copied(), rounding);
         DerivativeBounds {
             du: ball(&std::array::from_fn::<_, 12, _>(|k| (n[k / 4 + 1][k % 4] - n[k / 4][k % 4]) * 3.0)),
             dv: ball(&std::array::from_fn::<_, 12, _>(|k| (n[k % 4][k / 4 + 1] - n[k % 4][k / 4]) * 3.0)),

@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3, Vector4};
 use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 pub use crate::geometry::bspline::MAX_DEGREE;
 use crate::geometry::surface::Jet;
-use crate::geometry::surface::ball::{Ball, Interval};
+use crate::geometry::surface::vector_ball::{CenteredInterval, VectorBall};
 use product::{BINOMIALS, PRODUCT_SIZE, Product};
 
 const SIZE: usize = MAX_DEGREE + 1;
@@ -87,13 +87,13 @@ impl<const N: usize> RationalPatch<N> {
     }
 
     /// A set that holds the weights of the net's polynomial.
-    fn weights(&self, rounding: f64) -> Interval {
-        Interval::around(self.entries().map(|h| h.w), rounding)
+    fn weights(&self, rounding: f64) -> CenteredInterval {
+        CenteredInterval::around(self.entries().map(|h| h.w), rounding)
     }
 
     /// A set that holds A' w - A w', with A and w the vectors and weights of the net and A', w' those of `derived`, one
     /// of its derivatives. As a polynomial of its own: what cancels in it must not count twice.
-    fn numerator(&self, derived: &Self, rounding: f64) -> Ball {
+    fn numerator(&self, derived: &Self, rounding: f64) -> VectorBall {
         let ([m, n], [p, q]) = (derived.degree, self.degree);
         let mut sums = [[Vector3::zeros(); PRODUCT_SIZE]; PRODUCT_SIZE];
         for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
@@ -109,7 +109,7 @@ impl<const N: usize> RationalPatch<N> {
         }
         let (sums, binomials) = (&sums, [&BINOMIALS[m + p], &BINOMIALS[n + q]]);
         let places = (0..=m + p).flat_map(|a| (0..=n + q).map(move |b| (a, b)));
-        Ball::around(places.map(|(a, b)| sums[a][b] / (binomials[0][a] * binomials[1][b])), rounding)
+        VectorBall::around(places.map(|(a, b)| sums[a][b] / (binomials[0][a] * binomials[1][b])), rounding)
     }
 }
 
@@ -205,8 +205,9 @@ impl<const N: usize> Patch for RationalPatch<N> {
         let (du, dv) = (quotient(&by_u), quotient(&by_v));
         let (wu, wv) = (by_u.weights(rounding), by_v.weights(rounding));
         // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of it.
-        let less =
-            |second: Ball, first: Ball, weight: Interval| second.minus(first.times(weight).times(inverse));
+        let less = |second: VectorBall, first: VectorBall, weight: CenteredInterval| {
+            second.minus(first.times(weight).times(inverse))
+        };
         let (along_u, along_v) = (self.transposed().swept(), self.swept());
         let [mut du, mut dv] = [du, dv];
         let mut duu = less(less(quotient(&by_u.derived_u()), du, wu), du, wu);

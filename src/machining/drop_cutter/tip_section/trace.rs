@@ -16,7 +16,7 @@ use super::TipSections;
 use crate::budget::Budget;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::Contact;
-use crate::machining::drop_cutter::segment_proof::Stretch;
+use crate::machining::drop_cutter::segment_proof::ChordVerdict;
 use crate::machining::offset_section::{PlaneAt, SectionError, Spacing};
 
 /// Tips this near to each other may be at any height: the wall between them is upright.
@@ -146,7 +146,7 @@ impl<'a, P: Patch> Trace<'a, P> {
             match (from.contact, to.contact) {
                 (None, None) if self.is_empty(&from, &to) => {}
                 (Some(first), Some(last)) => match self.stretch(&first, &last) {
-                    Stretch::Within => {
+                    ChordVerdict::Within => {
                         self.begin(&first);
                         self.points.push(self.point(&last));
                     }
@@ -158,7 +158,7 @@ impl<'a, P: Patch> Trace<'a, P> {
                             self.halve([from, to], &mut open)?;
                         }
                     }
-                    Stretch::Lower if to.at - from.at > self.trusted_length() => {
+                    ChordVerdict::Lower if to.at - from.at > self.trusted_length() => {
                         self.halve([from, to], &mut open)?
                     }
                     _ => self.prove([from, to], &mut open)?,
@@ -273,10 +273,10 @@ impl<'a, P: Patch> Trace<'a, P> {
     }
 
     /// Whether the tips between two contacts are proved to keep to the chord of these.
-    fn stretch(&self, from: &Contact, to: &Contact) -> Stretch {
+    fn stretch(&self, from: &Contact, to: &Contact) -> ChordVerdict {
         let way = to.tip - from.tip;
         if way.norm() > self.spacing.step_length_mm {
-            return Stretch::Lower;
+            return ChordVerdict::Lower;
         }
         let (across, rise) = (way.xy().norm(), way.z);
         let height = self.spacing.chord_height_mm;

@@ -6,7 +6,7 @@ use super::super::Error;
 use crate::budget::Budget;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::INSET_MM;
-use crate::machining::upper_envelope::{Accuracy, Profiles, Stretch};
+use crate::machining::upper_envelope::{Accuracy, Profiles, Segment};
 
 /// How exactly the extent of the surface is known, mm: less than what its outermost wires are inside.
 const EXTENT_ACCURACY_MM: f64 = 1e-7;
@@ -24,7 +24,7 @@ const STRETCH_LIMIT: usize = 4_000_000;
 pub(super) struct Wire {
     /// The y of the plane, mm.
     pub(super) at: f64,
-    pub(super) stretches: Vec<Stretch>,
+    pub(super) stretches: Vec<Segment>,
 }
 
 /// Wires at equal distances, by growing y.
@@ -85,7 +85,7 @@ fn outermost<P: Patch>(
     budget: &Budget,
 ) -> Result<Wire, Error> {
     let wide =
-        |stretches: &[Stretch]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
+        |stretches: &[Segment]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
     let on_edge = profiles.stretches(extent + inward * INSET_MM.min(1e-3 * width), accuracy, budget)?;
     let at = extent + inward * TOUCH_MM.min(1e-3 * width);
     let inside = profiles.stretches(at, accuracy, budget)?;

@@ -3,14 +3,14 @@
 use nalgebra::Vector3;
 
 use super::{ROUNDING, RationalPatch, in_space};
-use crate::geometry::surface::ball::Ball;
 use crate::geometry::surface::patch::Patch;
+use crate::geometry::surface::vector_ball::VectorBall;
 
 /// Sets that hold derivatives of a patch whose weights do not change along v: by v, twice by v, by both.
 pub(super) struct Swept {
-    pub(super) first: Ball,
-    pub(super) second: Ball,
-    pub(super) mixed: Ball,
+    pub(super) first: VectorBall,
+    pub(super) second: VectorBall,
+    pub(super) mixed: VectorBall,
 }
 
 impl<const N: usize> RationalPatch<N> {
@@ -35,13 +35,13 @@ impl<const N: usize> RationalPatch<N> {
             weights.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], w| [least.min(w), most.max(w)]);
         let change = 4.0 * p as f64 * (most / least).powi(2);
         Some(Swept {
-            first: Ball::around(places(q).map(|(a, b)| first(a, b)), rounding),
+            first: VectorBall::around(places(q).map(|(a, b)| first(a, b)), rounding),
             second: if q > 1 {
-                Ball::around(places(q - 1).map(|(a, b)| second(a, b)), 4.0 * q as f64 * rounding)
+                VectorBall::around(places(q - 1).map(|(a, b)| second(a, b)), 4.0 * q as f64 * rounding)
             } else {
-                Ball::ZERO
+                VectorBall::ZERO
             },
-            mixed: Ball { center: Vector3::zeros(), radius: change * (apart + q as f64 * rounding) },
+            mixed: VectorBall { center: Vector3::zeros(), radius: change * (apart + q as f64 * rounding) },
         })
     }
 }

@@ -4,19 +4,19 @@ use nalgebra::Vector3;
 
 /// Every vector within `radius` of `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ball {
+pub struct VectorBall {
     pub center: Vector3<f64>,
     pub radius: f64,
 }
 
 /// Every number within `radius` of `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
+pub struct CenteredInterval {
     pub center: f64,
     pub radius: f64,
 }
 
-impl Interval {
+impl CenteredInterval {
     /// From the least to the largest of `values`, and `rounding` more.
     pub fn around(values: impl Iterator<Item = f64>, rounding: f64) -> Self {
         let (low, high) =
@@ -31,8 +31,8 @@ impl Interval {
     }
 }
 
-impl Ball {
-    pub const ZERO: Ball = Ball { center: Vector3::new(0.0, 0.0, 0.0), radius: 0.0 };
+impl VectorBall {
+    pub const ZERO: VectorBall = VectorBall { center: Vector3::new(0.0, 0.0, 0.0), radius: 0.0 };
 
     /// About the mean of `vectors`, of which there is one at least; `rounding` is that of what made them.
     pub fn around(vectors: impl Iterator<Item = Vector3<f64>> + Clone, rounding: f64) -> Self {
@@ -46,16 +46,16 @@ impl Ball {
         Self { center: self.center * factor, radius: self.radius * factor.abs() }
     }
 
-    pub fn plus(self, other: Ball) -> Self {
+    pub fn plus(self, other: VectorBall) -> Self {
         Self { center: self.center + other.center, radius: self.radius + other.radius }
     }
 
-    pub fn minus(self, other: Ball) -> Self {
+    pub fn minus(self, other: VectorBall) -> Self {
         self.plus(other.scaled(-1.0))
     }
 
     /// The products of a vector of this and a number of `factor`.
-    pub fn times(self, factor: Interval) -> Self {
+    pub fn times(self, factor: CenteredInterval) -> Self {
         let radius = self.radius * factor.center.abs() + self.reach() * factor.radius;
         Self { center: self.center * factor.center, radius }
     }
@@ -65,7 +65,7 @@ impl Ball {
         self.center.norm() + self.radius
     }
 
-    pub fn cross(self, other: Ball) -> Self {
+    pub fn cross(self, other: VectorBall) -> Self {
         let radius = self.center.norm() * other.radius + self.radius * other.reach();
         Self { center: self.center.cross(&other.center), radius }
     }
@@ -87,11 +87,11 @@ mod tests {
         ) {
             let v = |k: usize| Vector3::new(c[k], c[k + 1], c[k + 2]);
             let unit = |k: usize| Vector3::new(d[k], d[k + 1], d[k + 2]);
-            let (a, b) = (Ball { center: v(0), radius: r[0] }, Ball { center: v(3), radius: r[1] });
+            let (a, b) = (VectorBall { center: v(0), radius: r[0] }, VectorBall { center: v(3), radius: r[1] });
             let (x, y) = (a.center + unit(0) * r[0], b.center + unit(3) * r[1]);
-            let number = Interval { center: 3.0 + c[0], radius: 0.4 * (3.0 + c[0]) * r[2] / 2.0 };
+            let number = CenteredInterval { center: 3.0 + c[0], radius: 0.4 * (3.0 + c[0]) * r[2] / 2.0 };
             let t = number.center + s * number.radius;
-            let holds = |ball: Ball, x: Vector3<f64>| (x - ball.center).norm() <= ball.radius + 1e-12;
+            let holds = |ball: VectorBall, x: Vector3<f64>| (x - ball.center).norm() <= ball.radius + 1e-12;
             prop_assert!(holds(a.plus(b), x + y));
             prop_assert!(holds(a.minus(b), x - y));
             prop_assert!(holds(a.cross(b), x.cross(&y)));

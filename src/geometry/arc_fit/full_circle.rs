@@ -6,8 +6,8 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::Measure;
-use super::span::Rule;
-use super::track::from_line;
+use super::candidate::Rule;
+use super::chord_frame::from_line;
 
 /// Rounds of weighting; the deviation is within a few percent of the least after some ten.
 const ROUNDS: usize = 40;
@@ -17,20 +17,24 @@ const WIDEST_GAP: f64 = std::f64::consts::PI / 6.0;
 
 /// A circle and the sense in which it is passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turn {
+pub struct FullCircle {
     pub center: Vector2<f64>,
     pub radius: f64,
     pub is_ccw: bool,
 }
 
 /// The full turn that keeps the rule on points of which the last is the first again.
-pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<Turn> {
+pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<FullCircle> {
     let tolerance = rule.tolerance_mm;
     let mut weights = vec![1.0; points.len()];
     for _ in 0..ROUNDS {
         let (center, radius) = circle(points, &weights)?;
         if deviation(points, center, radius, rule.measure) <= tolerance {
-            return sense(points, center, radius, tolerance).map(|is_ccw| Turn { center, radius, is_ccw });
+            return sense(points, center, radius, tolerance).map(|is_ccw| FullCircle {
+                center,
+                radius,
+                is_ccw,
+            });
         }
         let off = |p: &Vector2<f64>| ((p - center).norm() - radius).abs();
         let (worst, mut sum) = (points.iter().map(off).fold(0.0, f64::max), 0.0);

@@ -8,7 +8,7 @@ use crate::toolpath::units::FeedRate;
 
 /// A move, or a part of one, with one largest speed.
 #[derive(Clone, Copy)]
-pub struct Stretch {
+pub struct SpeedSegment {
     pub length_mm: f64,
     /// The square of the largest speed, mm2/s2.
     pub most: f64,
@@ -18,11 +18,11 @@ pub struct Stretch {
 }
 
 /// Appends the stretches of `curve`; none where it has no length.
-pub fn push(stretches: &mut Vec<Stretch>, curve: &Curve, rate: FeedRate, acceleration: f64) {
+pub fn push(stretches: &mut Vec<SpeedSegment>, curve: &Curve, rate: FeedRate, acceleration: f64) {
     let mut add = |length_mm: f64, [from, to]: [Vector3<f64>; 2], curvature: f64| {
         let most = rate.mm_per_s().powi(2).min(acceleration / curvature);
         if let (Some(from), Some(to)) = (from.try_normalize(0.0), to.try_normalize(0.0)) {
-            stretches.push(Stretch { length_mm, most, from, to });
+            stretches.push(SpeedSegment { length_mm, most, from, to });
         }
     };
     match curve {
@@ -31,8 +31,8 @@ pub fn push(stretches: &mut Vec<Stretch>, curve: &Curve, rate: FeedRate, acceler
         Curve::Parabola(parabola) => {
             for part in parts(parabola) {
                 match part {
-                    Part::Even(part) => add(part.length(), part.tangents(), part.largest_curvature()),
-                    Part::Corner(part) => add(part.length(), [part.end() - part.start(); 2], 0.0),
+                    ParabolaPart::Even(part) => add(part.length(), part.tangents(), part.largest_curvature()),
+                    ParabolaPart::Corner(part) => add(part.length(), [part.end() - part.start(); 2], 0.0),
                 }
             }
         }
@@ -40,7 +40,7 @@ pub fn push(stretches: &mut Vec<Stretch>, curve: &Curve, rate: FeedRate, acceler
 }
 
 /// A part of a parabola.
-enum Part {
+enum ParabolaPart {
     /// Its curvature varies little: by no more than a factor of eight.
     Even(Parabola),
     /// One end is curved sharply, but so short that it is a corner to the machine.
@@ -49,7 +49,7 @@ enum Part {
 
 /// The parts of a parabola, in order. From the place of largest curvature on, each is twice as long in its parameter as
 /// the one before, for there the speed by the parameter no more than doubles, and the curvature goes with its cube.
-fn parts(parabola: &Parabola) -> Vec<Part> {
+fn parts(parabola: &Parabola) -> Vec<ParabolaPart> {
     let slowest = parabola.slowest();
     let mut parts = Vec::new();
     towards(parabola, slowest, 0.0, &mut parts);
@@ -59,7 +59,7 @@ fn parts(parabola: &Parabola) -> Vec<Part> {
 }
 
 /// The parts from the parameter `slowest` to the end at `far`, in this order.
-fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<Part>) {
+fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<ParabolaPart>) {
     let speed = |t: f64| parabola.velocity(t).norm();
     let between = |s: f64, t: f64| parabola.part(s.min(t), s.max(t));
     let mut ends = vec![far];
@@ -67,17 +67,17 @@ fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<Part>) {
     while end != slowest {
         let first = between(slowest, end);
         if speed(end) <= 2.0 * speed(slowest) {
-            parts.push(Part::Even(first));
+            parts.push(ParabolaPart::Even(first));
             break;
         }
         if first.length() <= JUNCTION_DEVIATION_MM {
-            parts.push(Part::Corner(first));
+            parts.push(ParabolaPart::Corner(first));
             break;
         }
         end = slowest + (end - slowest) / 2.0;
         ends.push(end);
     }
-    parts.extend(ends.windows(2).rev().map(|pair| Part::Even(between(pair[1], pair[0]))));
+    parts.extend(ends.windows(2).rev().map(|pair| ParabolaPart::Even(between(pair[1], pair[0]))));
 }
 
 /// Curvature, 1/mm; that of the helix where there is one.

@@ -16,7 +16,7 @@ pub struct Foot {
 }
 
 /// An element in the frame of its chord.
-pub struct Track {
+pub struct ChordFrame {
     /// Half the chord, with its rise for a line.
     half: f64,
     pub bulge: f64,
@@ -30,7 +30,7 @@ pub struct Track {
     slope: Vector2<f64>,
 }
 
-impl Track {
+impl ChordFrame {
     pub fn new(chord: &Chord, bulge: f64, rise: f64) -> Self {
         if bulge == 0.0 {
             let slope = Vector2::new(chord.half, 0.5 * rise);

@@ -13,7 +13,7 @@
 use nalgebra::Vector2;
 
 use super::Shapes;
-use super::span::Rule;
+use super::candidate::Rule;
 
 /// Points that are looked at one by one, before every second, third and so on will do: neighbours cut off much the same.
 const DENSE: usize = 24;

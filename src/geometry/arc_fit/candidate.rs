@@ -9,7 +9,7 @@
 use nalgebra::Vector2;
 
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
-use super::track::Track;
+use super::chord_frame::ChordFrame;
 use super::{FLATTEST_MM, Measure, Shapes};
 use crate::geometry::solve;
 
@@ -251,7 +251,7 @@ impl<'a> Span<'a> {
     }
 
     /// Whether no line between the points dips farther into an arc than `tolerance` mm.
-    fn keeps_lines(&self, track: &Track, tolerance: f64, chord: &Chord) -> bool {
+    fn keeps_lines(&self, track: &ChordFrame, tolerance: f64, chord: &Chord) -> bool {
         let center = super::center(self.from, self.to, track.bulge);
         let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
@@ -260,11 +260,11 @@ impl<'a> Span<'a> {
         (inside > 0.0 && track.radius - inside.sqrt() <= tolerance) || self.dip(track, chord) <= tolerance
     }
 
-    fn track(&self, chord: &Chord, bulge: f64) -> Track {
+    fn track(&self, chord: &Chord, bulge: f64) -> ChordFrame {
         let heights = self.points.heights;
         let [low, high] =
             if heights.is_empty() { [0.0; 2] } else { [heights[self.first], heights[self.last]] };
-        Track::new(chord, bulge, high - low)
+        ChordFrame::new(chord, bulge, high - low)
     }
 
     /// A point in the frame of the chord, with its height over its middle.
@@ -279,13 +279,13 @@ impl<'a> Span<'a> {
     }
 
     /// The distance of a point from the element, mm.
-    fn distance(&self, k: usize, track: &Track, chord: &Chord) -> f64 {
+    fn distance(&self, k: usize, track: &ChordFrame, chord: &Chord) -> f64 {
         let (p, height) = self.seen(k, chord);
         track.foot(p, height).distance
     }
 
     /// How far the lines between the points lie inside an arc at most, or beside a helix, mm.
-    fn dip(&self, track: &Track, chord: &Chord) -> f64 {
+    fn dip(&self, track: &ChordFrame, chord: &Chord) -> f64 {
         if !self.points.heights.is_empty() {
             let lines = (self.first..self.last).map(|k| [self.seen(k, chord), self.seen(k + 1, chord)]);
             return lines.map(|line| track.beside(line)).fold(0.0, f64::max);
@@ -295,7 +295,7 @@ impl<'a> Span<'a> {
 
     /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead past the centre on
     /// its other side: the points are near the ends of the arc, in its gap, and the arc is near none of them.
-    fn winds(&self, track: &Track, chord: &Chord) -> bool {
+    fn winds(&self, track: &ChordFrame, chord: &Chord) -> bool {
         let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
         track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
     }
@@ -304,7 +304,7 @@ impl<'a> Span<'a> {
     /// back; `None` where there are such places for all.
     fn crossing(
         &self,
-        track: &Track,
+        track: &ChordFrame,
         tolerance: f64,
         chord: &Chord,
         points: impl IntoIterator<Item = usize>,

@@ -10,7 +10,9 @@ use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use toolpathd::config::{Cli, Command, LogFormat, Settings};
 use toolpathd::http::{App, contract, router, serve};
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -80,12 +82,18 @@ fn run(settings: &Settings) -> Result<(), Failure> {
 
 /// Logs go to standard error; standard output is for what was asked for.
 fn start_log(settings: &Settings) -> Result<(), Failure> {
-    let filter = EnvFilter::try_new(&settings.log)
+    let targets: Targets = settings
+        .log
+        .parse()
         .map_err(|error| format!("--log `{}` is not understood: {error}", settings.log))?;
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    let log = tracing_subscriber::fmt().with_max_level(LevelFilter::TRACE).with_writer(std::io::stderr);
     match settings.log_format {
-        LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).init(),
-        LogFormat::Json => log.json().flatten_event(true).with_span_list(false).init(),
+        LogFormat::Text => {
+            log.with_ansi(std::io::stderr().is_terminal()).finish().with(targets).init();
+        }
+        LogFormat::Json => {
+            log.json().flatten_event(true).with_span_list(false).finish().with(targets).init();
+        }
     }
     Ok(())
 }

@@ -37,15 +37,19 @@ pub struct KnotRules {
 /// Why numbers are no knot vector.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum KnotError {
-    #[error("{found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
+    #[error("there are {found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
     Count { found: usize, points: usize, degree: usize },
-    #[error("the knot {index} is not finite, or below the one before it")]
+    #[error("knot {index} is not finite, or smaller than the knot before it")]
     Decrease { index: usize },
-    #[error("the knot {index} is repeated {multiplicity} times; inside the domain {most} times are allowed")]
+    #[error(
+        "knot {index} occurs {multiplicity} times; inside the domain a knot may occur at most {most} times"
+    )]
     Multiplicity { index: usize, multiplicity: usize, most: usize },
-    #[error("the domain has no length")]
+    #[error("the first and the last parameter of the domain are equal")]
     EmptyDomain,
-    #[error("the knot {index} follows the one before it by less than {shortest} of the domain")]
+    #[error(
+        "knot {index} is closer to the knot before it than {shortest} of the domain; make the two knots equal, or move them apart"
+    )]
     SpanTooShort { index: usize, shortest: f64 },
 }
 

@@ -72,24 +72,26 @@ pub enum Fault {
     Syntax { expected: &'static str },
     #[error("the number is beyond {LARGEST_NUMBER} mm")]
     NumberTooLarge,
-    #[error("{found} numbers; a point has 2 or 3, with a radius 3 or 4")]
+    #[error(
+        "the point has {found} numbers; a point has 2 or 3 coordinates, and a rounded corner a radius after them"
+    )]
     NumberCount { found: usize },
-    #[error("a point in {found} dimensions on a curve in {expected}")]
+    #[error("the point has {found} coordinates; the points before it have {expected}")]
     Dimension { expected: usize, found: usize },
-    #[error("the curve has one point only")]
+    #[error("the curve has only one point; at least 2 are needed")]
     OnePoint,
-    #[error("a smooth curve needs 2 points")]
+    #[error("a smooth curve needs at least 2 points")]
     OneSmoothPoint,
-    #[error("a curve does not start or end with a rounded corner")]
+    #[error("a curve cannot start or end with a rounded corner; leave out the radius")]
     CornerAtEnd,
-    #[error("the radius {radius_mm} mm is below zero")]
+    #[error("the radius {radius_mm} mm is negative")]
     NegativeRadius { radius_mm: f64 },
-    #[error("the point coincides with the one before it")]
+    #[error("the point coincides with the point before it; leave one of them out")]
     Coincident,
-    #[error("the curve turns back on itself: no arc of radius {radius_mm} mm touches both lines")]
+    #[error("the curve turns back on itself, so no arc of radius {radius_mm} mm touches both lines")]
     Reversal { radius_mm: f64 },
     #[error(
-        "the radius {radius_mm} mm does not fit: the line has {length_mm} mm where tangents take {taken_mm} mm"
+        "the radius {radius_mm} mm does not fit; the rounded corners of the line need {taken_mm} mm of its {length_mm} mm"
     )]
     CornerDoesNotFit { radius_mm: f64, taken_mm: f64, length_mm: f64 },
     /// Parameters that do not rise, when curves a thousand times longer than any part have points a micrometre apart.

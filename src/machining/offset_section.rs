@@ -60,7 +60,7 @@ const HALVING_LIMIT: u32 = 40;
 pub enum SectionError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the section was lost near {at}")]
+    #[error("the section could not be traced near {at}")]
     Lost { at: Point3<f64> },
     #[error("one section needs more than {limit} points")]
     TooManyPoints { limit: usize },

@@ -32,9 +32,9 @@ use crate::geometry::surface::{BezierSurface, Jet, Patch, Surface};
 pub enum Irregular {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the upward normal vanishes or turns down near {at}")]
+    #[error("the surface is vertical, overhangs or has no normal near {at}")]
     Overhang { at: Point3<f64> },
-    #[error("the offset folds near {at}")]
+    #[error("the offset surface folds near {at}")]
     Folds { at: Point3<f64> },
 }
 

@@ -66,7 +66,7 @@ pub struct Accuracy {
 pub enum EnvelopeError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the section lies in the plane, or is lost in it, near {at}")]
+    #[error("the plane section could not be found near {at}, where the surface lies in the plane")]
     Lost { at: Point3<f64> },
 }
 

@@ -64,15 +64,15 @@ const LENGTH_CHORDS: usize = 16;
 pub enum WireError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the model needs {needed} wires; at most {limit} are allowed")]
+    #[error("the wire model needs {needed} wires; at most {limit} are allowed; use a larger pitch")]
     TooManyWires { needed: usize, limit: usize },
-    #[error("the model needs more than {limit} points")]
+    #[error("the wire model needs more than {limit} points; use a larger pitch or chord height")]
     TooManyPoints { limit: usize },
     #[error(
-        "the surface's upward normal vanishes or turns down near {at}: it has no plane sections from above"
+        "the surface is vertical, overhangs or has no normal near {at}; wires along x or y need a surface without overhangs; use wires along u or v"
     )]
     Overhang { at: Point3<f64> },
-    #[error("the section was lost near {at}")]
+    #[error("the plane section of the surface could not be traced near {at}; use wires along u or v")]
     SectionLost { at: Point3<f64> },
 }
 

@@ -111,7 +111,7 @@ pub struct Plan {
 pub enum Error {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("all points are the same")]
+    #[error("all points coincide; at least two different points are needed")]
     OnePlace,
     #[error(transparent)]
     Heights(#[from] HeightError),

@@ -118,15 +118,15 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error(transparent)]
     Source(#[from] SourceError),
-    #[error("the vertical measure is for graphs of functions")]
+    #[error("the measure `vertical` supports graphs y(x) only; use the measure `normal`")]
     VerticalWithoutGraph,
-    #[error("joints in the band are for lines only")]
+    #[error("joints in the band are supported with the method `linear` only")]
     JointsInBand,
-    #[error("beside the contour run lines and arcs only")]
+    #[error("cutter radius compensation supports lines and arcs only; use the method `linear` or `arc`")]
     CompensatedParabola,
-    #[error("more than {limit} elements are needed")]
+    #[error("the curve needs more than {limit} elements; use a wider band")]
     TooManyElements { limit: usize },
-    #[error("no element stays within the band near {at}, however short")]
+    #[error("no element stays within the band near {at}, however short it is; use a wider band")]
     BandInfeasible { at: Point2<f64> },
     #[error(transparent)]
     Compensation(#[from] CompensationError),

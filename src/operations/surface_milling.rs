@@ -135,29 +135,39 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error(transparent)]
     Source(#[from] SourceError),
-    #[error("sections of the offset are known of balls alone")]
+    #[error("the engine `offset_section` supports ball cutters only; use the engine `contact`")]
     NoBall,
     #[error(transparent)]
     NotSmooth(NotSmooth),
-    #[error("the surface cannot be continued past its edges: it has no tangents across one of them")]
+    #[error(
+        "the surface cannot be continued past its edges because it has no tangent across one edge; use the boundary `on` or `inside`"
+    )]
     NoWayPast,
-    #[error("the surface's upward normal vanishes or turns down near {at}")]
+    #[error(
+        "the surface is vertical, overhangs or has no normal near {at}; the engine `offset_section` cannot cut it; use the engine `contact`"
+    )]
     Overhang { at: Point3<f64> },
     #[error(
-        "the offset surface folds near {at}, or is too near to folding to tell: the cutter does not fit the surface"
+        "the cutter does not fit the surface near {at}, where its offset folds or nearly folds; use a smaller cutter or the engine `contact`"
     )]
     OffsetFolds { at: Point3<f64> },
     #[error(transparent)]
     Heights(#[from] HeightError),
-    #[error("a tolerance of {tolerance_mm} mm cannot be held with {decimals} decimals; {least_mm:.6} mm can")]
+    #[error(
+        "the tolerance {tolerance_mm} mm is too small for {decimals} decimals; use at least {least_mm:.6} mm, or more decimals"
+    )]
     ToleranceBelowResolution { tolerance_mm: f64, decimals: u8, least_mm: f64 },
-    #[error("the tolerance of {tolerance_mm} mm was not reached; {deviation_mm} mm was proved near {at}")]
+    #[error(
+        "the tolerance {tolerance_mm} mm could not be proved; near {at} the proof reaches {deviation_mm} mm"
+    )]
     ToleranceNotReached { tolerance_mm: f64, deviation_mm: f64, at: Point3<f64> },
     #[error("the job needs {needed} {what}; at most {limit} are allowed")]
     TooMuchWork { what: &'static str, needed: usize, limit: usize },
-    #[error("no section of the surface is long enough to cut")]
+    #[error(
+        "no section of the surface is long enough to cut; the part is too small or the boundary leaves nothing"
+    )]
     NothingToCut,
-    #[error("the section was lost near {at}")]
+    #[error("a section of the surface could not be traced near {at}")]
     SectionLost { at: Point3<f64> },
     #[error(transparent)]
     Quantize(#[from] QuantizeError),

@@ -48,7 +48,7 @@ pub struct Layout {
 pub enum NotDrawn {
     #[error("There is nothing to draw.")]
     Empty,
-    #[error("The coordinates are too large to be drawn.")]
+    #[error("The coordinates are too large for a picture.")]
     TooLarge,
 }
 

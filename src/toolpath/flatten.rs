@@ -9,7 +9,7 @@ use crate::geometry::curve::{Arc, Curve};
 /// Why a curve is not flattened.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlattenError {
-    #[error("a chord tolerance of {tolerance_mm} mm is not a distance above zero")]
+    #[error("the chord tolerance {tolerance_mm} mm is not a distance above zero")]
     BadTolerance { tolerance_mm: f64 },
     #[error("the curve needs more than {limit} points")]
     TooManyPoints { limit: usize },

@@ -82,9 +82,9 @@ impl Toolpath {
 pub enum PathError {
     #[error("a coordinate is not finite")]
     NotFinite,
-    #[error("a curve does not start where the one before ends")]
+    #[error("a curve does not start where the curve before it ends")]
     Apart,
-    #[error("a dwell of {seconds} s is not a time")]
+    #[error("the dwell of {seconds} s is not a time of zero or more seconds")]
     BadDwell { seconds: f64 },
     #[error(transparent)]
     Arc(#[from] ArcError),

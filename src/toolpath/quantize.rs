@@ -111,7 +111,7 @@ pub enum Parabolas {
 /// Why a curve cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum QuantizeError {
-    #[error("{value_mm} mm is out of the range of the output's decimals")]
+    #[error("{value_mm} mm is too large for the output's number of decimals")]
     OutOfRange { value_mm: f64 },
     #[error("a curve needs more than {limit} blocks at this resolution")]
     TooManyPieces { limit: usize },

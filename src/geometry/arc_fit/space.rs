@@ -27,7 +27,7 @@ pub struct FittedCurve {
 pub enum FitError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("all points are the same")]
+    #[error("all points coincide; at least two different points are needed")]
     OnePlace,
 }
 

@@ -24,9 +24,9 @@ pub enum ArcError {
     ZeroRadius,
     #[error("the radii at the arc's ends, {start_mm} and {end_mm} mm, do not agree")]
     RadiusMismatch { start_mm: f64, end_mm: f64 },
-    #[error("the arc's centre is not in the plane of its start")]
+    #[error("the arc's centre is not in the arc's plane through its start")]
     CenterOffPlane,
-    #[error("the arc's ends are {gap_mm} mm apart: too close to tell a short arc from a full turn")]
+    #[error("the arc's ends are {gap_mm} mm apart, too close to tell a short arc from a full circle")]
     NearlyClosed { gap_mm: f64 },
 }
 

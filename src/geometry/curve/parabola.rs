@@ -25,7 +25,7 @@ const STEPS: usize = 64;
 /// Why three points do not make a parabola.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ParabolaError {
-    #[error("a coordinate of the parabola is not finite, or too large for its square")]
+    #[error("a coordinate of the parabola is not finite, or so large that its square overflows")]
     NotFinite,
 }
 

@@ -28,11 +28,11 @@ use crate::geometry::spline::{EndCondition, derivatives_over};
 /// Why points make no curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum InterpolantError {
-    #[error("{points} points; at least 2 are needed")]
+    #[error("the curve has {points} points; at least 2 are needed")]
     TooFewPoints { points: usize },
-    #[error("the point {index} is not finite, or beyond {LARGEST:e}")]
+    #[error("point {index} has a coordinate that is not finite, or larger than {LARGEST:e} mm")]
     Point { index: usize },
-    #[error("the point {index} coincides with the one before it")]
+    #[error("point {index} coincides with the point before it; leave one of them out")]
     Coincident { index: usize },
     /// Distances so uneven that derivatives are beyond all measure.
     #[error("{0}")]

@@ -39,17 +39,19 @@ pub struct Nurbs {
 /// Why the data make no curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NurbsError {
-    #[error("a degree of {degree}; 1 to {MAX_DEGREE} can be read")]
+    #[error("the degree is {degree}; degrees from 1 to {MAX_DEGREE} are supported")]
     Degree { degree: usize },
-    #[error("{points} control points; a degree of {degree} needs {}", degree + 1)]
+    #[error("the curve has {points} control points; degree {degree} needs at least {}", degree + 1)]
     TooFewPoints { points: usize, degree: usize },
-    #[error("the control point {index} is not finite, or beyond {LARGEST:e}")]
+    #[error("control point {index} has a coordinate that is not finite, or larger than {LARGEST:e} mm")]
     Point { index: usize },
     #[error(transparent)]
     Knots(KnotError),
     #[error(transparent)]
     Weights(WeightError),
-    #[error("the curve is torn by {gap_mm} mm at the parameter {parameter}")]
+    #[error(
+        "the curve has a gap of {gap_mm} mm at parameter {parameter}; send the two parts as two curves, or close the gap"
+    )]
     Gap { parameter: f64, gap_mm: f64 },
     /// What the rules above leave: parameters beyond all measure, or pieces beyond all number.
     #[error("{0}")]

@@ -44,13 +44,15 @@ pub const MAX_PIECES: usize = 1 << 24;
 /// Why pieces make no chain.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PiecewiseError {
-    #[error("there are no pieces")]
+    #[error("the curve has no pieces; it needs at least one")]
     Empty,
-    #[error("there are more than {MAX_PIECES} pieces")]
+    #[error("the curve has more than {MAX_PIECES} pieces")]
     TooManyPieces,
-    #[error("the parameter {index} is not above the one before it, not finite, or beyond {LARGEST:e}")]
+    #[error(
+        "parameter {index} is not larger than the parameter before it, not finite, or larger than {LARGEST:e}"
+    )]
     Parameter { index: usize },
-    #[error("piece {index} starts {gap_mm} mm from the end of the one before it")]
+    #[error("piece {index} starts {gap_mm} mm from the end of the piece before it")]
     Gap { index: usize, gap_mm: f64 },
 }
 

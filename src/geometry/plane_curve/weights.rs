@@ -6,11 +6,13 @@ use crate::geometry::bspline::MAX_WEIGHT_RATIO;
 /// Why numbers are no weights.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WeightError {
-    #[error("{found} weights for {expected} control points")]
+    #[error("there are {found} weights for {expected} control points; each control point needs one weight")]
     Count { found: usize, expected: usize },
-    #[error("the weight {weight} is not above {}, or beyond {LARGEST:e}", 1.0 / LARGEST)]
+    #[error("weight {weight} is outside the range from {} to {LARGEST:e}", 1.0 / LARGEST)]
     Range { index: usize, weight: f64 },
-    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    #[error(
+        "weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest weight, {largest}"
+    )]
     Ratio { index: usize, weight: f64, largest: f64 },
 }
 

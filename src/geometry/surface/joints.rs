@@ -54,7 +54,7 @@ pub enum NotSmooth {
     Stopped(#[from] Stopped),
     #[error("patches [{}][{}] and [{}][{}] are {gap_mm} mm apart near {at}", .patches[0][0], .patches[0][1], .patches[1][0], .patches[1][1])]
     Gap { at: Point3<f64>, gap_mm: f64, patches: [[usize; 2]; 2] },
-    #[error("the surface has an edge of {angle_deg} degrees near {at}")]
+    #[error("the surface has a sharp edge of {angle_deg} degrees near {at}")]
     Edge { at: Point3<f64>, angle_deg: f64 },
 }
 

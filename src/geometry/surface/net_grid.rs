@@ -17,7 +17,7 @@ pub struct NetGrid {
 /// Why the nets make no surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NetGridError {
-    #[error("there is no patch")]
+    #[error("the surface has no patches; it needs at least one")]
     Empty,
     #[error("row {row} has {found} patches where row 0 has {expected}")]
     Ragged { row: usize, found: usize, expected: usize },

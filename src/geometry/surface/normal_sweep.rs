@@ -54,25 +54,27 @@ pub struct NormalSweep {
 /// Why the curves make no surface; `place` is that of a piece of the basic curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NormalSweepError {
-    #[error("a curve has no piece")]
+    #[error("a curve has no pieces; it needs at least one")]
     Empty,
-    #[error("more than {PATCH_LIMIT} patches, which are all that can be taken")]
+    #[error("the surface needs more than {PATCH_LIMIT} patches, the most that are supported")]
     TooManyPatches,
     #[error(
-        "the basic curve has a sharp corner of {turn_deg} degrees beside an arc or a smooth curve; only corners between lines are mitred"
+        "the basic curve has a sharp corner of {turn_deg} degrees beside an arc or a smooth curve; only corners between two lines can be mitred"
     )]
     Corner { place: usize, turn_deg: f64 },
-    #[error("the basic curve turns back by {turn_deg} degrees: a mitre would have no end")]
+    #[error("the basic curve turns back by {turn_deg} degrees; a mitre there would be infinitely long")]
     Reversal { place: usize, turn_deg: f64 },
     #[error(
-        "the drive curve reaches {reach_mm} mm to the {side} of the basic curve, whose radius is {radius_mm} mm there: the surface would fold"
+        "the drive curve reaches {reach_mm} mm to the {side} of the basic curve, whose radius is {radius_mm} mm there, so the surface would fold; make the drive curve narrower or the radius larger"
     )]
     Fold { place: usize, side: Side, reach_mm: f64, radius_mm: f64 },
     #[error(
-        "the drive curve reaches {reach_mm} mm to the {side} of the basic curve, where the mitres of this corner and its neighbour meet at {room_mm} mm"
+        "the drive curve reaches {reach_mm} mm to the {side} of the basic curve, where the mitres of this corner and the next corner already meet at {room_mm} mm; make the drive curve narrower"
     )]
     Mitre { place: usize, side: Side, reach_mm: f64, room_mm: f64 },
-    #[error("the basic curve has a cusp, or turns too tightly to tell it from one: it has no normal there")]
+    #[error(
+        "the basic curve has a cusp, or turns so tightly that it may have one; the curve has no normal at a cusp"
+    )]
     Cusp { place: usize },
 }
 

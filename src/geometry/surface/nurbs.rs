@@ -42,35 +42,39 @@ pub struct Nurbs {
 /// Why the data make no surface. `along` is 0 for u and 1 for v.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NurbsError {
-    #[error("a degree of {degree}; 1 to {MAX_DEGREE} can be read")]
+    #[error("the degree is {degree}; degrees from 1 to {MAX_DEGREE} are supported")]
     Degree { along: usize, degree: usize },
-    #[error("{points} control points along this direction; a degree of {degree} needs {}", degree + 1)]
+    #[error("there are {points} control points along this direction; degree {degree} needs at least {}", degree + 1)]
     TooFewPoints { along: usize, points: usize, degree: usize },
     #[error("row {row} has {found} control points where row 0 has {expected}")]
     Ragged { row: usize, found: usize, expected: usize },
     #[error("control point [{i}][{j}] is not finite")]
     PointNotFinite { i: usize, j: usize },
-    #[error("{found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
+    #[error("there are {found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
     KnotCount { along: usize, found: usize, points: usize, degree: usize },
-    #[error("the knot {index} is not finite, or below the one before it")]
+    #[error("knot {index} is not finite, or smaller than the knot before it")]
     KnotsDecrease { along: usize, index: usize },
     #[error(
-        "the knot {index} is repeated {multiplicity} times; inside the domain {degree} times are allowed"
+        "knot {index} occurs {multiplicity} times; inside the domain a knot may occur at most {degree} times"
     )]
     KnotMultiplicity { along: usize, index: usize, multiplicity: usize, degree: usize },
-    #[error("the domain has no length")]
+    #[error("the first and the last parameter of the domain are equal")]
     EmptyDomain { along: usize },
-    #[error("the knot {index} follows the one before it by less than {SHORTEST_SPAN} of the domain")]
+    #[error(
+        "knot {index} is closer to the knot before it than {SHORTEST_SPAN} of the domain; make the two knots equal, or move them apart"
+    )]
     SpanTooShort { along: usize, index: usize },
-    #[error("{found} rows of weights for {expected} rows of control points")]
+    #[error("there are {found} rows of weights for {expected} rows of control points")]
     WeightRows { found: usize, expected: usize },
     #[error("row {row} has {found} weights for {expected} control points")]
     WeightColumns { row: usize, found: usize, expected: usize },
-    #[error("the weight {weight} is not above zero, or not finite")]
+    #[error("weight {weight} is not a finite number above zero")]
     Weight { i: usize, j: usize, weight: f64 },
-    #[error("{patches} patches; of this degree at most {limit} can be taken")]
+    #[error("the surface has {patches} patches; at most {limit} of this degree are supported")]
     TooManyPatches { patches: usize, limit: usize },
-    #[error("the weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest, {largest}")]
+    #[error(
+        "weight {weight} is more than {MAX_WEIGHT_RATIO} times smaller than the largest weight, {largest}"
+    )]
     WeightRatio { i: usize, j: usize, weight: f64, largest: f64 },
 }
 

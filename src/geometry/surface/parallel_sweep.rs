@@ -32,9 +32,11 @@ pub struct ParallelSweep {
 /// Why the curves make no surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ParallelSweepError {
-    #[error("a curve has no piece")]
+    #[error("a curve has no pieces; it needs at least one")]
     Empty,
-    #[error("{patches} patches, one for each pair of pieces; at most {PATCH_LIMIT} can be taken")]
+    #[error(
+        "the surface has {patches} patches, one for each pair of pieces; at most {PATCH_LIMIT} are supported"
+    )]
     TooManyPatches { patches: usize },
 }
 

@@ -91,7 +91,9 @@ pub enum GridError {
     Ragged { row: usize, points: usize, expected: usize },
     #[error("point [{i}][{j}] is not finite")]
     NotFinite { i: usize, j: usize },
-    #[error("end tangents along {side} number {given}; there are {expected} boundary points")]
+    #[error(
+        "there are {given} end tangents along {side} for {expected} boundary points; each boundary point needs one end tangent"
+    )]
     EndTangents { side: &'static str, given: usize, expected: usize },
     #[error("an end tangent along {side} is not finite")]
     EndTangentNotFinite { side: &'static str },

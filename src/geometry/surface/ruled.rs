@@ -54,11 +54,13 @@ pub struct Ruled {
 /// Why the curves make no surface; `curve` is 0 for the first and 1 for the second, `place` that of its piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RuledError {
-    #[error("a curve has no piece")]
+    #[error("a curve has no pieces; it needs at least one")]
     Empty,
-    #[error("more than {PATCH_LIMIT} patches, which are all that can be taken")]
+    #[error("the surface needs more than {PATCH_LIMIT} patches, the most that are supported")]
     TooManyPatches,
-    #[error("the curve has a cusp, or turns too tightly to tell it from one: it has no direction there")]
+    #[error(
+        "the curve has a cusp, or turns so tightly that it may have one; the curve has no direction at a cusp"
+    )]
     Cusp { curve: usize, place: usize },
 }
 

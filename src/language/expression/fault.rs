@@ -27,9 +27,11 @@ pub enum Fault {
     MissingOperator,
     #[error("the parenthesis is not closed")]
     UnclosedParenthesis,
-    #[error("the parenthesis was not opened")]
+    #[error("the closing parenthesis has no opening one")]
     UnopenedParenthesis,
-    #[error("{0:?} is not the variable x, a constant or a function known here")]
+    #[error(
+        "{0:?} is not known; known are the variable x, the constants and the functions of the documentation"
+    )]
     UnknownName(String),
     #[error("the arguments of {0} must be in parentheses")]
     MissingArguments(&'static str),

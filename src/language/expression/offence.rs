@@ -9,15 +9,15 @@ pub enum Offence {
     Logarithm,
     #[error("sqrt of a negative number")]
     SquareRoot,
-    #[error("{0} of a number outside of [-1, 1]")]
+    #[error("{0} of a number outside [-1, 1]")]
     Inverse(&'static str),
-    #[error("a power of a negative number that is not a constant whole one (cbrt takes cube roots)")]
+    #[error("a negative number to a power that is not a constant whole number (for cube roots use cbrt)")]
     PowerOfNegative,
-    #[error("zero to a power that is not positive")]
+    #[error("zero to the power of zero or of a negative number")]
     PowerOfZero,
     #[error("a pole of tan")]
     Pole,
-    #[error("a value too large")]
+    #[error("a value that is too large")]
     Overflow,
 }
 

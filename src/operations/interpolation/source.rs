@@ -36,7 +36,7 @@ pub enum SourceError {
     Expression(#[from] ExpressionError),
     #[error(transparent)]
     Undefined(#[from] Undefined),
-    #[error("y goes from {least_mm:e} to {most_mm:e} mm; {LARGEST_MM} mm is the most")]
+    #[error("y runs from {least_mm:e} to {most_mm:e} mm; at most {LARGEST_MM} mm are supported")]
     TooLarge { least_mm: f64, most_mm: f64 },
     #[error(transparent)]
     Interpolant(#[from] InterpolantError),
@@ -44,7 +44,7 @@ pub enum SourceError {
     Nurbs(#[from] NurbsError),
     #[error(transparent)]
     SectionCurve(#[from] SectionCurveError),
-    #[error("the curve is in space; two coordinates a point make a plane one")]
+    #[error("the curve is in space; give every point two coordinates for a plane curve")]
     InSpace,
 }
 

@@ -11,9 +11,9 @@ const SIZE: usize = MAX_DEGREE + 1;
 /// Why control points make no Bezier curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum BezierError {
-    #[error("{points} control points; 2 to {SIZE} can be taken")]
+    #[error("the curve has {points} control points; 2 to {SIZE} are supported")]
     Degree { points: usize },
-    #[error("the control point {index} is not finite, or beyond {LARGEST:e}")]
+    #[error("control point {index} has a coordinate that is not finite, or larger than {LARGEST:e} mm")]
     Point { index: usize },
     #[error(transparent)]
     Weights(WeightError),

@@ -293,7 +293,7 @@ async fn dialects_say_what_numbers_their_programs_may_have() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     /// Whatever names and meta hold, the program beside its comments is the same.
     #[test]

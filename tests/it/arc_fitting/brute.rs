@@ -195,7 +195,7 @@ const INPUTS: usize = 20;
 
 #[test]
 fn few_points_take_the_least_number_of_elements() {
-    let mut random = Random(1);
+    let mut random = Random::stream(1);
     let (mut compared, mut undecided, mut wrong) = (0, 0, Vec::new());
     for kind in KINDS {
         for _ in 0..INPUTS {

@@ -106,7 +106,7 @@ fn judge(job: &Job, plan: &Plan) {
 
 #[test]
 fn stated_deviations_hold_and_nothing_ends_in_a_fault() {
-    let mut random = Random(16);
+    let mut random = Random::stream(16);
     for k in 0..3_000 {
         let (points, tolerance_mm) =
             if k % 2 == 0 { whole_numbers(&mut random) } else { near_the_resolution(&mut random) };

@@ -8,6 +8,12 @@ use nalgebra::Vector2;
 pub struct Random(pub u64);
 
 impl Random {
+    /// Numbers for a test: those of this stream by the gate's seed, others by any other seed.
+    pub fn stream(stream: u64) -> Self {
+        let seed: u64 = std::env::var("PROPTEST_RNG_SEED").map_or(1, |seed| seed.parse().expect("a number"));
+        Self(stream.wrapping_add(seed.wrapping_sub(1).wrapping_mul(0xD6E8_FEB8_6659_FD93)))
+    }
+
     /// In [0, 1).
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);

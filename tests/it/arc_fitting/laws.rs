@@ -55,7 +55,7 @@ fn any_points() -> impl Strategy<Value = Vec<Vector2<f64>>> {
 }
 
 fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig { cases, ..ProptestConfig::default() }
 }
 
 proptest! {
@@ -129,7 +129,7 @@ proptest! {
 fn lines_at_free_joints_are_near() {
     let (mut worst, mut saved) = (0.0f64, 0);
     for seed in 0..20 {
-        let (mut random, n) = (Random(seed), 300);
+        let (mut random, n) = (Random::stream(seed), 300);
         let mut at = |k: usize| {
             polar(20.0 + random.between(-0.05, 0.05), 6.0 * TAU * k as f64 / n as f64)
                 * (1.0 + 0.002 * k as f64)
@@ -277,7 +277,7 @@ fn one_place_is_refused() {
 fn noise_makes_no_loops() {
     for tolerance in [0.03, 0.05] {
         for seed in 0..10 {
-            let mut random = Random(seed);
+            let mut random = Random::stream(seed);
             let points: Vec<_> =
                 (0..600).map(|k| polar(20.0, 1e-3 * f64::from(k)) + random.jitter(0.05)).collect();
             let found = fitted(&points, &Fit { joints: Joints::OnPoints, ..Fit::within(tolerance) });

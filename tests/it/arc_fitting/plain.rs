@@ -147,7 +147,7 @@ fn a_spiral() {
 
 #[test]
 fn a_noisy_circle_is_not_for_greed() {
-    let mut random = Random(2);
+    let mut random = Random::stream(2);
     // Long elements: all pairs of more points take too long.
     let n = N / 2;
     let points: Vec<_> =
@@ -160,7 +160,7 @@ fn a_noisy_circle_is_not_for_greed() {
 
 #[test]
 fn random_walks() {
-    let mut random = Random(3);
+    let mut random = Random::stream(3);
     for (turn, tolerance) in [(0.05, 0.05), (0.3, 0.2), (3.0, 0.8)] {
         compared("walk", &walk(N, 1.0, turn, &mut random), tolerance);
     }

@@ -80,7 +80,7 @@ fn judged(answer: &Value, curve: &Curve, measure: &str, sides: [f64; 2]) {
 }
 
 fn run<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value)) {
-    let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+    let config = ProptestConfig { cases, ..ProptestConfig::default() };
     let result = TestRunner::new(config).run(&strategy, |value| {
         test(value);
         Ok(())

@@ -187,7 +187,7 @@ fn corrupt(surface: &BezierSurface, points: &[[f64; 2]], job: &Job, random: &mut
 
 #[test]
 fn no_corruption_of_a_good_path_goes_unseen() {
-    let mut random = Random(2026);
+    let mut random = Random::stream(2026);
     let mut tally = Tally::default();
     for k in 0..PARTS {
         let profile = profile(&mut random, k % 2 == 0);

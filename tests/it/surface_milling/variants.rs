@@ -10,6 +10,7 @@ use toolpathd::operations::surface_milling::{
 use super::jobs::{PLANES, die, grid_of, heights, job, points};
 use super::spline::Spline;
 use super::verdict::judge;
+use crate::arc_fitting::inputs::Random;
 
 /// A die with a coarser stepover, without the symmetries of the sine.
 fn lopsided(plane: SectionPlane) -> Job {
@@ -103,16 +104,6 @@ fn a_part_far_from_the_origin_is_cut_alike() {
     }
 }
 
-/// Numbers in -1..1, the same in every run (Knuth's MMIX generator).
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// The least of 1 - radius x curvature over dense samples within `reach` of `place` in x and y: at zero or
 /// below, the offset folds there.
 fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
@@ -134,11 +125,11 @@ fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
 fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) -> [usize; 2] {
     let mut counts = [0, 0];
     for seed in seeds {
-        let mut noise = Noise(seed);
+        let mut random = Random::stream(seed);
         let mut noisy = Job { engine: Engine::OffsetSection, ..job.clone() };
         for point in points(&mut noisy) {
             for k in 0..3 {
-                point[k] += amplitude_mm * noise.next();
+                point[k] += random.between(-amplitude_mm, amplitude_mm);
             }
         }
         match judge(&noisy) {

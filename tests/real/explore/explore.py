@@ -1,0 +1,140 @@
+"""Runs the random tests of the library and of tests/it on fresh seeds.
+
+First every kept case runs again: a line of tests/real/explore/cases is a seed, a test binary and the name of a test. A kept
+case that fails ends the run with 1. Then random tests run on fresh seeds until the time is over. A failure on a fresh seed
+says nothing about the change at hand: its case is printed and added to the file, to be committed, and the exit stays 0.
+
+EXPLORE_SECONDS  how long fresh seeds are tried; 300 if not given
+EXPLORE_SEED     the seed that all other seeds follow from; random if not given
+
+One test on one seed, with its output:
+PROPTEST_RNG_SEED=<seed> cargo test <name of the test>
+"""
+
+import concurrent.futures
+import json
+import os
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import threading
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+CASES = ROOT / "tests/real/explore/cases"
+SECONDS = float(os.environ.get("EXPLORE_SECONDS", "300"))
+SEED = int(os.environ.get("EXPLORE_SEED", random.SystemRandom().randrange(1 << 32)))
+
+# A test that has not ended by then, seconds, counts as failed.
+LONGEST = 300
+
+# A function, with the attribute that makes it a test.
+FUNCTION = re.compile(r"(#\[(?:tokio::)?test\]\s*(?:#\[[^\]]*\]\s*|//[^\n]*\s*)*)?\bfn (\w+)(?:<[^(]*>)?\(([^{)]*)")
+
+
+def binaries():
+    """The test binaries of the library and of tests/it, which the gate has built already."""
+    build = ["cargo", "test", "--locked", "--quiet", "--no-run", "--lib", "--test", "it", "--message-format=json"]
+    lines = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.splitlines()
+    artifacts = [json.loads(line) for line in lines if line.startswith("{")]
+    tests = [one for one in artifacts if one.get("executable") and one["profile"]["test"]]
+    return {"lib" if "lib" in one["target"]["kind"] else one["target"]["name"]: one["executable"] for one in tests}
+
+
+def random_tests(folder):
+    """The names of random tests: proptest hands them arguments, or they ask for numbers, themselves or by a function."""
+    names = []
+    for path in sorted(folder.rglob("*.rs")):
+        text = path.read_text()
+        functions = list(FUNCTION.finditer(text))
+        ends = [function.start() for function in functions[1:]] + [len(text)]
+        bodies = {one[2]: text[one.end() : end] for one, end in zip(functions, ends)}
+        asks = ["Random::stream", "TestRunner"]
+        asks += [one[2] for one in functions if not one[1] and any(word in bodies[one[2]] for word in asks)]
+        asking = re.compile("|".join(rf"\b{word}\b" for word in asks))
+        module = "::".join(path.relative_to(folder).with_suffix("").parts)
+        names += [
+            (module, one[2]) for one in functions if one[1] and (one[3].strip() or asking.search(bodies[one[2]]))
+        ]
+    return names
+
+
+def listed(executable):
+    shown = subprocess.run([executable, "--list", "--format=terse"], stdout=subprocess.PIPE, check=True, text=True)
+    return [line.removesuffix(": test") for line in shown.stdout.splitlines() if line.endswith(": test")]
+
+
+def run(executable, name, seed):
+    """The output of a test that fails; nothing if it passes."""
+    environment = {**os.environ, "PROPTEST_RNG_SEED": str(seed), "PROPTEST_DISABLE_FAILURE_PERSISTENCE": "true"}
+    command = [executable, "--exact", name, "--test-threads=1"]
+    try:
+        done = subprocess.run(
+            command, cwd=ROOT, env=environment, timeout=LONGEST, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )
+    except subprocess.TimeoutExpired:
+        return f"has not ended after {LONGEST} s"
+    if done.returncode == 0 and " 1 passed" not in done.stdout:
+        return f"is no test of this binary\n{done.stdout}"
+    return "" if done.returncode == 0 else done.stdout
+
+
+def kept():
+    lines = CASES.read_text().splitlines() if CASES.exists() else []
+    return [line.split() for line in lines if line.strip() and not line.startswith("#")]
+
+
+def again(executables):
+    """Runs the kept cases; how many fail."""
+    failed = 0
+    for seed, binary, name in kept():
+        output = run(executables[binary], name, seed)
+        if output:
+            failed += 1
+            print(f"a kept case fails: seed {seed}, {binary} {name}\n{output}", flush=True)
+    print(f"{len(kept())} kept cases, {failed} of them fail", flush=True)
+    return failed
+
+
+def explore(executables):
+    """Tries fresh seeds until the time is over."""
+    tests = []
+    for binary, folder in [("lib", ROOT / "src"), ("it", ROOT / "tests/it")]:
+        names = listed(executables[binary])
+        for module, function in random_tests(folder):
+            tests += [(binary, name) for name in names if re.fullmatch(rf"{module}::(\w+::)*{function}", name)]
+    tests = sorted(set(tests))
+    print(f"{len(tests)} random tests for {SECONDS:.0f} s, EXPLORE_SEED={SEED}", flush=True)
+    source, lock, end = random.Random(SEED), threading.Lock(), time.monotonic() + SECONDS
+    waiting, runs, failures = [], [0], []
+
+    def worker():
+        while time.monotonic() < end:
+            with lock:
+                if not waiting:
+                    waiting.extend(source.sample(tests, len(tests)))
+                (binary, name), seed = waiting.pop(), source.randrange(1 << 32)
+            output = run(executables[binary], name, seed)
+            with lock:
+                runs[0] += 1
+                if output:
+                    failures.append(name)
+                    print(f"seed {seed}: {binary} {name} fails\n{output}", flush=True)
+                    with CASES.open("a") as cases:
+                        cases.write(f"{seed} {binary} {name}\n")
+
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        count = os.cpu_count() or 1
+        for one in [pool.submit(worker) for _ in range(count)]:
+            one.result()
+    print(f"{runs[0]} runs, {len(failures)} failures" + (f", kept in {CASES.relative_to(ROOT)}" if failures else ""))
+
+
+if __name__ == "__main__":
+    built = binaries()
+    n_failed = again(built)
+    explore(built)
+    sys.exit(1 if n_failed else 0)

@@ -55,7 +55,7 @@ fn the_die_in_yz_planes_one_way() {
 }
 
 #[test]
-fn the_freeform_keeps_its_promises_both_ways() {
+fn the_freeform_is_cut_within_its_report_in_every_plane_and_direction() {
     for plane in PLANES {
         for direction in [CutDirection::Zigzag, CutDirection::OneWay] {
             judge(&freeform(plane, direction)).unwrap();
@@ -146,7 +146,7 @@ fn ends_that_rounding_moves_count_as_deviation() {
 }
 
 #[test]
-fn lines_alone_keep_the_same_promises() {
+fn paths_of_lines_alone_are_cut_within_their_report() {
     let interpolation = Interpolation::Lines;
     let job =
         Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
@@ -159,7 +159,7 @@ fn lines_alone_keep_the_same_promises() {
 }
 
 #[test]
-fn the_step_length_bounds_the_distance_of_cl_points() {
+fn no_two_cl_points_are_farther_apart_than_the_step_length() {
     for step_length in [0.05, 0.4] {
         for interpolation in [Interpolation::Arcs, Interpolation::Lines] {
             let mut job = freeform(SectionPlane::Zx, CutDirection::Zigzag);

@@ -92,7 +92,7 @@ async fn every_example_is_cut_in_one_chain_within_its_tolerance() {
 }
 
 #[tokio::test]
-async fn a_closed_way_round_a_circle_is_one_arc_and_an_open_one_is_not() {
+async fn a_closed_polygon_round_a_circle_is_one_arc_and_an_open_polygon_is_not() {
     let app = app(&["--workers", "1"]);
     let closed = post(&app, FIT, PROBED_CIRCLE, &[]).await.json();
     let closed = cuts(&closed);
@@ -106,7 +106,7 @@ async fn a_closed_way_round_a_circle_is_one_arc_and_an_open_one_is_not() {
 }
 
 #[tokio::test]
-async fn what_is_not_said_is_optimal_through_points_that_are_samples() {
+async fn the_default_fit_is_optimal_through_points_as_samples() {
     let app = app(&["--workers", "1"]);
     let answer =
         async |members: Value| post(&app, FIT, with(SINE, members), &[("x-request-id", "one")]).await.json();
@@ -126,7 +126,7 @@ async fn what_is_not_said_is_optimal_through_points_that_are_samples() {
 }
 
 #[tokio::test]
-async fn a_polyline_is_refused_where_it_is_wrong() {
+async fn the_wrong_point_of_a_polyline_is_named() {
     let app = app(&["--workers", "1", "--max-curve-points", "200"]);
     let many: Vec<_> = (0..201).map(|k| [k, k % 3]).collect();
     for (members, code, pointer) in [
@@ -155,7 +155,7 @@ async fn a_polyline_is_refused_where_it_is_wrong() {
 }
 
 #[tokio::test]
-async fn callers_are_warned_of_what_they_may_not_have_meant() {
+async fn likely_mistakes_in_a_fit_are_warned_of() {
     let app = app(&["--workers", "1"]);
     let angle = |k: u32| (15.0 * f64::from(k)).to_radians();
     let coarse: Vec<_> = (0..7).map(|k| [10.0 * angle(k).cos(), 10.0 * angle(k).sin()]).collect();
@@ -234,7 +234,7 @@ async fn rewrite(app: &Arc<App>, query: &str, body: impl Into<Body>, headers: &[
 }
 
 #[tokio::test]
-async fn everything_but_the_run_stays_byte_for_byte() {
+async fn rewriting_changes_no_byte_outside_a_run() {
     let app = app(&["--workers", "1"]);
     for content_type in ["text/x-gcode", "Text/Plain; charset=utf-8", "application/x-gcode"] {
         for (query, file_name) in [
@@ -259,7 +259,7 @@ async fn everything_but_the_run_stays_byte_for_byte() {
 }
 
 #[tokio::test]
-async fn the_figures_of_a_program_come_without_it() {
+async fn the_report_of_a_program_can_be_had_without_its_text() {
     let app = app(&["--workers", "1"]);
     let answer = rewrite(&app, QUERY, program(), &[FIGURES]).await.json();
     let mut report = answer["report"].clone();
@@ -313,7 +313,7 @@ fn in_pieces(bytes: &[u8], size: usize) -> Body {
 }
 
 #[tokio::test]
-async fn it_does_not_matter_how_a_program_is_coded_or_cut() {
+async fn compression_and_chunks_do_not_change_a_rewritten_program() {
     let app = app(&["--workers", "1"]);
     let coded = gzip(&program());
     for size in [7, 1000, usize::MAX] {
@@ -331,7 +331,7 @@ async fn it_does_not_matter_how_a_program_is_coded_or_cut() {
 }
 
 #[tokio::test]
-async fn a_stream_too_many_is_refused_and_one_less_makes_room() {
+async fn streams_above_the_limit_are_refused_until_a_stream_ends() {
     let app = app(&["--workers", "1", "--streams", "1"]);
     let (sender, receiver) = mpsc::channel::<Vec<u8>>(1);
     let pieces = unfold(receiver, async |mut receiver: mpsc::Receiver<Vec<u8>>| {
@@ -385,7 +385,7 @@ fn read_to(mark: &str, stream: &mut TcpStream, text: &mut String) -> bool {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_ready_is_answered_while_the_rest_is_sent_and_breaks_off_at_a_fault() {
+async fn finished_blocks_are_answered_during_the_upload_and_a_fault_ends_the_answer() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -437,7 +437,7 @@ async fn tiny_arcs_are_written_as_lines() {
 }
 
 #[tokio::test]
-async fn programs_are_known_by_their_beginning_and_may_be_put() {
+async fn a_program_is_recognised_by_its_first_bytes_and_may_come_by_put() {
     let app = app(&["--workers", "1"]);
     let path = format!("{FIT}?{QUERY}");
     for program in ["%\nO1\nG21 G90\nG1 X1 F100\n", "(part)\nG0 X0\n", "N10 G0 X5\n", "g1 x5 f100\n"] {

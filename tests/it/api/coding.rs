@@ -31,7 +31,7 @@ fn gunzip(answer: &Answer) -> Vec<u8> {
 const CODED: (&str, &str) = ("content-encoding", "gzip");
 
 #[tokio::test]
-async fn a_coded_body_is_the_body_whatever_curl_calls_it() {
+async fn a_gzip_body_is_read_under_the_content_types_that_curl_sends() {
     let app = app(&["--workers", "1"]);
     let plain = post(&app, &format!("{MILL}?format=gcode"), ONE_PASS, &[]).await;
     assert_eq!(plain.status, 200);
@@ -51,7 +51,7 @@ async fn a_coded_body_is_the_body_whatever_curl_calls_it() {
 }
 
 #[tokio::test]
-async fn what_a_coded_body_holds_counts_for_the_limit() {
+async fn the_body_limit_counts_bytes_after_decompression() {
     let app = app(&["--workers", "1", "--body-limit", "100000"]);
     let bomb = gzip(&vec![b' '; 50_000_000]);
     assert!(bomb.len() < 100_000, "{}", bomb.len());
@@ -65,7 +65,7 @@ async fn what_a_coded_body_holds_counts_for_the_limit() {
 }
 
 #[tokio::test]
-async fn what_is_not_whole_gzip_is_400_and_other_codings_are_415() {
+async fn broken_gzip_is_400_and_other_content_encodings_are_415() {
     let app = app(&["--workers", "1"]);
     let coded = gzip(ONE_PASS.as_bytes());
     for body in
@@ -84,7 +84,7 @@ async fn what_is_not_whole_gzip_is_400_and_other_codings_are_415() {
 }
 
 #[tokio::test]
-async fn the_digest_is_of_the_bytes_received_in_each_form_and_coding() {
+async fn the_digest_is_of_the_bytes_sent_in_each_format_and_content_encoding() {
     let app = app(&["--workers", "1"]);
     for format in ["json", "gcode", "svg", "html"] {
         let path = format!("{MILL}?format={format}");
@@ -115,7 +115,7 @@ async fn the_digest_is_of_the_bytes_received_in_each_form_and_coding() {
 }
 
 #[tokio::test]
-async fn what_is_not_computed_is_coded_too_but_for_what_is_small_and_for_problems() {
+async fn fixed_answers_are_compressed_but_for_small_answers_and_problems() {
     let app = app(&["--workers", "1"]);
     let ask = async |path: &str| {
         let request = Request::get(path).header("accept-encoding", "gzip");
@@ -131,7 +131,7 @@ async fn what_is_not_computed_is_coded_too_but_for_what_is_small_and_for_problem
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_hundred_at_once_are_answered_with_the_same_bytes_on_one_thread_and_on_two() {
+async fn a_hundred_requests_at_once_get_the_same_bytes_on_one_thread_and_on_two() {
     let mut seen: Option<Vec<u8>> = None;
     for workers in ["1", "2"] {
         let app = app(&["--workers", workers, "--queue", "100"]);

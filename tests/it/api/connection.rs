@@ -120,7 +120,7 @@ async fn headers_and_bodies_that_stop_arriving_end_and_delay_nobody() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_caller_that_waits_to_be_asked_is_not_asked_for_what_is_too_large() {
+async fn a_caller_that_expects_100_continue_gets_413_for_too_large_a_body() {
     let app = app(&["--workers", "1", "--body-limit", "1000"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -154,7 +154,7 @@ async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large()
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_the_parser_refuses_is_a_problem_too() {
+async fn requests_that_http_cannot_parse_are_answered_with_a_problem() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;

@@ -21,7 +21,7 @@ async fn mill(body: impl Into<axum::body::Body>) -> Answer {
 }
 
 #[tokio::test]
-async fn what_is_not_json_is_400() {
+async fn a_body_that_is_no_json_is_400() {
     let truncated = &ONE_PASS[..ONE_PASS.len() / 2];
     let deep = format!("{{\"surface\":{}", "[".repeat(100_000));
     let deep_and_closed = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
@@ -120,7 +120,7 @@ async fn every_fault_has_its_code_and_its_pointer() {
 }
 
 #[tokio::test]
-async fn all_violations_of_ranges_come_at_once_with_value_and_limit() {
+async fn all_range_violations_are_named_at_once_with_value_and_limit() {
     let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
     body["surface"]["points"][0][0][0] = json!(1e308);
     body["surface"]["points"][1][1][2] = json!(-2e6);
@@ -148,7 +148,7 @@ async fn all_violations_of_ranges_come_at_once_with_value_and_limit() {
 }
 
 #[tokio::test]
-async fn limits_name_limit_value_and_maximum() {
+async fn an_exceeded_limit_is_named_with_its_value_and_maximum() {
     let app = app(&["--workers", "1", "--max-surface-points", "3", "--max-sections", "100"]);
     let answer = post(&app, MILL, ONE_PASS, &[]).await;
     assert_eq!(answer.violations(), [("limit_exceeded".to_owned(), "#/surface/points".to_owned())]);
@@ -193,7 +193,7 @@ impl axum::body::HttpBody for Parts {
 }
 
 #[tokio::test]
-async fn all_violations_are_told_at_once() {
+async fn all_violations_are_named_at_once() {
     let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
     body["tool"] = json!({ "shape": "ball", "diameter_mm": "six", "colour": "red" });
     body["tolerance_mm"] = json!(-1);
@@ -217,7 +217,7 @@ async fn all_violations_are_told_at_once() {
 }
 
 #[tokio::test]
-async fn what_is_said_of_a_stand_in_is_left_out() {
+async fn a_field_that_cannot_be_decoded_causes_no_further_violations() {
     for (pointer, value) in [
         ("/surface/kind", json!("hill")),
         ("/surface", json!("hill")),
@@ -232,7 +232,7 @@ async fn what_is_said_of_a_stand_in_is_left_out() {
 }
 
 #[tokio::test]
-async fn whole_numbers_may_have_a_point() {
+async fn whole_numbers_may_have_a_decimal_point() {
     for number in [7.0, 12.0] {
         let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
         body["program"] = json!({ "number": 3, "decimals": 3 });
@@ -308,7 +308,7 @@ async fn faults_of_grids_are_named_at_once() {
 }
 
 #[tokio::test]
-async fn what_is_asked_for_in_vain_is_told_what_there_is() {
+async fn a_wrong_path_or_method_is_told_the_right_ones() {
     let app = app(&["--workers", "1"]);
     let nothing = get(&app, "/v1/nothing").await;
     assert_eq!((nothing.status.as_u16(), nothing.code().as_str()), (404, "not_found"));

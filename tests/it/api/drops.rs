@@ -154,7 +154,7 @@ fn quadric_at(c: [f64; 6], x: f64, y: f64) -> f64 {
 }
 
 #[tokio::test]
-async fn round_crests_are_touched_as_their_closed_forms_say() {
+async fn tips_on_round_crests_are_those_of_closed_forms() {
     let cap = arc(1.0);
     let sphere = biquadratic(cap, cap, |u, v| [30.0 * u[0], 30.0 * u[1] * v[0], 30.0 * u[1] * v[1]]);
     let off = |p: [f64; 3]| p[0].hypot(p[1]).hypot(p[2]) - 30.0;
@@ -278,7 +278,7 @@ async fn in_a_bowl_tighter_than_the_cutter_it_rests_on_a_ring() {
 }
 
 #[tokio::test]
-async fn beside_the_surface_there_is_no_tip_and_near_it_the_edge_is_touched() {
+async fn beside_the_surface_there_is_no_tip_and_near_the_surface_its_edge_is_touched() {
     let app = app(&["--workers", "1"]);
     let plate = quadric([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 10.0);
     let diagonal = 10.0 + 5.0 * 0.5f64.sqrt();

@@ -128,7 +128,7 @@ async fn every_answer_in_json_has_the_members_of_the_contract() {
 }
 
 #[tokio::test]
-async fn every_program_is_text_under_the_name_it_was_asked_by_in_every_dialect() {
+async fn a_program_is_answered_under_the_requested_media_type_in_every_dialect() {
     let app = app(&["--workers", "1"]);
     for example in examples().into_iter().filter(|example| is_path(&example.path)) {
         let Example { path, name, .. } = &example;

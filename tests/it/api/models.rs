@@ -63,7 +63,7 @@ async fn a_cylinder_is_described_by_its_closed_forms() {
 }
 
 #[tokio::test]
-async fn patches_of_data_through_points_pass_through_them() {
+async fn patches_through_data_points_pass_through_the_points() {
     let app = app(&["--workers", "1"]);
     let report = post(&app, MODEL, FERGUSON, &[]).await.json()["report"].clone();
     assert!(report["fit_deviation_max_mm"].as_f64().is_some_and(|mm| mm < 1e-12));
@@ -89,7 +89,7 @@ async fn a_model_is_a_picture_but_no_program() {
 }
 
 #[tokio::test]
-async fn edges_and_poles_are_told_of_and_have_no_offset() {
+async fn surfaces_with_edges_or_poles_are_warned_of_and_have_no_offset() {
     let app = app(&["--workers", "1"]);
     let row = |i: usize, z: f64| json!([[10 * i, 0, z], [10 * i, 20, z]]);
     let roof = json!({

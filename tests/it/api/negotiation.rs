@@ -6,7 +6,7 @@ use axum::http::Request;
 use super::support::{MILL, ONE_PASS, app, get, post, send};
 
 #[tokio::test]
-async fn nothing_on_offer_is_406_with_the_offers() {
+async fn an_accept_header_without_a_match_is_406_with_the_offers() {
     let app = app(&["--workers", "1"]);
     let answer = post(&app, MILL, ONE_PASS, &[("accept", "image/png, application/xml;q=0.3")]).await;
     assert_eq!((answer.status.as_u16(), answer.code().as_str()), (406, "not_acceptable"));
@@ -28,7 +28,7 @@ async fn queries_are_read_strictly() {
 }
 
 #[tokio::test]
-async fn json_by_any_of_its_names_is_read_and_nothing_else() {
+async fn only_the_content_types_of_json_are_read() {
     let app = app(&["--workers", "1"]);
     let status = async |content_type: Option<&str>| {
         let builder = Request::post(MILL);
@@ -52,7 +52,7 @@ async fn json_by_any_of_its_names_is_read_and_nothing_else() {
 }
 
 #[tokio::test]
-async fn the_answers_of_the_framework_are_problems_too() {
+async fn unknown_paths_and_wrong_methods_are_answered_with_problems() {
     let app = app(&["--workers", "1"]);
     let missing = get(&app, "/v1/surfaces/mil").await;
     assert_eq!((missing.status.as_u16(), missing.code().as_str()), (404, "not_found"));

@@ -90,7 +90,7 @@ async fn pages_of_configured_origins_alone_may_call() {
 }
 
 #[tokio::test]
-async fn the_documentation_loads_from_here_alone() {
+async fn the_documentation_pages_load_from_this_service_alone() {
     let app = app(&["--workers", "1"]);
     let redirect = get(&app, "/docs").await;
     assert_eq!((redirect.status.as_u16(), redirect.header("location")), (303, "/docs/"));

@@ -94,7 +94,7 @@ fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
 }
 
 #[tokio::test]
-async fn what_mill_answers_is_written_as_mill_writes_it() {
+async fn a_milled_toolpath_is_written_to_the_same_program_by_both_endpoints() {
     let app = app(&["--workers", "1"]);
     let milled = post(&app, MILL, DIE, &[]).await.json();
     let job: Value = serde_json::from_str(DIE).expect("JSON");
@@ -118,7 +118,7 @@ fn parabola(to: [i32; 3], control: Value) -> Value {
 }
 
 #[tokio::test]
-async fn moves_are_refused_where_they_are_wrong() {
+async fn a_wrong_move_is_named() {
     let moves = "/toolpath/passes/0/moves";
     for (place, value, code, blamed) in [
         ("/3/to/1", json!("9"), "wrong_type", "/3/to/1"),
@@ -156,7 +156,7 @@ async fn moves_are_refused_where_they_are_wrong() {
 }
 
 #[tokio::test]
-async fn all_violations_come_at_once() {
+async fn all_violations_of_a_program_are_named_at_once() {
     let mut body = example("contour");
     let moves = "/toolpath/passes/0/moves";
     body["toolpath"]["start"][2] = json!(-2e6);
@@ -206,7 +206,7 @@ async fn tools_programs_and_heights_are_checked() {
 }
 
 #[tokio::test]
-async fn a_feed_is_that_of_the_move_or_of_its_role_or_required() {
+async fn a_feed_comes_from_the_move_or_from_its_role_or_is_required() {
     let mut body = example("contour");
     let text = String::from_utf8(write(&body).await.body).expect("ASCII");
     assert!(text.contains("CUT 800 RAMP 250 LEAD-OUT 800 MM PER MIN"), "{text}");
@@ -223,7 +223,7 @@ async fn a_feed_is_that_of_the_move_or_of_its_role_or_required() {
 }
 
 #[tokio::test]
-async fn what_is_often_a_mistake_is_warned_of() {
+async fn likely_mistakes_in_a_program_are_warned_of() {
     let app = app(&["--workers", "1"]);
     let mut body = example("one-line");
     body["tool"] = json!({ "shape": "ball", "diameter_mm": 6, "number": 2, "length_offset": 3 });
@@ -237,7 +237,7 @@ async fn what_is_often_a_mistake_is_warned_of() {
 }
 
 #[tokio::test]
-async fn the_number_of_moves_is_limited_and_many_are_quick() {
+async fn the_number_of_moves_is_limited_and_many_moves_are_written_quickly() {
     let path = |n: usize| {
         // Half circles of 2 mm and lines back, side by side.
         let moves: Vec<Value> = (0..n)
@@ -297,7 +297,7 @@ proptest! {
 
     /// Whatever names and meta hold, the program beside its comments is the same.
     #[test]
-    fn texts_of_the_caller_change_nothing_but_comments(
+    fn names_and_meta_change_nothing_but_comments(
         name in "(?s)([)%;(\r\n]|.){0,60}", key in "(?s).{0,20}", value in "(?s)[(]?(MSG|LOG|%|;|\u{fc}|\n|.){0,40}",
         long: bool, dialect in prop::sample::select(DIALECTS),
     ) {
@@ -336,7 +336,7 @@ proptest! {
 }
 
 #[tokio::test]
-async fn ten_thousand_characters_are_refused_by_name() {
+async fn a_name_of_ten_thousand_characters_is_refused() {
     let long = "x)%\n".repeat(2500);
     let mut body = with("contour", "/program/name", json!(long));
     body["meta"] = json!({ "part_id": long });
@@ -346,7 +346,7 @@ async fn ten_thousand_characters_are_refused_by_name() {
 
 /// A program without a clearance height ended at the height where it had cut.
 #[tokio::test]
-async fn without_a_height_a_program_goes_above_what_it_cuts() {
+async fn without_a_clearance_height_a_program_clears_its_own_cuts() {
     let level = |cutting: Value| {
         json!({
             "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": [
@@ -372,7 +372,7 @@ async fn without_a_height_a_program_goes_above_what_it_cuts() {
 
 /// Program, report and progress come of one computation.
 #[tokio::test]
-async fn the_program_stands_in_the_answer_and_in_the_event_where_it_is_asked_for() {
+async fn nc_true_puts_the_program_into_the_answer_and_the_event() {
     let app = app(&["--workers", "1"]);
     let text = post(&app, &format!("{MILL}?format=gcode"), DIE.to_owned(), &[]).await.text();
     let json = post(&app, &format!("{MILL}?nc=true"), DIE.to_owned(), &[]).await.json();

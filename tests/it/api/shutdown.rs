@@ -55,7 +55,7 @@ fn an_idle_program_ends_soon() {
 }
 
 #[test]
-fn health_is_told_by_the_exit_code() {
+fn the_health_command_tells_health_by_its_exit_code() {
     let program = Program::start(&["--workers", "1"]);
     let healthcheck = |address: &str| {
         let arguments = ["healthcheck", "--listen", address];
@@ -72,7 +72,7 @@ fn health_is_told_by_the_exit_code() {
 }
 
 #[test]
-fn other_machines_are_not_served_by_accident() {
+fn a_public_address_needs_allow_public() {
     for address in ["0.0.0.0:0", "[::]:0"] {
         let output = Command::new(env!("CARGO_BIN_EXE_toolpathd"))
             .args(["--listen", address])

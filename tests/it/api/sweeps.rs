@@ -60,7 +60,7 @@ async fn an_arc_along_a_line_is_a_cylinder() {
 }
 
 #[tokio::test]
-async fn places_are_as_the_contract_says() {
+async fn swept_surfaces_lie_where_the_contract_says() {
     let app = app(&["--workers", "1"]);
     for (surface, low, high) in [
         (parallel("l(0,0) l(9,4)", "l(1,1) l(8,0)"), [0.0, 0.0, -1.0], [9.0, 7.0, 4.0]),
@@ -89,7 +89,7 @@ async fn examples_have_wires_in_every_direction() {
 }
 
 #[tokio::test]
-async fn sharp_corners_are_edges_that_are_told_of_and_have_no_offset() {
+async fn sharp_corners_of_swept_curves_are_warned_of_and_have_no_offset() {
     let app = app(&["--workers", "1"]);
     for (surface, place) in [
         (parallel("l(0,0) l(20,0) l(40,9)", "l(0,0) l(30,0)"), [20.0, 0.0, 0.0]),
@@ -118,7 +118,7 @@ async fn sharp_corners_are_edges_that_are_told_of_and_have_no_offset() {
 }
 
 #[tokio::test]
-async fn what_is_swept_is_milled() {
+async fn swept_surfaces_are_milled() {
     let app = app(&["--workers", "1"]);
     for example in [PARALLEL, NORMAL, RULED] {
         let mut body = parsed(BEZIER_PATCHES);
@@ -169,7 +169,7 @@ async fn every_fault_of_a_curve_is_pointed_at() {
 }
 
 #[tokio::test]
-async fn no_curves_take_more_than_their_share() {
+async fn swept_surfaces_are_limited_in_patches() {
     let app = app(&["--workers", "1"]);
     let zigzag = |n: usize| (0..n).map(|k| format!("l({k},{}) ", k % 2)).collect::<String>();
     let many = post(&app, MODEL, of(parallel(&zigzag(2000), &zigzag(2000))), &[]).await;

@@ -129,7 +129,7 @@ fn fit(points: &[[f64; 3]], tolerance_mm: f64, measure: Measure, continuity: Con
 
 /// Each of these was stated too small: at an end, and where points in space go back.
 #[test]
-fn ends_and_points_that_go_back_count() {
+fn deviations_count_ends_and_points_that_go_back() {
     let (tangent, polyline) = (Continuity::Tangent, Measure::Polyline);
     let bow =
         [[0.36, -1.97, 0.0], [1.61, -1.19, 0.0], [1.99, 0.22, 0.0], [1.3, 1.52, 0.0], [-0.08, 2.0, 0.0]];

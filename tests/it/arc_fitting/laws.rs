@@ -62,7 +62,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn moved_points_take_as_many(points in any_points()) {
+    fn moved_points_take_as_many_elements(points in any_points()) {
         let moved = |to: fn(Vector2<f64>) -> Vector2<f64>| points.iter().map(|p| to(*p)).collect::<Vec<_>>();
         let (request, reversed) = (on_points(), points.iter().rev().copied().collect::<Vec<_>>());
         let expected = count(&points, &request);
@@ -76,7 +76,7 @@ proptest! {
 
     /// Joints beside the points can only save elements, arcs can only save lines, and greed can only cost.
     #[test]
-    fn more_freedom_takes_no_more(points in any_points()) {
+    fn more_freedom_takes_no_more_elements(points in any_points()) {
         let request = on_points();
         let best = count(&points, &request);
         let free = count(&points, &Fit { joints: Joints::Free, ..request });
@@ -203,7 +203,7 @@ fn a_helix_is_one_arc() {
 }
 
 #[test]
-fn what_is_nearly_straight_is_straight_or_within_the_largest_radius() {
+fn nearly_straight_points_become_lines_or_arcs_within_the_largest_radius() {
     let at = |k: i32| polar(5e6, 2e-7 * f64::from(k)) - Vector2::new(5e6, 0.0);
     let points: Vec<_> = (-50..=50).map(at).collect();
     // They rise over their chord by 2.5e-4 mm.
@@ -226,7 +226,7 @@ fn along_x(places: &[f64]) -> Vec<Vector2<f64>> {
 }
 
 #[test]
-fn lines_are_lines() {
+fn points_on_a_line_are_one_line() {
     for points in [along_x(&[0.0, 3.0]), along_x(&[0.0, 1.0, 1.5, 7.0, 7.001, 30.0])] {
         for method in [Method::Greedy, Method::Optimal, Method::Biarc] {
             let found = fitted(&points, &Fit { method, ..on_points() });
@@ -264,7 +264,7 @@ fn a_spike_is_kept() {
 }
 
 #[test]
-fn one_place_is_refused() {
+fn points_in_one_place_are_refused() {
     for n in [1, 2, 5] {
         let refused =
             fit_in_space(&vec![Point3::new(1.0, 2.0, 3.0); n], None, &on_points(), &Budget::unlimited());

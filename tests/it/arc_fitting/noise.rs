@@ -25,7 +25,7 @@ fn counts(points: &[Vector2<f64>], tolerance: f64) -> [usize; 3] {
 }
 
 #[test]
-fn a_noisy_circle_takes_two_or_three() {
+fn a_noisy_circle_takes_two_or_three_elements() {
     for seed in SEEDS {
         let [free, on_points, greedy] = counts(&circle(seed), 3e-3);
         println!("circle {seed} within 3e-3: {free} free, {on_points} on points, {greedy} greedy");
@@ -65,7 +65,7 @@ fn a_closed_noisy_circle_is_one_turn() {
 }
 
 #[test]
-fn a_rounded_sine_takes_two_thirds_of_the_greedy_number() {
+fn a_rounded_sine_takes_at_most_two_thirds_of_the_greedy_number() {
     let points: Vec<_> = (0..400)
         .map(|k| TAU * f64::from(k) / 399.0)
         .map(|x| Vector2::new(x, x.sin()).map(|c| (c * 1e3).round() / 1e3))

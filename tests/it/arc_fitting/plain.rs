@@ -123,7 +123,7 @@ fn sampled(curve: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {
 }
 
 #[test]
-fn a_sine() {
+fn a_sine_takes_the_least_number() {
     let points = sampled(|t| Vector2::new(6.0 * t, (6.0 * t).sin()));
     for tolerance in [3e-5, 2e-6] {
         compared("sine", &points, tolerance);
@@ -131,14 +131,14 @@ fn a_sine() {
 }
 
 #[test]
-fn a_rounded_sine_is_not_for_greed() {
+fn a_rounded_sine_takes_the_least_number_and_fewer_than_greedy() {
     let points = sampled(|t| Vector2::new(6.0 * t, (6.0 * t).sin()).map(|c| (c * 1e3).round() / 1e3));
     let [found, greedy] = compared("rounded sine", &points, 5.2e-4);
     assert!(found < greedy);
 }
 
 #[test]
-fn a_spiral() {
+fn a_spiral_takes_the_least_number() {
     let points = sampled(|t| polar(1.0 + 2.0 * t, 12.0 * t));
     for tolerance in [1e-4, 1e-5] {
         compared("spiral", &points, tolerance);
@@ -146,7 +146,7 @@ fn a_spiral() {
 }
 
 #[test]
-fn a_noisy_circle_is_not_for_greed() {
+fn a_noisy_circle_takes_the_least_number_and_fewer_than_greedy() {
     let mut random = Random::stream(2);
     // Long elements: all pairs of more points take too long.
     let n = N / 2;
@@ -159,7 +159,7 @@ fn a_noisy_circle_is_not_for_greed() {
 }
 
 #[test]
-fn random_walks() {
+fn random_walks_take_the_least_number() {
     let mut random = Random::stream(3);
     for (turn, tolerance) in [(0.05, 0.05), (0.3, 0.2), (3.0, 0.8)] {
         compared("walk", &walk(N, 1.0, turn, &mut random), tolerance);

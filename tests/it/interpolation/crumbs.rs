@@ -42,7 +42,7 @@ async fn the_profile_has_no_crumbs_and_its_flank_is_straight() {
 }
 
 #[tokio::test]
-async fn lines_cost_no_elements() {
+async fn each_line_of_a_profile_is_one_element() {
     let body: Value = serde_json::from_str(PROFILE).expect("JSON");
     let report = &answer(&body).await["report"];
     assert_eq!(report["n_elements"], 12);

@@ -33,7 +33,7 @@ fn cells(answer: &Value) -> (Vec<u64>, Vec<u64>) {
 }
 
 #[tokio::test]
-async fn table_1_adaptive_linear() {
+async fn adaptive_lines_are_as_many_as_in_table_1() {
     // As printed: subdivisions of each initial element.
     let printed: [&[u64]; 8] = [
         &[8],
@@ -59,7 +59,7 @@ async fn table_1_adaptive_linear() {
 }
 
 #[tokio::test]
-async fn table_2_adaptive_parabolic() {
+async fn adaptive_parabolas_are_as_many_as_in_table_2() {
     for n in 1..=8 {
         let answer = sine("parabolic", n).await;
         let (per_initial, shapes) = cells(&answer);
@@ -73,7 +73,7 @@ async fn table_2_adaptive_parabolic() {
 }
 
 #[tokio::test]
-async fn table_3_mixed() {
+async fn mixed_elements_are_as_many_as_in_table_3() {
     let printed: [(usize, &[u64]); 8] = [
         (2, &[2, 2]),
         (2, &[2, 2]),

@@ -42,7 +42,7 @@ fn verified(answer: &Value, mm: f64, measure: &str) -> usize {
 }
 
 #[tokio::test]
-async fn lines_with_joints_on_the_curve() {
+async fn lines_with_joints_on_the_curve_are_as_long_as_the_band_allows() {
     for (mm, most) in [(0.1, 5), (0.01, 17), (0.001, 54)] {
         let answer = sine("linear", mm, "on_curve", "vertical").await;
         assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
@@ -64,7 +64,7 @@ async fn lines_with_joints_on_the_curve() {
 }
 
 #[tokio::test]
-async fn parabolas() {
+async fn parabolas_with_joints_on_the_curve_are_few() {
     for (mm, most, most_normal) in [(0.1, 2, 2), (0.01, 6, 5), (0.001, 11, 11)] {
         let answer = sine("parabolic", mm, "on_curve", "vertical").await;
         assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
@@ -83,7 +83,7 @@ async fn arcs_need_no_more_than_three_quarters_of_the_lines() {
 
 /// 13 lines at 0.01, and no fewer: the corridor that holds the band has no shorter path.
 #[tokio::test]
-async fn lines_with_joints_in_the_band() {
+async fn lines_with_joints_in_the_band_reach_their_lower_bound() {
     for (mm, exactly) in [(0.1, 5), (0.01, 13), (0.001, 39)] {
         let answer = sine("linear", mm, "in_band", "vertical").await;
         assert_eq!(verified(&answer, mm, "vertical"), exactly);

@@ -69,7 +69,7 @@ async fn hostile_expressions_are_refused_with_their_position() {
 }
 
 #[tokio::test]
-async fn values_that_do_not_exist_are_named() {
+async fn undefined_values_are_named_with_their_place() {
     for (expression, domain, words, offset) in [
         ("1/0", [0.0, 1.0], "division by zero", 1),
         ("log(-1)", [0.0, 1.0], "log", 0),
@@ -112,7 +112,7 @@ async fn a_tower_of_powers_is_right_on_a_positive_domain() {
 }
 
 #[tokio::test]
-async fn section_curves_are_blamed_by_their_bytes() {
+async fn faults_of_section_curves_are_named_by_their_byte() {
     for (text, offset) in [
         ("", 0),
         ("l(0,0)", 0),
@@ -138,7 +138,7 @@ async fn section_curves_are_blamed_by_their_bytes() {
 }
 
 #[tokio::test]
-async fn what_does_not_go_together_is_refused() {
+async fn conflicting_fields_are_refused() {
     let spline = json!({ "kind": "points", "points": [[0, 0], [1, 1], [2, 0]] });
     let body = |changes: Value| {
         let mut body = graph("sin(x)", [0.0, 6.5]);

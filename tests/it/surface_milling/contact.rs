@@ -163,7 +163,7 @@ fn heights_of_cuts(plan: &Plan) -> [f64; 2] {
 }
 
 #[test]
-fn walls_and_sheets_over_one_another_are_cut_as_they_are_seen_from_above() {
+fn of_walls_and_sheets_over_one_another_the_uppermost_is_cut() {
     let wall = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
     let overhang = [[0.0, 0.0], [7.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
     for profile in [wall, overhang] {
@@ -265,7 +265,7 @@ fn bumps_and_a_die_are_cut_by_any_cutter() {
 }
 
 #[test]
-fn a_cutter_larger_than_the_part_rests_on_its_top() {
+fn a_cutter_larger_than_the_part_rests_on_the_top_of_the_part() {
     let hill = |x: f64, y: f64| -0.05 * (x * x + y * y);
     let surface = heights(5, [-4.0, 4.0], Ends::NotAKnot, hill);
     let dense = Dense::of([-4.0, 4.0], hill);

@@ -137,7 +137,7 @@ fn an_octant_to_its_pole_or_its_horizon_is_refused_by_name() {
 }
 
 #[test]
-fn stock_is_left_where_it_is_asked_for() {
+fn cuts_leave_the_allowance_on_the_surface() {
     let job = Job { allowance_mm: 0.3, ..job(cylinder(), SectionPlane::Zx, 4.0) };
     let plan = plan(&job, &Budget::unlimited()).unwrap();
     assert_eq!(plan.report.gouge_max_mm, 0.0);

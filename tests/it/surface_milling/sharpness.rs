@@ -82,7 +82,7 @@ fn hold(job: &Job, grid: &PointGrid) {
 }
 
 #[test]
-fn figures_are_within_twice_what_is_found() {
+fn stated_figures_are_within_twice_the_sampled_figures() {
     let plane = |x: f64, y: f64| 0.3 * x - 0.2 * y;
     let wave = |x: f64, y: f64| (PI * x / 6.0).sin() * (PI * y / 8.0).cos();
     let trough = |x: f64, _: f64| 0.05 * x * x;

@@ -11,6 +11,7 @@ pub mod element;
 pub mod following;
 pub mod interval;
 pub mod mesh;
+pub mod offset;
 pub mod plane;
 pub mod plane_curve;
 pub mod profile;

@@ -9,7 +9,7 @@
 //! 3. Whether an element stays within the band is proved over the whole of it ([`deviation`](crate::geometry::deviation)).
 //! 4. `lower_bound`: how few elements there can be at least.
 //! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band stand for
-//!    them; beside the contour `compensation` moves them by the cutter's radius.
+//!    them; beside the contour `compensation` offsets them by the cutter's radius.
 //!
 //! # Guarantees
 //! * Every element stays within the band, by the measure that is asked for: a proof, not a sample. `deviation_max_mm` bounds
@@ -23,7 +23,8 @@
 //!
 //! # Cost
 //! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and paths beside the
-//! contour cost more, as `corridor` and `compensation` say. `benches/interpolation.rs` measures times over growing sizes.
+//! contour cost more, as `corridor` and [`offset`](crate::geometry::offset) say. `benches/interpolation.rs` measures times
+//! over growing sizes.
 //!
 //! # Differences from the paper
 //! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered. Its machining
@@ -52,6 +53,7 @@ use nalgebra::Point2;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Ends, Measure, Spread, Verdict, judge};
 use crate::geometry::element::Element;
+pub use crate::geometry::offset::Side;
 use crate::geometry::plane_curve::PlaneCurve;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
@@ -59,7 +61,7 @@ use crate::toolpath::{PathError, Toolpath};
 pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
-pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Side, Source, Subdivision};
+pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Source, Subdivision};
 pub use preview::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 

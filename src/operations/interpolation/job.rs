@@ -1,6 +1,7 @@
 //! What is to be interpolated, and how.
 
 use crate::geometry::deviation::Band;
+use crate::geometry::offset::Side;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::Parabolas;
@@ -36,13 +37,6 @@ pub enum Joints {
     OnCurve,
     /// Anywhere in the band, for lines where that saves some; the ends of the curve are kept.
     InBand,
-}
-
-/// On which side of the contour the cutter runs, seen along it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    Left,
-    Right,
 }
 
 /// A job of interpolation.

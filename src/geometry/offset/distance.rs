@@ -20,12 +20,12 @@ use nalgebra::{Point2, Vector2};
 use crate::geometry::element::{Element, PlaneArc};
 
 /// Turned to the left by a quarter.
-pub(super) fn left(v: Vector2<f64>) -> Vector2<f64> {
+pub(in crate::geometry) fn left(v: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-v.y, v.x)
 }
 
 /// Whether the ray from the centre along `spoke` meets the arc.
-pub(super) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
+pub(in crate::geometry) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
     let sense = arc.turn.signum();
     let is_after_start = sense * (arc.start - arc.center).perp(&spoke) >= 0.0;
     let is_before_end = sense * spoke.perp(&(arc.end - arc.center)) >= 0.0;
@@ -37,7 +37,7 @@ pub(super) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
 }
 
 /// From a point to a line or an arc, mm.
-pub(super) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
+pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
     match element {
         Element::Arc(arc) => {
             let spoke = p - arc.center;
@@ -134,7 +134,7 @@ pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
 }
 
 /// Where a circle about the origin meets the line through `from` along a unit vector.
-pub(super) fn circle_meets(
+pub(in crate::geometry) fn circle_meets(
     radius: f64,
     from: Vector2<f64>,
     along: Vector2<f64>,
@@ -146,7 +146,7 @@ pub(super) fn circle_meets(
 }
 
 /// Where a circle about the origin meets another that is `apart` from it.
-pub(super) fn circles_meet(radius: f64, apart: Vector2<f64>, other: f64) -> Option<[Vector2<f64>; 2]> {
+pub(in crate::geometry) fn circles_meet(radius: f64, apart: Vector2<f64>, other: f64) -> Option<[Vector2<f64>; 2]> {
     let distance = apart.norm();
     let toward = apart / distance;
     let along = 0.5 * (distance + (radius - other) * (radius + other) / distance);

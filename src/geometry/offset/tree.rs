@@ -18,11 +18,13 @@ const LEAF: usize = 4;
 const ROUNDING: f64 = 1e-14;
 
 /// Elements with boxes.
-pub(super) struct Tree {
+#[derive(Debug, Clone)]
+pub(in crate::geometry) struct Tree {
     elements: Vec<Element>,
     nodes: Vec<Node>,
 }
 
+#[derive(Debug, Clone)]
 struct Node {
     low: Point2<f64>,
     high: Point2<f64>,
@@ -40,13 +42,13 @@ impl Node {
 }
 
 impl Tree {
-    pub(super) fn new(elements: Vec<Element>) -> Self {
+    pub(in crate::geometry) fn new(elements: Vec<Element>) -> Self {
         let mut tree = Self { nodes: Vec::with_capacity(elements.len()), elements };
         tree.add([0, tree.elements.len()]);
         tree
     }
 
-    pub(super) fn elements(&self) -> &[Element] {
+    pub(in crate::geometry) fn elements(&self) -> &[Element] {
         &self.elements
     }
 
@@ -74,7 +76,7 @@ impl Tree {
     }
 
     /// Shows the elements nearer to `p` than `within`, with their distances, until `see` answers false.
-    pub(super) fn near(&self, p: Point2<f64>, within: f64, mut see: impl FnMut(usize, f64) -> bool) {
+    pub(in crate::geometry) fn near(&self, p: Point2<f64>, within: f64, mut see: impl FnMut(usize, f64) -> bool) {
         let opened = within + ROUNDING * (p.x.abs().max(p.y.abs()) + within);
         let mut stack = vec![0];
         while let Some(at) = stack.pop() {
@@ -95,8 +97,33 @@ impl Tree {
         }
     }
 
+    /// Shows the elements with boxes that meet the box from `low` to `high`.
+    pub(in crate::geometry) fn meeting(
+        &self,
+        low: Point2<f64>,
+        high: Point2<f64>,
+        mut see: impl FnMut(usize, &Element),
+    ) {
+        let mut stack = vec![0];
+        while let Some(at) = stack.pop() {
+            let node = &self.nodes[at];
+            if !meet([node.low, node.high], [low, high]) {
+                continue;
+            }
+            if node.second > 0 {
+                stack.extend([node.second, at + 1]);
+                continue;
+            }
+            for k in node.range[0]..node.range[1] {
+                if meet(bounds(&self.elements[k]), [low, high]) {
+                    see(k, &self.elements[k]);
+                }
+            }
+        }
+    }
+
     /// The distance of the nearest element, if it is less than `bound`; else `bound`.
-    pub(super) fn nearest(&self, p: Point2<f64>, bound: f64) -> f64 {
+    pub(in crate::geometry) fn nearest(&self, p: Point2<f64>, bound: f64) -> f64 {
         let mut least = bound;
         let mut stack = vec![(0, self.nodes[0].distance(p))];
         while let Some((at, distance)) = stack.pop() {
@@ -121,8 +148,12 @@ impl Tree {
     }
 }
 
-/// The box of an element.
-fn bounds(element: &Element) -> [Point2<f64>; 2] {
+fn meet([low, high]: [Point2<f64>; 2], [other_low, other_high]: [Point2<f64>; 2]) -> bool {
+    low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y
+}
+
+/// The lowest and the highest coordinates of an element.
+pub(in crate::geometry) fn bounds(element: &Element) -> [Point2<f64>; 2] {
     let (start, end) = (element.start(), element.end());
     let (mut low, mut high) = (start.inf(&end), start.sup(&end));
     if let Element::Arc(arc) = element {

@@ -1,20 +1,20 @@
-//! The parts of a piece where the cutter does not gouge.
+//! The ranges of a piece that are not too near to any contour.
 //!
 //! # Method
-//! Along a piece the distance to an element of the contour passes through the radius only where the piece crosses a line,
+//! Along a piece the distance to an element of the contour passes through the offset's distance only where the piece crosses a line,
 //! or circle, beside the element, or a circle about one of its ends. These places and those where it is nearest to one of
-//! them, or farthest, divide it. In between one look decides: the distance is nowhere equal to the radius. What any element
+//! them, or farthest, divide it. In between one look decides: the two distances are equal nowhere. What any element
 //! forbids is taken away.
 //!
 //! # Guarantees
-//! What is left gouges by no more than about the rounding that is allowed.
+//! The ranges that are left come too near by no more than about the rounding that is allowed.
 //!
 //! # Degenerate input
 //! Where a piece touches such a circle, the two crossings are ill-conditioned; what lies between them is as deep as the
 //! rounding and stays.
 //!
 //! # Cost
-//! A piece meets the elements that are nearer to its middle than the radius and half of its own length.
+//! A piece meets the elements that are nearer to its middle than the distance and half of its own length.
 
 use nalgebra::{Point2, Vector2};
 
@@ -26,8 +26,9 @@ use crate::geometry::element::{Element, PlaneArc};
 /// Cuts pieces one after the other, with room that is used again.
 pub(super) struct Clip<'a> {
     pub contour: &'a Tree,
-    pub radius: f64,
-    /// What is less deep is left alone, mm.
+    /// The offset's distance, mm.
+    pub distance: f64,
+    /// Ranges that come too near by less than this are left alone, mm.
     pub rounding: f64,
     /// The element that forbade all of a piece last: it is likely to do so again.
     blocker: usize,
@@ -36,31 +37,32 @@ pub(super) struct Clip<'a> {
 }
 
 impl<'a> Clip<'a> {
-    pub(super) fn new(contour: &'a Tree, radius: f64, rounding: f64) -> Self {
-        Self { contour, radius, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
+    pub(super) fn new(contour: &'a Tree, distance: f64, rounding: f64) -> Self {
+        Self { contour, distance, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
     }
 
     /// Appends the ranges of the piece that are left, in their order.
     pub(super) fn open(&mut self, piece: &Piece, open: &mut Vec<[f64; 2]>) {
         let (middle, reach) = pieces::disc(&piece.element);
-        let blocking = self.radius - reach - self.rounding;
+        let blocking = self.distance - reach - self.rounding;
         if distance::to_point(&self.contour.elements()[self.blocker], middle) < blocking {
             return;
         }
         self.blocked.clear();
         let mut is_blocked = false;
-        self.contour.near(middle, self.radius + reach, |k, apart| {
+        self.contour.near(middle, self.distance + reach, |k, apart| {
             if apart < blocking {
                 (is_blocked, self.blocker) = (true, k);
             } else if piece.beside != Some(k) {
                 let element = &self.contour.elements()[k];
                 self.crossings.clear();
                 self.crossings.extend([0.0, 1.0]);
-                cross(&piece.element, element, self.radius, &mut self.crossings);
+                cross(&piece.element, element, self.distance, &mut self.crossings);
                 self.crossings.sort_unstable_by(f64::total_cmp);
                 for pair in self.crossings.windows(2) {
                     let place = pieces::at(&piece.element, 0.5 * (pair[0] + pair[1]));
-                    if pair[0] < pair[1] && distance::to_point(element, place) < self.radius - self.rounding {
+                    if pair[0] < pair[1] && distance::to_point(element, place) < self.distance - self.rounding
+                    {
                         self.blocked.push([pair[0], pair[1]]);
                     }
                 }
@@ -82,25 +84,25 @@ impl<'a> Clip<'a> {
     }
 }
 
-/// Appends where the piece may come nearer to the element than the radius, or leave its neighbourhood.
-fn cross(piece: &Element, element: &Element, radius: f64, found: &mut Vec<f64>) {
+/// Appends where the piece may come nearer to the element than the distance, or leave its neighbourhood.
+fn cross(piece: &Element, element: &Element, distance: f64, found: &mut Vec<f64>) {
     match element {
         Element::Arc(arc) => {
-            cross_circle(piece, arc.center, arc.radius + radius, found);
-            if arc.radius > radius {
-                cross_circle(piece, arc.center, arc.radius - radius, found);
+            cross_circle(piece, arc.center, arc.radius + distance, found);
+            if arc.radius > distance {
+                cross_circle(piece, arc.center, arc.radius - distance, found);
             }
         }
         line => {
             if let Some(along) = (line.end() - line.start()).try_normalize(0.0) {
-                let aside = left(along) * radius;
+                let aside = left(along) * distance;
                 cross_line(piece, line.start() + aside, along, found);
                 cross_line(piece, line.start() - aside, along, found);
             }
         }
     }
-    cross_circle(piece, element.start(), radius, found);
-    cross_circle(piece, element.end(), radius, found);
+    cross_circle(piece, element.start(), distance, found);
+    cross_circle(piece, element.end(), distance, found);
 }
 
 fn cross_line(piece: &Element, from: Point2<f64>, along: Vector2<f64>, found: &mut Vec<f64>) {

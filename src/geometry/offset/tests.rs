@@ -5,6 +5,13 @@ use proptest::prelude::*;
 
 use super::*;
 
+/// An offset with what is not reached from it.
+#[derive(Debug)]
+struct Found {
+    chains: Vec<Vec<Element>>,
+    unreached_mm: f64,
+}
+
 const R: f64 = 2.0;
 
 /// A polygonal chain whose parts bulge: positive to the right of the chord, so that they turn to the left.
@@ -59,15 +66,15 @@ fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
     chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
 }
 
-/// Elements that meet under a hundredth of a radian. Without a mitre the path has an arc about each joint; with one it has none there,
-/// is connected, and leaves its distance by the mitre at most.
+/// Elements that meet under a hundredth of a radian. Without a mitre the offset has an arc about each joint. With a mitre
+/// there is no arc; the offset is connected, and leaves its distance by the mitre at most.
 #[test]
 fn small_angles_are_mitred_and_large_ones_rounded() {
     let arc_and_lines =
         contour(&[(0.0, 0.0), (30.0, 0.0), (60.0, -0.3), (90.0, -0.9), (91.0, -30.0)], &[0.0, 0.001]);
     for (mitre_mm, arcs) in [(0.0, 4), (1e-4, 2)] {
-        let found = compensate(&arc_and_lines, Side::Left, R, mitre_mm, &Budget::unlimited()).unwrap();
-        let [chain] = &found.chains[..] else { panic!("{found:?}") };
+        let found = offset(&[&arc_and_lines], Side::Left, R, mitre_mm, &Budget::unlimited()).unwrap();
+        let [chain] = &found[..] else { panic!("{found:?}") };
         assert_eq!(
             chain.iter().filter(|element| matches!(element, Element::Arc(_))).count(),
             arcs,
@@ -97,17 +104,19 @@ fn length(chain: &[Element]) -> f64 {
     chain.iter().map(pieces::length).sum()
 }
 
-/// The path, after it has been sampled: it is connected, does not gouge, and has every point beside the contour that it
-/// may have.
-fn run(contour: &[Element], side: Side, radius: f64) -> Compensated {
-    let found = compensate(contour, side, radius, 0.0, &Budget::unlimited()).unwrap();
-    let path: Vec<Element> = found.chains.iter().flatten().copied().collect();
+/// The offset, after it has been sampled: connected, nowhere too near, and with every point beside the contour that is far
+/// enough from it.
+fn run(contour: &[Element], side: Side, radius: f64) -> Found {
+    let chains = offset(&[contour], side, radius, 0.0, &Budget::unlimited()).unwrap();
+    let unreached_mm = unreached(contour, &chains, radius, &Budget::unlimited()).unwrap();
+    let found = Found { chains, unreached_mm };
+    let chain: Vec<Element> = found.chains.iter().flatten().copied().collect();
     for chain in &found.chains {
         for pair in chain.windows(2) {
             assert_eq!(pair[0].end(), pair[1].start());
         }
     }
-    for element in &path {
+    for element in &chain {
         for k in 0..=20 {
             let p = pieces::at(element, f64::from(k) / 20.0);
             let apart = to_chain(contour, p);
@@ -122,11 +131,11 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Compensated {
     }
     let is_closed = (contour[0].start() - contour[contour.len() - 1].end()).norm() < 1e-9;
     let left = if side == Side::Left { radius } else { -radius };
-    for piece in pieces::pieces(contour, is_closed, left) {
+    for piece in pieces_of(contour, is_closed, left) {
         for k in 1..6 {
             let p = pieces::at(&piece.element, f64::from(k) / 6.0);
             if to_chain(contour, p) > radius - 1e-12 && pieces::length(&piece.element) > 1e-3 {
-                assert!(to_chain(&path, p) < 1e-6, "the path misses {p}: {:?}", found.chains);
+                assert!(to_chain(&chain, p) < 1e-6, "the offset misses {p}: {:?}", found.chains);
             }
         }
     }
@@ -134,17 +143,17 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Compensated {
 }
 
 /// As `run`, and the same again for the contour moved, mirrored and run backwards.
-fn run_all_ways(contour: &[Element], side: Side, radius: f64) -> Compensated {
+fn run_all_ways(contour: &[Element], side: Side, radius: f64) -> Found {
     let found = run(contour, side, radius);
-    let total = |found: &Compensated| found.chains.iter().map(|chain| length(chain)).sum::<f64>();
-    let same = |again: &Compensated, way: &str| {
+    let total = |found: &Found| found.chains.iter().map(|chain| length(chain)).sum::<f64>();
+    let same = |again: &Found, way: &str| {
         assert_eq!(again.chains.len(), found.chains.len(), "{way}");
         assert!((total(again) - total(&found)).abs() < 1e-5, "{way}: {} {}", total(again), total(&found));
         assert!(
-            (again.uncut_mm - found.uncut_mm).abs() < 1e-5,
+            (again.unreached_mm - found.unreached_mm).abs() < 1e-5,
             "{way}: {} {}",
-            again.uncut_mm,
-            found.uncut_mm
+            again.unreached_mm,
+            found.unreached_mm
         );
     };
     same(&run(&reversed(contour), other(side), radius), "reversed");
@@ -155,7 +164,13 @@ fn run_all_ways(contour: &[Element], side: Side, radius: f64) -> Compensated {
     found
 }
 
-fn one(found: &Compensated) -> &[Element] {
+fn pieces_of(contour: &[Element], is_closed: bool, distance: f64) -> Vec<pieces::Piece> {
+    let mut found = Vec::new();
+    pieces::append(contour, 0, is_closed, distance, &mut found);
+    found
+}
+
+fn one(found: &Found) -> &[Element] {
     assert_eq!(found.chains.len(), 1);
     &found.chains[0]
 }
@@ -172,26 +187,26 @@ fn assert_at(p: Point2<f64>, x: f64, y: f64) {
 fn a_convex_corner_is_rounded() {
     let corner = lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 7.0)]);
     let found = run_all_ways(&corner, Side::Right, R);
-    let path = one(&found);
-    assert_eq!(path.len(), 3);
-    assert_at(path[0].start(), 0.0, -R);
-    assert_at(path[2].end(), 10.0 + R, 7.0);
-    assert_near(length(path), 17.0 + R * FRAC_PI_2);
-    let Element::Arc(arc) = path[1] else { panic!("{path:?}") };
+    let chain = one(&found);
+    assert_eq!(chain.len(), 3);
+    assert_at(chain[0].start(), 0.0, -R);
+    assert_at(chain[2].end(), 10.0 + R, 7.0);
+    assert_near(length(chain), 17.0 + R * FRAC_PI_2);
+    let Element::Arc(arc) = chain[1] else { panic!("{chain:?}") };
     assert_at(arc.center, 10.0, 0.0);
     assert_near(arc.turn, FRAC_PI_2);
-    assert!(found.uncut_mm < 1e-12);
+    assert!(found.unreached_mm < 1e-12);
 }
 
 #[test]
 fn a_concave_corner_is_cut() {
     let found = run_all_ways(&lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 7.0)]), Side::Left, R);
-    let path = one(&found);
-    assert_eq!(path.len(), 2);
-    assert_at(path[0].start(), 0.0, R);
-    assert_at(path[0].end(), 10.0 - R, R);
-    assert_at(path[1].end(), 10.0 - R, 7.0);
-    assert_near(found.uncut_mm, R * (2f64.sqrt() - 1.0));
+    let chain = one(&found);
+    assert_eq!(chain.len(), 2);
+    assert_at(chain[0].start(), 0.0, R);
+    assert_at(chain[0].end(), 10.0 - R, R);
+    assert_at(chain[1].end(), 10.0 - R, 7.0);
+    assert_near(found.unreached_mm, R * (2f64.sqrt() - 1.0));
 }
 
 #[test]
@@ -202,12 +217,12 @@ fn a_circle_from_outside_and_from_inside() {
     let found = run_all_ways(&circle(5.0), Side::Left, R);
     assert_near(length(one(&found)), TAU * (5.0 - R));
     assert_eq!(one(&found)[0].start(), one(&found)[1].end());
-    // The cutter may be far larger outside, and fits nowhere inside.
+    // The distance may be far larger outside; inside nothing is left.
     let found = run_all_ways(&circle(5.0), Side::Right, 50.0);
     assert_near(length(one(&found)), TAU * 55.0);
     for radius in [5.0, 6.0, 50.0] {
-        let none = compensate(&circle(5.0), Side::Left, radius, 0.0, &Budget::unlimited());
-        assert_eq!(none, Err(CompensationError::NothingLeft));
+        let none = offset(&[&circle(5.0)], Side::Left, radius, 0.0, &Budget::unlimited());
+        assert_eq!(none, Ok(vec![]));
     }
 }
 
@@ -220,8 +235,8 @@ fn a_closed_square() {
     let outside = run_all_ways(&square, Side::Right, R);
     assert_near(length(one(&outside)), 40.0 + TAU * R);
     assert_eq!(one(&outside)[0].start(), one(&outside)[7].end());
-    let none = compensate(&square, Side::Left, 5.1, 0.0, &Budget::unlimited());
-    assert_eq!(none, Err(CompensationError::NothingLeft));
+    let none = offset(&[&square], Side::Left, 5.1, 0.0, &Budget::unlimited());
+    assert_eq!(none, Ok(vec![]));
 }
 
 #[test]
@@ -231,16 +246,16 @@ fn an_s_of_arcs() {
     let found = run_all_ways(&s, Side::Left, R);
     assert_eq!(one(&found).len(), 2);
     assert_near(length(one(&found)), PI * (5.0 - R + 5.0 + R));
-    // Too large a cutter leaves the first half circle out, and what it would gouge of it beside the second.
+    // Too large a distance leaves the first half circle out, and what is too near to the first beside the second.
     let found = run_all_ways(&s, Side::Left, 6.0);
-    let path = one(&found);
-    assert_eq!(path.len(), 1);
-    assert_at(path[0].end(), 26.0, 0.0);
-    assert!(found.uncut_mm > 1.0);
+    let chain = one(&found);
+    assert_eq!(chain.len(), 1);
+    assert_at(chain[0].end(), 26.0, 0.0);
+    assert!(found.unreached_mm > 1.0);
 }
 
 #[test]
-fn a_v_narrower_than_the_cutter() {
+fn a_v_narrower_than_the_distance() {
     let v = |leg: f64| {
         lines(&[
             (-leg * FRAC_PI_3.cos(), leg * FRAC_PI_3.sin()),
@@ -248,15 +263,15 @@ fn a_v_narrower_than_the_cutter() {
             (leg * 0.5, leg * 0.75f64.sqrt()),
         ])
     };
-    // The cutter rests on both legs, at twice its radius from the tip.
+    // The offset turns where both legs are at the distance, at twice the distance from the tip.
     let found = run_all_ways(&v(10.0), Side::Left, R);
-    let path = one(&found);
-    assert_at(path[0].end(), 0.0, 2.0 * R);
-    assert_near(length(path), 2.0 * (10.0 - R * 3f64.sqrt()));
-    assert_near(found.uncut_mm, R);
-    // Legs so short that it never enters: nothing but their ends would be touched.
-    let none = compensate(&v(3.0), Side::Left, R, 0.0, &Budget::unlimited());
-    assert_eq!(none, Err(CompensationError::NothingLeft));
+    let chain = one(&found);
+    assert_at(chain[0].end(), 0.0, 2.0 * R);
+    assert_near(length(chain), 2.0 * (10.0 - R * 3f64.sqrt()));
+    assert_near(found.unreached_mm, R);
+    // Legs so short that no place between them is at the distance from their insides.
+    let none = offset(&[&v(3.0)], Side::Left, R, 0.0, &Budget::unlimited());
+    assert_eq!(none, Ok(vec![]));
 }
 
 #[test]
@@ -274,14 +289,14 @@ fn a_hairpin_with_a_bulb() {
         ];
         lines(&points)
     };
-    // Wide enough, all of it is one path.
+    // Wide enough, all of it is one chain.
     assert_eq!(run_all_ways(&neck(4.5), Side::Left, R).chains.len(), 1);
-    // Too narrow, the bulb has a closed path of its own, that touches the two corners of the neck.
+    // Too narrow, the bulb has a closed offset of its own, that touches the two corners of the neck.
     let found = run_all_ways(&neck(3.0), Side::Left, R);
     let bulb = one(&found);
     assert_eq!(bulb[0].start(), bulb[bulb.len() - 1].end());
     let sides = 2.0 * (12.0 - 2.0 * R) + (13.0 - 2.0 * R);
-    // The opening of 3 is seen from the path as its walls of 5, and the arcs about its corners up to the middle.
+    // The opening of 3 is seen from the offset as its walls of 5, and the arcs about its corners up to the middle.
     let walls = 10.0 - 2.0 * R;
     assert_near(length(bulb), sides + walls + 2.0 * R * (1.5f64 / R).asin());
     // Around the outside nothing is in the way.
@@ -302,8 +317,8 @@ fn a_loop_of_the_contour_is_cut_off() {
 
 #[test]
 fn pieces_that_touch_what_they_pass() {
-    // The last line crosses the half circle, and its neighbourhood ends where the path beside the circle touches it: half
-    // way between the places where the path crosses the near edge of that neighbourhood.
+    // The last line crosses the half circle, and its neighbourhood ends where the offset beside the circle touches it: half
+    // way between the places where the offset crosses the near edge of that neighbourhood.
     let crossing = [(0.0, 0.0), (-3.0, 0.0), (-3.0, 3.0), (-3.0, 4.0), (0.0, 0.0)];
     let crossing = contour(&crossing, &[0.0, 1.0, -1.0]);
     for side in [Side::Left, Side::Right] {
@@ -327,9 +342,9 @@ fn cusps_of_a_sine_are_removed() {
             assert_eq!(run_all_ways(&wave, side, radius).chains.len(), 1, "{radius} {side:?}");
         }
     }
-    // In the trough at 3 pi / 2 the cutter rests on two points at equal heights.
+    // In the trough at 3 pi / 2 the disc rests on two points at equal heights.
     let found = run(&wave, Side::Left, 1.5);
-    assert!(found.uncut_mm > 0.05 && found.uncut_mm < 0.2, "{}", found.uncut_mm);
+    assert!(found.unreached_mm > 0.05 && found.unreached_mm < 0.2, "{}", found.unreached_mm);
 }
 
 #[test]
@@ -339,8 +354,8 @@ fn tiny_elements_and_doubled_points() {
     let smooth = lines(&[(0.0, 0.0), (9.0, 0.0), (9.0, 4.0)]);
     for side in [Side::Left, Side::Right] {
         let [rough, smooth] = [lines(&rough), smooth.clone()]
-            .map(|contour| compensate(&contour, side, R, 0.0, &Budget::unlimited()).unwrap());
-        assert!((length(one(&rough)) - length(one(&smooth))).abs() < 1e-6, "{rough:?}");
+            .map(|contour| offset(&[&contour], side, R, 0.0, &Budget::unlimited()).unwrap());
+        assert!((length(&rough[0]) - length(&smooth[0])).abs() < 1e-6, "{rough:?}");
     }
 }
 
@@ -348,21 +363,21 @@ fn tiny_elements_and_doubled_points() {
 fn a_cancelled_budget_stops() {
     let budget = Budget::unlimited();
     budget.cancel();
-    let stopped = compensate(&circle(5.0), Side::Left, R, 0.0, &budget);
-    assert_eq!(stopped, Err(CompensationError::Stopped(Stopped::Cancelled)));
+    let stopped = offset(&[&circle(5.0)], Side::Left, R, 0.0, &budget);
+    assert_eq!(stopped, Err(OffsetError::Stopped(Stopped::Cancelled)));
 }
 
 #[test]
-fn a_path_that_gouges_is_refused() {
+fn an_offset_that_comes_too_near_is_refused() {
     let line = Tree::new(lines(&[(0.0, 0.0), (10.0, 0.0)]));
     let beside = |y: f64| vec![lines(&[(0.0, y), (10.0, y)])];
     assert_eq!(prove(&line, &beside(R - 5e-7), R, &Budget::unlimited()), Ok(()));
     let refused = prove(&line, &beside(R - 2e-6), R, &Budget::unlimited());
-    assert!(matches!(refused, Err(CompensationError::Gouges { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(OffsetError::Unproved { .. })), "{refused:?}");
     // An arc that dips below its ends.
     let dip = vec![contour(&[(4.0, 2.5), (6.0, 2.5)], &[1.0])];
     let refused = prove(&line, &dip, R, &Budget::unlimited());
-    let Err(CompensationError::Gouges { at }) = refused else { panic!("{refused:?}") };
+    let Err(OffsetError::Unproved { at }) = refused else { panic!("{refused:?}") };
     assert_at(at, 5.0, 1.5);
 }
 
@@ -384,8 +399,8 @@ proptest! {
         }
         let contour = contour(&points, &bulges);
         for side in [Side::Left, Side::Right] {
-            match compensate(&contour, side, radius, 0.0, &Budget::unlimited()) {
-                Err(CompensationError::NothingLeft) => {}
+            match offset(&[&contour], side, radius, 0.0, &Budget::unlimited()) {
+                Ok(chains) if chains.is_empty() => {}
                 _ => { run(&contour, side, radius); }
             }
         }

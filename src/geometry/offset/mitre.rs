@@ -1,13 +1,13 @@
 //! Corners that are hardly any, mitred: the arc about them would be a crumb of a move.
 //!
 //! # Method
-//! Where elements of the contour meet under a small angle, the path has an arc about their joint, a few micrometres long. The elements
-//! before and after it are lengthened instead until they meet. At an angle a the place where they do lies r (1 / cos(a / 2) - 1) farther
-//! from the joint than the radius r: away from the contour, and by less than rounding.
+//! Where elements of the contour meet under a small angle, the offset has an arc about their joint, a few micrometres long. The elements
+//! before and after it are lengthened instead until they meet. At an angle a the place where they do lies d (1 / cos(a / 2) - 1) farther
+//! from the joint than the distance d: away from the contour, and by less than rounding.
 //!
 //! # Guarantees
-//! Chains stay connected exactly; elements stay on their lines and circles, within 1e-9 mm. That no mitre gouges another part of the
-//! contour is proved like everything else.
+//! Chains stay connected exactly; elements stay on their lines and circles, within 1e-9 mm. No mitre comes too near to
+//! another part of a contour: the proof covers mitres like everything else.
 
 use nalgebra::{Point2, Vector2};
 
@@ -21,13 +21,15 @@ const STEPS: usize = 4;
 /// What meets does so to this, mm.
 const MEETS_MM: f64 = 1e-9;
 
-/// The chain with those arcs of `radius` mitred that this takes no farther than `most` mm from the contour.
-pub(super) fn mitred(chain: &[Element], radius: f64, most: f64) -> Vec<Element> {
+/// The chain with those arcs of radius `distance` mitred that this takes no farther than `most` mm from the contour.
+pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element> {
     let mut kept: Vec<Element> = Vec::with_capacity(chain.len());
     let mut k = 0;
     while k < chain.len() {
         let mitre = match (kept.last(), chain[k], chain.get(k + 1)) {
-            (Some(before), Element::Arc(corner), Some(after)) => mitre(before, &corner, after, radius, most),
+            (Some(before), Element::Arc(corner), Some(after)) => {
+                mitre(before, &corner, after, distance, most)
+            }
             _ => None,
         };
         if let Some([before, after]) = mitre {
@@ -47,12 +49,12 @@ fn mitre(
     before: &Element,
     corner: &PlaneArc,
     after: &Element,
-    radius: f64,
+    distance: f64,
     most: f64,
 ) -> Option<[Element; 2]> {
     let half = 0.5 * corner.turn.abs();
-    let is_about_corner = (corner.radius - radius).abs() <= 1e-6 * radius && half < 0.1;
-    if !is_about_corner || radius * (1.0 / half.cos() - 1.0) > most {
+    let is_about_corner = (corner.radius - distance).abs() <= 1e-6 * distance && half < 0.1;
+    if !is_about_corner || distance * (1.0 / half.cos() - 1.0) > most {
         return None;
     }
     let middle = pieces::at(&Element::Arc(*corner), 0.5);

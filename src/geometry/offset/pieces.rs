@@ -1,11 +1,12 @@
-//! The pieces that the path can be made of: the elements of the contour moved aside, and arcs about its convex corners.
+//! The pieces that the offset can be made of: the elements of the contour moved aside, and arcs about its convex corners.
 //!
 //! # Method
-//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the path that is
-//! nearest to a corner lies on the circle about it, between the normals of the two elements.
+//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the offset
+//! that is nearest to a corner lies on the circle about it, between the normals of the two elements.
 //!
 //! # Guarantees
-//! Every point beside the contour at exactly the radius from it, seen from its nearest point on the side, lies on a piece.
+//! Every point beside the contour at exactly the distance from it, seen from its nearest point on the side, lies on a
+//! piece.
 //!
 //! # Degenerate input
 //! A contour that turns back on itself is rounded on both sides.
@@ -21,20 +22,26 @@ pub(super) const SHORTEST_MM: f64 = 1e-9;
 /// A turn so near to a half turn may be one to either side, radians.
 const TURNED_BACK: f64 = 1e-9;
 
-/// A piece of the path before anything is cut away.
+/// A piece of the offset before anything is cut away.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub element: Element,
-    /// The element of the contour that it runs beside; `None` about a corner.
+    /// The element of all contours that the piece runs beside; `None` about a corner.
     pub beside: Option<usize>,
 }
 
-/// The pieces in the contour's order, `radius` to its left, or to its right if negative.
-pub(super) fn pieces(contour: &[Element], is_closed: bool, radius: f64) -> Vec<Piece> {
-    let mut pieces = Vec::with_capacity(2 * contour.len());
+/// Appends the pieces of a contour in its order, `distance` to its left, or to its right if negative. Its elements follow
+/// `before` elements of other contours.
+pub(super) fn append(
+    contour: &[Element],
+    before: usize,
+    is_closed: bool,
+    distance: f64,
+    pieces: &mut Vec<Piece>,
+) {
     for (k, element) in contour.iter().enumerate() {
-        if let Some(element) = beside(element, radius).filter(|piece| length(piece) >= SHORTEST_MM) {
-            pieces.push(Piece { element, beside: Some(k) });
+        if let Some(element) = beside(element, distance).filter(|piece| length(piece) >= SHORTEST_MM) {
+            pieces.push(Piece { element, beside: Some(before + k) });
         }
         let next = match contour.get(k + 1) {
             Some(next) => next,
@@ -43,40 +50,39 @@ pub(super) fn pieces(contour: &[Element], is_closed: bool, radius: f64) -> Vec<P
         };
         let tangents = [tangent(element, true), tangent(next, false)];
         if let Some(element) =
-            about(element.end(), tangents, radius).filter(|piece| length(piece) >= SHORTEST_MM)
+            about(element.end(), tangents, distance).filter(|piece| length(piece) >= SHORTEST_MM)
         {
             pieces.push(Piece { element, beside: None });
         }
     }
-    pieces
 }
 
-fn beside(element: &Element, radius: f64) -> Option<Element> {
+fn beside(element: &Element, distance: f64) -> Option<Element> {
     match element {
         Element::Arc(arc) => {
-            let moved = arc.radius - arc.turn.signum() * radius;
+            let moved = arc.radius - arc.turn.signum() * distance;
             let at = |p: Point2<f64>| arc.center + (p - arc.center) * (moved / arc.radius);
             (moved > 0.0).then(|| {
                 Element::Arc(PlaneArc { start: at(arc.start), end: at(arc.end), radius: moved, ..*arc })
             })
         }
         line => {
-            let aside = left(tangent(line, false)) * radius;
+            let aside = left(tangent(line, false)) * distance;
             Some(Element::Line { start: line.start() + aside, end: line.end() + aside })
         }
     }
 }
 
 /// The arc about a corner, if it is convex.
-fn about(corner: Point2<f64>, tangents: [Vector2<f64>; 2], radius: f64) -> Option<Element> {
+fn about(corner: Point2<f64>, tangents: [Vector2<f64>; 2], distance: f64) -> Option<Element> {
     let [before, after] = tangents;
     let mut turn = before.perp(&after).atan2(before.dot(&after));
     if turn.abs() > std::f64::consts::PI - TURNED_BACK {
-        turn = -turn.abs() * radius.signum();
+        turn = -turn.abs() * distance.signum();
     }
-    let [start, end] = tangents.map(|tangent| corner + left(tangent) * radius);
-    (turn * radius < 0.0)
-        .then(|| Element::Arc(PlaneArc { start, end, center: corner, radius: radius.abs(), turn }))
+    let [start, end] = tangents.map(|tangent| corner + left(tangent) * distance);
+    (turn * distance < 0.0)
+        .then(|| Element::Arc(PlaneArc { start, end, center: corner, radius: distance.abs(), turn }))
 }
 
 /// The unit tangent at the start or the end.
@@ -92,7 +98,7 @@ fn tangent(element: &Element, is_at_end: bool) -> Vector2<f64> {
 }
 
 /// Length of a line or an arc, mm.
-pub(super) fn length(element: &Element) -> f64 {
+pub(in crate::geometry) fn length(element: &Element) -> f64 {
     match element {
         Element::Arc(arc) => arc.radius * arc.turn.abs(),
         line => (line.end() - line.start()).norm(),
@@ -100,7 +106,7 @@ pub(super) fn length(element: &Element) -> f64 {
 }
 
 /// The place at `t`, from 0 at the start to 1 at the end.
-pub(super) fn at(element: &Element, t: f64) -> Point2<f64> {
+pub(in crate::geometry) fn at(element: &Element, t: f64) -> Point2<f64> {
     match element {
         _ if t <= 0.0 => element.start(),
         _ if t >= 1.0 => element.end(),

@@ -15,6 +15,7 @@ pub mod offset;
 pub mod plane;
 pub mod plane_curve;
 pub mod profile;
+pub mod region;
 pub mod solve;
 pub mod spline;
 pub mod surface;

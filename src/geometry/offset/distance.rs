@@ -146,7 +146,11 @@ pub(in crate::geometry) fn circle_meets(
 }
 
 /// Where a circle about the origin meets another that is `apart` from it.
-pub(in crate::geometry) fn circles_meet(radius: f64, apart: Vector2<f64>, other: f64) -> Option<[Vector2<f64>; 2]> {
+pub(in crate::geometry) fn circles_meet(
+    radius: f64,
+    apart: Vector2<f64>,
+    other: f64,
+) -> Option<[Vector2<f64>; 2]> {
     let distance = apart.norm();
     let toward = apart / distance;
     let along = 0.5 * (distance + (radius - other) * (radius + other) / distance);

@@ -9,7 +9,7 @@
 //! piece.
 //!
 //! # Degenerate input
-//! A contour that turns back on itself is rounded on both sides.
+//! A contour that turns back on itself is rounded on both sides if it is straight there, else on the side of the cusp.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -19,8 +19,12 @@ use crate::geometry::element::{Element, PlaneArc};
 /// Shorter pieces are left out, mm.
 pub(super) const SHORTEST_MM: f64 = 1e-9;
 
-/// A turn so near to a half turn may be one to either side, radians.
+/// Straight elements with a turn this near to a half turn may turn to either side, radians.
 const TURNED_BACK: f64 = 1e-9;
+
+/// Of bent elements with a turn this near to a half turn the bends tell the side, radians: tangents where elements touch are
+/// known to about 1e-8, and ten times more where an arc is short.
+const TURNED_BACK_BENT: f64 = 1e-6;
 
 /// A piece of the offset before anything is cut away.
 #[derive(Debug, Clone, Copy)]
@@ -48,10 +52,7 @@ pub(super) fn append(
             None if is_closed => &contour[0],
             None => continue,
         };
-        let tangents = [tangent(element, true), tangent(next, false)];
-        if let Some(element) =
-            about(element.end(), tangents, distance).filter(|piece| length(piece) >= SHORTEST_MM)
-        {
+        if let Some(element) = about(element, next, distance).filter(|piece| length(piece) >= SHORTEST_MM) {
             pieces.push(Piece { element, beside: None });
         }
     }
@@ -73,16 +74,27 @@ fn beside(element: &Element, distance: f64) -> Option<Element> {
     }
 }
 
-/// The arc about a corner, if it is convex.
-fn about(corner: Point2<f64>, tangents: [Vector2<f64>; 2], distance: f64) -> Option<Element> {
-    let [before, after] = tangents;
-    let mut turn = before.perp(&after).atan2(before.dot(&after));
-    if turn.abs() > std::f64::consts::PI - TURNED_BACK {
+/// The arc about the corner between two elements, if it is convex.
+fn about(before: &Element, after: &Element, distance: f64) -> Option<Element> {
+    let corner = before.end();
+    let tangents = [tangent(before, true), tangent(after, false)];
+    let mut turn = tangents[0].perp(&tangents[1]).atan2(tangents[0].dot(&tangents[1]));
+    // The way back lies on the side to which both bend; without a bend the corner is rounded on both sides.
+    let bend = curvature(before) + curvature(after);
+    let from_back = std::f64::consts::PI - turn.abs();
+    if bend != 0.0 && from_back < TURNED_BACK_BENT {
+        turn = -turn.abs() * bend.signum();
+    } else if from_back < TURNED_BACK {
         turn = -turn.abs() * distance.signum();
     }
     let [start, end] = tangents.map(|tangent| corner + left(tangent) * distance);
     (turn * distance < 0.0)
         .then(|| Element::Arc(PlaneArc { start, end, center: corner, radius: distance.abs(), turn }))
+}
+
+/// Signed: positive where the element turns to the left, 1/mm.
+fn curvature(element: &Element) -> f64 {
+    if let Element::Arc(arc) = element { arc.curvature() } else { 0.0 }
 }
 
 /// The unit tangent at the start or the end.

@@ -76,7 +76,12 @@ impl Tree {
     }
 
     /// Shows the elements nearer to `p` than `within`, with their distances, until `see` answers false.
-    pub(in crate::geometry) fn near(&self, p: Point2<f64>, within: f64, mut see: impl FnMut(usize, f64) -> bool) {
+    pub(in crate::geometry) fn near(
+        &self,
+        p: Point2<f64>,
+        within: f64,
+        mut see: impl FnMut(usize, f64) -> bool,
+    ) {
         let opened = within + ROUNDING * (p.x.abs().max(p.y.abs()) + within);
         let mut stack = vec![0];
         while let Some(at) = stack.pop() {

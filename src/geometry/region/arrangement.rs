@@ -1,0 +1,284 @@
+//! Loops of lines and arcs cut at each other: edges between vertices, which meet at vertices only.
+//!
+//! # Method
+//! 1. Arcs are divided where they are highest and lowest, so that y rises or falls along every element.
+//! 2. Every place where two elements cross or nearly touch becomes a vertex; so do all ends. Places within the snap of a vertex
+//!    are that vertex.
+//! 3. Every element is cut at the vertices within the snap of it. The cuts leave edges, which lie on the lines and
+//!    circles of their elements.
+//! 4. Edges between the same vertices that nowhere leave each other are one edge, which counts how often each group of
+//!    loops runs along it. Edges along which a group runs as often forth as back are no edges of that group.
+//!
+//! # Guarantees
+//! Every vertex has as many edges of a group coming in as going out. Edges lie within a few snaps of their elements.
+//!
+//! # Cost
+//! O(n log n + k) for n elements, of which k pairs have boxes that meet.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point2, Vector2};
+
+use super::contacts;
+use super::outline::append_monotone;
+use crate::budget::{Budget, Stopped};
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::offset::pieces;
+use crate::geometry::offset::tree::{Tree, bounds};
+
+/// Places nearer to each other than this are one, mm: ten times what the ends of offsets lie beside their circles. With a
+/// smaller value edges that were meant to coincide would leave slivers between them; a larger value would show in programs.
+pub(super) const SNAP_MM: f64 = 1e-6;
+
+/// Edges between the same vertices are one edge where their middles are as near as this many snaps: both ends of both may
+/// have moved by the snap.
+const SNAPS_OF_AN_EDGE: f64 = 4.0;
+
+/// The most elements, and cuts of elements: what one machine holds with ease.
+pub(super) const LIMIT: usize = 1_000_000;
+
+/// Elements between two looks at the budget.
+const ELEMENTS_BETWEEN_CHECKS: usize = 64;
+
+/// A closed loop; the area to its left belongs to the group.
+pub(super) struct Loop<'a> {
+    pub group: usize,
+    pub elements: &'a [Element],
+}
+
+/// Where two elements are cut, or are the same.
+pub(super) struct Edge {
+    pub element: Element,
+    pub from: usize,
+    pub to: usize,
+    /// How often the loops of each group run along the edge, less how often they run back.
+    pub count: [i32; 2],
+    /// The element of the loops, counted from the first, that the edge lies on.
+    pub origin: usize,
+}
+
+pub(super) struct Arrangement {
+    pub vertices: Vec<Point2<f64>>,
+    pub edges: Vec<Edge>,
+    /// A place where elements run along each other, if there is one.
+    pub overlap: Option<Point2<f64>>,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(super) enum ArrangementError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("more than {limit} elements")]
+    TooMany { limit: usize },
+}
+
+/// A part of an element along which y rises or falls.
+struct Strand {
+    origin: usize,
+    group: usize,
+    /// The vertices of its ends.
+    ends: [usize; 2],
+}
+
+impl Arrangement {
+    /// # Errors
+    /// One of [`ArrangementError`].
+    pub(super) fn new(loops: &[Loop], snap_mm: f64, budget: &Budget) -> Result<Self, ArrangementError> {
+        if loops.iter().map(|one| one.elements.len()).sum::<usize>() > LIMIT {
+            return Err(ArrangementError::TooMany { limit: LIMIT });
+        }
+        let (mut strands, mut elements, mut vertices) = (Vec::new(), Vec::new(), Vertices::new(snap_mm));
+        let mut parts = Vec::new();
+        let all = loops.iter().flat_map(|one| one.elements.iter().map(|element| (one.group, element)));
+        for (origin, (group, element)) in all.enumerate() {
+            append_monotone(element, &mut parts);
+            for part in parts.drain(..) {
+                let ends = [part.start(), part.end()].map(|p| vertices.at(p));
+                if ends[0] != ends[1] {
+                    strands.push(Strand { origin, group, ends });
+                    elements.push(part);
+                }
+            }
+        }
+        let tree = Tree::new(elements);
+        let cuts = cuts(&strands, &tree, &mut vertices, budget)?;
+        let mut edges = Vec::new();
+        for ((strand, element), cuts) in strands.iter().zip(tree.elements()).zip(&cuts) {
+            for pair in cuts.windows(2) {
+                let [from, to] = [pair[0].1, pair[1].1];
+                if from != to {
+                    let mut count = [0; 2];
+                    count[strand.group] = 1;
+                    let element = between(element, vertices.places[from], vertices.places[to]);
+                    edges.push(Edge { element, from, to, count, origin: strand.origin });
+                }
+            }
+        }
+        let (edges, overlap) = merged(edges, SNAPS_OF_AN_EDGE * snap_mm);
+        Ok(Self { vertices: vertices.places, edges, overlap })
+    }
+
+    /// For each vertex the edges that end there.
+    pub(super) fn edges_at(&self) -> Vec<Vec<usize>> {
+        let mut at = vec![Vec::new(); self.vertices.len()];
+        for (k, edge) in self.edges.iter().enumerate() {
+            at[edge.from].push(k);
+            at[edge.to].push(k);
+        }
+        at
+    }
+}
+
+/// For each element its vertices in their order, with the places along it.
+fn cuts(
+    strands: &[Strand],
+    tree: &Tree,
+    vertices: &mut Vertices,
+    budget: &Budget,
+) -> Result<Vec<Vec<(f64, usize)>>, ArrangementError> {
+    let elements = tree.elements();
+    let mut cuts = vec![Vec::new(); elements.len()];
+    let (mut found, mut near, mut count) = (Vec::new(), Vec::new(), 0);
+    let snap = Vector2::repeat(vertices.snap_mm);
+    for (k, element) in elements.iter().enumerate() {
+        if k % ELEMENTS_BETWEEN_CHECKS == 0 {
+            budget.check()?;
+        }
+        let [low, high] = bounds(element);
+        near.clear();
+        tree.meeting(low - snap, high + snap, |other, _| near.extend((other > k).then_some(other)));
+        for &other in &near {
+            contacts::append(element, &elements[other], vertices.snap_mm, &mut found);
+            count += 2 * found.len();
+            for place in found.drain(..) {
+                let vertex = vertices.at(place);
+                cuts[k].push((along(element, place), vertex));
+                cuts[other].push((along(&elements[other], place), vertex));
+            }
+        }
+        if count > LIMIT {
+            return Err(ArrangementError::TooMany { limit: LIMIT });
+        }
+    }
+    for (vertex, &place) in vertices.places.iter().enumerate() {
+        if vertex % ELEMENTS_BETWEEN_CHECKS == 0 {
+            budget.check()?;
+        }
+        tree.near(place, vertices.snap_mm, |k, _| {
+            if !strands[k].ends.contains(&vertex) {
+                cuts[k].push((along(&elements[k], place), vertex));
+                count += 1;
+            }
+            count <= LIMIT
+        });
+    }
+    if count > LIMIT {
+        return Err(ArrangementError::TooMany { limit: LIMIT });
+    }
+    for (cuts, strand) in cuts.iter_mut().zip(strands) {
+        let [start, end] = strand.ends;
+        cuts.retain(|(_, vertex)| *vertex != start && *vertex != end);
+        cuts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        cuts.insert(0, (f64::NEG_INFINITY, start));
+        cuts.push((f64::INFINITY, end));
+        cuts.dedup_by_key(|(_, vertex)| *vertex);
+    }
+    Ok(cuts)
+}
+
+/// How far along an element a place beside it is, by a measure that rises along it.
+fn along(element: &Element, p: Point2<f64>) -> f64 {
+    match element {
+        Element::Arc(arc) => arc.turn.signum() * from_middle(arc, p),
+        line => (line.end() - line.start()).dot(&(p - line.start())),
+    }
+}
+
+/// The angle from the middle of an arc to the spoke of a place, radians.
+fn from_middle(arc: &PlaneArc, p: Point2<f64>) -> f64 {
+    let middle = pieces::at(&Element::Arc(*arc), 0.5) - arc.center;
+    let spoke = p - arc.center;
+    middle.perp(&spoke).atan2(middle.dot(&spoke))
+}
+
+/// The part of an element between two vertices beside it. Arcs are made of their ends: an arc that misses its vertex by the
+/// snap would be on the wrong side of places nearer than that.
+fn between(element: &Element, start: Point2<f64>, end: Point2<f64>) -> Element {
+    let turn = match element {
+        Element::Arc(arc) => from_middle(arc, end) - from_middle(arc, start),
+        _ => 0.0,
+    };
+    arc_or_line(start, end, turn)
+}
+
+/// The arc of a turn between two places, radians; without a turn, the line.
+pub(super) fn arc_or_line(start: Point2<f64>, end: Point2<f64>, turn: f64) -> Element {
+    PlaneArc::with_bulge(start, end, -(turn / 4.0).tan()).map_or(Element::Line { start, end }, Element::Arc)
+}
+
+/// The edges without repetition, and a place where some were repeated.
+fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
+    let mut order: Vec<usize> = (0..edges.len()).collect();
+    let key = |k: usize| {
+        let Edge { from, to, .. } = edges[k];
+        (from.min(to), from.max(to), k)
+    };
+    order.sort_unstable_by_key(|k| key(*k));
+    let mut count: Vec<[i32; 2]> = edges.iter().map(|edge| edge.count).collect();
+    let mut overlap = None;
+    for (place, &k) in order.iter().enumerate() {
+        let middle = pieces::at(&edges[k].element, 0.5);
+        let same_ends = |other: &&usize| (key(**other).0, key(**other).1) == (key(k).0, key(k).1);
+        let before = order[..place].iter().rev().take_while(same_ends);
+        // The first of equal edges stands for all of them.
+        let first = before.copied().filter(|other| {
+            count[*other] != [0; 2] && (pieces::at(&edges[*other].element, 0.5) - middle).norm() <= same_mm
+        });
+        if let Some(first) = first.last() {
+            let sense = if edges[first].from == edges[k].from { 1 } else { -1 };
+            for group in 0..2 {
+                count[first][group] += sense * count[k][group];
+            }
+            count[k] = [0; 2];
+            overlap.get_or_insert(middle);
+        }
+    }
+    let kept = edges.into_iter().zip(count).filter(|(_, count)| *count != [0; 2]);
+    (kept.map(|(edge, count)| Edge { count, ..edge }).collect(), overlap)
+}
+
+/// Places that are nearer to each other than the snap are one.
+struct Vertices {
+    snap_mm: f64,
+    places: Vec<Point2<f64>>,
+    cells: HashMap<[i64; 2], Vec<usize>>,
+}
+
+impl Vertices {
+    fn new(snap_mm: f64) -> Self {
+        Self { snap_mm, places: Vec::new(), cells: HashMap::new() }
+    }
+
+    /// The vertex nearest to a place within the snap, else a vertex there.
+    fn at(&mut self, p: Point2<f64>) -> usize {
+        let cell = |x: f64| (x / self.snap_mm).floor() as i64;
+        let [i, j] = [cell(p.x), cell(p.y)];
+        let mut nearest: Option<(f64, usize)> = None;
+        for (di, dj) in (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (di, dj))) {
+            for &vertex in self.cells.get(&[i + di, j + dj]).into_iter().flatten() {
+                let distance = (self.places[vertex] - p).norm();
+                if distance <= self.snap_mm && nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, vertex));
+                }
+            }
+        }
+        nearest.map_or_else(
+            || {
+                self.places.push(p);
+                self.cells.entry([i, j]).or_default().push(self.places.len() - 1);
+                self.places.len() - 1
+            },
+            |(_, vertex)| vertex,
+        )
+    }
+}

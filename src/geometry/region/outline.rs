@@ -1,0 +1,207 @@
+//! A closed loop of lines and arcs that does not cross itself.
+
+use nalgebra::Point2;
+
+use super::arrangement::{Arrangement, Loop, SNAP_MM};
+use super::winding::{self, Sides};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::offset::tree::bounds;
+
+/// The largest coordinate or radius, mm: its rounding is a hundredth of [`SNAP_MM`].
+const LARGEST_MM: f64 = 1e8;
+
+/// An arc that rises less above its chord is a line, mm.
+const FLAT_MM: f64 = 1e-9;
+
+/// Arcs are not divided nearer to their ends than this, mm.
+const SHORTEST_MM: f64 = 1e-9;
+
+/// Below this turn, radians, `turn - sin(turn)` is computed by its series: the difference would lose digits. The first
+/// neglected term is below 1e-13 of the result.
+const SMALL_TURN: f64 = 0.05;
+
+/// A closed loop of lines and arcs. Its elements follow each other exactly. Loops may touch themselves in single points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    elements: Vec<Element>,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OutlineError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the outline has no elements")]
+    Empty,
+    #[error("element {index} of the outline is a parabola; outlines consist of lines and arcs")]
+    Parabola { index: usize },
+    #[error("element {index} of the outline has a coordinate or a radius beyond {LARGEST_MM:e} mm")]
+    TooLarge { index: usize },
+    #[error("element {index} of the outline ends {gap_mm} mm from the start of the next element, near {at}")]
+    Open { index: usize, gap_mm: f64, at: Point2<f64> },
+    #[error("the outline crosses or overlaps itself near {at}")]
+    Crosses { at: Point2<f64> },
+    #[error("the outline encloses no area")]
+    NoArea,
+    #[error("the outline needs more than {limit} elements")]
+    TooMany { limit: usize },
+}
+
+impl Outline {
+    /// The outline of elements that follow each other within 1e-6 mm, the last of them to the first. The outline runs
+    /// counterclockwise, whichever way its elements run.
+    ///
+    /// # Errors
+    /// One of [`OutlineError`]. Indices count elements from 0.
+    pub fn new(elements: &[Element], budget: &Budget) -> Result<Self, OutlineError> {
+        let joined = joined(elements)?;
+        let area = area(&joined);
+        if area.abs() <= SNAP_MM * length(&joined) {
+            return Err(OutlineError::NoArea);
+        }
+        let outline = Self { elements: joined };
+        let outline = if area < 0.0 { outline.reversed() } else { outline };
+        let arrangement =
+            Arrangement::new(&[Loop { group: 0, elements: &outline.elements }], SNAP_MM, budget)?;
+        if let Some(at) = arrangement.overlap {
+            return Err(OutlineError::Crosses { at });
+        }
+        let sides = winding::sides(&arrangement, budget)?;
+        let is_crossed = |sides: &Sides| (sides.left[0], sides.right[0]) != (1, 0);
+        if let Some(at) = winding::first_junction(&arrangement, &sides, is_crossed) {
+            return Err(OutlineError::Crosses { at });
+        }
+        Ok(outline)
+    }
+
+    /// An outline of elements that are known to be one.
+    pub(super) fn unchecked(elements: Vec<Element>) -> Self {
+        Self { elements }
+    }
+
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// The area to the left of the outline, mm²: negative where it runs clockwise.
+    pub fn area(&self) -> f64 {
+        area(&self.elements)
+    }
+
+    /// The lowest and the highest coordinates, mm.
+    pub fn bounding_box(&self) -> [Point2<f64>; 2] {
+        let start = self.elements[0].start();
+        self.elements
+            .iter()
+            .map(bounds)
+            .fold([start, start], |[low, high], [a, b]| [low.inf(&a), high.sup(&b)])
+    }
+
+    /// The same loop, run the other way.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self { elements: self.elements.iter().rev().map(back).collect() }
+    }
+}
+
+/// The element run the other way.
+pub(super) fn back(element: &Element) -> Element {
+    match element {
+        Element::Arc(arc) => {
+            Element::Arc(PlaneArc { start: arc.end, end: arc.start, turn: -arc.turn, ..*arc })
+        }
+        line => Element::Line { start: line.end(), end: line.start() },
+    }
+}
+
+/// The elements with gaps closed: each starts where the one before ends. Arcs are made anew of their ends and turns.
+fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
+    if let Some(index) = elements.iter().position(|element| !is_small(element)) {
+        return Err(OutlineError::TooLarge { index });
+    }
+    let Some(last) = elements.last() else { return Err(OutlineError::Empty) };
+    let mut start = last.end();
+    let mut joined = Vec::with_capacity(elements.len());
+    for (index, element) in elements.iter().enumerate() {
+        let gap_mm = (element.start() - start).norm();
+        if gap_mm > SNAP_MM {
+            let index = index.checked_sub(1).unwrap_or(elements.len() - 1);
+            return Err(OutlineError::Open { index, gap_mm, at: start });
+        }
+        let end = element.end();
+        match element {
+            Element::Parabola { .. } => return Err(OutlineError::Parabola { index }),
+            Element::Arc(arc) => {
+                let bulge = -(arc.turn / 4.0).tan();
+                let rise = 0.5 * bulge.abs() * (end - start).norm();
+                let arc = PlaneArc::with_bulge(start, end, bulge).filter(|_| rise > FLAT_MM);
+                joined.push(arc.map_or(Element::Line { start, end }, Element::Arc));
+            }
+            Element::Line { .. } => joined.push(Element::Line { start, end }),
+        }
+        start = end;
+    }
+    joined.retain(|element| element.start() != element.end());
+    if joined.is_empty() { Err(OutlineError::NoArea) } else { Ok(joined) }
+}
+
+/// Whether all numbers of an element are finite, and its lengths below the largest.
+fn is_small(element: &Element) -> bool {
+    // The magnitude passes over NaN in places.
+    let is_finite = [element.start(), element.end()].iter().flat_map(|p| p.iter()).all(|x| x.is_finite());
+    let turns = if let Element::Arc(arc) = element { arc.turn.is_finite() } else { true };
+    is_finite && turns && element.magnitude() <= LARGEST_MM
+}
+
+/// The area to the left of a closed chain, mm²: that of its chords' polygon and of the segments of its arcs.
+pub(super) fn area(chain: &[Element]) -> f64 {
+    let Some(origin) = chain.first().map(Element::start) else { return 0.0 };
+    let twice = |element: &Element| {
+        let chord = (element.start() - origin).perp(&(element.end() - origin));
+        match element {
+            Element::Arc(arc) => chord + arc.radius * arc.radius * turn_less_sine(arc.turn),
+            _ => chord,
+        }
+    };
+    0.5 * chain.iter().map(twice).sum::<f64>()
+}
+
+fn turn_less_sine(turn: f64) -> f64 {
+    if turn.abs() > SMALL_TURN {
+        return turn - turn.sin();
+    }
+    let square = turn * turn;
+    turn * square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+}
+
+/// Length of a chain, mm.
+pub(super) fn length(chain: &[Element]) -> f64 {
+    chain.iter().map(crate::geometry::offset::pieces::length).sum()
+}
+
+/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided at their
+/// highest and lowest points.
+pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
+    let Element::Arc(arc) = element else {
+        parts.push(*element);
+        return;
+    };
+    let from = arc.start - arc.center;
+    let mut cuts: Vec<(f64, Point2<f64>)> = Vec::with_capacity(2);
+    for pole in [nalgebra::Vector2::y(), -nalgebra::Vector2::y()] {
+        let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
+        let angle = angle.rem_euclid(std::f64::consts::TAU);
+        // Nearer to an end than this, the arc rises or falls all along to rounding.
+        let shortest = SHORTEST_MM / arc.radius;
+        if angle > shortest && angle < arc.turn.abs() - shortest {
+            cuts.push((angle, arc.center + pole * arc.radius));
+        }
+    }
+    cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut turned, mut start) = (0.0, arc.start);
+    for (angle, place) in cuts.into_iter().chain([(arc.turn.abs(), arc.end)]) {
+        let turn = arc.turn.signum() * (angle - turned);
+        parts.push(Element::Arc(PlaneArc { start, end: place, turn, ..*arc }));
+        (turned, start) = (angle, place);
+    }
+}

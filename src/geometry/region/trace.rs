@@ -1,0 +1,304 @@
+//! The outlines of an area, of the edges that bound it.
+//!
+//! # Method
+//! 1. The edges with the area on one side only are its boundary, run with the area on their left.
+//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge it came by: about the same corner of
+//!    the area. Loops that come back to a vertex are divided there, so that no outline visits a vertex twice.
+//! 3. Edges in a row on one line or circle become one element.
+//! 4. Outlines that run clockwise are islands. A ray from an island finds the outlines about it; the smallest of them is
+//!    its own.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point2, Vector2};
+
+use super::arrangement::{Arrangement, Edge, SNAP_MM, arc_or_line};
+use super::outline::{self, Outline, append_monotone};
+use super::winding::{self, Sides};
+use super::{Face, RegionError};
+use crate::budget::Budget;
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::offset::pieces;
+use crate::geometry::offset::tree::Tree;
+
+/// Lines and circles this near to each other are the same, mm: rounding, and no more.
+const SAME_CARRIER_MM: f64 = 1e-9;
+
+/// Arcs of one circle are joined up to this turn, so that none nearly closes, radians.
+const LARGEST_TURN: f64 = 1.5 * std::f64::consts::PI;
+
+/// Steps between two looks at the budget.
+const STEPS_BETWEEN_CHECKS: usize = 256;
+
+/// The area on either side of a boundary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wedge {
+    Inside,
+    Outside,
+}
+
+/// An edge of the boundary, with the area on its left.
+#[derive(Clone, Copy)]
+struct Side {
+    element: Element,
+    from: usize,
+    to: usize,
+    origin: usize,
+}
+
+/// The faces of the area of which `is_inside` tells, from the windings of both groups about a place.
+///
+/// # Errors
+/// [`RegionError::Tangled`] where the boundary is not closed, [`RegionError::Stopped`].
+pub(super) fn faces(
+    arrangement: &Arrangement,
+    is_inside: impl Fn([i32; 2]) -> bool,
+    budget: &Budget,
+) -> Result<Vec<Face>, RegionError> {
+    let windings = winding::sides(arrangement, budget)?;
+    let boundary: Vec<Side> = arrangement
+        .edges
+        .iter()
+        .zip(&windings)
+        .filter_map(|(edge, sides)| bounding(edge, sides, &is_inside))
+        .collect();
+    if let Some(at) = unbalanced(&arrangement.vertices, &boundary) {
+        return Err(RegionError::Tangled { at });
+    }
+    let ways = loops(&arrangement.vertices, &boundary, Wedge::Inside, budget)?;
+    // Where outlines touch, elements end.
+    let mut leaving = vec![0; arrangement.vertices.len()];
+    for side in &boundary {
+        leaving[side.from] += 1;
+    }
+    let mut found = Vec::new();
+    for sides in ways.iter().flat_map(|way| simple(way)) {
+        let elements = joined(&sides, |vertex| leaving[vertex] > 1);
+        let area = outline::area(&elements);
+        // What is narrower than the snap is nothing.
+        if area.abs() > SNAP_MM * outline::length(&elements) {
+            let on_it = pieces::at(&sides[0].element, 0.5);
+            found.push((Outline::unchecked(elements), area, on_it));
+        }
+    }
+    nested(found, budget)
+}
+
+/// A vertex where not as many sides leave as arrive.
+fn unbalanced(vertices: &[Point2<f64>], boundary: &[Side]) -> Option<Point2<f64>> {
+    let mut excess = vec![0_i32; vertices.len()];
+    for side in boundary {
+        excess[side.from] += 1;
+        excess[side.to] -= 1;
+    }
+    excess.iter().position(|excess| *excess != 0).map(|vertex| vertices[vertex])
+}
+
+fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) -> Option<Side> {
+    let Edge { element, from, to, origin, .. } = *edge;
+    match (is_inside(sides.left), is_inside(sides.right)) {
+        (true, false) => Some(Side { element, from, to, origin }),
+        (false, true) => Some(Side { element: outline::back(&element), from: to, to: from, origin }),
+        _ => None,
+    }
+}
+
+/// The contours of the boundary of faces. Where outlines touch, a contour goes on about the same corner of the wedge: so
+/// the contours' corners are the corners of the places beside them.
+///
+/// # Errors
+/// [`RegionError::Tangled`], [`RegionError::Stopped`].
+pub(super) fn contours<'a>(
+    outlines: impl Iterator<Item = &'a Outline>,
+    wedge: Wedge,
+    budget: &Budget,
+) -> Result<Vec<Vec<Element>>, RegionError> {
+    let mut vertices = Vec::new();
+    let mut known = HashMap::new();
+    let mut at = |p: Point2<f64>| {
+        *known.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| {
+            vertices.push(p);
+            vertices.len() - 1
+        })
+    };
+    let side = |(origin, element): (usize, &Element)| {
+        let [from, to] = [element.start(), element.end()].map(&mut at);
+        Side { element: *element, from, to, origin }
+    };
+    let boundary: Vec<Side> = outlines.flat_map(Outline::elements).enumerate().map(side).collect();
+    let loops = loops(&vertices, &boundary, wedge, budget)?;
+    Ok(loops.iter().map(|way| way.iter().map(|side| side.element).collect()).collect())
+}
+
+/// The boundary as loops, about the corners of the area, or of what is not of the area.
+fn loops(
+    vertices: &[Point2<f64>],
+    boundary: &[Side],
+    wedge: Wedge,
+    budget: &Budget,
+) -> Result<Vec<Vec<Side>>, RegionError> {
+    let mut leaving: Vec<Vec<usize>> = vec![Vec::new(); vertices.len()];
+    for (k, side) in boundary.iter().enumerate() {
+        leaving[side.from].push(k);
+    }
+    let mut loops = Vec::new();
+    let mut is_used = vec![false; boundary.len()];
+    let mut steps = 0;
+    for first in 0..boundary.len() {
+        let mut way = Vec::new();
+        let mut next = first;
+        while !is_used[next] {
+            steps += 1;
+            if steps % STEPS_BETWEEN_CHECKS == 0 {
+                budget.check()?;
+            }
+            is_used[next] = true;
+            way.push(boundary[next]);
+            let at = boundary[next].to;
+            let onward = onward(boundary, next, &leaving[at], wedge);
+            next = onward.ok_or(RegionError::Tangled { at: vertices[at] })?;
+        }
+        if next != first {
+            return Err(RegionError::Tangled { at: boundary[next].element.start() });
+        }
+        if !way.is_empty() {
+            loops.push(way);
+        }
+    }
+    Ok(loops)
+}
+
+/// A loop as loops that visit no vertex twice.
+fn simple(way: &[Side]) -> Vec<Vec<Side>> {
+    let (mut loops, mut open): (Vec<Vec<Side>>, Vec<Side>) = (Vec::new(), Vec::new());
+    // For each vertex on the open way, how many sides lead to it.
+    let mut visited = HashMap::new();
+    for side in way {
+        visited.insert(side.from, open.len());
+        open.push(*side);
+        if let Some(&start) = visited.get(&side.to) {
+            for side in &open[start..] {
+                visited.remove(&side.from);
+            }
+            loops.push(open.drain(start..).collect());
+        }
+    }
+    loops
+}
+
+/// Of the sides `leaving` the vertex where side `k` arrives, the other side of the wedge.
+fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Option<usize> {
+    if leaving.len() < 2 {
+        return leaving.first().copied();
+    }
+    // Directions are told where the sides are as far from the vertex as the shortest of them allows, since sides may be
+    // tangent to each other.
+    let arrived = outline::back(&boundary[k].element);
+    let chord = |element: &Element| (element.end() - element.start()).norm();
+    let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
+    let reach = 0.5 * elements().map(chord).fold(f64::INFINITY, f64::min);
+    let direction = |element: &Element| {
+        let t = (reach / pieces::length(element)).min(1.0);
+        pieces::at(element, t) - element.start()
+    };
+    let from = direction(&arrived);
+    let turn = |other: &usize| {
+        let to: Vector2<f64> = direction(&boundary[*other].element);
+        let sense = if wedge == Wedge::Inside { -1.0 } else { 1.0 };
+        (sense * from.perp(&to)).atan2(from.dot(&to)).rem_euclid(std::f64::consts::TAU)
+    };
+    leaving.iter().copied().min_by(|a, b| turn(a).total_cmp(&turn(b)))
+}
+
+/// The elements of a loop: sides in a row on one line or circle are one, unless the vertex between them `is_end`.
+fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Element> {
+    let joint = |before: &Side, after: &Side| if is_end(after.from) { None } else { joint([before, after]) };
+    // Where the loop begins amid an element, that element comes last.
+    let start = (1..sides.len()).find(|k| joint(&sides[k - 1], &sides[*k]).is_none()).unwrap_or(0);
+    let mut elements: Vec<Side> = Vec::with_capacity(sides.len());
+    for side in sides[start..].iter().chain(&sides[..start]) {
+        let whole = elements.last().and_then(|before| joint(before, side));
+        if let (Some(element), Some(before)) = (whole, elements.last_mut()) {
+            *before = Side { element, from: before.from, ..*side };
+        } else {
+            elements.push(*side);
+        }
+    }
+    let remade = |side: Side| match side.element {
+        Element::Arc(arc) => arc_or_line(arc.start, arc.end, arc.turn),
+        line => line,
+    };
+    elements.into_iter().map(remade).collect()
+}
+
+/// One element for two sides, if both are on the same line or circle.
+fn joint([before, after]: [&Side; 2]) -> Option<Element> {
+    let is_one = before.origin == after.origin;
+    match (before.element, after.element) {
+        (Element::Arc(a), Element::Arc(b)) => {
+            let turn = a.turn + b.turn;
+            let beside = (a.center - b.center).norm() + (a.radius - b.radius).abs();
+            let is_same = is_one || beside <= SAME_CARRIER_MM;
+            (is_same && a.turn * b.turn > 0.0 && turn.abs() <= LARGEST_TURN)
+                .then_some(Element::Arc(PlaneArc { end: b.end, turn, ..a }))
+        }
+        (Element::Line { start, end: middle }, Element::Line { end, .. }) => {
+            let chord = (end - start).normalize();
+            let beside = chord.perp(&(middle - start)).abs();
+            let is_ahead = (middle - start).dot(&(end - middle)) > 0.0;
+            (is_ahead && (is_one && beside <= SNAP_MM || beside <= SAME_CARRIER_MM))
+                .then_some(Element::Line { start, end })
+        }
+        _ => None,
+    }
+}
+
+/// Islands in their outlines. Of each loop: its area, and a place on it that is on no other loop.
+fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Vec<Face>, RegionError> {
+    let (mut elements, mut owners) = (Vec::new(), Vec::new());
+    for (k, (outline, ..)) in loops.iter().enumerate() {
+        for element in outline.elements() {
+            append_monotone(element, &mut elements);
+        }
+        owners.resize(elements.len(), k);
+    }
+    let tree = Tree::new(elements);
+    // For each island its outline.
+    let mut homes: Vec<Option<usize>> = vec![None; loops.len()];
+    let mut windings = vec![0; loops.len()];
+    for (k, (_, area, place)) in loops.iter().enumerate().filter(|(_, (_, area, _))| *area < 0.0) {
+        budget.check()?;
+        let mut met = Vec::new();
+        winding::along_ray(&tree, *place, |element, sense| {
+            met.push(owners[element]);
+            windings[owners[element]] += sense;
+        });
+        met.sort_unstable();
+        met.dedup();
+        let about = met.iter().copied().filter(|other| windings[*other] > 0 && loops[*other].1 > -area);
+        homes[k] = about.min_by(|a, b| loops[*a].1.total_cmp(&loops[*b].1));
+        if homes[k].is_none() {
+            return Err(RegionError::Tangled { at: *place });
+        }
+        for other in met {
+            windings[other] = 0;
+        }
+    }
+    let mut faces = Vec::new();
+    let mut place = vec![0; loops.len()];
+    let mut islands = Vec::new();
+    for (k, (outline, area, _)) in loops.into_iter().enumerate() {
+        if area > 0.0 {
+            place[k] = faces.len();
+            faces.push(Face { outer: outline, islands: Vec::new() });
+        } else {
+            islands.push((homes[k], outline));
+        }
+    }
+    for (home, outline) in islands {
+        if let Some(home) = home {
+            faces[place[home]].islands.push(outline);
+        }
+    }
+    Ok(faces)
+}

@@ -2,8 +2,9 @@
 //!
 //! Everything about status codes, media types and JSON is in this layer and nowhere below it.
 
+mod admission;
 mod answer;
-mod coding;
+mod compression;
 pub mod compute;
 mod decode;
 mod docs;
@@ -14,12 +15,13 @@ mod events;
 mod extract;
 mod failure;
 mod health;
-mod intake;
 mod linger;
 mod metrics;
+mod negotiation;
 mod observe;
 mod openapi;
 mod output;
+mod place;
 mod pointer;
 mod program_stream;
 mod refusal;
@@ -28,7 +30,6 @@ pub mod serve;
 mod timing;
 mod trace;
 mod v1;
-mod wanted;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -43,8 +44,8 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::CorsLayer;
 
 use crate::config::{Limits, Settings};
+use admission::BodyMemory;
 use compute::Compute;
-use intake::Intake;
 use metrics::Metrics;
 pub use openapi::contract;
 use program_stream::Streams;
@@ -59,7 +60,7 @@ pub struct App {
     /// Turns of decoding large bodies.
     decoders: Arc<Semaphore>,
     metrics: Metrics,
-    intake: Arc<Intake>,
+    body_memory: Arc<BodyMemory>,
     connections: Connections,
     streams: Streams,
     cors_origins: Vec<HeaderValue>,
@@ -80,7 +81,7 @@ impl App {
             compute: Compute::new(workers, queue, settings.deadline_s)?,
             decoders: Arc::new(Semaphore::new(workers)),
             metrics: Metrics::default(),
-            intake: Intake::new(settings.body_memory),
+            body_memory: BodyMemory::new(settings.body_memory),
             connections: Connections::new(settings),
             streams: Streams::new(settings),
             cors_origins: settings.cors_origin.clone(),
@@ -108,9 +109,9 @@ pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
         .merge(docs::routes())
-        .route_layer(from_fn_with_state(Arc::clone(app), intake::admit))
+        .route_layer(from_fn_with_state(Arc::clone(app), admission::admit))
         .with_state(Arc::clone(app))
-        .layer(coding::layer())
+        .layer(compression::layer())
         .layer(CatchPanicLayer::custom(envelope::panicked))
         .layer(from_fn(envelope::wrap))
         .layer(option_layer(cors(&app.cors_origins)))

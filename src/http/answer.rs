@@ -11,50 +11,87 @@ use serde::Serialize;
 use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
-use super::dto::answer::Answer;
+use super::App;
+use super::decode::IntoJob;
+use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
+use super::dto::setup::Setup;
 use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::events;
-use super::extract::{IntoJob, JobBody};
+use super::extract::JobBody;
+use super::negotiation::{Form, Offers, Wanted};
 use super::output::{Encoded, Representation, file_name, page};
 use super::pointer::Pointer;
 use super::timing::{SERVER_TIMING, Timing};
-use super::wanted::{Form, Wanted};
-use super::{App, ENGINE_VERSION};
 use crate::budget::Budget;
 use crate::plot::Drawing;
-use crate::post::{self, Dialect, ProgramJob};
+use crate::post::{self, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::measure::{Bounds, measure};
-use crate::toolpath::program::Program;
-use crate::toolpath::tool::Tool;
 use crate::toolpath::units::FeedRate;
 
 /// What a computation comes to, before it is known in which form it is wanted.
-pub struct Outcome<R> {
+pub struct Outcome<R, P> {
     pub meta: Option<Meta>,
     pub warnings: Vec<Warning>,
     pub report: R,
-    pub cut: Option<Cut>,
-    /// The program, where the JSON answer is to hold it; else it is written when it is asked for.
-    pub nc: Option<String>,
+    /// What the operation made beside the report.
+    pub product: P,
     /// Draws what a picture shows beside the toolpath.
     pub drawing: Box<dyn Fn() -> Drawing + Send>,
+}
+
+/// What an operation makes beside its report, and the members of the JSON answer that tell of the product.
+pub trait Product {
+    type Members: Serialize + ToSchema;
+
+    /// The toolpath of which programs are written, if there is one.
+    fn cut(&self) -> Option<&Cut>;
+
+    /// The members of the answer; `written` is the text of the program, where the caller asked for the text.
+    fn members(self, written: Option<String>, form: &Form) -> Self::Members;
+}
+
+/// Of an operation whose report says all.
+impl Product for () {
+    type Members = NoMembers;
+
+    fn cut(&self) -> Option<&Cut> {
+        None
+    }
+
+    fn members(self, _: Option<String>, _: &Form) {}
 }
 
 /// A toolpath with all that its program is written from.
 pub struct Cut {
     pub toolpath: Toolpath,
-    pub tool: Option<Tool>,
     /// Without them there are no feeds, and no program.
     pub cutting: Option<Cutting>,
-    pub program: Program,
-    pub dialect: &'static Dialect,
+    pub setup: Setup,
     /// What is to be said of it beside the caller's own `meta`, for the program's header and below the picture.
     pub comments: Vec<String>,
+    /// The program, where the computation has written it and every JSON answer holds it.
+    pub nc: Option<String>,
+}
+
+impl Product for Cut {
+    type Members = PathMembers;
+
+    fn cut(&self) -> Option<&Cut> {
+        Some(self)
+    }
+
+    fn members(self, written: Option<String>, form: &Form) -> PathMembers {
+        let nc = self.nc.or(written);
+        // A caller that asked for text has the toolpath already.
+        let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
+        let measures = Some(Measures::of(&self.toolpath, self.cutting.as_ref()));
+        PathMembers { measures, nc, toolpath: with_toolpath.then(|| self.toolpath.into()) }
+    }
 }
 
 /// Computes `plan` of the body's job on the pool and answers what comes of it as it is wanted.
@@ -62,7 +99,7 @@ pub struct Cut {
 /// # Errors
 /// When there is no place on the pool, or the plan or its representation fails; once events are streamed, failures
 /// are among them.
-pub async fn answer<O, T, R, F>(
+pub async fn answer<O: Offers, T, R, P, F>(
     app: &Arc<App>,
     wanted: Wanted<O>,
     body: JobBody<T>,
@@ -71,7 +108,8 @@ pub async fn answer<O, T, R, F>(
 where
     T: IntoJob,
     R: Serialize + ToSchema,
-    F: FnOnce(T::Job, &Budget) -> Result<Outcome<R>, ApiError> + Send + 'static,
+    P: Product,
+    F: FnOnce(T::Job, &Budget) -> Result<Outcome<R, P>, ApiError> + Send + 'static,
 {
     let form = wanted.form;
     let request_id = form.request_id.clone();
@@ -120,10 +158,12 @@ fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
 }
 
 /// What there is to say of any cut.
-fn cautions<R>(outcome: &Outcome<R>) -> Vec<Warning> {
-    let cut = outcome.cut.iter();
-    let of = |cut: &Cut| cut.cutting.map(|cutting| cutting.cautions(cut.tool.as_ref(), &cut.program));
-    cut.filter_map(of).flatten().map(Warning::from).collect()
+fn cautions<P: Product>(product: &P) -> Vec<Warning> {
+    let of = |cut: &Cut| {
+        let Setup { tool, program, dialect: _ } = &cut.setup;
+        cut.cutting.map(|cutting| cutting.cautions(tool.as_ref(), program))
+    };
+    product.cut().and_then(of).into_iter().flatten().map(Warning::from).collect()
 }
 
 /// The codes of warnings, each once, for a header.
@@ -137,27 +177,25 @@ fn warning_codes(warnings: &[Warning]) -> String {
     codes.join(", ")
 }
 
-fn represent<R: Serialize + ToSchema>(
-    mut outcome: Outcome<R>,
+fn represent<R: Serialize + ToSchema, P: Product>(
+    mut outcome: Outcome<R, P>,
     form: &Form,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
-    if let Some(cut) = &outcome.cut {
+    if let Some(cut) = outcome.product.cut() {
         check_range(&cut.toolpath)?;
     }
-    outcome.warnings.extend(cautions(&outcome));
+    outcome.warnings.extend(cautions(&outcome.product));
     let codes = warning_codes(&outcome.warnings);
-    if form.with_nc && outcome.nc.is_none() {
-        outcome.nc = Some(written(&outcome, budget)?);
-    }
+    let nc = if form.with_nc { Some(text_of(&outcome, budget)?) } else { None };
     let encoded = match form.representation {
-        Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, form)),
-        Representation::Gcode => program(outcome, form.media_type, budget),
+        Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, nc, form)),
+        Representation::Gcode => program(&outcome, nc, form.media_type, budget),
         Representation::Svg => Ok(Encoded::text(sheet::picture(&outcome), form.media_type)),
         Representation::Html => {
             let (title, svg) = (sheet::title(&outcome), sheet::picture(&outcome));
-            let bare = Form { with_toolpath: Some(false), with_nc: false, ..form.clone() };
-            let figures = serde_json::to_value(envelope(outcome, &bare))
+            let bare = Form { with_toolpath: Some(false), ..form.clone() };
+            let figures = serde_json::to_value(envelope(outcome, nc, &bare))
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
             Ok(Encoded::text(page::page(&title, &svg, &figures), form.media_type))
         }
@@ -165,48 +203,38 @@ fn represent<R: Serialize + ToSchema>(
     Ok(encoded.warning_of(&codes))
 }
 
-fn envelope<R: ToSchema>(outcome: Outcome<R>, form: &Form) -> Answer<R> {
-    let Outcome { meta, warnings, report, cut, nc, drawing: _ } = outcome;
-    // A caller that asked for text has the toolpath already.
-    let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
-    Answer {
-        engine_version: ENGINE_VERSION,
-        request_id: form.request_id.as_str().to_owned(),
-        meta,
-        warnings,
-        report,
-        measures: cut.as_ref().map(|cut| Measures::of(&cut.toolpath, cut.cutting.as_ref())),
-        nc,
-        toolpath: cut.filter(|_| with_toolpath).map(|cut| cut.toolpath.into()),
-    }
+fn envelope<R, P: Product>(outcome: Outcome<R, P>, nc: Option<String>, form: &Form) -> Answer<R, P::Members> {
+    let Outcome { meta, warnings, report, product, drawing: _ } = outcome;
+    let head = Head::new(&form.request_id, meta, warnings);
+    Answer { head, report, members: product.members(nc, form) }
 }
 
-/// The NC program, written here unless it was part of the computation.
-fn program<R>(
-    mut outcome: Outcome<R>,
+/// The NC program as a file.
+fn program<R, P: Product>(
+    outcome: &Outcome<R, P>,
+    nc: Option<String>,
     media_type: &'static str,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
-    let text = match outcome.nc.take() {
-        Some(text) => text,
-        None => written(&outcome, budget)?,
-    };
-    let Some(Cut { program, dialect, .. }) = outcome.cut else { return Err(no_toolpath()) };
+    let text = nc.map_or_else(|| text_of(outcome, budget), Ok)?;
+    let Setup { program, dialect, tool: _ } = &outcome.product.cut().ok_or_else(no_toolpath)?.setup;
     let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
     Ok(Encoded::gcode(text, media_type, &file_name))
 }
 
-/// The NC text of an outcome's toolpath.
-fn written<R>(outcome: &Outcome<R>, budget: &Budget) -> Result<String, ApiError> {
-    let Some(cut) = &outcome.cut else { return Err(no_toolpath()) };
-    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = cut;
+/// The NC text of an outcome's toolpath, written here unless the computation has written it.
+fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<String, ApiError> {
+    let Cut { toolpath, cutting, setup, comments: _, nc } = outcome.product.cut().ok_or_else(no_toolpath)?;
+    if let Some(text) = nc {
+        return Ok(text.clone());
+    }
     let Some(cutting) = cutting else {
-        let detail = "`cutting` with a feed is required for a program";
+        let detail = "a program needs feeds: send `cutting` with `feed_mm_per_min`";
         let at = Pointer::root().field("cutting");
         return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
     };
-    let (comments, warnings) = (sheet::notes(outcome), sheet::told(&outcome.warnings));
-    let (comments, warnings) = (&comments, &warnings);
+    let Setup { tool, program, dialect } = setup;
+    let (comments, warnings) = (&sheet::notes(outcome), &sheet::told(&outcome.warnings));
     let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments, warnings };
     Ok(post::write(toolpath, &job, budget)?.text)
 }
@@ -223,11 +251,13 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::*;
+    use crate::http::ENGINE_VERSION;
     use crate::http::dto::toolpath::WarningCode;
     use crate::http::request_id::RequestId;
     use crate::toolpath::Role;
     use crate::toolpath::cutting::CuttingRequest;
-    use crate::toolpath::program::{Resolution, SafeHome, Units};
+    use crate::toolpath::program::{Program, Resolution, SafeHome, Units};
+    use crate::toolpath::tool::Tool;
 
     #[derive(Serialize, ToSchema)]
     struct Report {
@@ -241,29 +271,35 @@ mod tests {
         builder.line(Point3::new(10.0, 0.0, 0.0), rate, Role::Plunge).expect("a line");
         Cut {
             toolpath: builder.finish().expect("a toolpath"),
-            tool: Some(Tool::ball(3.0)),
             cutting: Some(CuttingRequest::at_feed(rate).at_heights(20.0, 2.0)),
-            program: Program {
-                resolution: Resolution { units: Units::Mm, decimals: 3 },
-                number: 1,
-                name: Some("die".to_owned()),
-                block_numbers: false,
-                work_offset: None,
-                safe_home: SafeHome::None,
+            setup: Setup {
+                tool: Some(Tool::ball(3.0)),
+                program: Program {
+                    resolution: Resolution { units: Units::Mm, decimals: 3 },
+                    number: 1,
+                    name: Some("die".to_owned()),
+                    block_numbers: false,
+                    work_offset: None,
+                    safe_home: SafeHome::None,
+                },
+                dialect: post::DIALECTS[0],
             },
-            dialect: post::DIALECTS[0],
             comments: vec!["PROVED".to_owned()],
+            nc: None,
         }
     }
 
-    fn outcome(cut: Option<Cut>, nc: Option<&str>) -> Outcome<Report> {
+    fn written() -> Cut {
+        Cut { nc: Some("M2\n".to_owned()), ..cut() }
+    }
+
+    fn outcome<P>(product: P) -> Outcome<Report, P> {
         let warning = Warning { code: WarningCode::PassesApart, detail: "far".to_owned() };
         Outcome {
             meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
             warnings: vec![warning],
             report: Report { n_passes: 1 },
-            cut,
-            nc: nc.map(str::to_owned),
+            product,
             drawing: Box::new(|| {
                 Drawing::of_surface(vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]])
             }),
@@ -271,8 +307,8 @@ mod tests {
     }
 
     /// Content type and text of the answer.
-    async fn shown(
-        outcome: Outcome<Report>,
+    async fn shown<P: Product>(
+        outcome: Outcome<Report, P>,
         representation: Representation,
         with_toolpath: Option<bool>,
     ) -> Result<(String, String), ApiError> {
@@ -286,14 +322,14 @@ mod tests {
         Ok((content_type, String::from_utf8(body.into()).expect("UTF-8")))
     }
 
-    async fn json_of(outcome: Outcome<Report>, with_toolpath: Option<bool>) -> Value {
+    async fn json_of<P: Product>(outcome: Outcome<Report, P>, with_toolpath: Option<bool>) -> Value {
         let (_, text) = shown(outcome, Representation::Json, with_toolpath).await.expect("an answer");
         serde_json::from_str(&text).expect("JSON")
     }
 
     #[tokio::test]
     async fn the_answer_has_the_members_of_the_contract() {
-        let answer = json_of(outcome(Some(cut()), None), None).await;
+        let answer = json_of(outcome(cut()), None).await;
         assert_eq!(answer["engine_version"], ENGINE_VERSION);
         assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
         // What the operation has to say, and what there is to say of any cut.
@@ -309,39 +345,38 @@ mod tests {
 
     #[tokio::test]
     async fn what_there_is_not_or_is_not_wanted_is_left_out() {
-        let surface = json_of(outcome(None, None), None).await;
+        let surface = json_of(outcome(()), None).await;
         let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
         assert_eq!(members, ["engine_version", "meta", "report", "request_id", "warnings"]);
-        assert_eq!(json_of(outcome(Some(cut()), None), Some(false)).await.get("toolpath"), None);
-        let written = json_of(outcome(Some(cut()), Some("M2")), None).await;
-        assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2")));
-        assert!(json_of(outcome(Some(cut()), Some("M2")), Some(true)).await["toolpath"].is_object());
+        assert_eq!(json_of(outcome(cut()), Some(false)).await.get("toolpath"), None);
+        let written = json_of(outcome(written()), None).await;
+        assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2\n")));
+        assert!(json_of(outcome(written()), Some(true)).await["toolpath"].is_object());
     }
 
     #[tokio::test]
     async fn a_program_is_written_once_and_says_what_the_caller_and_the_operation_say() {
-        let (content_type, text) =
-            shown(outcome(Some(cut()), None), Representation::Gcode, None).await.expect("NC text");
+        let (content_type, text) = shown(outcome(cut()), Representation::Gcode, None).await.expect("NC text");
         assert_eq!(content_type, "text/x-gcode; charset=us-ascii");
         assert!(text.contains("PART_ID 7") && text.contains("PROVED"), "{text}");
-        let written = shown(outcome(Some(cut()), Some("M2\n")), Representation::Gcode, None).await;
+        let written = shown(outcome(written()), Representation::Gcode, None).await;
         assert_eq!(written.expect("NC text").1, "M2\n");
-        let error = shown(outcome(None, None), Representation::Gcode, None).await.expect_err("no toolpath");
+        let error = shown(outcome(()), Representation::Gcode, None).await.expect_err("no toolpath");
         assert_eq!(error.code(), Code::InternalError);
     }
 
     #[tokio::test]
     async fn pictures_are_called_by_the_part() {
-        let picture = shown(outcome(Some(cut()), None), Representation::Svg, None).await;
+        let picture = shown(outcome(cut()), Representation::Svg, None).await;
         let (content_type, text) = picture.expect("a picture");
         assert_eq!(content_type, "image/svg+xml; charset=utf-8");
         assert!(text.contains("7 &lt;b&gt;") && text.contains("PROVED"), "{text}");
         assert!(text.contains("ball, diameter 6 mm"), "{text}");
-        let page = shown(outcome(None, None), Representation::Html, None).await;
+        let page = shown(outcome(()), Representation::Html, None).await;
         let (content_type, text) = page.expect("a page");
         assert_eq!(content_type, "text/html; charset=utf-8");
         assert!(text.contains("<title>7 &lt;b&gt;</title>") && text.contains("<svg"), "{text}");
-        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(Some(cut()), None) }), "die");
-        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(None, None) }), "Surface");
+        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(cut()) }), "die");
+        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(()) }), "Surface");
     }
 }

@@ -5,27 +5,36 @@
 
 mod foreign;
 mod mend;
+pub mod object;
+pub mod tagged;
 mod words;
 
 use std::collections::HashSet;
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeOwned, DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_path_to_error::{Path, Segment};
 
-use super::dto::object::Object;
-use super::dto::tagged;
 use super::error::{ApiError, Code, FieldCode, FieldError};
-use super::extract::IntoJob;
 use super::pointer::Pointer;
 use crate::config::Limits;
+use object::Object;
 
 /// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
 const LATER_FIELDS: [&str; 1] = ["axis"];
 
 /// A member with a longer name than this is not pointed at, but the object it is in.
 const MAX_NAME_BYTES: usize = 200;
+
+/// A wire type of requests, which becomes a job.
+pub trait IntoJob: DeserializeOwned + Send + 'static {
+    type Job: Send + 'static;
+
+    /// # Errors
+    /// `invalid_request` with every violation.
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError>;
+}
 
 /// Decodes a request body and makes a job of it.
 ///
@@ -46,15 +55,18 @@ fn json_text(body: &[u8]) -> Result<&str, ApiError> {
         return Err(malformed("the body is empty".into()));
     }
     let text = std::str::from_utf8(body).map_err(|error| {
-        malformed(
-            foreign::named(body, None)
-                .map_or_else(|| format!("the body is not UTF-8: {error}"), str::to_owned),
-        )
+        malformed(foreign::named(body, None).map_or_else(
+            || format!("the body is not UTF-8: byte {} is wrong", error.valid_up_to()),
+            str::to_owned,
+        ))
     })?;
     serde_json::from_str::<Checked>(text).map_err(|error| {
         let lines_before = text.split_inclusive('\n').take(error.line().saturating_sub(1));
         let fault_at = lines_before.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
-        malformed(foreign::named(body, Some(fault_at)).map_or_else(|| error.to_string(), str::to_owned))
+        malformed(
+            foreign::named(body, Some(fault_at))
+                .map_or_else(|| format!("the body is not JSON: {error}"), str::to_owned),
+        )
     })?;
     Ok(text)
 }
@@ -97,15 +109,25 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
     if let (Some(name), true) = (named, message.starts_with("unknown field")) {
         // The path already ends with the name.
         return if LATER_FIELDS.contains(&name) {
-            FieldError::new(at, FieldCode::Unsupported, format!("`{name}` is not supported yet"))
+            FieldError::new(
+                at,
+                FieldCode::Unsupported,
+                format!("`{name}` is not supported yet: leave `{name}` out"),
+            )
         } else {
-            FieldError::new(at, FieldCode::UnknownField, message)
+            let known = message.split('`').skip(3).step_by(2).collect::<Vec<_>>().join("`, `");
+            let known =
+                if known.is_empty() { "no members".to_owned() } else { format!("the members `{known}`") };
+            FieldError::new(
+                at,
+                FieldCode::UnknownField,
+                format!("`{name}` is unknown; this object has {known}"),
+            )
         };
     }
     if let (Some(value), true) = (named, message.starts_with("unknown variant")) {
-        let expected = message.split_once(", ").map_or("", |(_, expected)| expected);
-        let detail = format!("`{value}` is unknown, {expected}");
-        return FieldError::new(at, FieldCode::UnknownValue, detail);
+        let names: Vec<&str> = message.split('`').skip(3).step_by(2).collect();
+        return FieldError::new(at, FieldCode::UnknownValue, words::unknown(value, &names));
     }
     let code = if message.starts_with("invalid length") || message.starts_with("trailing characters") {
         FieldCode::WrongLength
@@ -173,7 +195,7 @@ impl<'de> Visitor<'de> for Checked {
         while let Some(key) = map.next_key::<String>()? {
             map.next_value::<Checked>()?;
             if keys.contains(&key) {
-                return Err(A::Error::custom(format!("the key `{key}` is repeated")));
+                return Err(A::Error::custom(format!("the member `{key}` stands twice in one object")));
             }
             keys.insert(key);
         }

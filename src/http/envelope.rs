@@ -10,9 +10,13 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::ENGINE_VERSION;
-use super::error::{ApiError, Code};
+use super::compression::GZIP;
+use super::error::{ApiError, Code, PROBLEM_JSON};
 use super::openapi;
 use super::request_id::{self, RequestId};
+
+/// Seconds after which a refused caller may try again.
+const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("1");
 
 pub const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
 
@@ -49,9 +53,29 @@ fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
     ApiError::from_status(parts.status).saying(detail)
 }
 
+/// The problem as an answer to the request with this id.
+fn response_of(error: ApiError, id: &RequestId) -> Response {
+    let (status, code) = (error.status(), error.code());
+    let body = serde_json::to_vec(&error.problem(id.as_str())).unwrap_or_default();
+    let mut response = (status, Body::from(body)).into_response();
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    if status == StatusCode::SERVICE_UNAVAILABLE {
+        headers.insert(header::RETRY_AFTER, RETRY_AFTER_S);
+    }
+    if code == Code::UnsupportedCoding {
+        headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));
+    }
+    // For the log and the metrics.
+    response.extensions_mut().insert(code);
+    response
+}
+
 /// The answer to a request whose handler panicked.
 pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
-    ApiError::new(Code::InternalError, "the request met a fault of the server").into_response()
+    ApiError::new(Code::InternalError, "the server failed: report the request id").into_response()
 }
 
 /// Gives a failure the body it only announces, and a failure of the framework the same shape.
@@ -61,7 +85,7 @@ fn into_problem(response: Response, id: &RequestId, asked: &(Method, String)) ->
     if parts.status == StatusCode::INTERNAL_SERVER_ERROR {
         tracing::error!(request_id = id.as_str(), cause = error.detail(), "a fault of the server");
     }
-    let mut problem = error.into_response_to(id.as_str());
+    let mut problem = response_of(error, id);
     for name in [header::ALLOW, header::CONNECTION] {
         if let Some(value) = parts.headers.remove(&name) {
             problem.headers_mut().insert(name, value);

@@ -2,13 +2,12 @@
 
 use std::fmt;
 
-use axum::body::Body;
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::coding::GZIP;
+use super::place::Place;
 use super::pointer::Pointer;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
@@ -19,11 +18,8 @@ pub const MAX_ERRORS: usize = 100;
 /// A text of the caller may be in a detail, at any length.
 const MAX_DETAIL_CHARACTERS: usize = 500;
 
-/// Seconds after which a refused caller may try again.
-const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("1");
-
-/// What went wrong, as a closed list. `invalid_request` has one entry in `errors` for each violation; `unsupported`
-/// is a legal request for something this version cannot do yet.
+/// What went wrong, as a closed list. With `invalid_request` `errors` has one entry for each violation. `unsupported` is a legal
+/// request for something that this version cannot do yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ProblemCode)]
@@ -190,16 +186,17 @@ pub enum FieldCode {
     FeedRequired,
 }
 
-/// One violation.
+/// One violation of the rules for a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 pub struct FieldError {
-    /// The place in the request's body, a JSON pointer as URI fragment (RFC 6901).
+    /// The place in the request's body: a JSON pointer as URI fragment (RFC 6901).
     #[schema(example = "#/surface/points/2/3/1")]
     pub pointer: String,
+    /// What is wrong at that place, for programs.
     pub code: FieldCode,
-    /// The value received and the limit.
+    /// What is wrong at that place, for people: the received value, the limit, and what to do.
     pub detail: String,
-    /// The byte of a text in a language, from zero, where there is one to blame.
+    /// Number of the byte at fault, counted from 0, in an expression or a section curve. Absent elsewhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 16_777_216)]
     pub offset: Option<usize>,
@@ -216,25 +213,30 @@ impl FieldError {
     }
 }
 
-/// Problem details by RFC 9457: the body of every answer of 400 and above.
+/// A failure, by RFC 9457: the body of every answer with a status of 400 and above.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Problem {
-    /// Always `about:blank`: `code` tells problems apart.
+    /// Always `about:blank`. `code` tells problems apart.
     #[serde(rename = "type")]
     kind: &'static str,
+    /// The kind of problem, for people. The title depends on `code` alone.
     title: &'static str,
+    /// Status of the answer: an HTTP status number.
     #[schema(minimum = 400, maximum = 599)]
     status: u16,
+    /// This problem, for people: what is wrong, where, and what to do.
     detail: String,
+    /// The kind of problem, for programs.
     code: Code,
-    /// Equals the header `x-request-id`.
+    /// Id of the request, as in the header `x-request-id`.
     request_id: String,
+    /// The violations, at most 100; `detail` tells the number of all. Empty where no place of the body is to blame.
     errors: Vec<FieldError>,
-    /// Where on the part, mm; with `overhang`, `offset_folds`, `not_smooth`, `section_lost` and `tolerance_not_reached`.
+    /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `not_smooth`, `section_lost`, `band_infeasible` and
+    /// `tolerance_not_reached`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<super::dto::point::Place>)]
-    place: Option<[f64; 3]>,
-    /// The media types on offer; with `not_acceptable`.
+    place: Option<Place>,
+    /// The media types that the endpoint can answer. Present with `not_acceptable`.
     #[serde(skip_serializing_if = "Option::is_none")]
     offers: Option<Vec<&'static str>>,
 }
@@ -308,6 +310,10 @@ impl ApiError {
         self.code
     }
 
+    pub fn status(&self) -> StatusCode {
+        self.status
+    }
+
     pub fn detail(&self) -> &str {
         &self.detail
     }
@@ -326,30 +332,9 @@ impl ApiError {
             code: self.code,
             request_id: request_id.to_owned(),
             errors: self.errors,
-            place: self.place,
+            place: self.place.map(Place),
             offers: self.offers,
         }
-    }
-
-    /// The answer to the request with this id.
-    pub fn into_response_to(self, request_id: &str) -> Response {
-        let (status, code) = (self.status, self.code);
-        let body = serde_json::to_vec(&self.problem(request_id)).unwrap_or_default();
-        let mut response = (status, Body::from(body)).into_response();
-        let headers = response.headers_mut();
-        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
-        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-        headers
-            .insert(HeaderName::from_static("x-content-type-options"), HeaderValue::from_static("nosniff"));
-        if status == StatusCode::SERVICE_UNAVAILABLE {
-            headers.insert(header::RETRY_AFTER, RETRY_AFTER_S);
-        }
-        if code == Code::UnsupportedCoding {
-            headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));
-        }
-        // For the log and the metrics.
-        response.extensions_mut().insert(code);
-        response
     }
 }
 

@@ -26,14 +26,17 @@ const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(5);
 /// Events that wait for a caller who does not read; what happens meanwhile it is not told.
 const BACKLOG: usize = 64;
 
-/// How far a computation is: the data of an event `progress`.
+/// How far a computation has come: the data of an event `progress`.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Progress {
+    /// Name of the stage, such as `sections`.
     stage: &'static str,
-    /// Of this stage, 0 to 1.
+    /// The part of the stage that is done: a ratio from 0 to 1.
     #[schema(minimum = 0, maximum = 1)]
     fraction: f64,
+    /// Number of steps of the stage that are done.
     done: usize,
+    /// Number of steps of the stage.
     total: usize,
 }
 

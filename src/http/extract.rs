@@ -6,31 +6,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{FromRequest, FromRequestParts, Query, Request};
-use axum::http::request::Parts;
+use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
-use serde::de::DeserializeOwned;
 use tokio::time::timeout;
 
 use super::App;
-use super::coding::{Coding, gunzip};
-use super::decode;
+use super::admission::Share;
+use super::compression::{Coding, gunzip};
+use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
-use super::intake::Share;
-use crate::config::Limits;
 
 /// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip, of
 /// which one cannot tell.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
-
-/// A wire type of requests, which becomes a job.
-pub trait IntoJob: DeserializeOwned + Send + 'static {
-    type Job: Send + 'static;
-
-    /// # Errors
-    /// `invalid_request` with every violation.
-    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError>;
-}
 
 /// The body: JSON that was read as a `T`, and is a legal job.
 pub struct JobBody<T: IntoJob> {
@@ -80,24 +68,6 @@ async fn aside<T: Send + 'static>(
         done
     };
     tokio::task::spawn_blocking(work).await.map_err(|_| failed(()))?
-}
-
-/// The query, decoded strictly: a misspelt parameter must not silently do nothing.
-pub struct StrictQuery<T>(pub T);
-
-impl<T: DeserializeOwned> FromRequestParts<Arc<App>> for StrictQuery<T> {
-    type Rejection = ApiError;
-
-    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, ApiError> {
-        match Query::<T>::from_request_parts(parts, app).await {
-            Ok(Query(query)) => Ok(Self(query)),
-            Err(rejection) => {
-                let detail = rejection.body_text();
-                let detail = detail.strip_prefix("Failed to deserialize query string: ").unwrap_or(&detail);
-                Err(ApiError::new(Code::InvalidQuery, detail))
-            }
-        }
-    }
 }
 
 /// The media type of the body, without parameters, in lower case.

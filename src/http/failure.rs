@@ -15,7 +15,9 @@ impl From<Failure> for ApiError {
                 Self::new(Code::Overloaded, "every worker is busy and the queue is full; try again later")
             }
             Failure::DeadlinePassed => Stopped::DeadlinePassed.into(),
-            Failure::Panicked => Self::new(Code::InternalError, "the computation met a fault of the server"),
+            Failure::Panicked => {
+                Self::new(Code::InternalError, "the server failed while computing: report the request id")
+            }
         }
     }
 }
@@ -24,9 +26,10 @@ impl From<Stopped> for ApiError {
     fn from(stopped: Stopped) -> Self {
         match stopped {
             // Nobody is left to read the answer to a cancelled request.
-            Stopped::Cancelled | Stopped::DeadlinePassed => {
-                Self::new(Code::DeadlinePassed, "the computation was not finished within the deadline")
-            }
+            Stopped::Cancelled | Stopped::DeadlinePassed => Self::new(
+                Code::DeadlinePassed,
+                "the computation did not end within the deadline: send a smaller job, or a coarser tolerance",
+            ),
         }
     }
 }

@@ -23,7 +23,9 @@ use super::timing::Timing;
 const OPENMETRICS: HeaderValue =
     HeaderValue::from_static("application/openmetrics-text; version=1.0.0; charset=utf-8");
 
-/// The figures of this process.
+/// Tell the figures of this process.
+///
+/// Counters and histograms of requests, computations and memory, as OpenMetrics text.
 #[utoipa::path(get, path = "/metrics", operation_id = "getMetrics", tag = "operation",
     responses((status = 200, description = "OpenMetrics text.", body = String,
         content_type = "application/openmetrics-text")))]
@@ -49,7 +51,7 @@ impl Load {
             running: app.compute.running(),
             waiting: app.compute.waiting(),
             connections: app.connections.open(),
-            body_bytes: app.intake.held(),
+            body_bytes: app.body_memory.held(),
         }
     }
 }

@@ -11,7 +11,7 @@ use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::coding::{self, GZIP, MIN_CODED_BYTES};
+use super::compression::{self, GZIP, MIN_CODED_BYTES, REPR_DIGEST};
 use super::error::{ApiError, Code};
 
 pub const JSON: &str = "application/json";
@@ -24,8 +24,6 @@ pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gco
 
 /// The codes of all warnings of an answer.
 pub const WARNINGS: HeaderName = HeaderName::from_static("toolpathd-warnings");
-
-pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 
 /// What an answer is sent as; in the query by these names, for links and for callers that cannot set headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -88,7 +86,7 @@ pub fn choose(
         }
     };
     chosen.copied().ok_or_else(|| {
-        ApiError::new(Code::NotAcceptable, format!("on offer are {}", names.join(", "))).offering(names)
+        ApiError::new(Code::NotAcceptable, format!("accept one of {}", names.join(", "))).offering(names)
     })
 }
 
@@ -137,7 +135,7 @@ impl Encoded {
     /// When gzip fails, which is a fault of this program.
     pub fn sealed(mut self, with_gzip: bool) -> Result<Self, ApiError> {
         if with_gzip && self.body.len() as u64 >= MIN_CODED_BYTES {
-            let coded = coding::gzip(&self.body)
+            let coded = compression::gzip(&self.body)
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing gzip: {error}")))?;
             self.body = coded.into();
             self.is_gzip = true;

@@ -18,7 +18,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio::time::timeout_at;
 
 use super::App;
-use super::coding::Coding;
+use super::compression::Coding;
 use super::error::{ApiError, Code};
 use super::extract::next_bytes;
 use super::output::Encoded;
@@ -220,7 +220,7 @@ impl Work {
         let text = |text: &[u8]| {
             *n_bytes += text.len() as u64;
             if *n_bytes > most {
-                let detail = format!("the program has more than {most} bytes; more are not allowed");
+                let detail = format!("the program has more than {most} bytes: send a smaller program");
                 return Err(ApiError::new(Code::PayloadTooLarge, detail));
             }
             Ok(rewriter.push(text, out, budget)?)
@@ -289,7 +289,7 @@ impl Decoder {
 }
 
 fn no_gzip(error: std::io::Error) -> ApiError {
-    ApiError::new(Code::BadRequest, format!("the body is no gzip, or not the whole of it: {error}"))
+    ApiError::new(Code::BadRequest, format!("the body is not gzip, or its end is missing: {error}"))
 }
 
 impl From<RewriteError> for ApiError {

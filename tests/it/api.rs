@@ -2,7 +2,7 @@
 
 mod arcs;
 mod binary;
-mod coding;
+mod compression;
 mod connection;
 mod decoding;
 mod determinism;

@@ -1,5 +1,8 @@
 //! The committed contract is the one the code serves, and its examples obey it.
 
+mod answers;
+mod schema;
+
 use serde_json::Value;
 use toolpathd::http::contract;
 
@@ -58,7 +61,8 @@ fn operations_have_names_of_their_own_and_answer_problems() {
 fn the_schemas_of_points_hold_their_limits() {
     let schemas = &parsed()["components"]["schemas"];
     assert_eq!((&schemas["Point"]["minItems"], &schemas["Point"]["maxItems"]), (&3.into(), &3.into()));
-    let points = &schemas["PointGrid"]["properties"]["points"];
+    assert_eq!(schemas["PointGrid"]["properties"]["points"]["$ref"], "#/components/schemas/PointRows");
+    let points = &schemas["PointRows"];
     assert_eq!((&points["minItems"], &points["items"]["minItems"]), (&2.into(), &2.into()));
     assert_eq!(schemas["MillRequest"]["additionalProperties"], false);
 }
@@ -77,4 +81,214 @@ fn no_schema_asks_for_two_types_at_once() {
         }
     }
     visit(&parsed());
+}
+
+/// Calls `look` with every object schema's properties, by path.
+fn each_property(value: &Value, path: &str, look: &mut impl FnMut(&str, &Value)) {
+    match value {
+        Value::Object(members) => {
+            if let Some(properties) = members.get("properties").and_then(Value::as_object) {
+                properties.iter().for_each(|(name, property)| look(&format!("{path}.{name}"), property));
+            }
+            let schemas = members.iter().filter(|(name, _)| !name.starts_with("example"));
+            schemas.for_each(|(name, member)| each_property(member, &format!("{path}.{name}"), look));
+        }
+        Value::Array(items) => items.iter().for_each(|item| each_property(item, path, look)),
+        _ => {}
+    }
+}
+
+fn operations(document: &Value) -> Vec<(String, Value)> {
+    let items = document["paths"].as_object().expect("paths").iter();
+    let operations = items.flat_map(|(path, item)| {
+        let methods = item.as_object().expect("operations").iter();
+        methods.map(move |(method, operation)| (format!("{method} {path}"), operation.clone()))
+    });
+    operations.collect()
+}
+
+#[test]
+fn every_property_every_parameter_and_every_operation_explains_itself() {
+    let document = parsed();
+    let mut silent = Vec::new();
+    let mut n_properties = 0;
+    each_property(&document, "", &mut |path, property| {
+        n_properties += 1;
+        if property["description"].as_str().is_none_or(|text| text.trim().len() < 8) {
+            silent.push(path.to_owned());
+        }
+    });
+    for (name, operation) in operations(&document) {
+        for member in ["summary", "description"] {
+            if operation[member].as_str().is_none_or(str::is_empty) {
+                silent.push(format!("{name} {member}"));
+            }
+        }
+        for parameter in operation["parameters"].as_array().into_iter().flatten() {
+            if parameter["description"].as_str().is_none_or(str::is_empty) {
+                silent.push(format!("{name} {}", parameter["name"]));
+            }
+        }
+    }
+    assert!(silent.is_empty(), "without a description: {silent:#?}");
+    assert!(n_properties > 200, "{n_properties} properties were found");
+    assert!(document["servers"].as_array().is_some_and(|servers| !servers.is_empty()));
+    assert!(document["info"].get("license").is_none(), "no licence is chosen");
+}
+
+/// Units as descriptions name them, and the words of plain numbers.
+const UNITS: [&str; 18] = [
+    "mm",
+    "mm/min",
+    "mm/s2",
+    "1/mm",
+    "1/min",
+    "degrees",
+    "s",
+    "milliseconds",
+    "bytes",
+    "characters",
+    "number",
+    "numbers",
+    "count",
+    "counts",
+    "ratio",
+    "byte",
+    "points",
+    "steps",
+];
+
+/// The numbers of a schema: the schema itself, or the elements of arrays, whatever may be `null`.
+fn is_numeric(document: &Value, schema: &Value) -> bool {
+    if let Some(target) = schema["$ref"].as_str() {
+        return is_numeric(document, document.pointer(target.trim_start_matches('#')).expect("a schema"));
+    }
+    let is_of = |name: &str| {
+        schema["type"] == name || schema["type"].as_array().is_some_and(|types| types.contains(&name.into()))
+    };
+    is_of("number")
+        || is_of("integer")
+        || is_of("array") && is_numeric(document, &schema["items"])
+        || schema["oneOf"].as_array().into_iter().flatten().any(|option| is_numeric(document, option))
+}
+
+#[test]
+fn every_number_has_a_unit_or_is_a_count() {
+    let document = parsed();
+    let mut bare = Vec::new();
+    let mut n_numbers = 0;
+    let mut look = |path: &str, property: &Value| {
+        if !is_numeric(&document, property) {
+            return;
+        }
+        n_numbers += 1;
+        let text = property["description"].as_str().unwrap_or_default().to_lowercase();
+        let mut words = text.split(|c: char| c.is_whitespace() || ",.;:()`".contains(c));
+        if !words.any(|word| UNITS.contains(&word)) {
+            bare.push(path.to_owned());
+        }
+    };
+    each_property(&document, "", &mut look);
+    for (name, operation) in operations(&document) {
+        for parameter in operation["parameters"].as_array().into_iter().flatten() {
+            let mut described = parameter["schema"].clone();
+            described["description"] = parameter["description"].clone();
+            look(&format!("{name} {}", parameter["name"]), &described);
+        }
+    }
+    assert!(bare.is_empty(), "without a unit: {bare:#?}");
+    assert!(n_numbers > 100, "{n_numbers} numbers were found");
+}
+
+#[test]
+fn objects_that_kind_tells_apart_have_a_discriminator() {
+    let document = parsed();
+    let schemas = document["components"]["schemas"].as_object().expect("schemas");
+    let mut n_unions = 0;
+    for (name, union) in schemas {
+        let Some(options) = union["oneOf"].as_array() else { continue };
+        let kind_of = |option: &Value| {
+            let target = option["$ref"].as_str()?.to_owned();
+            let schema = document.pointer(target.trim_start_matches('#'))?;
+            let kind = schema.pointer("/properties/kind/enum/0")?.as_str()?.to_owned();
+            let is_required =
+                schema["required"].as_array().is_some_and(|names| names.contains(&"kind".into()));
+            is_required.then_some((kind, target))
+        };
+        let kinds: Vec<_> = options.iter().filter_map(kind_of).collect();
+        if kinds.is_empty() {
+            continue;
+        }
+        n_unions += 1;
+        assert_eq!(kinds.len(), options.len(), "{name}");
+        assert_eq!(union["discriminator"]["propertyName"], "kind", "{name}");
+        let mapping = union["discriminator"]["mapping"].as_object().expect("a mapping");
+        assert_eq!(mapping.len(), kinds.len(), "{name}");
+        for (kind, target) in kinds {
+            assert_eq!(mapping[&kind], target, "{name} {kind}");
+        }
+    }
+    assert_eq!(n_unions, 7);
+}
+
+#[test]
+fn no_member_with_a_default_is_required() {
+    fn visit(value: &Value, n_defaults: &mut usize) {
+        if let Some(properties) = value["properties"].as_object() {
+            let required = value["required"].as_array().cloned().unwrap_or_default();
+            for (name, _) in properties.iter().filter(|(_, property)| property.get("default").is_some()) {
+                *n_defaults += 1;
+                assert!(!required.contains(&name.as_str().into()), "{name} has a default and is required");
+            }
+        }
+        match value {
+            Value::Object(members) => members.values().for_each(|member| visit(member, n_defaults)),
+            Value::Array(elements) => elements.iter().for_each(|element| visit(element, n_defaults)),
+            _ => {}
+        }
+    }
+    let mut n_defaults = 0;
+    visit(&parsed()["components"], &mut n_defaults);
+    assert!(n_defaults > 20, "{n_defaults} defaults were found");
+}
+
+#[test]
+fn examples_of_requests_and_answers_obey_their_schemas() {
+    let document = parsed();
+    let mut n_examples = 0;
+    for (name, operation) in operations(&document) {
+        let bodies = [&operation["requestBody"], &operation["responses"]["200"]];
+        for body in bodies.map(|body| &body["content"]["application/json"]) {
+            let named = body["examples"].as_object().into_iter().flat_map(|examples| examples.values());
+            let values = named.map(|example| &example["value"]).chain(body.get("example"));
+            for value in values {
+                n_examples += 1;
+                let faults = schema::faults(&document, &body["schema"], value, "#");
+                assert!(faults.is_empty(), "{name}: {faults:#?}");
+            }
+        }
+    }
+    assert!(n_examples >= 28 + 8, "{n_examples} examples were found");
+    let problem = &document["components"]["schemas"]["Problem"];
+    let faults = schema::faults(&document, problem, &problem["examples"][0], "#");
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn a_body_that_breaks_its_schema_is_found() {
+    let document = parsed();
+    let mill = &document["components"]["schemas"]["MillRequest"];
+    let body = &document["paths"]["/v1/surfaces/mill"]["post"]["requestBody"]["content"]["application/json"];
+    let legal = &body["examples"]["one-pass"]["value"];
+    for (pointer, value) in [
+        ("/tolerance_mm", "fine".into()),
+        ("/tolerance_mm", (-1).into()),
+        ("/surface/kind", "sphere".into()),
+        ("/surface/points/0/0", serde_json::json!([1, 2])),
+        ("/tool/shape", "cone".into()),
+    ] {
+        let mut broken = legal.clone();
+        *broken.pointer_mut(pointer).expect("a member") = value;
+        assert!(!schema::faults(&document, mill, &broken, "#").is_empty(), "{pointer}");
+    }
 }

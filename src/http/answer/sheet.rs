@@ -1,7 +1,8 @@
 //! The words of an answer for people: the sheet at the machine, and what a program's header says.
 
-use super::{Cut, Outcome};
+use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
+use crate::http::dto::setup::Setup;
 use crate::http::dto::toolpath::Warning;
 use crate::plot::{self, Scene};
 use crate::post::clock;
@@ -15,29 +16,29 @@ use crate::toolpath::tool::{Shape, Tool};
 const PART_ID: &str = "part_id";
 
 /// The picture with the words below it.
-pub fn picture<R>(outcome: &Outcome<R>) -> String {
+pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
     let mut notes: Vec<String> = warnings.chain(notes(outcome)).collect();
-    notes.extend(outcome.cut.iter().flat_map(setup));
+    notes.extend(outcome.product.cut().map(setup).into_iter().flatten());
     plot::svg(&Scene {
         title: &title(outcome),
         notes: &notes,
-        toolpath: outcome.cut.as_ref().map(|cut| &cut.toolpath),
+        toolpath: outcome.product.cut().map(|cut| &cut.toolpath),
         drawing: &(outcome.drawing)(),
     })
 }
 
 /// The part's id, or else the program's name.
-pub fn title<R>(outcome: &Outcome<R>) -> String {
+pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
-    let name = || outcome.cut.as_ref().and_then(|cut| cut.program.name.as_ref());
-    let kind = if outcome.cut.is_some() { "Toolpath" } else { "Surface" };
+    let name = || outcome.product.cut().and_then(|cut| cut.setup.program.name.as_ref());
+    let kind = if outcome.product.cut().is_some() { "Toolpath" } else { "Surface" };
     part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
 }
 
 /// What a setter needs: the program, where its zero is, the tool, and how it is driven.
 fn setup(cut: &Cut) -> Vec<String> {
-    let Cut { toolpath, tool, cutting, program, dialect, comments: _ } = cut;
+    let Cut { toolpath, cutting, setup: Setup { tool, program, dialect }, comments: _, nc: _ } = cut;
     let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
     let mut lines = vec![program_line(program, dialect.name), offset_line(program)];
     lines.extend(tool.iter().map(tool_line));
@@ -102,7 +103,7 @@ pub fn told(warnings: &[Warning]) -> Vec<String> {
 }
 
 /// The texts of the caller's `meta` and the comments of the operation.
-pub fn notes<R>(outcome: &Outcome<R>) -> Vec<String> {
-    let comments = outcome.cut.iter().flat_map(|cut| &cut.comments).cloned();
+pub fn notes<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
+    let comments = outcome.product.cut().into_iter().flat_map(|cut| &cut.comments).cloned();
     meta::notes(outcome.meta.as_ref()).chain(comments).collect()
 }

@@ -17,7 +17,7 @@ pub fn named(body: &[u8], fault_at: Option<usize>) -> Option<&'static str> {
         near.windows(word.len()).any(|found| found.eq_ignore_ascii_case(word))
     };
     if [&b"nan"[..], b"infinity", b"-inf"].into_iter().any(begins) {
-        return Some("JSON has no NaN and no Infinity: every number must be finite");
+        return Some("JSON has no NaN and no Infinity: send finite numbers");
     }
     let text = body.trim_ascii();
     let first_line = text.split(|byte| *byte == b'\n').next().unwrap_or_default();

@@ -6,10 +6,9 @@
 
 use serde_json::{Value, json};
 
-use super::decode_at;
+use super::{IntoJob, decode_at};
 use crate::config::Limits;
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
-use crate::http::extract::IntoJob;
 
 /// Bytes that may be decoded again, in sum: of a large body the first violations are enough.
 const MOST_BYTES: usize = 4 << 20;
@@ -127,7 +126,7 @@ impl Mending {
 
     /// The next value to try at a place.
     fn stand_in(&self, error: &FieldError, place: &str, tried: usize) -> Option<Value> {
-        let named = error.detail.rsplit_once("expected").map_or("", |(_, names)| names);
+        let named = error.detail.rsplit_once("; use ").map_or("", |(_, names)| names);
         let names = named.split('`').skip(1).step_by(2).map(|name| json!(name));
         let lengths = match self.body.pointer(place) {
             Some(Value::Array(items)) => {

@@ -1,14 +1,20 @@
 //! What the decoder says, in words that do not depend on the language that it is written in.
 
+/// The message about a name that is none of `names`.
+pub fn unknown(name: &str, names: &[&str]) -> String {
+    let one_of = if names.len() > 1 { "one of " } else { "" };
+    format!("`{name}` is unknown; use {one_of}`{}`", names.join("`, `"))
+}
+
 /// A message about a type, a value or a length.
 pub fn plain(message: &str) -> String {
     if let Some((got, expected)) =
         parts(message, "invalid type: ").or_else(|| parts(message, "invalid value: "))
     {
-        return format!("{} is expected, not {}", expectation(expected), sent(got));
+        return format!("send {}, not {}", expectation(expected), sent(got));
     }
     if let Some((got, expected)) = parts(message, "invalid length ") {
-        return format!("{} is expected, not one of {got}", expectation(expected));
+        return format!("send {}, not an array of {got}", expectation(expected));
     }
     if message.starts_with("trailing characters") || message.contains("expected sequence end") {
         return "the array is too long".to_owned();
@@ -24,16 +30,16 @@ fn parts<'a>(message: &'a str, start: &str) -> Option<(&'a str, &'a str)> {
 fn expectation(expected: &str) -> String {
     match expected {
         "f64" | "f32" => "a number".to_owned(),
-        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, zero or more,".to_owned(),
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number of 0 or more".to_owned(),
         "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".to_owned(),
         "a boolean" => "`true` or `false`".to_owned(),
         "a string" | "string" | "str" | "a borrowed string" => "a text".to_owned(),
         "a sequence" => "an array".to_owned(),
         "a map" | "map" => "an object".to_owned(),
-        "variant identifier" | "string or map" => "one of its names".to_owned(),
+        "variant identifier" | "string or map" => "a name".to_owned(),
         "unit" => "`null`".to_owned(),
         _ if expected.starts_with("struct ") => "an object".to_owned(),
-        _ if expected.starts_with("enum ") => "one of its names".to_owned(),
+        _ if expected.starts_with("enum ") => "a name".to_owned(),
         _ => {
             let count = expected
                 .strip_prefix("a tuple of size ")
@@ -66,18 +72,15 @@ mod tests {
     #[test]
     fn messages_name_what_is_sent() {
         for (message, words) in [
-            ("invalid type: string \"ten\", expected f64", "a number is expected, not the text \"ten\""),
+            ("invalid type: string \"ten\", expected f64", "send a number, not the text \"ten\""),
             (
                 "invalid type: floating point `12.5`, expected u32",
-                "a whole number, zero or more, is expected, not `12.5`",
+                "send a whole number of 0 or more, not `12.5`",
             ),
-            ("invalid type: null, expected struct Tool", "an object is expected, not `null`"),
-            ("invalid type: sequence, expected a string", "a text is expected, not an array"),
-            ("invalid length 3, expected an array of length 2", "an array of 2 is expected, not one of 3"),
-            (
-                "invalid value: integer `-1`, expected u32",
-                "a whole number, zero or more, is expected, not `-1`",
-            ),
+            ("invalid type: null, expected struct Tool", "send an object, not `null`"),
+            ("invalid type: sequence, expected a string", "send a text, not an array"),
+            ("invalid length 3, expected an array of length 2", "send an array of 2, not an array of 3"),
+            ("invalid value: integer `-1`, expected u32", "send a whole number of 0 or more, not `-1`"),
         ] {
             assert_eq!(plain(message), words);
         }

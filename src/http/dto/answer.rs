@@ -1,46 +1,94 @@
-//! What every answer of a computation holds.
+//! What every answer of a computation holds, and the members of answers with a toolpath.
+
+use std::borrow::Cow;
 
 use serde::Serialize;
-use utoipa::ToSchema;
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
-use super::meta::{self, Meta};
+use super::meta::{Meta, MetaTexts};
 use super::toolpath::{Measures, Toolpath, Warning};
+use crate::http::ENGINE_VERSION;
+use crate::http::request_id::RequestId;
 
-/// The answer of a computation, with the report of its operation.
-#[derive(Serialize, ToSchema)]
-pub struct Answer<R: ToSchema> {
-    pub engine_version: &'static str,
-    /// Equals the header `x-request-id`; the only member that differs between runs.
-    pub request_id: String,
-    /// As it was sent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(schema_with = meta::schema)]
-    pub meta: Option<Meta>,
-    pub warnings: Vec<Warning>,
+/// The answer of a computation: what every answer holds, the report of the operation, and the operation's own members.
+#[derive(Serialize)]
+pub struct Answer<R, M = PathMembers> {
+    #[serde(flatten)]
+    pub head: Head,
     pub report: R,
-    /// Of the toolpath; with every answer that is about one.
+    #[serde(flatten)]
+    pub members: M,
+}
+
+/// What every answer holds.
+#[derive(Serialize, ToSchema)]
+pub struct Head {
+    /// Version of the service. The same request to the same version gives the same answer.
+    pub engine_version: &'static str,
+    /// Id of the request, as in the header `x-request-id`. No other member differs between runs.
+    pub request_id: String,
+    /// The texts of `meta` in the request.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<MetaTexts>)]
+    pub meta: Option<Meta>,
+    /// What the caller should know before the program runs; empty where there is nothing.
+    pub warnings: Vec<Warning>,
+}
+
+impl Head {
+    pub fn new(request_id: &RequestId, meta: Option<Meta>, warnings: Vec<Warning>) -> Self {
+        Self { engine_version: ENGINE_VERSION, request_id: request_id.as_str().to_owned(), meta, warnings }
+    }
+}
+
+/// The members of an answer with a toolpath.
+#[derive(Default, Serialize, ToSchema)]
+pub struct PathMembers {
+    /// Lengths and times of the toolpath.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measures: Option<Measures>,
-    /// The program, where the answer is about its text.
+    /// The text of the NC program. Present with `?nc=true`, and in answers of `/v1/programs/write`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nc: Option<String>,
-    /// Absent with `?toolpath=false`.
+    /// The moves. Absent with `?toolpath=false`, and where the answer has `nc` unless `?toolpath=true` asks for the moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub toolpath: Option<Toolpath>,
 }
 
-impl<R: ToSchema> Answer<R> {
-    /// A report without a toolpath.
-    pub fn of_report(engine_version: &'static str, request_id: &str, report: R) -> Self {
-        Self {
-            engine_version,
-            request_id: request_id.to_owned(),
-            meta: None,
-            warnings: Vec::new(),
-            report,
-            measures: None,
-            nc: None,
-            toolpath: None,
+/// The members of an answer whose report says all.
+pub type NoMembers = ();
+
+impl<R: ToSchema, M: ToSchema> PartialSchema for Answer<R, M> {
+    fn schema() -> RefOr<Schema> {
+        let report = RefBuilder::new()
+            .ref_location_from_schema_name(R::name())
+            .description(Some("What the operation found and proved."));
+        let mut answer = ObjectBuilder::new()
+            .description(Some("The answer of a computation."))
+            .property("report", report.build())
+            .required("report")
+            .build();
+        for part in [Head::schema(), M::schema()] {
+            if let RefOr::T(Schema::Object(part)) = part {
+                answer.properties.extend(part.properties);
+                answer.required.extend(part.required);
+            }
         }
+        answer.into()
+    }
+}
+
+impl<R: ToSchema, M: ToSchema> ToSchema for Answer<R, M> {
+    fn name() -> Cow<'static, str> {
+        format!("Answer_{}", R::name()).into()
+    }
+
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        schemas.push((R::name().into_owned(), R::schema()));
+        R::schemas(schemas);
+        Head::schemas(schemas);
+        M::schemas(schemas);
     }
 }

@@ -1,11 +1,10 @@
 //! What stands over the surface, and how the cutter comes to a pass and leaves it, as they are sent.
 
-use serde::{Deserialize, Deserializer};
-use serde_json::value::RawValue;
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
-use super::tagged;
+use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
@@ -15,115 +14,103 @@ const RAMP: Range = Range { min: 0.1, max: 89.0 };
 /// Thicknesses of stock, mm.
 const THICKNESS: Range = Range { min: 0.0, max: 1000.0 };
 
-/// Makes an enum of objects that are told apart by their `kind`, each of a name of its own.
-macro_rules! by_kind {
-    ($(#[$doc:meta])* $name:ident { $($variant:ident($body:ty) = $kind:literal),+ $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, ToSchema)]
-        #[serde(untagged)]
-        pub enum $name {
-            $($variant($body)),+
-        }
-
-        impl<'de> Deserialize<'de> for $name {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                let object = <&RawValue>::deserialize(deserializer)?;
-                match tagged::kind_of::<D::Error>(object)?.as_str() {
-                    $($kind => tagged::decode(object).map(Self::$variant),)+
-                    other => Err(tagged::unknown(other, &[], &[$($kind),+])),
-                }
-            }
-        }
-    };
+by_kind! {
+    /// The stock that stands over the surface before the program runs; `kind` says in which form. Rapids come down to 2 mm above the
+    /// stock.
+    #[derive(Debug, Clone, Copy)]
+    Stock { "on_surface" => OnSurface(StockOnSurface), "block" => Block(StockBlock) }
 }
 
-/// Makes the object of one kind.
-macro_rules! object_of_kind {
-    ($(#[$doc:meta])* $name:ident, $tag:ident::$variant:ident { $($(#[$meta:meta])* $field:ident),* $(,)? }) => {
-        #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-        #[serde(rename_all = "snake_case")]
-        pub enum $tag {
-            $variant,
-        }
+/// Stock that follows the surface, as roughing leaves it.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StockOnSurface {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Largest thickness of the stock, in mm along the normal, above the surface that this program leaves.
+    #[schema(minimum = 0, maximum = 1000)]
+    thickness_mm: f64,
+}
 
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name {
-            #[serde(rename = "kind")]
-            #[schema(inline)]
-            _kind: $tag,
-            $($(#[$meta])* $field: f64,)*
-        }
-    };
+/// A block of stock with a level top.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StockBlock {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Absolute height of the block's top, in mm.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
+    top_z_mm: f64,
 }
 
 by_kind! {
-    /// What stands over the surface before the program is run, told apart by `kind`: rapids come down to 2 mm above it.
-    Stock { OnSurface(StockOnSurface) = "on_surface", Block(StockBlock) = "block" }
+    /// How the cutter comes down to a pass; `kind` says which way. Where the entry has no room, the cutter plunges and the answer
+    /// warns.
+    #[derive(Debug, Clone, Copy)]
+    Entry { "plunge" => Plunge(Plunge), "ramp" => Ramp(Ramp), "arc" => Arc(EntryArc) }
 }
 
-object_of_kind! {
-    /// Stock that follows the surface, as roughing leaves it.
-    StockOnSurface, OnSurfaceKind::OnSurface {
-        /// No more than this lies above what this program leaves, along the normal of the surface.
-        #[schema(minimum = 0, maximum = 1000)]
-        thickness_mm,
-    }
+/// Straight down.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Plunge {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
 }
 
-object_of_kind! {
-    /// Stock of one height.
-    StockBlock, BlockKind::Block {
-        /// Nothing is higher, but the part itself.
-        #[schema(minimum = -1_000_000, maximum = 1_000_000)]
-        top_z_mm,
-    }
+/// Down along lines over the pass, or before the pass where the lines over the pass are not clear.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ramp {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Angle of the ramp with the level, in degrees. A larger angle makes a shorter ramp.
+    #[schema(minimum = 0.1, maximum = 89)]
+    angle_deg: f64,
 }
 
-by_kind! {
-    /// How the cutter comes down to a pass, told apart by `kind`. Where there is no room for it the cutter plunges, and the answer warns.
-    Entry { Plunge(Plunge) = "plunge", Ramp(Ramp) = "ramp", Arc(EntryArc) = "arc" }
-}
-
-object_of_kind! {
-    /// Straight down.
-    Plunge, PlungeKind::Plunge {}
-}
-
-object_of_kind! {
-    /// Down lines over the pass, or before it where that is not clear.
-    Ramp, RampKind::Ramp {
-        /// Their angle with the level, degrees.
-        #[schema(minimum = 0.1, maximum = 89)]
-        angle_deg,
-    }
-}
-
-object_of_kind! {
-    /// Down a quarter of a circle along the tangent of the pass.
-    EntryArc, EntryArcKind::Arc {
-        #[schema(minimum = 0.001, maximum = 1_000_000)]
-        radius_mm,
-    }
+/// Down a quarter of a circle that ends along the tangent of the pass.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EntryArc {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Radius of the circle, in mm.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    radius_mm: f64,
 }
 
 by_kind! {
-    /// How the cutter leaves a pass, told apart by `kind`. Where there is no room for it the cutter goes straight up, and the answer warns.
-    Exit { Retract(Retract) = "retract", Arc(ExitArc) = "arc" }
+    /// How the cutter leaves a pass; `kind` says which way. Where the exit has no room, the cutter goes straight up and the answer
+    /// warns.
+    #[derive(Debug, Clone, Copy)]
+    Exit { "retract" => Retract(Retract), "arc" => Arc(ExitArc) }
 }
 
-object_of_kind! {
-    /// Straight up.
-    Retract, RetractKind::Retract {}
+/// Straight up.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Retract {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
 }
 
-object_of_kind! {
-    /// Up a quarter of a circle along the tangent of the pass.
-    ExitArc, ExitArcKind::Arc {
-        #[schema(minimum = 0.001, maximum = 1_000_000)]
-        radius_mm,
-    }
+/// Up a quarter of a circle that begins along the tangent of the pass.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExitArc {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Radius of the circle, in mm.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    radius_mm: f64,
 }
 
 impl Stock {

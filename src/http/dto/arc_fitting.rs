@@ -1,78 +1,89 @@
 //! A request for fitting arcs to a polyline, and its conversion to a job.
 
 use serde::{Deserialize, Serialize};
-use utoipa::openapi::schema::Schema;
+use utoipa::openapi::Ref;
 use utoipa::{IntoParams, ToSchema};
 
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
-use super::meta::{self, Meta};
+use super::dialect::{self, DialectName};
+use super::meta::{Meta, MetaTexts};
 use super::moves::Plane;
-use super::object;
-use super::point::{Position, row_schema_of};
+use super::names::into_core;
+use super::point::Position;
 use super::program::Program;
+use super::schema::{array_of, schema_of};
+use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::geometry::arc_fit as core_fit;
 use crate::geometry::plane;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::{ApiError, Code, FieldCode};
-use crate::http::extract::IntoJob;
-use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
-use crate::http::v1::dialects;
 use crate::operations::arc_fitting as core;
-use crate::post::Dialect;
 use crate::post::rewrite::{self, Figures, RewriteJob};
-use crate::toolpath::{program, tool};
 
-/// Fitting the fewest arcs and lines to a polyline. An arc turns by at most 180 degrees between two neighbouring points.
+/// Points to be replaced by arcs and lines. An arc turns by at most 180 degrees between two neighbouring points.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// Points `[x, y]`, at z = 0, or `[x, y, z]`, all of one kind. Coincident neighbours count once.
-    #[schema(schema_with = polyline_schema)]
+    /// The points in mm, in order: all `[x, y]`, at z = 0, or all `[x, y, z]`. Coincident neighbours count once.
+    #[schema(value_type = Polyline)]
     polyline: Vec<Position>,
-    /// Where the arcs lie. Default: where the points do, stretch by stretch; helices over the xy plane elsewhere.
-    #[schema(inline)]
+    /// The plane of the arcs: `xy`, `zx` or `yz`. Default: for each run of points the plane that the points lie in, and helices
+    /// over the xy plane elsewhere.
     plane: Option<Plane>,
+    /// Largest allowed distance, in mm. `measure` says from what. A larger tolerance makes fewer elements.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
+    /// `optimal` makes the fewest elements. `greedy` makes each element as long as possible (Ju). `biarc` lays two arcs through
+    /// each pair of neighbouring points, and takes no account of the tolerance.
     #[serde(default)]
     #[schema(default = "optimal")]
     method: Method,
+    /// `position`: neighbouring elements meet. `tangent`: neighbouring elements also have the same direction where they meet,
+    /// except at real corners.
     #[serde(default)]
     #[schema(default = "position")]
     continuity: Continuity,
+    /// What the tolerance holds for. `points`: the elements pass every point within the tolerance; the points are samples of a
+    /// smooth curve, and between the points the elements may leave the straight lines by more. `polyline`: the straight lines
+    /// between the points are the shape, and lines and elements lie within the tolerance of each other.
     #[serde(default)]
     #[schema(default = "points")]
     measure: Measure,
+    /// Where elements meet. `on_points`: on points of the polyline. `free`: also beside the points, within the tolerance, where
+    /// the points have errors of their own and a free joint saves elements.
     #[serde(default)]
     #[schema(default = "free")]
     joints: Joints,
-    /// The last point is joined to the first. A closed polyline may be one full circle.
+    /// Whether the last point is joined to the first point. A closed polyline may become one full circle.
     #[serde(default)]
     #[schema(default = false)]
     closed: bool,
-    /// Without it the toolpath has no feeds and no times, and no program can be written. The top of the part is taken to be
-    /// at 0, or at the highest point if that is higher.
+    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no program can be written.
+    /// The top of the part is z = 0, or the highest point if that point is higher.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
-    /// Default: tool 1 with length offset 1, of unknown shape.
+    /// The tool. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-fn polyline_schema() -> Schema {
-    row_schema_of::<Position>(Limits::DEFAULT.curve_points).into()
-}
+schema_of!(Polyline, "Points in mm, in order.", {
+    array_of(Ref::from_schema_name("Position"), 2, Limits::DEFAULT.curve_points)
+});
 
-/// `optimal`: the fewest elements. `greedy`: each as long as it can be (Ju). `biarc`: two arcs a span through every point,
-/// whatever the tolerance.
+/// How elements are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcFitMethod)]
@@ -83,7 +94,7 @@ pub enum Method {
     Biarc,
 }
 
-/// `position`: elements meet. `tangent`: they also go on in the same direction, but at real corners.
+/// How neighbouring elements meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcFitContinuity)]
@@ -93,9 +104,7 @@ pub enum Continuity {
     Tangent,
 }
 
-/// What is within the tolerance. `points`: the points, taken as samples of a smooth curve; between them the elements may be
-/// farther from the lines that join them. `polyline`: the lines between the points are the shape, and lie within the
-/// tolerance of the elements, and these of them.
+/// What the tolerance holds for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcFitMeasure)]
@@ -105,8 +114,7 @@ pub enum Measure {
     Polyline,
 }
 
-/// Where elements meet. `on_points`: on points of the polyline. `free`: also beside them, within the tolerance, where the points
-/// have errors of their own and that saves elements.
+/// Where elements meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcFitJoints)]
@@ -116,51 +124,35 @@ pub enum Joints {
     OnPoints,
 }
 
-impl From<Method> for core_fit::Method {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Optimal => Self::Optimal,
-            Method::Greedy => Self::Greedy,
-            Method::Biarc => Self::Biarc,
-        }
-    }
-}
-
-impl From<Continuity> for core_fit::Continuity {
-    fn from(continuity: Continuity) -> Self {
-        match continuity {
-            Continuity::Position => Self::Position,
-            Continuity::Tangent => Self::Tangent,
-        }
-    }
-}
+into_core!(Method => core_fit::Method, [Optimal, Greedy, Biarc]);
+into_core!(ProgramMethod => core_fit::Method, [Optimal, Greedy]);
+into_core!(Continuity => core_fit::Continuity, [Position, Tangent]);
+into_core!(Measure => core_fit::Measure, [Points, Polyline]);
+into_core!(Joints => core_fit::Joints, [Free, OnPoints]);
 
 /// How the G1 blocks of a program are fitted: the query of a body that is NC text.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct ProgramQuery {
-    /// With a body of NC text, where it is required: the largest distance, both ways, of what is written from the lines that it
-    /// stands for.
+    /// Required with a body of NC text, refused with a body of JSON: the largest distance between the new blocks and the lines that
+    /// they replace, in mm. A larger tolerance makes fewer blocks.
     #[param(required = false, minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// With a body of NC text: a name listed by `/v1/dialects`. Default: `linuxcnc`.
+    /// With a body of NC text: the dialect of the text, a name listed by `/v1/dialects`. Default: `linuxcnc`.
+    #[param(value_type = Option<DialectName>)]
     dialect: Option<String>,
-    /// With a body of NC text. Default: `optimal`.
+    /// With a body of NC text: `optimal` makes the fewest blocks, `greedy` makes each block as long as possible. Default: `optimal`.
     #[serde(default)]
     #[param(inline, required = false)]
     method: ProgramMethod,
-    /// With a body of NC text. Default: `position`.
+    /// With a body of NC text: `position` lets neighbouring blocks meet, `tangent` also gives them the same direction where they
+    /// meet, except at real corners. Default: `position`.
     #[serde(default)]
     #[param(inline, required = false)]
     continuity: Continuity,
-    /// Read with the endpoint's other parameters.
-    #[serde(rename = "format")]
-    #[param(ignore)]
-    pub representation: Option<Representation>,
 }
 
-/// What a program can be fitted by: `optimal`, the fewest elements, or `greedy`, each as long as it can be.
+/// How the blocks of a program are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ProgramMethod {
@@ -170,26 +162,25 @@ pub enum ProgramMethod {
 }
 
 impl ProgramQuery {
+    /// The names of the parameters.
+    pub const NAMES: [&'static str; 4] = ["tolerance_mm", "dialect", "method", "continuity"];
+
     /// # Errors
     /// `invalid_query`.
     pub fn job(&self) -> Result<RewriteJob, ApiError> {
         let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
-        let Self { tolerance_mm, dialect, method, continuity, representation: _ } = self;
+        let Self { tolerance_mm, dialect, method, continuity } = self;
         if !TOLERANCES.holds(*tolerance_mm) {
             let Range { min, max } = TOLERANCES;
-            return Err(invalid(format!("`tolerance_mm` is {tolerance_mm}; it must be in {min}..={max}")));
+            return Err(invalid(format!("`tolerance_mm` is {tolerance_mm}; send {min} to {max} mm")));
         }
-        let method = match method {
-            ProgramMethod::Optimal => core_fit::Method::Optimal,
-            ProgramMethod::Greedy => core_fit::Method::Greedy,
-        };
-        let continuity = (*continuity).into();
+        let (method, continuity) = ((*method).into(), (*continuity).into());
         let fit = core_fit::Fit { method, continuity, ..core_fit::Fit::within(*tolerance_mm) };
-        Ok(RewriteJob { dialect: dialects::find(dialect.as_deref()).map_err(invalid)?, fit })
+        Ok(RewriteJob { dialect: dialect::find(dialect.as_deref()).map_err(invalid)?, fit })
     }
 }
 
-/// Of a polyline, or of a program.
+/// The report on a polyline, or on an NC program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum AnyFitReport {
@@ -197,35 +188,38 @@ pub enum AnyFitReport {
     Program(ProgramReport),
 }
 
-/// What was done to a program.
+/// What changed in an NC program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ProgramReport {
-    /// Runs of G1 blocks that were fitted.
+    /// Number of runs of G1 blocks that were replaced.
     n_runs: u64,
-    /// Ends of their blocks.
+    /// Number of points in these runs.
     n_points: u64,
+    /// Number of arcs in place of these runs.
     n_arcs: u64,
+    /// Number of lines in place of these runs.
     n_lines: u64,
-    /// Proved: nothing that was written is farther from the lines that it stands for, nor they from it, as a control may
-    /// run it.
+    /// Proved largest distance between the new blocks and the lines that they replace, in mm. The bound holds for every path that a
+    /// control may take for the new blocks.
     deviation_max_mm: f64,
-    /// Lines that move an axis.
+    /// Number of lines of the program that move an axis.
     n_motions: u64,
-    /// Cutting lines that could be in no run, by what kept them out of one.
-    #[schema(inline)]
+    /// How many cutting lines stayed as they were, by reason.
     left_alone: LeftAlone,
+    /// Length of the program as sent, in bytes.
     bytes_in: u64,
+    /// Length of the program as answered, in bytes.
     bytes_out: u64,
 }
 
-/// Why cutting lines were left as they are, and how many.
+/// How many cutting lines stayed as they were, by reason.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct LeftAlone {
-    /// Variables, expressions, and words that are not understood.
+    /// Number of lines with variables, expressions, or words that the service does not understand.
     macros: u64,
-    /// Axes beside X, Y and Z.
+    /// Number of lines that move axes other than X, Y and Z.
     other_axes: u64,
-    /// Cutter compensation, absolute centres, feeds by time, or a mode of which nothing is known.
+    /// Number of lines under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
     modes: u64,
 }
 
@@ -250,23 +244,13 @@ impl From<Figures> for ProgramReport {
     }
 }
 
-/// A request in the core's terms, with what the operation does not need to know.
-#[derive(Debug)]
-pub struct FitJob {
-    pub job: core::Job,
-    pub tool: Option<tool::Tool>,
-    pub program: program::Program,
-    pub dialect: &'static Dialect,
-    pub meta: Option<Meta>,
-}
-
 /// Tolerances of any fit, mm.
 pub const TOLERANCES: Range = Range { min: 1e-6, max: 10.0 };
 
 impl IntoJob for FitRequest {
-    type Job = FitJob;
+    type Job = JobWithSetup<core::Job>;
 
-    fn into_job(self, limits: &Limits) -> Result<FitJob, ApiError> {
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {
             polyline,
             plane,
@@ -288,32 +272,20 @@ impl IntoJob for FitRequest {
         let plane = plane.map(plane::Plane::from);
         let is_flat = polyline.first().is_some_and(Position::is_flat);
         if is_flat && plane.is_some_and(|plane| plane != plane::Plane::Xy) {
-            let detail = "points [x, y] lie in the xy plane";
+            let detail = "points `[x, y]` lie in the xy plane: leave `plane` out, or send points `[x, y, z]`";
             violations.add(&root.field("plane"), FieldCode::Conflict, detail);
         }
         violations.number(&root.field("tolerance_mm"), tolerance_mm, TOLERANCES, "mm");
-        let cutting = cutting.and_then(|cutting| cutting.convert(&root.field("cutting"), &mut violations));
-        if let Some(tool) = &tool {
-            tool.check(&root.field("tool"), &mut violations);
-        }
-        program.check(&root.field("program"), &mut violations);
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let sent = SentSetup { tool, cutting, program, meta };
+        let (setup, cutting, meta) = sent.convert(&mut violations);
         violations.result()?;
 
-        let (dialect, program) = program.convert();
         let fit = core_fit::Fit {
             method: method.into(),
             continuity: continuity.into(),
-            measure: match measure {
-                Measure::Points => core_fit::Measure::Points,
-                Measure::Polyline => core_fit::Measure::Polyline,
-            },
-            joints: match joints {
-                Joints::Free => core_fit::Joints::Free,
-                Joints::OnPoints => core_fit::Joints::OnPoints,
-            },
+            measure: measure.into(),
+            joints: joints.into(),
             is_closed: closed,
             ..core_fit::Fit::within(tolerance_mm)
         };
@@ -322,9 +294,9 @@ impl IntoJob for FitRequest {
             plane,
             fit,
             cutting,
-            resolution: program.resolution,
+            resolution: setup.program.resolution,
         };
-        Ok(FitJob { job, tool: tool.map(Into::into), program, dialect, meta })
+        Ok(JobWithSetup { job, setup, meta })
     }
 }
 
@@ -342,30 +314,33 @@ fn check_polyline(
     for (k, point) in polyline.iter().enumerate() {
         point.check_in(at, k, violations);
         if point.is_flat() != polyline[0].is_flat() {
-            let detail = "points are all [x, y] or all [x, y, z]";
+            let detail = "the first point has another number of coordinates: send all points as `[x, y]`, or all as `[x, y, z]`";
             violations.add(&at.index(k), FieldCode::WrongLength, detail);
         }
     }
 }
 
-/// What the elements are like.
+/// What the elements are like, with the proved distances.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct FitReport {
+    /// Number of points, coincident neighbours counted once.
     n_points: usize,
+    /// Number of arcs.
     n_arcs: usize,
+    /// Number of lines.
     n_lines: usize,
-    /// The distance within which the elements pass the points in order; by the measure `polyline` that of the lines between
-    /// them too, both ways.
+    /// Largest distance of the elements from the points, in mm. With `measure: polyline` the largest distance between the elements
+    /// and the lines between the points, both ways.
     deviation_max_mm: f64,
-    /// Proved, of the program as it is written: `deviation_max_mm` with what rounding to its decimals adds.
+    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its decimals, in mm.
     deviation_written_max_mm: f64,
-    /// The largest angle at which neighbouring elements meet.
+    /// Largest angle at which neighbouring elements meet, in degrees.
     kink_max_deg: f64,
-    /// Joints where they meet at more than 0.01 degrees: with `continuity: tangent` the real corners.
+    /// Number of joints with an angle above 0.01 degrees. With `continuity: tangent` these are the real corners.
     n_kinks: usize,
-    /// Of what is cut.
+    /// Length of the elements, in mm.
     length_mm: f64,
-    /// Length by feed, where there is a feed.
+    /// Length divided by the feed, in s. Absent without a feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting_time_s: Option<f64>,
 }

@@ -27,6 +27,12 @@ impl Range {
     }
 }
 
+/// A number with its unit; a plain number has none.
+fn with_unit(value: f64, unit: &str) -> String {
+    let value = format!("{value:?}");
+    format!("{} {unit}", value.trim_end_matches(".0")).trim_end().to_owned()
+}
+
 /// The violations found so far: the first of them, and how many there are.
 #[derive(Debug, Default)]
 pub struct Violations {
@@ -53,10 +59,13 @@ impl Violations {
     /// Looks at a number of the given unit.
     pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
         if value.abs() > MAX_MAGNITUDE_MM {
-            let detail = format!("{value:?} {unit} is beyond {MAX_MAGNITUDE_MM} {unit}");
+            let most = with_unit(MAX_MAGNITUDE_MM, unit);
+            let detail = format!("{} is too large; no number may be beyond {most}", with_unit(value, unit));
             self.add(at, FieldCode::TooLarge, detail);
         } else if !range.holds(value) {
-            let detail = format!("{value:?} {unit} is outside {:?}..={:?} {unit}", range.min, range.max);
+            let (value, min, max) =
+                (with_unit(value, unit), with_unit(range.min, ""), with_unit(range.max, unit));
+            let detail = format!("{value} is not allowed; send {min} to {max}");
             self.add(at, FieldCode::OutOfRange, detail);
         }
     }
@@ -71,21 +80,17 @@ impl Violations {
     /// Looks at a whole number.
     pub fn integer(&mut self, at: &Pointer, value: u32, (min, max): (u32, u32)) {
         if !(min..=max).contains(&value) {
-            self.add(at, FieldCode::OutOfRange, format!("{value} is outside {min}..={max}"));
+            self.add(at, FieldCode::OutOfRange, format!("{value} is not allowed; send {min} to {max}"));
         }
     }
 
     /// Looks at how many points there are; whether it makes sense to look at the points themselves.
     pub fn count_of_points(&mut self, at: &Pointer, count: usize, least: usize, most: usize) -> bool {
         if count > most {
-            self.add(at, FieldCode::LimitExceeded, format!("{count} points; at most {most} are allowed"));
+            self.add(at, FieldCode::LimitExceeded, format!("there are {count} points; send at most {most}"));
         } else if count < least {
-            let is_one = if least == 1 { "is" } else { "are" };
-            self.add(
-                at,
-                FieldCode::TooFewPoints,
-                format!("{count} points; at least {least} {is_one} needed"),
-            );
+            let detail = format!("there are {count} points; send at least {least}");
+            self.add(at, FieldCode::TooFewPoints, detail);
         }
         count <= most
     }
@@ -94,7 +99,7 @@ impl Violations {
     pub fn text(&mut self, at: &Pointer, value: &str, max_characters: usize) {
         let characters = value.chars().count();
         if characters > max_characters {
-            let detail = format!("{characters} characters; at most {max_characters} are allowed");
+            let detail = format!("the text has {characters} characters; send at most {max_characters}");
             self.add(at, FieldCode::TooLong, detail);
         }
     }

@@ -2,110 +2,78 @@
 
 mod nurbs;
 
-use serde::{Deserialize, Deserializer};
-use serde_json::value::RawValue;
+use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::Schema;
+use utoipa::openapi::Ref;
 
 use super::check::{Range, Violations};
-use super::point::{PlanePoint, row_schema_of};
-use super::tagged;
+use super::point::PlanePoint;
+use super::schema::{array_of, schema_of};
 use crate::config::Limits;
+use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::language::{expression, section_curve};
 use crate::operations::interpolation::Source;
 pub use nurbs::Nurbs;
 
-/// A curve in the plane, told apart by `kind`.
-#[derive(Debug, ToSchema)]
-#[schema(as = Curve)]
-#[serde(untagged)]
-pub enum Curve {
-    Graph(Graph),
-    Points(Points),
-    Nurbs(Nurbs),
-    SectionCurve(SectionCurve),
-}
-
-const KINDS: [&str; 4] = ["graph", "points", "nurbs", "section_curve"];
-
-impl<'de> Deserialize<'de> for Curve {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let object = <&RawValue>::deserialize(deserializer)?;
-        match tagged::kind_of::<D::Error>(object)?.as_str() {
-            "graph" => tagged::decode(object).map(Self::Graph),
-            "points" => tagged::decode(object).map(Self::Points),
-            "nurbs" => tagged::decode(object).map(Self::Nurbs),
-            "section_curve" => tagged::decode(object).map(Self::SectionCurve),
-            other => Err(tagged::unknown(other, &[], &KINDS)),
-        }
+by_kind! {
+    /// A curve in the plane, given in one of several kinds; `kind` says which.
+    #[derive(Debug)]
+    Curve {
+        "graph" => Graph(Graph),
+        "points" => Points(Points),
+        "nurbs" => Nurbs(Nurbs),
+        "section_curve" => SectionCurve(SectionCurve),
     }
 }
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum GraphKind {
-    Graph,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PointsKind {
-    Points,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SectionCurveKind {
-    SectionCurve,
-}
-
-/// The graph of a function y(x), mm.
-///
-/// The expression is in x: `+ - * / ^`, signs, parentheses, numbers, `pi`, `e`, and sin cos tan asin acos atan sinh cosh
-/// tanh exp ln log log10 log2 sqrt cbrt abs min max pow hypot; `log` is `ln`. `^` binds to the right, `-x^2` is
-/// `-(x^2)`, a product is written with `*`. It must be defined and continuous over the whole domain.
+/// The graph of a function y(x), x and y in mm.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Graph {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: GraphKind,
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The function: y in mm from x in mm. The expression may use `+ - * / ^`, signs, parentheses, numbers, `x`, `pi`, `e`, and
+    /// sin cos tan asin acos atan sinh cosh tanh exp ln log log10 log2 sqrt cbrt abs min max pow hypot. Angles are in radians.
+    /// `log` is `ln`. `^` binds to the right, and `-x^2` is `-(x^2)`. A product needs its `*`. The function must be defined and
+    /// continuous over the whole domain.
     #[schema(max_length = 10_000, example = "sin(x)")]
     expression: String,
-    /// The first and the last x, rising.
+    /// The first and the last x, in mm; the last is at least 1e-6 mm larger.
     #[schema(min_items = 2, max_items = 2)]
     domain: [f64; 2],
 }
 
-/// The C2 cubic spline through points, by chord length, with not-a-knot ends.
+/// A smooth curve through points: the C2 cubic spline by chord length with not-a-knot ends.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: PointsKind,
-    /// No two neighbours coincide.
-    #[schema(schema_with = points_schema)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Points `[x, y]` in mm, in the order of the curve. No two neighbours coincide.
+    #[schema(value_type = CurvePoints)]
     points: Vec<PlanePoint>,
 }
 
-/// A curve in the language of section curves: `l(x,y)` is a corner of a polyline, `r(x,y,R)` a corner rounded by the radius
-/// R, `b((x,y),...)` a smooth curve through points. Items are separated by white space.
+/// A curve of lines, roundings and smooth parts, in the language of section curves.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectionCurve {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: SectionCurveKind,
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The curve, in mm. `l(x,y)` is a corner of a polyline. `r(x,y,R)` is a corner rounded by the radius R. `b((x,y),...)` is a
+    /// smooth curve through points. White space separates the items.
     #[schema(max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
     text: String,
 }
 
-fn points_schema() -> Schema {
-    row_schema_of::<PlanePoint>(Limits::DEFAULT.curve_points).into()
-}
+schema_of!(CurvePoints, "Points `[x, y]`, in mm, in the order of a curve.", {
+    array_of(Ref::from_schema_name("PlanePoint"), 2, Limits::DEFAULT.curve_points)
+});
 
 /// Looks at the points that give a curve its size.
 fn check_points(at: &Pointer, points: &[PlanePoint], limits: &Limits, violations: &mut Violations) -> bool {
@@ -143,8 +111,9 @@ impl Graph {
         }
         let [from, to] = self.domain;
         if to - from < SHORTEST_DOMAIN_MM {
-            let detail =
-                format!("from {from} to {to} mm; the domain must rise by at least {SHORTEST_DOMAIN_MM} mm");
+            let detail = format!(
+                "the domain runs from {from} to {to} mm; its end must be at least {SHORTEST_DOMAIN_MM} mm above its start"
+            );
             violations.add(&at, FieldCode::OutOfRange, detail);
         }
     }
@@ -156,7 +125,11 @@ const SHORTEST_DOMAIN_MM: f64 = 1e-6;
 /// Texts beyond their language's limit are refused before they are looked at.
 fn too_long(at: &Pointer, text: &str, most: usize, violations: &mut Violations) {
     if text.len() > most {
-        violations.add(at, FieldCode::TooLong, format!("{} bytes; at most {most} are allowed", text.len()));
+        violations.add(
+            at,
+            FieldCode::TooLong,
+            format!("the text has {} bytes; send at most {most}", text.len()),
+        );
     }
 }
 

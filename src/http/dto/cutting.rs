@@ -4,52 +4,56 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
+use super::names::into_core;
 use crate::http::pointer::Pointer;
 use crate::toolpath::cutting as core;
 use crate::toolpath::units::{Acceleration, FeedRate};
 
-/// Feeds, spindle, coolant and heights.
+/// Cutting conditions: feeds, spindle, coolant and heights.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cutting {
+    /// Feed of cutting moves, in mm/min.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     feed_mm_per_min: f64,
-    /// Default: half the feed.
+    /// Feed straight down into the part, in mm/min. Default: half of `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     plunge_feed_mm_per_min: Option<f64>,
-    /// Default: the plunge feed.
+    /// Feed down a ramp, in mm/min. Default: `plunge_feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     ramp_feed_mm_per_min: Option<f64>,
-    /// Default: the feed.
+    /// Feed of lead-ins, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     lead_in_feed_mm_per_min: Option<f64>,
-    /// Default: the feed.
+    /// Feed of links from pass to pass on the part, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     link_feed_mm_per_min: Option<f64>,
-    /// Default: the feed.
+    /// Feed of lead-outs, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     lead_out_feed_mm_per_min: Option<f64>,
-    /// The machine's traverse rate, for times. Default: 10000.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    /// The machine's traverse rate, in mm/min. Only times depend on the traverse rate.
+    #[schema(minimum = 0.001, maximum = 1_000_000, default = 10_000)]
     rapid_feed_mm_per_min: Option<f64>,
-    /// The machine's acceleration, for `time_with_acceleration_s`. Default: 1000.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    /// The machine's acceleration, in mm/s2. Only `time_with_acceleration_s` depends on the acceleration.
+    #[schema(minimum = 0.001, maximum = 1_000_000, default = 1000)]
     acceleration_mm_per_s2: Option<f64>,
-    /// Without it the program starts no spindle, and the answer warns.
+    /// Spindle speed, in 1/min. Without a spindle speed the program starts no spindle, and the answer warns.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     spindle_rpm: Option<f64>,
+    /// The coolant that the program switches on: `off`, `flood` (M8) or `mist` (M7).
     #[serde(default)]
     #[schema(default = "off")]
     coolant: Coolant,
-    /// Absolute height of rapids between distant places. Default: 20 mm above the top of the part and its stock, or above
-    /// everything that a toolpath that is sent cuts.
+    /// Absolute height of rapids between distant places, in mm. Default: 20 mm above the top of the part and its stock; for
+    /// `/v1/programs/write` 20 mm above everything that the toolpath cuts.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
-    /// Absolute height to which the tool is lifted between passes. Default: 2 mm above the top of the part and its stock.
+    /// Absolute height to which the tool is lifted between passes, in mm. Default: 2 mm above the top of the part and its stock.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     retract_z_mm: Option<f64>,
 }
 
+/// The coolant of a program.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Coolant {
@@ -58,6 +62,8 @@ pub enum Coolant {
     Flood,
     Mist,
 }
+
+into_core!(Coolant => core::Coolant, [Off, Flood, Mist]);
 
 impl Cutting {
     /// The conditions, or nothing with the reasons in `violations`.
@@ -103,11 +109,7 @@ impl Cutting {
             rapid_feed,
             acceleration: acceleration_mm_per_s2.and_then(Acceleration::from_mm_per_s2),
             spindle_rpm,
-            coolant: match coolant {
-                Coolant::Off => core::Coolant::Off,
-                Coolant::Flood => core::Coolant::Flood,
-                Coolant::Mist => core::Coolant::Mist,
-            },
+            coolant: coolant.into(),
             clearance_z_mm,
             retract_z_mm,
         })

@@ -3,43 +3,45 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{ArrayBuilder, Schema};
-use utoipa::openapi::{Ref, RefOr};
+use utoipa::openapi::Ref;
+use utoipa::openapi::schema::ArrayBuilder;
+use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Type};
 
 use super::check::Violations;
-use super::meta::{self, Meta};
-use super::object;
-use super::point::{Place, PlanePoint};
+use super::meta::{self, Meta, MetaTexts};
+use super::point::PlanePoint;
+use super::schema::{array_of, schema_of};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::ApiError;
-use crate::http::extract::IntoJob;
+use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use crate::operations::cutter_location as core;
 
-/// Where a cutter touches a surface.
+/// A surface, a cutter, and the places at which the cutter comes down.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DropRequest {
+    /// The surface that the cutter comes down onto.
     surface: Surface,
+    /// The cutter.
     #[serde(deserialize_with = "object::required")]
     tool: Tool,
-    /// Places of the cutter's axis.
-    #[schema(schema_with = points_schema)]
+    /// Where the cutter's axis stands: points `[x, y]` in mm.
+    #[schema(value_type = DropPoints)]
     points: Vec<PlanePoint>,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-fn points_schema() -> Schema {
-    ArrayBuilder::new()
-        .items(RefOr::<Schema>::Ref(Ref::from_schema_name(PlanePoint::name())))
-        .min_items(Some(1))
-        .max_items(Some(Limits::DEFAULT.drop_points))
-        .into()
-}
+schema_of!(DropPoints, "Points `[x, y]`, in mm.", {
+    array_of(Ref::from_schema_name(PlanePoint::name()), 1, Limits::DEFAULT.drop_points)
+});
 
 /// A request in the core's terms.
 #[derive(Debug)]
@@ -56,14 +58,12 @@ impl IntoJob for DropRequest {
         let root = Pointer::root();
         let mut violations = Violations::default();
         surface.check(&root.field("surface"), limits, &mut violations);
-        tool.check(&root.field("tool"), &mut violations);
+        let tool = tool.convert(&root.field("tool"), &mut violations);
         check_points(&points, &root.field("points"), limits, &mut violations);
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        meta::check(meta.as_ref(), &mut violations);
         violations.result()?;
         let points = points.into_iter().map(Point2::from).collect();
-        Ok(DropJob { job: core::Job { surface: surface.into(), tool: tool.into(), points }, meta })
+        Ok(DropJob { job: core::Job { surface: surface.into(), tool, points }, meta })
     }
 }
 
@@ -79,22 +79,21 @@ fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations
 /// Where the cutter touches.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct DropReport {
-    /// For each point the tip of the cutter that touches the surface from above; `null` beside the surface.
-    #[schema(schema_with = places_schema)]
+    /// For each point the position of the cutter's tip when the cutter touches the surface from above, in mm; `null` where the
+    /// cutter misses the surface.
+    #[schema(value_type = Places)]
     tips: Vec<Option<Place>>,
-    /// For each point a place at which the cutter touches; `null` beside the surface.
-    #[schema(schema_with = places_schema)]
+    /// For each point a place where the cutter touches the surface, in mm; `null` where the cutter misses the surface.
+    #[schema(value_type = Places)]
     contacts: Vec<Option<Place>>,
-    /// Proved: no tip is farther below its true height, but for rounding.
+    /// Proved largest distance of a tip below its exact height, in mm, apart from the rounding of floating point numbers.
     gap_max_mm: f64,
 }
 
-fn places_schema() -> Schema {
-    let point = RefOr::<Schema>::Ref(Ref::from_schema_name(Place::name()));
-    let null = utoipa::openapi::ObjectBuilder::new().schema_type(utoipa::openapi::schema::Type::Null);
-    let place = utoipa::openapi::schema::OneOfBuilder::new().item(point).item(null);
-    ArrayBuilder::new().items(place).into()
-}
+schema_of!(Places, "Points `[x, y, z]`, in mm, or `null`.", {
+    let null = ObjectBuilder::new().schema_type(Type::Null);
+    ArrayBuilder::new().items(OneOfBuilder::new().item(Ref::from_schema_name(Place::name())).item(null))
+});
 
 impl From<&[Option<core::Location>]> for DropReport {
     fn from(locations: &[Option<core::Location>]) -> Self {

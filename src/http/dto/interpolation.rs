@@ -6,19 +6,19 @@ use utoipa::ToSchema;
 use super::check::{Range, Violations};
 use super::curve::Curve;
 use super::cutting::Cutting;
-use super::meta::{self, Meta};
-use super::object;
+use super::meta::{Meta, MetaTexts};
+use super::names::into_core;
 use super::program::Program;
+use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::geometry::deviation as core_band;
 use crate::geometry::element::Element;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
-use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
 use crate::operations::interpolation as core;
-use crate::post::Dialect;
-use crate::toolpath::{program, tool};
 
 /// Sides of a band, mm: as tolerances, but one of them may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
@@ -31,45 +31,53 @@ const LEAST_WIDTH_MM: f64 = 1e-6;
 
 const INITIAL_ELEMENTS: (u32, u32) = (1, 10_000);
 
-/// Interpolating a plane curve by elements that stay within a band about it.
+/// A plane curve to be replaced by lines, arcs or parabolas that stay within a band around the curve.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InterpolateRequest {
+    /// The curve.
     curve: Curve,
+    /// The elements: `linear` makes lines. `parabolic` makes parabolas. `mixed` makes lines where lines stay within the band, else
+    /// parabolas. `arc` makes arcs, and lines where arcs would be too flat.
     method: Method,
-    /// `bisection` halves what leaves the band, as Hyun does; `least` makes as few elements as possible.
+    /// How the curve is divided: `bisection` halves each element that leaves the band (Hyun); `least` makes as few elements as
+    /// possible.
     #[serde(default)]
     #[schema(default = "bisection")]
     subdivision: Subdivision,
-    /// Where elements meet, with `least`: on the curve, or for lines anywhere in the band where that saves some.
+    /// Where elements meet: `on_curve`, or `in_band`, anywhere in the band where that saves elements. `in_band` needs
+    /// `subdivision: least` and `method: linear`.
     #[serde(default)]
     #[schema(default = "on_curve")]
     joints: Joints,
-    /// Equal parts of the domain, in x or the curve's parameter, into which the curve is divided beforehand.
+    /// Number of equal parts, in x or in the curve's parameter, into which the curve is divided at first.
     #[serde(default = "one")]
     #[schema(default = 1, minimum = 1, maximum = 10_000)]
     initial_elements: u32,
+    /// How far elements may lie from the curve.
     #[serde(deserialize_with = "object::required")]
     band: Band,
-    /// On which side of the contour, seen along it, the cutter runs: its path is then the contour's offset by the radius of
-    /// `tool`. For lines and arcs.
+    /// The side of the contour on which the cutter runs, seen along the curve: `left`, `right` or `none`. With a side the path is the
+    /// contour's offset by the radius of `tool`. `left` and `right` need lines and arcs, no parabolas.
     #[serde(default)]
     #[schema(default = "none")]
     compensation: Compensation,
-    /// Default: tool 1 with length offset 1, of unknown shape.
+    /// The tool. Required with `compensation`. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
-    /// Height of the contour. Default: 0.
-    #[schema(minimum = -100_000, maximum = 100_000)]
+    /// Height of the contour, in mm.
+    #[schema(minimum = -100_000, maximum = 100_000, default = 0)]
     z_mm: Option<f64>,
-    /// Without it the toolpath has no feeds and no times, and no program can be written. The top of the part is taken to be
-    /// at 0, or at the contour if that is higher.
+    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no program can be written.
+    /// The top of the part is z = 0, or the contour if the contour is higher.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
@@ -77,6 +85,7 @@ fn one() -> u32 {
     1
 }
 
+/// The kind of elements.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = InterpolationMethod)]
@@ -89,6 +98,7 @@ pub enum Method {
     Arc,
 }
 
+/// How the curve is divided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Subdivision {
@@ -97,14 +107,17 @@ pub enum Subdivision {
     Least,
 }
 
+/// Where elements meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = InterpolationJoints)]
 pub enum Joints {
     #[default]
     OnCurve,
     InBand,
 }
 
+/// The side of the contour on which the cutter runs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Compensation {
@@ -114,37 +127,35 @@ pub enum Compensation {
     Right,
 }
 
-/// How far elements may lie from the curve: below is to its right, above to its left. Together at least 1e-6 mm.
+/// How far elements may lie from the curve on each side. `below_mm` and `above_mm` together are at least 1e-6 mm.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
+    /// Width of the band below the curve, in mm: to the right, seen along the curve. A wider band makes fewer elements.
     #[schema(minimum = 0, maximum = 10)]
     below_mm: f64,
+    /// Width of the band above the curve, in mm: to the left, seen along the curve. A wider band makes fewer elements.
     #[schema(minimum = 0, maximum = 10)]
     above_mm: f64,
-    /// `normal`: the distance; `vertical`: along y, for graphs.
+    /// How the distance is measured: `normal` is the shortest distance; `vertical` is the distance along y, for graphs only.
     #[serde(default)]
     #[schema(default = "normal")]
     measure: Measure,
 }
 
+/// How the distance from the curve is measured.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = BandMeasure)]
 pub enum Measure {
     #[default]
     Normal,
     Vertical,
 }
 
-/// A request in the core's terms, with what the operation does not need to know.
-#[derive(Debug)]
-pub struct InterpolateJob {
-    pub job: core::Job,
-    pub tool: Option<tool::Tool>,
-    pub program: program::Program,
-    pub dialect: &'static Dialect,
-    pub meta: Option<Meta>,
-}
+into_core!(Method => core::Method, [Linear, Parabolic, Mixed, Arc]);
+into_core!(Joints => core::Joints, [OnCurve, InBand]);
+into_core!(Measure => core_band::Measure, [Normal, Vertical]);
 
 impl Band {
     fn convert(self, at: &Pointer, violations: &mut Violations) -> core_band::Band {
@@ -152,21 +163,20 @@ impl Band {
         violations.number(&at.field("below_mm"), below_mm, SIDES, "mm");
         violations.number(&at.field("above_mm"), above_mm, SIDES, "mm");
         if below_mm >= 0.0 && above_mm >= 0.0 && below_mm + above_mm < LEAST_WIDTH_MM {
-            let detail = format!("{} mm wide; at least {LEAST_WIDTH_MM} mm are needed", below_mm + above_mm);
+            let detail = format!(
+                "the band is {} mm wide; `below_mm` and `above_mm` together must be at least {LEAST_WIDTH_MM} mm",
+                below_mm + above_mm
+            );
             violations.add(at, FieldCode::OutOfRange, detail);
         }
-        let measure = match measure {
-            Measure::Normal => core_band::Measure::Normal,
-            Measure::Vertical => core_band::Measure::Vertical,
-        };
-        core_band::Band { below_mm, above_mm, measure }
+        core_band::Band { below_mm, above_mm, measure: measure.into() }
     }
 }
 
 impl IntoJob for InterpolateRequest {
-    type Job = InterpolateJob;
+    type Job = JobWithSetup<core::Job>;
 
-    fn into_job(self, limits: &Limits) -> Result<InterpolateJob, ApiError> {
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {
             curve,
             method,
@@ -186,61 +196,50 @@ impl IntoJob for InterpolateRequest {
 
         curve.check(&root.field("curve"), limits, &mut violations);
         if joints == Joints::InBand && subdivision != Subdivision::Least {
-            let detail = "joints in the band go with `subdivision: least`";
+            let detail = "`joints: in_band` needs `subdivision: least`";
             violations.add(&root.field("joints"), FieldCode::Conflict, detail);
         }
         violations.integer(&root.field("initial_elements"), initial_elements, INITIAL_ELEMENTS);
         let band = band.convert(&root.field("band"), &mut violations);
-        if let Some(tool) = &tool {
-            tool.check(&root.field("tool"), &mut violations);
-        }
-        let tool: Option<tool::Tool> = tool.map(Into::into);
+        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
         let side = match compensation {
             Compensation::None => None,
             Compensation::Left => Some(core::Side::Left),
             Compensation::Right => Some(core::Side::Right),
         };
         if side.is_some() && tool.is_none() {
-            let detail = "`tool` is required where its radius is compensated";
+            let detail = "`compensation` needs the radius of a tool: send `tool`";
             violations.add(&root.field("tool"), FieldCode::MissingField, detail);
         }
         violations.optional(&root.field("z_mm"), z_mm, HEIGHTS, "mm");
-        let cutting = cutting.and_then(|cutting| cutting.convert(&root.field("cutting"), &mut violations));
-        program.check(&root.field("program"), &mut violations);
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        let sent = SentSetup { tool, cutting, program, meta };
+        let (setup, cutting, meta) = sent.convert(&mut violations);
         violations.result()?;
 
-        let (dialect, program) = program.convert();
         let job = core::Job {
             curve: curve.into(),
-            method: match method {
-                Method::Linear => core::Method::Linear,
-                Method::Parabolic => core::Method::Parabolic,
-                Method::Mixed => core::Method::Mixed,
-                Method::Arc => core::Method::Arc,
-            },
-            subdivision: match (subdivision, joints) {
-                (Subdivision::Bisection, _) => core::Subdivision::Bisection,
-                (Subdivision::Least, Joints::OnCurve) => core::Subdivision::Least(core::Joints::OnCurve),
-                (Subdivision::Least, Joints::InBand) => core::Subdivision::Least(core::Joints::InBand),
+            method: method.into(),
+            subdivision: match subdivision {
+                Subdivision::Bisection => core::Subdivision::Bisection,
+                Subdivision::Least => core::Subdivision::Least(joints.into()),
             },
             initial_elements: initial_elements as usize,
             band,
-            compensation: side.zip(tool.map(|tool| tool.radius_mm)),
+            compensation: side.zip(setup.tool.map(|tool| tool.radius_mm)),
             z_mm: z_mm.unwrap_or(0.0),
             cutting,
-            resolution: program.resolution,
+            resolution: setup.program.resolution,
             element_limit: limits.elements,
-            parabolas: dialect.parabolas,
+            parabolas: setup.dialect.parabolas,
         };
-        Ok(InterpolateJob { job, tool, program, dialect, meta })
+        Ok(JobWithSetup { job, setup, meta })
     }
 }
 
+/// The shape of an element.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = ElementShape)]
 pub enum Shape {
     Line,
     Parabola,
@@ -257,40 +256,44 @@ impl From<&Element> for Shape {
     }
 }
 
-/// One element of the interpolation, in order.
+/// One element of the interpolation.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 #[schema(as = InterpolatedElement)]
 pub struct ReportedElement {
-    #[schema(inline)]
+    /// The shape of the element.
     shape: Shape,
-    /// The initial element it is a part of, counted from 1.
+    /// Number of the initial part of the curve that the element belongs to, counted from 1.
     initial_element: usize,
-    /// The part of the curve it stands for: x of a graph, else the curve's parameter.
+    /// The first and the last place on the curve that the element replaces: x in mm for a graph, else the curve's parameter, a plain
+    /// number.
     domain: [f64; 2],
-    /// Proved: nowhere is it farther from the curve, by the measure of the band.
+    /// Proved largest distance of the element from the curve, in mm, by the measure of the band.
     deviation_mm: f64,
 }
 
-/// What the elements are like.
+/// What the elements are like, with the proved distances.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct InterpolateReport {
+    /// Number of elements.
     n_elements: usize,
-    /// Proved: no elements of this method, with joints as they are asked for, are fewer. Not told of more than 10,000 elements
-    /// by bisection.
+    /// Proved smallest number of elements that any subdivision with this method and these joints needs. Absent where `bisection` makes
+    /// more than 10,000 elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     n_elements_lower_bound: Option<usize>,
+    /// Number of elements in each initial part of the curve.
     elements_per_initial: Vec<usize>,
-    /// Of what is cut.
+    /// Length of the path, in mm.
     length_mm: f64,
-    /// Length by feed, where there is a feed.
+    /// Length divided by the feed, in s. Absent without a feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting_time_s: Option<f64>,
-    /// Proved: no element is anywhere farther from the curve, by the measure of the band.
+    /// Proved largest distance of an element from the curve, in mm, by the measure of the band.
     deviation_max_mm: f64,
-    /// Proved, of the program as it is written: `deviation_max_mm` with what rounding to its decimals adds. Not where the
-    /// radius of a tool is compensated.
+    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its decimals, in mm. Absent with
+    /// `compensation`.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_written_max_mm: Option<f64>,
+    /// The elements, in the order of the curve.
     elements: Vec<ReportedElement>,
 }
 

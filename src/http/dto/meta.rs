@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use utoipa::openapi::schema::{ObjectBuilder, Schema, SchemaType, Type};
+use utoipa::openapi::schema::{ObjectBuilder, Type};
 
 use super::check::Violations;
+use super::schema::schema_of;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
@@ -16,29 +17,30 @@ pub const MAX_KEY_CHARACTERS: usize = 100;
 /// Of any text of the user that may end in a program's comment.
 pub const MAX_TEXT_CHARACTERS: usize = 1000;
 
-pub fn schema() -> Schema {
+schema_of!(MetaTexts, "Texts of the caller under names of the caller.", {
     let text = ObjectBuilder::new().schema_type(Type::String).max_length(Some(MAX_TEXT_CHARACTERS));
     ObjectBuilder::new()
-        .schema_type(SchemaType::from_iter([Type::Object, Type::Null]))
+        .schema_type(Type::Object)
         .additional_properties(Some(text))
         .max_properties(Some(MAX_ENTRIES))
-        .description(Some("Texts of the caller under names of the caller, returned as they came."))
-        .into()
-}
+});
 
 /// The entries as notes for people, one each.
 pub fn notes(meta: Option<&Meta>) -> impl Iterator<Item = String> {
     meta.into_iter().flatten().map(|(key, value)| format!("{key}: {value}"))
 }
 
-pub fn check(meta: &Meta, at: &Pointer, violations: &mut Violations) {
+/// Looks at the member `meta` of a request.
+pub fn check(meta: Option<&Meta>, violations: &mut Violations) {
+    let Some(meta) = meta else { return };
+    let at = Pointer::root().field("meta");
     if meta.len() > MAX_ENTRIES {
-        let detail = format!("{} entries; at most {MAX_ENTRIES} are allowed", meta.len());
-        violations.add(at, FieldCode::TooLong, detail);
+        let detail = format!("there are {} entries; send at most {MAX_ENTRIES}", meta.len());
+        violations.add(&at, FieldCode::TooLong, detail);
         return;
     }
     for (key, value) in meta {
-        violations.text(at, key, MAX_KEY_CHARACTERS);
+        violations.text(&at, key, MAX_KEY_CHARACTERS);
         if value.len() > MAX_TEXT_CHARACTERS {
             violations.text(&at.field(key), value, MAX_TEXT_CHARACTERS);
         }

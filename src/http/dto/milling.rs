@@ -6,68 +6,78 @@ use utoipa::ToSchema;
 use super::approach::{Entry, Exit, Stock};
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
-use super::meta::{self, Meta};
-use super::object;
-use super::point::Place;
+use super::meta::{Meta, MetaTexts};
+use super::names::into_core;
 use super::program::Program;
+use super::setup::{JobWithSetup, SentSetup};
 use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
-use crate::http::extract::IntoJob;
+use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
-use crate::post::Dialect;
-use crate::toolpath::program as core_program;
 use crate::toolpath::units::Tolerance;
 
-/// Finishing a surface.
+/// A surface to be milled.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MillRequest {
+    /// The surface of the part.
     surface: Surface,
+    /// The cutter.
     #[serde(deserialize_with = "object::required")]
     tool: Tool,
+    /// How the surface is milled.
     strategy: Strategy,
-    /// The proved distance between the path as written and the exact one is at most this.
+    /// Largest allowed distance between the written path and the exact path, in mm. A larger tolerance makes a shorter program.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
+    /// What joins the CL points: `arcs`, arcs and lines as few as possible, or `lines`.
     #[serde(default)]
     #[schema(default = "arcs")]
     interpolation: Interpolation,
-    /// Upper bound for the distance of neighbouring CL points. Default: none but what the tolerance asks for.
+    /// Largest distance of neighbouring CL points, in mm. A shorter step makes more points. Default: as long as the tolerance
+    /// allows.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
-    /// Of `cl_cartesian`.
+    /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until the cutter touches: any cutter, and any surface seen
+    /// from above, with its edges. `offset_section` cuts the offset surface (Ju): ball cutters, and smooth surfaces without overhangs
+    /// that the ball can follow.
     #[serde(default)]
     #[schema(default = "contact")]
     engine: Engine,
-    /// Where the passes end: `inside`, the cutter stays inside the outline seen from above; `on`, its contact reaches the
-    /// edge; `past`, the contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
+    /// Where the passes end. `inside`: the cutter stays inside the outline, seen from above. `on`: the cutter's contact reaches the
+    /// edge. `past`: the contact continues past the edge along the tangents, by at least the cutter's radius.
     #[serde(default)]
     #[schema(default = "on")]
     boundary: Boundary,
-    /// Stock to be left on the surface. Default: 0.
-    #[schema(minimum = 0, maximum = 1000)]
+    /// Thickness of the stock that the program leaves on the surface, in mm.
+    #[schema(minimum = 0, maximum = 1000, default = 0)]
     allowance_mm: Option<f64>,
-    /// Without it the answer warns, and rapids end 2 mm above the surface, raised by `allowance_mm`. With `wire_union` they end 2 mm
-    /// above the part, and there is no warning.
+    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the surface that the program leaves, and the
+    /// answer warns. With `wire_union` and no `stock` rapids end 2 mm above the part, without a warning.
     stock: Option<Stock>,
-    /// Of `cl_cartesian`. Default: a plunge.
+    /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
-    /// Of `cl_cartesian`. Default: straight up.
+    /// How the cutter leaves a pass of `cl_cartesian`. Default: straight up.
     exit: Option<Exit>,
+    /// Feeds, spindle, coolant and heights.
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-/// What the CL points are joined by.
+/// What joins the CL points.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
@@ -76,9 +86,7 @@ pub enum Interpolation {
     Lines,
 }
 
-/// How the CL points are found. `contact`: the cutter comes down until it touches; any cutter and any surface, seen from above, with its
-/// edges. `offset_section`: sections of the offset surface (Ju), for balls and smooth surfaces without overhangs into which the ball
-/// fits.
+/// How the CL points are found.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
@@ -87,6 +95,7 @@ pub enum Engine {
     OffsetSection,
 }
 
+/// Where the passes end.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Boundary {
@@ -96,6 +105,10 @@ pub enum Boundary {
     Past,
 }
 
+into_core!(Interpolation => core::Interpolation, [Arcs, Lines]);
+into_core!(Engine => core::Engine, [Contact, OffsetSection]);
+into_core!(Boundary => core::Boundary, [Inside, On, Past]);
+
 /// Blames a surface that is so much smaller than the cutter that it cannot be meant.
 fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {
     let [x, y] = extent;
@@ -104,7 +117,7 @@ fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Viol
     let is_speck = is_cutter && x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
     if is_speck && x.max(y) > 0.0 {
         let detail = format!(
-            "the part measures {x:.4} mm by {y:.4} mm, less than a twentieth of the cutter: are its points in metres or inches?"
+            "the part measures {x:.4} mm by {y:.4} mm, less than a twentieth of the cutter's diameter: send the points in mm, not in metres or inches"
         );
         violations.add(at, FieldCode::OutOfRange, detail);
     }
@@ -119,19 +132,10 @@ const LEAST_PART_OF_CUTTER: f64 = 0.05;
 /// Stock that may be left, mm.
 const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
-/// A request in the core's terms, with what the operation does not need to know.
-#[derive(Debug)]
-pub struct MillJob {
-    pub job: core::Job,
-    pub program: core_program::Program,
-    pub dialect: &'static Dialect,
-    pub meta: Option<Meta>,
-}
-
 impl IntoJob for MillRequest {
-    type Job = MillJob;
+    type Job = JobWithSetup<core::Job>;
 
-    fn into_job(self, limits: &Limits) -> Result<MillJob, ApiError> {
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {
             surface,
             tool,
@@ -153,14 +157,10 @@ impl IntoJob for MillRequest {
         let mut violations = Violations::default();
 
         surface.check(&root.field("surface"), limits, &mut violations);
-        match (&strategy, engine) {
-            (Strategy::ClCartesian(_), Engine::OffsetSection) => {
-                tool.check_ball(&root.field("tool"), &mut violations);
-            }
-            (Strategy::ClCartesian(_), Engine::Contact) | (Strategy::WireUnion(_), _) => {
-                tool.check(&root.field("tool"), &mut violations);
-            }
+        if let (Strategy::ClCartesian(_), Engine::OffsetSection) = (&strategy, engine) {
+            tool.check_is_ball(&root.field("tool"), &mut violations);
         }
+        let checked_tool = tool.convert(&root.field("tool"), &mut violations);
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         check_size(&root.field("surface"), extent, &tool, &mut violations);
@@ -179,11 +179,8 @@ impl IntoJob for MillRequest {
         let stock = stock.map(|stock| stock.convert(&root.field("stock"), &mut violations));
         let entry = entry.map(|entry| entry.convert(&root.field("entry"), &mut violations));
         let exit = exit.map(|exit| exit.convert(&root.field("exit"), &mut violations));
-        let cutting = cutting.convert(&root.field("cutting"), &mut violations);
-        program.check(&root.field("program"), &mut violations);
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        let sent = SentSetup { tool: Some(checked_tool), cutting: Some(cutting), program, meta };
+        let (setup, cutting, meta) = sent.convert(&mut violations);
         let (Some(tolerance), Some(cutting), Some(sections)) =
             (Tolerance::from_mm(tolerance_mm), cutting, sections)
         else {
@@ -192,63 +189,56 @@ impl IntoJob for MillRequest {
         violations.result()?;
 
         let Sections { plane, spacing, direction } = sections;
-        let (dialect, program) = program.convert();
         let job = core::Job {
             surface: surface.into(),
-            tool: tool.into(),
-            engine: match engine {
-                Engine::Contact => core::Engine::Contact,
-                Engine::OffsetSection => core::Engine::OffsetSection,
-            },
+            tool: checked_tool,
+            engine: engine.into(),
             plane,
             spacing,
-            boundary: match boundary {
-                Boundary::Inside => core::Boundary::Inside,
-                Boundary::On => core::Boundary::On,
-                Boundary::Past => core::Boundary::Past,
-            },
+            boundary: boundary.into(),
             direction,
             tolerance,
             allowance_mm: allowance_mm.unwrap_or(0.0),
             stock,
             entry: entry.unwrap_or_default(),
             exit: exit.unwrap_or_default(),
-            interpolation: match interpolation {
-                Interpolation::Arcs => core::Interpolation::Arcs,
-                Interpolation::Lines => core::Interpolation::Lines,
-            },
+            interpolation: interpolation.into(),
             step_length_mm,
             cutting,
-            resolution: program.resolution,
+            resolution: setup.program.resolution,
             plane_limit: limits.sections,
         };
-        Ok(MillJob { job, program, dialect, meta })
+        Ok(JobWithSetup { job, setup, meta })
     }
 }
 
-/// What the planned passes are like.
+/// What the passes are like, with the proved distances.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct MillReport {
+    /// Number of passes.
     n_passes: usize,
+    /// Number of CL points.
     n_cl_points: usize,
-    /// Distance of neighbouring planes.
+    /// Distance of neighbouring planes or wires, in mm.
     stepover_mm: f64,
-    /// Proved: the path as written lies nowhere farther from the exact one.
+    /// Proved largest distance of the written path from the exact path, in mm.
     deviation_max_mm: f64,
-    /// Proved: the cutter penetrates the surface nowhere deeper.
+    /// Proved largest depth to which the cutter cuts into the surface, in mm.
     gouge_max_mm: f64,
-    /// Where it was found to be deepest; `null` where nothing was, or the bound is not that of a place.
+    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found, or where the bound belongs to no place.
     gouge_at: Option<Place>,
-    /// What the cutter cannot reach at concave places, along the normal of the surface: the largest that was found among some
-    /// thousand places; `null` where it was not looked for: the engine `offset_section` takes no surface that the ball does not reach.
+    /// Largest thickness of the material that the cutter cannot reach at concave places, in mm along the normal of the surface. The
+    /// value is the largest of some thousand samples, not a bound. `null` with `engine: offset_section`, which refuses such surfaces.
     rest_sampled_max_mm: Option<f64>,
-    /// Where that is.
+    /// Where `rest_sampled_max_mm` was found, in mm.
     rest_at: Option<Place>,
-    /// Proved: no more is left between passes, along the normal of the surface; but for the deviation, and for what
-    /// lies so near to an edge that the way to the next pass leaves the surface. `null` where the passes are too far
-    /// apart to meet, the cutter is no ball, or cannot follow the surface everywhere.
+    /// Proved largest height of the material left between passes, in mm along the normal of the surface. The deviation comes on top.
+    /// The bound leaves out places so near to an edge that the way to the next pass leaves the surface. `null` where the passes do not
+    /// meet, the cutter is no ball, or the cutter cannot follow the surface everywhere.
     scallop_max_mm: Option<f64>,
+    /// Number of arcs.
     n_arcs: usize,
+    /// Number of lines.
     n_lines: usize,
 }
 

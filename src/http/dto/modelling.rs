@@ -5,16 +5,17 @@ use serde::{Deserialize, Serialize, Serializer};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
-use super::meta::{self, Meta};
-use super::object;
-use super::point::Place;
+use super::meta::{self, Meta, MetaTexts};
+use super::names::into_core;
 use super::surface::Surface;
 use super::toolpath::Bounds;
 use crate::config::Limits;
 use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::{BezierSurface, BicubicPatch, Patch as _, RationalPatch, Surface as _};
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::ApiError;
-use crate::http::extract::IntoJob;
+use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use crate::machining::wire_model::{self, Wire};
 use crate::operations::surface_model as core;
@@ -28,36 +29,42 @@ const DEFAULT_CHORD_HEIGHT_MM: f64 = 0.01;
 /// Legal heights of wires over their chords, mm.
 const CHORD_HEIGHT: Range = Range { min: 1e-6, max: 10.0 };
 
-/// A look at a surface: its patches, bounds, curvature and wires.
+/// A surface to be described: patches, bounds, curvature and wires.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelRequest {
+    /// The surface.
     surface: Surface,
+    /// The family of wires that the answer holds. Without `wires` the answer holds none.
     #[serde(default, deserialize_with = "object::optional")]
     wires: Option<Wires>,
-    /// Whether the answer holds the control nets of the patches. Default: true.
+    /// Whether the answer holds the control nets of the patches.
+    #[schema(default = true)]
     patches: Option<bool>,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-/// A family of curves on the surface.
+/// A family of curves on the surface, one beside the other.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wires {
-    /// Largest distance of neighbouring wires: in plan along x and y, on the surface along u and v.
+    /// Largest distance of neighbouring wires, in mm: in plan for wires along x and y, on the surface for wires along u and v. A larger
+    /// pitch makes fewer wires.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pitch_mm: f64,
-    /// What the wires run along: a parameter, or an axis in plan (`x`: at constant y).
+    /// What the wires run along: the parameter `u` or `v`, or the axis `x` (at constant y) or `y` (at constant x).
     #[serde(default)]
     #[schema(default = "u")]
     direction: WireDirection,
-    /// Largest height of a wire over the chords of its points. Default: 0.01.
-    #[schema(minimum = 0.000_001, maximum = 10)]
+    /// Largest distance of a wire from the straight lines between its points, in mm. A larger value makes fewer points.
+    #[schema(minimum = 0.000_001, maximum = 10, default = 0.01)]
     chord_height_mm: Option<f64>,
 }
 
+/// What wires run along.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WireDirection {
@@ -76,6 +83,8 @@ pub struct ModelJob {
     pub meta: Option<Meta>,
 }
 
+into_core!(WireDirection => wire_model::Along, [U, V, X, Y]);
+
 impl IntoJob for ModelRequest {
     type Job = ModelJob;
 
@@ -85,9 +94,7 @@ impl IntoJob for ModelRequest {
         let mut violations = Violations::default();
         surface.check(&root.field("surface"), limits, &mut violations);
         let wires = wires.map(|wires| wires.convert(&root.field("wires"), limits, &mut violations));
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        meta::check(meta.as_ref(), &mut violations);
         violations.result()?;
         let job = core::Job { surface: surface.into(), wires };
         Ok(ModelJob { job, with_patches: patches.unwrap_or(true), meta })
@@ -100,12 +107,7 @@ impl Wires {
         violations.number(&at.field("pitch_mm"), pitch_mm, Range::POSITIVE, "mm");
         violations.optional(&at.field("chord_height_mm"), chord_height_mm, CHORD_HEIGHT, "mm");
         wire_model::WireJob {
-            along: match direction {
-                WireDirection::U => wire_model::Along::U,
-                WireDirection::V => wire_model::Along::V,
-                WireDirection::X => wire_model::Along::X,
-                WireDirection::Y => wire_model::Along::Y,
-            },
+            along: direction.into(),
             pitch_mm,
             chord_height_mm: chord_height_mm.unwrap_or(DEFAULT_CHORD_HEIGHT_MM),
             wire_limit: limits.sections,
@@ -116,24 +118,28 @@ impl Wires {
 /// What the surface is like.
 #[derive(Serialize, ToSchema)]
 pub struct ModelReport {
+    /// Number of patches.
     n_patches: usize,
-    /// `patches[i][j]` lies between the knots or points i, i+1 and j, j+1: a 4 x 4 control net `net[a][b]`, a along u, or
-    /// for a rational patch or another degree an object. Absent with `patches: false`.
+    /// The patches: `patches[i][j]` lies between the knots or points i and i + 1 along u, and j and j + 1 along v. A bicubic patch is a
+    /// 4 x 4 control net `net[a][b]` in mm, a along u. A rational patch, or a patch of another degree, is an object. Absent with
+    /// `patches: false`.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_patches")]
     #[schema(value_type = Option<Vec<Vec<Patch>>>)]
     patches: Option<AnySurface>,
-    /// A box that holds the surface, and exceeds it by at most a millionth of a millimetre a side, or where the side is
-    /// level along a curve as the control points do.
+    /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface. Where the surface touches a
+    /// side along a curve, the side may be as far out as the control points.
     bounds: Bounds,
-    /// Polylines on the surface; a wire that leaves the surface goes on in another. Absent without `wires`.
+    /// Polylines on the surface, as points in mm. Where a wire leaves the surface and comes back, a new polyline begins. Absent without
+    /// `wires` in the request.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
     #[schema(value_type = Option<Vec<Vec<Place>>>)]
     wires: Option<Vec<Wire>>,
-    /// The points that the surface is to pass through lie no farther from it; `null` for kinds without such points.
+    /// Largest distance of the given points from the surface that passes through the points, in mm. `null` for kinds without such
+    /// points.
     fit_deviation_max_mm: Option<f64>,
-    /// Proved upper bound of the curvature where the surface is concave seen from above; negative where it is convex
-    /// everywhere. A ball of a larger radius than its inverse does not fit. `null` for a surface with a place
-    /// without a normal, or one that could not be told from it.
+    /// Proved upper bound of the curvature where the surface is concave seen from above, in 1/mm. A ball with a radius below the
+    /// inverse fits everywhere. Negative where the surface is convex everywhere. `null` where a place of the surface has no normal, or
+    /// may have none.
     curvature_max_concave_per_mm: Option<f64>,
 }
 
@@ -160,13 +166,14 @@ impl ModelReport {
 
 fn too_many(patches: usize) -> ApiError {
     use crate::http::error::{Code, FieldCode};
-    let detail =
-        format!("{patches} patches; at most {MAX_PATCHES} are answered, send `patches: false` for the rest");
+    let detail = format!(
+        "the surface has {patches} patches, and an answer holds at most {MAX_PATCHES}: send `patches: false`"
+    );
     ApiError::new(Code::LimitExceeded, detail)
         .blaming(&Pointer::root().field("patches"), FieldCode::LimitExceeded)
 }
 
-/// One patch as it is answered.
+/// One patch: the 4 x 4 control net of a bicubic patch, or an object for any other patch.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Patch {
@@ -177,10 +184,11 @@ pub enum Patch {
 /// A rational patch, or one of another degree than 3.
 #[derive(Serialize, ToSchema)]
 pub struct GeneralPatch {
-    /// Along u and v.
+    /// Degrees along u and along v: two counts.
     degree: [usize; 2],
-    /// Control points in space, not multiplied by the weights.
+    /// Control points in mm: `net[a][b]`, a along u. The coordinates are not multiplied by the weights.
     net: Vec<Vec<Place>>,
+    /// Weights of the control points: plain numbers.
     weights: Vec<Vec<f64>>,
 }
 

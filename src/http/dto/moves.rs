@@ -1,104 +1,105 @@
 //! Moves on the wire: the same objects in requests and in answers.
 
-use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::value::RawValue;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::names::{from_core, into_core};
 use super::point::Point;
-use super::tagged;
 use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
+use crate::http::decode::tagged::{Kind, by_kind};
 use crate::toolpath as core;
 use crate::toolpath::units::FeedRate;
 
-/// One move, told apart by `kind`. It starts where the last one ended.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
-#[serde(untagged)]
-pub enum Move {
-    Rapid(RapidMove),
-    Line(LineMove),
-    Arc(ArcMove),
-    Parabola(ParabolaMove),
-    Dwell(DwellMove),
+by_kind! {
+    /// One move of the tool's tip; `kind` says which. The move starts where the move before ended.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+    #[serde(tag = "kind", rename_all = "snake_case")]
+    Move {
+        "rapid" => Rapid(RapidMove),
+        "line" => Line(LineMove),
+        "arc" => Arc(ArcMove),
+        "parabola" => Parabola(ParabolaMove),
+        "dwell" => Dwell(DwellMove),
+    } later ["spline"]
 }
 
-/// Moves that can be read, and those of the contract that this version cannot.
-const KINDS: [&str; 5] = ["rapid", "line", "arc", "parabola", "dwell"];
-const LATER: [&str; 1] = ["spline"];
-
-impl<'de> Deserialize<'de> for Move {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let object = <&RawValue>::deserialize(deserializer)?;
-        match tagged::kind_of::<D::Error>(object)?.as_str() {
-            "rapid" => tagged::decode(object).map(Self::Rapid),
-            "line" => tagged::decode(object).map(Self::Line),
-            "arc" => tagged::decode(object).map(Self::Arc),
-            "parabola" => tagged::decode(object).map(Self::Parabola),
-            "dwell" => tagged::decode(object).map(Self::Dwell),
-            other => Err(tagged::unknown(other, &LATER, &KINDS)),
-        }
-    }
-}
-
-/// At the machine's traverse rate.
+/// A straight move at the machine's traverse rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RapidMove {
-    #[schema(inline)]
-    kind: RapidKind,
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Where the tip of the tool ends, in mm.
     pub to: Point,
 }
 
-/// Straight, at feed.
+/// A straight move at feed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LineMove {
-    #[schema(inline)]
-    kind: LineKind,
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
+    /// role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
+    /// What the move is for; chooses the feed of `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
 }
 
-/// As G2 and G3 in G17, G18 and G19: `cw` is seen from the positive end of the plane's normal. `to` equal to the start in
-/// the plane is one full turn; `to` may differ along the normal (a helix).
+/// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. `to` equal to the start in the plane makes one full turn. `to` may
+/// differ from the start along the plane's normal: a helix.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArcMove {
-    #[schema(inline)]
-    kind: ArcKind,
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// Absolute, with the start's coordinate along the normal. The radii at both ends may differ by 1.5 units of the last
-    /// decimal that is written.
+    /// The centre, absolute, in mm, with the start's coordinate along the plane's normal. In a request the radii at the start and
+    /// at the end may differ by 1.5 units of the last written decimal.
     pub center: Point,
+    /// The plane of the arc: `xy` (G17), `zx` (G18) or `yz` (G19).
     pub plane: Plane,
+    /// `cw` (G2) or `ccw` (G3), seen from the positive end of the plane's normal.
     pub direction: Direction,
-    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
+    /// role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
+    /// What the move is for; chooses the feed of `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
 }
 
-/// A part of a parabola: the quadratic Bezier curve with the control point `control`, where the tangents at its ends meet.
+/// A part of a parabola at feed: a quadratic Bezier curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParabolaMove {
-    #[schema(inline)]
-    kind: ParabolaKind,
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Where the tip of the tool ends, in mm.
     pub to: Point,
+    /// The control point, in mm: there the tangents at the start and at the end meet.
     pub control: Point,
-    /// In every answer to a request with feeds. Default in a request: that of `cutting` for the role.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
+    /// role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
+    /// What the move is for; chooses the feed of `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
@@ -108,43 +109,15 @@ pub struct ParabolaMove {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DwellMove {
-    #[schema(inline)]
-    kind: DwellKind,
-    /// At most a day.
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// How long the tool stands still, in s; at most a day.
     #[schema(minimum = 0, maximum = 86_400)]
     pub seconds: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RapidKind {
-    Rapid,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum LineKind {
-    Line,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ArcKind {
-    Arc,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ParabolaKind {
-    Parabola,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DwellKind {
-    Dwell,
-}
-
+/// What a feed move is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -157,6 +130,7 @@ pub enum Role {
     LeadOut,
 }
 
+/// The plane of an arc: `xy` (G17), `zx` (G18) or `yz` (G19).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcPlane)]
@@ -166,6 +140,7 @@ pub enum Plane {
     Yz,
 }
 
+/// The direction of an arc: `cw` (G2) or `ccw` (G3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ArcDirection)]
@@ -177,17 +152,15 @@ pub enum Direction {
 impl From<&core::Move> for Move {
     fn from(step: &core::Move) -> Self {
         match *step {
-            core::Move::Rapid { line } => {
-                Move::Rapid(RapidMove { kind: RapidKind::Rapid, to: line.end.into() })
-            }
+            core::Move::Rapid { line } => Move::Rapid(RapidMove { _kind: Kind, to: line.end.into() }),
             core::Move::Feed { along: Curve::Line(line), rate, role } => Move::Line(LineMove {
-                kind: LineKind::Line,
+                _kind: Kind,
                 to: line.end.into(),
                 feed_mm_per_min: rate.map(FeedRate::mm_per_min),
                 role: role.into(),
             }),
             core::Move::Feed { along: Curve::Arc(arc), rate, role } => Move::Arc(ArcMove {
-                kind: ArcKind::Arc,
+                _kind: Kind,
                 to: arc.end().into(),
                 center: arc.center().into(),
                 plane: arc.plane().into(),
@@ -197,35 +170,21 @@ impl From<&core::Move> for Move {
             }),
             core::Move::Feed { along: Curve::Parabola(parabola), rate, role } => {
                 Move::Parabola(ParabolaMove {
-                    kind: ParabolaKind::Parabola,
+                    _kind: Kind,
                     to: parabola.end().into(),
                     control: parabola.control().into(),
                     feed_mm_per_min: rate.map(FeedRate::mm_per_min),
                     role: role.into(),
                 })
             }
-            core::Move::Dwell { seconds } => Move::Dwell(DwellMove { kind: DwellKind::Dwell, seconds }),
+            core::Move::Dwell { seconds } => Move::Dwell(DwellMove { _kind: Kind, seconds }),
         }
     }
 }
 
-/// Both ways between a wire enum and the core's, variant by variant.
-macro_rules! same {
-    ($wire:ty, $core:ty, [$($variant:ident),+]) => {
-        impl From<$core> for $wire {
-            fn from(value: $core) -> Self {
-                match value { $(<$core>::$variant => Self::$variant),+ }
-            }
-        }
-
-        impl From<$wire> for $core {
-            fn from(value: $wire) -> Self {
-                match value { $(<$wire>::$variant => Self::$variant),+ }
-            }
-        }
-    };
-}
-
-same!(Role, core::Role, [Cut, Plunge, Ramp, LeadIn, Link, LeadOut]);
-same!(Plane, plane::Plane, [Xy, Zx, Yz]);
-same!(Direction, curve::Direction, [Cw, Ccw]);
+into_core!(Role => core::Role, [Cut, Plunge, Ramp, LeadIn, Link, LeadOut]);
+from_core!(core::Role => Role, [Cut, Plunge, Ramp, LeadIn, Link, LeadOut]);
+into_core!(Plane => plane::Plane, [Xy, Zx, Yz]);
+from_core!(plane::Plane => Plane, [Xy, Zx, Yz]);
+into_core!(Direction => curve::Direction, [Cw, Ccw]);
+from_core!(curve::Direction => Direction, [Cw, Ccw]);

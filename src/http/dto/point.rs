@@ -5,11 +5,12 @@ use std::fmt;
 use nalgebra::{Point2, Point3, Vector3};
 use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
-use utoipa::openapi::{Ref, RefOr};
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::Schema;
 use utoipa::{PartialSchema, ToSchema};
 
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
+use super::schema::{array_of, number};
 use crate::http::pointer::Pointer;
 
 /// A point in mm, or a vector, by its coordinates.
@@ -99,38 +100,16 @@ fn form(dimension: usize) -> &'static str {
     if dimension == 2 { "[x, y]" } else { "[x, y, z]" }
 }
 
-fn coordinate() -> ObjectBuilder {
-    ObjectBuilder::new()
-        .schema_type(Type::Number)
-        .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
-        .minimum(Some(-MAX_MAGNITUDE_MM))
-        .maximum(Some(MAX_MAGNITUDE_MM))
-}
-
 impl<const N: usize> PartialSchema for Coordinates<N> {
     fn schema() -> RefOr<Schema> {
-        ArrayBuilder::new()
-            .items(coordinate())
-            .min_items(Some(N))
-            .max_items(Some(N))
-            .description(Some(format!("A point `{}` in mm, or a vector.", form(N))))
-            .into()
+        let description = format!("A point or a vector `{}`, in mm.", form(N));
+        array_of(number(Range::COORDINATE), N, N).description(Some(description)).into()
     }
 }
 
 impl<const N: usize> ToSchema for Coordinates<N> {
     fn name() -> std::borrow::Cow<'static, str> {
         if N == 2 { "PlanePoint".into() } else { "Point".into() }
-    }
-}
-
-/// A point `[x, y, z]` in mm that is answered, wherever it lies.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
-pub struct Place([f64; 3]);
-
-impl From<Point3<f64>> for Place {
-    fn from(point: Point3<f64>) -> Self {
-        Self(point.into())
     }
 }
 
@@ -194,12 +173,8 @@ impl<'de> Visitor<'de> for TwoOrThree {
 
 impl PartialSchema for Position {
     fn schema() -> RefOr<Schema> {
-        ArrayBuilder::new()
-            .items(coordinate())
-            .min_items(Some(2))
-            .max_items(Some(3))
-            .description(Some("A point `[x, y]`, at z = 0, or `[x, y, z]`, in mm."))
-            .into()
+        let description = "A point in mm: `[x, y]`, at z = 0, or `[x, y, z]`.";
+        array_of(number(Range::COORDINATE), 2, 3).description(Some(description)).into()
     }
 }
 
@@ -207,17 +182,4 @@ impl ToSchema for Position {
     fn name() -> std::borrow::Cow<'static, str> {
         "Position".into()
     }
-}
-
-/// Points in a row, of which there must be some.
-pub fn row_schema(max_items: usize) -> ArrayBuilder {
-    row_schema_of::<Point>(max_items)
-}
-
-/// As [`row_schema`], of points of any dimension.
-pub fn row_schema_of<P: ToSchema>(max_items: usize) -> ArrayBuilder {
-    ArrayBuilder::new()
-        .items(RefOr::<Schema>::Ref(Ref::from_schema_name(P::name())))
-        .min_items(Some(2))
-        .max_items(Some(max_items))
 }

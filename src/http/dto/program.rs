@@ -4,47 +4,53 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::Violations;
+use super::dialect::{self, DialectName};
 use super::meta::MAX_TEXT_CHARACTERS;
+use super::names::{from_core, into_core};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use crate::http::v1::dialects;
 use crate::post::Dialect;
 use crate::toolpath::program as core;
 
 const NUMBERS: (u32, u32) = (1, 99_999_999);
 
-/// How the NC program is written. Units and decimals also bound the rounding that the tolerance allows for.
+/// How the NC program is written.
 #[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Program {
-    /// A name listed by `/v1/dialects`. Default: `linuxcnc`.
-    #[schema(schema_with = dialects::schema)]
+    /// Name of the dialect of the control, as listed by `/v1/dialects`.
+    #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
     dialect: Option<String>,
-    /// Default: 1. Some dialects take a smaller number at most, as listed by `/v1/dialects`.
-    #[schema(minimum = 1, maximum = 99_999_999)]
+    /// Number of the program: the O number of a dialect that has one, else a part of the file's name. `/v1/dialects` lists the
+    /// largest number of each dialect.
+    #[schema(minimum = 1, maximum = 99_999_999, default = 1)]
     number: Option<u32>,
-    /// Appears in a comment, cleaned to plain letters and digits.
+    /// Name of the program. The name appears in a comment, reduced to plain letters and digits, and names the file.
     #[schema(max_length = 1000)]
     name: Option<String>,
+    /// Units of the written program: `mm` or `inch`. Lengths in requests and reports are in mm with either.
     #[serde(default)]
     #[schema(default = "mm")]
     units: Units,
-    /// Decimals of a written coordinate. Default: 3 with mm, 4 with inches.
+    /// Number of decimals of a written coordinate. More decimals round less. Default: 3 in mm, 4 in inches.
     #[schema(minimum = 1, maximum = 6)]
     decimals: Option<u32>,
+    /// Whether blocks are numbered: N10, N20 and so on.
     #[serde(default)]
     #[schema(default = false)]
     block_numbers: bool,
-    /// Written at the start of the program. Default: none.
-    #[schema(inline)]
+    /// Work offset that the start of the program selects. Without a work offset the program runs with the active offset, and the
+    /// answer warns.
     work_offset: Option<WorkOffset>,
-    /// The way up along Z before the tool is changed and before the program ends: `g28`, to the reference point; `g53`, to zero of the
-    /// machine's coordinates; `none`: the tool is changed where it is, and the program ends at the clearance height.
+    /// The way up along Z before the tool change and before the end of the program. `g28` goes to the reference point. `g53` goes
+    /// to zero of the machine's coordinates. `none` changes the tool where the tool stands, and ends the program at the
+    /// clearance height.
     #[serde(default)]
     #[schema(default = "none")]
     safe_home: SafeHome,
 }
 
+/// The way up along Z before the tool change and before the end of the program.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SafeHome {
@@ -54,6 +60,7 @@ pub enum SafeHome {
     G53,
 }
 
+/// Units of a written program.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Units {
@@ -62,23 +69,19 @@ pub enum Units {
     Inch,
 }
 
-impl From<core::Units> for Units {
-    fn from(units: core::Units) -> Self {
-        match units {
-            core::Units::Mm => Self::Mm,
-            core::Units::Inch => Self::Inch,
-        }
-    }
-}
+from_core!(core::Units => Units, [Mm, Inch]);
+into_core!(Units => core::Units, [Mm, Inch]);
+into_core!(SafeHome => core::SafeHome, [None, G28, G53]);
 
+/// A work offset of the control.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 pub enum WorkOffset {
-    G54,
-    G55,
-    G56,
-    G57,
-    G58,
-    G59,
+    G54 = 54,
+    G55 = 55,
+    G56 = 56,
+    G57 = 57,
+    G58 = 58,
+    G59 = 59,
 }
 
 impl Program {
@@ -93,9 +96,9 @@ impl Program {
             work_offset: _,
             safe_home: _,
         } = self;
-        let dialect = dialects::find(dialect.as_deref()).unwrap_or_else(|detail| {
+        let dialect = dialect::find(dialect.as_deref()).unwrap_or_else(|detail| {
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
-            dialects::DEFAULT
+            dialect::DEFAULT
         });
         if let Some(number) = *number {
             let max = dialect.program_number.map_or(NUMBERS.1, |numbers| numbers.max);
@@ -112,33 +115,22 @@ impl Program {
     /// Converts what has been checked; the default of what was to blame.
     pub fn convert(self) -> (&'static Dialect, core::Program) {
         let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home } = self;
-        let dialect = dialects::find(dialect.as_deref()).unwrap_or(dialects::DEFAULT);
-        let (units, usual) = match units {
-            Units::Mm => (core::Units::Mm, dialect.default_decimals_mm),
-            Units::Inch => (core::Units::Inch, dialect.default_decimals_inch),
+        let dialect = dialect::find(dialect.as_deref()).unwrap_or(dialect::DEFAULT);
+        let usual = match units {
+            Units::Mm => dialect.default_decimals_mm,
+            Units::Inch => dialect.default_decimals_inch,
         };
         let decimals = decimals
             .and_then(|value| u8::try_from(value).ok())
             .filter(|value| (1..=dialect.max_decimals).contains(value))
             .unwrap_or(usual);
         let program = core::Program {
-            resolution: core::Resolution { units, decimals },
+            resolution: core::Resolution { units: units.into(), decimals },
             number: number.unwrap_or(1),
             name,
             block_numbers,
-            work_offset: work_offset.map(|offset| match offset {
-                WorkOffset::G54 => 54,
-                WorkOffset::G55 => 55,
-                WorkOffset::G56 => 56,
-                WorkOffset::G57 => 57,
-                WorkOffset::G58 => 58,
-                WorkOffset::G59 => 59,
-            }),
-            safe_home: match safe_home {
-                SafeHome::None => core::SafeHome::None,
-                SafeHome::G28 => core::SafeHome::G28,
-                SafeHome::G53 => core::SafeHome::G53,
-            },
+            work_offset: work_offset.map(|offset| offset as u8),
+            safe_home: safe_home.into(),
         };
         (dialect, program)
     }

@@ -5,83 +5,77 @@ use utoipa::ToSchema;
 
 use super::check::Violations;
 use super::cutting::Cutting;
-use super::meta::{self, Meta};
-use super::object;
+use super::meta::{Meta, MetaTexts};
 use super::program::{Program, Units};
 use super::sent_toolpath::{Read, Reading, SentToolpath};
+use super::setup::{JobWithSetup, SentSetup, Setup};
 use super::tool::Tool;
 use super::toolpath::Toolpath;
 use crate::config::Limits;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
-use crate::http::extract::IntoJob;
 use crate::http::pointer::Pointer;
-use crate::post::{Dialect, NcProgram};
+use crate::post::NcProgram;
 use crate::toolpath as core;
 use crate::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, CuttingRequest};
 use crate::toolpath::path::{Move, Role};
 use crate::toolpath::units::FeedRate;
-use crate::toolpath::{measure, program, tool};
+use crate::toolpath::{measure, program};
 
 /// How far the radii of an arc may differ, in units of the last decimal: what rounding its points does to it.
 const ARC_TOLERANCE_STEPS: f64 = 1.5;
 
-/// Writing a toolpath as an NC program.
+/// A toolpath to be written as an NC program.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WriteRequest {
+    /// The toolpath, as answers of other operations hold the toolpath.
     #[serde(deserialize_with = "object::required")]
     #[schema(value_type = Toolpath)]
     toolpath: SentToolpath,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Feeds of moves that have none of their own, spindle, coolant and the clearance plane. Default: no spindle, no
-    /// coolant, and, with a warning, a clearance plane 20 mm above everything that is cut, or at the highest place of the
-    /// toolpath if that is higher.
+    /// Feeds of moves without `feed_mm_per_min`, spindle, coolant and the clearance plane. Without `cutting` the program starts no
+    /// spindle and no coolant. The clearance plane is then 20 mm above everything that the toolpath cuts, or at the highest
+    /// place of the toolpath if that place is higher, and the answer warns.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
-    /// Default: tool 1 with length offset 1, of unknown shape.
+    /// The tool. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
-    /// Texts of the caller under names of the caller, returned as they came: at most 32.
-    #[schema(schema_with = meta::schema)]
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
+    /// program's header and the sheet show the texts.
+    #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-/// A request in the core's terms.
+/// What is written.
 #[derive(Debug)]
-pub struct WriteJob {
+pub struct Writing {
     pub toolpath: core::Toolpath,
     /// Upper bound for the distance between the arcs as sent and the exact ones, mm.
     pub moved_mm: f64,
     /// The clearance height, where nobody gave one, mm.
     pub clearance_chosen_mm: Option<f64>,
-    pub tool: Option<tool::Tool>,
     pub cutting: cutting::Cutting,
-    pub program: program::Program,
-    pub dialect: &'static Dialect,
-    pub meta: Option<Meta>,
 }
 
 impl IntoJob for WriteRequest {
-    type Job = WriteJob;
+    type Job = JobWithSetup<Writing>;
 
-    fn into_job(self, limits: &Limits) -> Result<WriteJob, ApiError> {
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self { toolpath, program, cutting, tool, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
 
-        program.check(&root.field("program"), &mut violations);
-        let (dialect, program) = program.convert();
-        let request = cutting.and_then(|cutting| cutting.convert(&root.field("cutting"), &mut violations));
-        if let Some(tool) = &tool {
-            tool.check(&root.field("tool"), &mut violations);
-        }
-        if let Some(meta) = &meta {
-            meta::check(meta, &root.field("meta"), &mut violations);
-        }
+        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let sent = SentSetup { tool, cutting, program, meta };
+        let (setup, request, meta) = sent.convert(&mut violations);
         let reading = Reading {
             cutting: request.as_ref(),
-            arc_tolerance_mm: ARC_TOLERANCE_STEPS * program.resolution.step_mm(),
+            arc_tolerance_mm: ARC_TOLERANCE_STEPS * setup.program.resolution.step_mm(),
             max_moves: limits.moves,
         };
         let read = toolpath.convert(&root.field("toolpath"), &reading, &mut violations);
@@ -90,8 +84,8 @@ impl IntoJob for WriteRequest {
         let cutting = conditions(&toolpath, request, &mut violations);
         violations.result()?;
         let clearance_chosen_mm = is_chosen.then_some(cutting.clearance_z_mm);
-        let tool = tool.map(Into::into);
-        Ok(WriteJob { toolpath, moved_mm, clearance_chosen_mm, tool, cutting, program, dialect, meta })
+        let job = Writing { toolpath, moved_mm, clearance_chosen_mm, cutting };
+        Ok(JobWithSetup { job, setup, meta })
     }
 }
 
@@ -112,7 +106,7 @@ fn conditions(
         if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm <= top_mm) {
             let at = Pointer::root().field("cutting").field(field);
             let detail = format!(
-                "{field} is {height_mm} mm; it must be above {top_mm} mm, up to which the toolpath cuts"
+                "`{field}` is {height_mm} mm, and the toolpath cuts up to {top_mm} mm: send a height above {top_mm} mm"
             );
             violations.add(&at, FieldCode::HeightBelowTop, detail);
         }
@@ -144,25 +138,28 @@ fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
 /// What is proved of a written program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct WriteReport {
-    /// Proved: no point of the cutting moves is farther from the program, nor the other way round, whatever of what it
-    /// allows the control does.
+    /// Proved largest distance between the cutting moves as sent and the cutting moves as written, in mm. The bound holds for every
+    /// path that a control may take for the written blocks.
     deviation_max_mm: f64,
-    /// The part of it that comes of arcs whose radii did not agree as they were sent.
+    /// The part of `deviation_max_mm` that comes from arcs whose two radii differed in the request, in mm.
     arc_adjustment_max_mm: f64,
-    /// The two radii of an arc block differ nowhere by more.
+    /// Largest difference of the radii at the start and at the end of a written arc, in mm.
     radius_mismatch_max_mm: f64,
-    /// Blocks of motion and dwell.
+    /// Number of written blocks that move or pause.
     n_blocks: usize,
+    /// Length of the program, in bytes.
     n_bytes: usize,
-    #[schema(inline)]
+    /// Units of the written program.
     units: Units,
+    /// Number of decimals of a written coordinate.
     decimals: u8,
+    /// Name of the dialect of the written program.
     dialect: &'static str,
 }
 
 impl WriteReport {
-    pub fn new(job: &WriteJob, written: &NcProgram) -> Self {
-        let program::Resolution { units, decimals } = job.program.resolution;
+    pub fn new(job: &Writing, setup: &Setup, written: &NcProgram) -> Self {
+        let program::Resolution { units, decimals } = setup.program.resolution;
         Self {
             deviation_max_mm: written.max_displacement_mm + job.moved_mm,
             arc_adjustment_max_mm: job.moved_mm,
@@ -171,7 +168,7 @@ impl WriteReport {
             n_bytes: written.text.len(),
             units: units.into(),
             decimals,
-            dialect: job.dialect.name,
+            dialect: setup.dialect.name,
         }
     }
 }

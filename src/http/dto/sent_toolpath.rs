@@ -56,7 +56,7 @@ impl SentToolpath {
         let at_passes = at.field("passes");
         let moves: usize = passes.iter().map(|pass| pass.moves.len()).sum();
         if moves > reading.max_moves {
-            let detail = format!("{moves} moves; at most {} are allowed", reading.max_moves);
+            let detail = format!("the toolpath has {moves} moves; send at most {}", reading.max_moves);
             violations.add(&at_passes, FieldCode::LimitExceeded, detail);
             return None;
         }
@@ -162,7 +162,8 @@ impl Reader<'_> {
             }
             (None, Some(by_role)) => by_role,
             (None, None) => {
-                let detail = "the move has no `feed_mm_per_min` and the request no `cutting`";
+                let detail =
+                    "the move has no `feed_mm_per_min` and the request has no `cutting`: send one of the two";
                 self.violations.add(&at().field("feed_mm_per_min"), FieldCode::FeedRequired, detail);
                 FeedRate::DEFAULT_RAPID
             }

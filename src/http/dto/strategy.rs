@@ -2,69 +2,53 @@
 
 pub mod wire_union;
 
-use serde::{Deserialize, Deserializer};
-use serde_json::value::RawValue;
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::tagged;
+use super::names::into_core;
 use super::tool::Tool;
+use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 use wire_union::WireUnion;
 
-/// How the surface is milled, told apart by `kind`.
-#[derive(Debug, ToSchema)]
-#[serde(untagged)]
-pub enum Strategy {
-    ClCartesian(ClCartesian),
-    WireUnion(WireUnion),
+by_kind! {
+    /// How the surface is milled; `kind` says which strategy.
+    #[derive(Debug)]
+    Strategy { "cl_cartesian" => ClCartesian(ClCartesian), "wire_union" => WireUnion(WireUnion) }
 }
 
-impl<'de> Deserialize<'de> for Strategy {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let object = <&RawValue>::deserialize(deserializer)?;
-        match tagged::kind_of::<D::Error>(object)?.as_str() {
-            "cl_cartesian" => tagged::decode(object).map(Self::ClCartesian),
-            "wire_union" => tagged::decode(object).map(Self::WireUnion),
-            other => Err(tagged::unknown(other, &[], &["cl_cartesian", "wire_union"])),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ClCartesianKind {
-    ClCartesian,
-}
-
-/// Passes along parallel planes, equally spaced: exactly one of `stepover_mm` and `scallop_height_mm` says how far apart.
+/// Finishing passes in parallel vertical planes, equally spaced. Give either `stepover_mm` or `scallop_height_mm`, not both.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClCartesian {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: ClCartesianKind,
-    /// `zx`: planes of constant y; `yz`: planes of constant x.
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The planes of the passes: `zx` are planes of constant y, `yz` planes of constant x.
     #[serde(default)]
     #[schema(default = "zx")]
     plane: Plane,
-    /// Largest distance of neighbouring planes.
+    /// Largest distance of neighbouring planes, in mm. A larger stepover makes fewer passes and higher scallops.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepover_mm: Option<f64>,
-    /// Largest height left between passes, along the normal of the surface.
+    /// Largest height of the material left between passes, in mm along the normal of the surface. A larger height makes fewer
+    /// passes.
     #[schema(minimum = 0.000_001, maximum = 1000)]
     scallop_height_mm: Option<f64>,
+    /// `zigzag` cuts neighbouring passes in opposite directions, `one_way` cuts all passes in the same direction.
     #[serde(default)]
     #[schema(default = "zigzag")]
     direction: Direction,
-    /// Whether a path that would cut into the part is refused. Always so; `false` is refused itself.
+    /// Whether the path is kept out of the part. Only `true` is supported.
     #[serde(default = "yes")]
     #[schema(default = true)]
     trim: bool,
 }
 
+/// The planes of the passes.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = SectionPlane)]
@@ -74,6 +58,7 @@ pub enum Plane {
     Yz,
 }
 
+/// In which direction passes are cut.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = CutDirection)]
@@ -82,6 +67,9 @@ pub enum Direction {
     #[default]
     Zigzag,
 }
+
+into_core!(Plane => core::SectionPlane, [Zx, Yz]);
+into_core!(Direction => core::CutDirection, [OneWay, Zigzag]);
 
 fn yes() -> bool {
     true
@@ -111,7 +99,8 @@ impl Strategy {
             Self::WireUnion(union) => return Some(union.convert(at, extent[1], max_sections, violations)),
         };
         if !trim {
-            let detail = "`trim: false` is refused: an untrimmed path may cut into the part";
+            let detail =
+                "`trim: false` is not supported, because the path may cut into the part: leave `trim` out";
             violations.add(&at.field("trim"), FieldCode::Unsupported, detail);
         }
         let across = match plane {
@@ -130,27 +119,17 @@ impl Strategy {
                 core::Spacing::ScallopHeight(height)
             }
             (None, None) => {
-                let detail = "`stepover_mm` or `scallop_height_mm` is required";
+                let detail = "send `stepover_mm` or `scallop_height_mm`";
                 violations.add(&at_stepover, FieldCode::MissingField, detail);
                 return None;
             }
             (Some(_), Some(_)) => {
-                let detail = "`stepover_mm` and `scallop_height_mm` exclude each other";
+                let detail = "`stepover_mm` and `scallop_height_mm` exclude each other: send one of the two";
                 violations.add(&at.field("scallop_height_mm"), FieldCode::Conflict, detail);
                 return None;
             }
         };
-        Some(Sections {
-            plane: match plane {
-                Plane::Zx => core::SectionPlane::Zx,
-                Plane::Yz => core::SectionPlane::Yz,
-            },
-            spacing,
-            direction: match direction {
-                Direction::OneWay => core::CutDirection::OneWay,
-                Direction::Zigzag => core::CutDirection::Zigzag,
-            },
-        })
+        Some(Sections { plane: plane.into(), spacing, direction: direction.into() })
     }
 }
 
@@ -158,7 +137,7 @@ impl Sections {
     /// Refuses a height of scallops where the cutter leaves none.
     pub fn check_scallops(&self, at: &Pointer, tool: &Tool, violations: &mut Violations) {
         if matches!(self.spacing, core::Spacing::ScallopHeight(_)) && tool.is_flat() {
-            let detail = "a flat end leaves steps, not scallops: give `stepover_mm`";
+            let detail = "a flat end leaves steps, not scallops: send `stepover_mm` instead";
             violations.add(&at.field("scallop_height_mm"), FieldCode::Conflict, detail);
         }
     }
@@ -169,8 +148,9 @@ fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations
     let sections = (across / stepover.max(f64::MIN_POSITIVE)).ceil() + 1.0;
     let is_legal = stepover >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;
     if is_legal && sections > most as f64 {
-        let detail =
-            format!("{stepover} mm over {across} mm makes {sections} sections; at most {most} are allowed");
+        let detail = format!(
+            "{stepover} mm over {across} mm makes {sections} passes; at most {most} are allowed: send a larger distance"
+        );
         violations.add(at, FieldCode::LimitExceeded, detail);
     }
 }

@@ -13,15 +13,12 @@ mod ruled;
 mod section_text;
 
 use nalgebra::Point3;
-use serde::{Deserialize, Deserializer};
-use serde_json::value::RawValue;
-use utoipa::ToSchema;
 
 use super::check::Violations;
 use super::point::Point;
-use super::tagged;
 use crate::config::Limits;
 use crate::geometry::surface::source::Source;
+use crate::http::decode::tagged::by_kind;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
@@ -31,35 +28,18 @@ pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
 pub use ruled::Ruled;
 
-/// A surface, told apart by `kind`. The cutter is on its +z side, whatever the order of its parameters.
-#[derive(Debug, ToSchema)]
-#[serde(untagged)]
-pub enum Surface {
-    PointGrid(PointGrid),
-    Ferguson(Ferguson),
-    BezierPatches(BezierPatches),
-    Nurbs(Nurbs),
-    ParallelSweep(ParallelSweep),
-    NormalSweep(NormalSweep),
-    Ruled(Ruled),
-}
-
-const KINDS: [&str; 7] =
-    ["point_grid", "ferguson", "bezier_patches", "nurbs", "parallel_sweep", "normal_sweep", "ruled"];
-
-impl<'de> Deserialize<'de> for Surface {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let object = <&RawValue>::deserialize(deserializer)?;
-        match tagged::kind_of::<D::Error>(object)?.as_str() {
-            "point_grid" => tagged::decode(object).map(Self::PointGrid),
-            "ferguson" => tagged::decode(object).map(Self::Ferguson),
-            "bezier_patches" => tagged::decode(object).map(Self::BezierPatches),
-            "nurbs" => tagged::decode(object).map(Self::Nurbs),
-            "parallel_sweep" => tagged::decode(object).map(Self::ParallelSweep),
-            "normal_sweep" => tagged::decode(object).map(Self::NormalSweep),
-            "ruled" => tagged::decode(object).map(Self::Ruled),
-            other => Err(tagged::unknown(other, &[], &KINDS)),
-        }
+by_kind! {
+    /// The surface of the part, given in one of several kinds; `kind` says which. The cutter works on the +z side of the
+    /// surface, whatever the order of the surface's parameters.
+    #[derive(Debug)]
+    Surface {
+        "point_grid" => PointGrid(PointGrid),
+        "ferguson" => Ferguson(Ferguson),
+        "bezier_patches" => BezierPatches(BezierPatches),
+        "nurbs" => Nurbs(Nurbs),
+        "parallel_sweep" => ParallelSweep(ParallelSweep),
+        "normal_sweep" => NormalSweep(NormalSweep),
+        "ruled" => Ruled(Ruled),
     }
 }
 

@@ -11,47 +11,65 @@ use crate::toolpath::tool as core;
 /// Numbers in tool and offset tables.
 const TABLE: (u32, u32) = (1, 99_999);
 
+/// The shape of a cutter's end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
+#[schema(as = ToolShape)]
 pub enum Shape {
     Ball,
     Flat,
     BullNose,
 }
 
-/// A cutter; positions are those of its tip.
+/// A cutter. Every position is the position of the cutter's tip.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tool {
-    #[schema(inline)]
+    /// The shape of the cutter's end: `ball`, `flat`, or `bull_nose`, a flat end with a rounded corner.
     shape: Shape,
+    /// Diameter of the cutter, in mm.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     diameter_mm: f64,
-    /// Of a `bull_nose`, and of no other: at most half the diameter.
+    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Other shapes have no corner radius.
     #[schema(minimum = 0.001, maximum = 500_000)]
     corner_radius_mm: Option<f64>,
-    /// Number in the tool table. Default: 1, with a warning.
+    /// Number of the tool in the tool table. Without a number the program calls tool 1, and the answer warns.
     #[schema(minimum = 1, maximum = 99_999)]
     number: Option<u32>,
-    /// Number of the length offset. Default: `number`.
+    /// Number of the tool's length offset (H). Default: `number`.
     #[schema(minimum = 1, maximum = 99_999)]
     length_offset: Option<u32>,
 }
 
 impl Tool {
-    pub fn check(&self, at: &Pointer, violations: &mut Violations) {
+    /// The tool, with what is wrong in `violations`.
+    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> core::Tool {
+        let Self { shape, diameter_mm, corner_radius_mm, number, length_offset } = self;
         self.check_corner(&at.field("corner_radius_mm"), violations);
-        self.check_numbers(at, violations);
+        violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
+        for (name, value) in [("number", number), ("length_offset", length_offset)] {
+            if let Some(value) = value {
+                violations.integer(&at.field(name), value, TABLE);
+            }
+        }
+        core::Tool {
+            shape: match (shape, corner_radius_mm) {
+                (Shape::Ball, _) => core::Shape::Ball,
+                (Shape::BullNose, Some(corner_radius_mm)) => core::Shape::BullNose { corner_radius_mm },
+                (Shape::Flat, _) | (Shape::BullNose, None) => core::Shape::Flat,
+            },
+            radius_mm: diameter_mm / 2.0,
+            number,
+            length_offset,
+        }
     }
 
-    /// As [`Self::check`], for a method that knows balls alone.
-    pub fn check_ball(&self, at: &Pointer, violations: &mut Violations) {
-        if self.shape == Shape::Ball {
-            return self.check(at, violations);
+    /// Refuses other shapes for a method that knows balls alone.
+    pub fn check_is_ball(&self, at: &Pointer, violations: &mut Violations) {
+        if self.shape != Shape::Ball {
+            let detail = "`offset_section` supports ball cutters only; use `engine: contact`";
+            violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
         }
-        let detail = "this engine supports no other shape than `ball`";
-        violations.add(&at.field("shape"), FieldCode::Unsupported, detail);
-        self.check_numbers(at, violations);
     }
 
     pub fn diameter_mm(&self) -> f64 {
@@ -62,20 +80,10 @@ impl Tool {
         self.shape == Shape::Flat
     }
 
-    fn check_numbers(&self, at: &Pointer, violations: &mut Violations) {
-        let Self { shape: _, diameter_mm, corner_radius_mm: _, number, length_offset } = *self;
-        violations.number(&at.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
-        for (name, value) in [("number", number), ("length_offset", length_offset)] {
-            if let Some(value) = value {
-                violations.integer(&at.field(name), value, TABLE);
-            }
-        }
-    }
-
     fn check_corner(&self, at: &Pointer, violations: &mut Violations) {
         match (self.shape, self.corner_radius_mm) {
             (Shape::BullNose, None) => {
-                let detail = "`corner_radius_mm` is required of a bull nose cutter";
+                let detail = "a `bull_nose` needs `corner_radius_mm`";
                 violations.add(at, FieldCode::MissingField, detail);
             }
             (Shape::BullNose, Some(corner)) => {
@@ -83,27 +91,10 @@ impl Tool {
                 violations.number(at, corner, range, "mm");
             }
             (Shape::Ball | Shape::Flat, Some(_)) => {
-                let detail = "only a bull nose cutter has a `corner_radius_mm`";
+                let detail = "only a `bull_nose` has `corner_radius_mm`: leave `corner_radius_mm` out";
                 violations.add(at, FieldCode::UnknownField, detail);
             }
             (Shape::Ball | Shape::Flat, None) => {}
-        }
-    }
-}
-
-/// Converts what has been checked.
-impl From<Tool> for core::Tool {
-    fn from(tool: Tool) -> Self {
-        let Tool { shape, diameter_mm, corner_radius_mm, number, length_offset } = tool;
-        core::Tool {
-            shape: match (shape, corner_radius_mm) {
-                (Shape::Ball, _) => core::Shape::Ball,
-                (Shape::BullNose, Some(corner_radius_mm)) => core::Shape::BullNose { corner_radius_mm },
-                (Shape::Flat, _) | (Shape::BullNose, None) => core::Shape::Flat,
-            },
-            radius_mm: diameter_mm / 2.0,
-            number,
-            length_offset,
         }
     }
 }

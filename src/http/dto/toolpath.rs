@@ -4,30 +4,33 @@ use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
 use super::moves::Move;
-use super::point::{Place, Point};
+use super::point::Point;
+use crate::http::place::Place;
 use crate::toolpath as core;
 use crate::toolpath::cutting::{Caution, Cutting};
 use crate::toolpath::measure;
 use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::units::{Acceleration, FeedRate};
 
-/// Something to know that does not stop the job.
+/// Something that the caller should know and that does not stop the job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Warning {
-    #[schema(inline)]
+    /// What the warning is about, for programs.
     pub code: WarningCode,
+    /// What the warning is about, for people.
     pub detail: String,
 }
 
 impl Warning {
     pub fn ends_reduced(direction: &str, points: usize) -> Self {
         let detail = format!(
-            "`not_a_knot` needs 4 points along {direction}; through {points} runs the interpolating polynomial"
+            "`not_a_knot` needs 4 points along {direction}; with {points} points the surface follows the polynomial through the points"
         );
         Self { code: WarningCode::EndsReduced, detail }
     }
 }
 
+/// What a warning is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningCode {
@@ -93,7 +96,7 @@ impl From<Caution> for Warning {
             },
             Caution::NoWorkOffset => Self {
                 code: WarningCode::NoWorkOffset,
-                detail: "`program.work_offset` is absent: the program is run with whatever offset is active"
+                detail: "`program.work_offset` is absent: the program runs with the active work offset"
                     .into(),
             },
             Caution::LengthOffsetDiffers { number, length_offset } => Self {
@@ -104,39 +107,54 @@ impl From<Caution> for Warning {
     }
 }
 
-/// Lengths and times of a toolpath, and the box around it. Feed moves of any role are cutting.
+/// Lengths and times of a toolpath, and the box around the toolpath. Every feed move counts as cutting.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Measures {
+    /// Length of all feed moves, in mm.
     pub cutting_length_mm: f64,
+    /// Length of all rapids, in mm.
     pub rapid_length_mm: f64,
-    /// Absent where moves have no feed.
+    /// Time of all feed moves at their feeds, in s. Absent where moves have no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutting_time_s: Option<f64>,
+    /// Time of all rapids at `rapid_feed_mm_per_min`, in s.
     pub rapid_time_s: f64,
-    /// Cutting, rapid and dwell; absent where moves have no feed.
+    /// Time of cutting, rapids and dwells together, in s. Absent where moves have no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total_time_s: Option<f64>,
+    /// Time of all pauses, in s.
     pub dwell_time_s: f64,
-    /// As `total_time_s`, of a machine that takes time to change its speed: an estimate with the acceleration of
-    /// `cutting`, look-ahead, and slower corners and small arcs. Absent where moves have no feed.
+    /// Estimated time on a machine that accelerates and brakes, in s. The estimate uses the acceleration of `cutting` and
+    /// look-ahead, and slows down in corners and small arcs. Absent where moves have no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_with_acceleration_s: Option<f64>,
+    /// How many moves of each kind there are.
     pub moves: MoveCounts,
+    /// The box around all positions of the tool's tip, in mm.
     pub bounds: Bounds,
 }
 
+/// How many moves of each kind a toolpath has.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, ToSchema)]
 pub struct MoveCounts {
+    /// Number of rapids.
     pub rapid: usize,
+    /// Number of lines at feed.
     pub line: usize,
+    /// Number of arcs and helices.
     pub arc: usize,
+    /// Number of parabolas.
     pub parabola: usize,
+    /// Number of splines; always 0 in this version.
     pub spline: usize,
 }
 
+/// A box with sides along the axes.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Bounds {
+    /// The corner with the smallest coordinates, in mm.
     pub min: Place,
+    /// The corner with the largest coordinates, in mm.
     pub max: Place,
 }
 
@@ -169,10 +187,12 @@ impl Measures {
     }
 }
 
-/// Positions of the tool tip, mm. A move starts where the last one ended.
+/// The moves of the tool's tip, in mm. Each move starts where the move before ended.
 #[derive(Serialize, ToSchema)]
 pub struct Toolpath {
+    /// Where the tip stands before the first move, in mm.
     start: Point,
+    /// The passes, in the order of cutting.
     #[serde(serialize_with = "write_passes")]
     #[schema(value_type = Vec<Pass>)]
     passes: core::Toolpath,
@@ -194,12 +214,14 @@ fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Resu
     )
 }
 
-/// A connected run of moves.
+/// Moves that belong together: one pass with the way to the pass.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Pass {
+    /// Number of the level that the pass belongs to.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 1_000_000)]
     level: Option<u32>,
+    /// The moves, in order.
     moves: Vec<Move>,
 }
 

@@ -13,32 +13,35 @@ use futures_util::stream::once;
 use nalgebra::Point3;
 
 use crate::budget::Budget;
+use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
-use crate::http::dto::answer::Answer;
-use crate::http::dto::arc_fitting::{AnyFitReport, FitJob, FitRequest, ProgramQuery};
+use crate::http::dto::answer::{Answer, Head, PathMembers};
+use crate::http::dto::arc_fitting::{AnyFitReport, FitRequest, ProgramQuery};
+use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
-use crate::http::extract::{JobBody, StrictQuery, media_type, next_bytes};
-use crate::http::output::{self, Encoded, GCODE, Representation};
+use crate::http::extract::{JobBody, media_type, next_bytes};
+use crate::http::negotiation::{Offers, Toolpaths, Wanted};
+use crate::http::output::{Encoded, GCODE, Representation};
 use crate::http::pointer::Pointer;
 use crate::http::program_stream::ProgramStream;
-use crate::http::request_id::RequestId;
-use crate::http::wanted::{STREAMS, Toolpaths, Wanted};
-use crate::http::{App, ENGINE_VERSION};
-use crate::operations::arc_fitting::{self, Error, Plan};
+use crate::operations::arc_fitting::{self, Error, Job, Plan};
 use crate::plot::Drawing;
 use crate::post::rewrite::Rewriter;
 use crate::toolpath::units::rounded_up_mm;
 
-/// Fits the fewest arcs and lines to a polyline and answers them, the NC program that runs them, or a picture.
+/// The answer in JSON.
+type AnyFitAnswer = Answer<AnyFitReport>;
+
+/// Replace points, or the G1 blocks of an NC program, by arcs and lines.
 ///
-/// With a body of NC text the answer is NC text (or, by `Accept`, the figures alone): the same program, in which runs of G1
-/// have become arcs, helices and longer lines, and everything else stays byte for byte. It is read and answered as a stream,
-/// of any length.
+/// With a body of JSON the answer is the elements, the NC program that runs the elements, or a picture. With a body of NC text the
+/// answer is the same program with arcs, helices and longer lines in place of runs of G1 blocks; everything else stays byte for byte.
+/// `Accept: application/json` asks for the report of that program alone. NC text is read and answered as a stream of any length.
 #[utoipa::path(post, path = "/v1/arcs/fit", operation_id = "fitArcs", tag = "curves",
     params(Wanted<Toolpaths>, ProgramQuery),
     request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
-    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<AnyFitReport>)))]
+    responses((status = 200, description = "The elements, the program or a picture.", body = AnyFitAnswer)))]
 pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
     let (is_program, request) = match media_type(request.headers()) {
         Some(name) if GCODE.contains(&name.as_str()) => (true, request),
@@ -58,11 +61,13 @@ pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<R
     answer(&app, wanted, body, fit).await
 }
 
-/// As `POST`: what `curl -T` sends, a program that is put where it becomes another one.
+/// The same as `POST`, for `curl -T`.
+///
+/// `curl -T program.ngc` sends a file with `PUT`.
 #[utoipa::path(put, path = "/v1/arcs/fit", operation_id = "putArcs", tag = "curves",
     params(Wanted<Toolpaths>, ProgramQuery),
     request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
-    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<AnyFitReport>)))]
+    responses((status = 200, description = "The elements, the program or a picture.", body = AnyFitAnswer)))]
 pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
     fit_arcs(state, request).await
 }
@@ -89,21 +94,30 @@ async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, R
 
 async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiError> {
     let (mut parts, body) = request.into_parts();
-    let request_id = RequestId::from_request_parts(&mut parts, app).await?;
-    let StrictQuery(query) = StrictQuery::<ProgramQuery>::from_request_parts(&mut parts, app).await?;
-    let (representation, media_type) = output::choose(STREAMS, &parts.headers, query.representation)?;
+    let Wanted { form, query } = Wanted::<Streams>::from_request_parts(&mut parts, app).await?;
     let job = query.job()?;
     let stream = ProgramStream::begin(app, Request::from_parts(parts, body), Rewriter::new(job))?;
-    if representation == Representation::Gcode {
+    if form.representation == Representation::Gcode {
         let file_name = format!("arcs.{}", job.dialect.file_extension);
-        return stream.text(media_type, &file_name).await;
+        return stream.text(form.media_type, &file_name).await;
     }
     let report = AnyFitReport::Program(stream.figures().await?.into());
-    Ok(Encoded::json(&Answer::of_report(ENGINE_VERSION, request_id.as_str(), report))?.into_response())
+    let head = Head::new(&form.request_id, None, Vec::new());
+    Ok(Encoded::json(&Answer { head, report, members: PathMembers::default() })?.into_response())
 }
 
-fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<AnyFitReport>, ApiError> {
-    let FitJob { job, tool, program, dialect, meta } = job;
+/// A program that is rewritten as a stream, or only counted.
+enum Streams {}
+
+impl Offers for Streams {
+    const OFFERS: &'static [Representation] = &[Representation::Gcode, Representation::Json];
+    const PARAMETERS: &'static [&'static str] = &["format"];
+    const OWN_PARAMETERS: &'static [&'static str] = &ProgramQuery::NAMES;
+    type Query = ProgramQuery;
+}
+
+fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
     let Plan { toolpath, joints, report, cutting, warnings } = arc_fitting::plan(&job, budget)?;
     let comments = vec![proved(&report)];
     let mut polyline: Vec<Point3<f64>> = job.points;
@@ -113,9 +127,8 @@ fn fit(job: FitJob, budget: &Budget) -> Result<Outcome<AnyFitReport>, ApiError> 
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments }),
         report: AnyFitReport::Polyline(report.into()),
-        nc: None,
+        product: Cut { toolpath, cutting, setup, comments, nc: None },
         drawing: Box::new(move || Drawing {
             curve: vec![polyline.clone()],
             joints: joints.clone(),
@@ -141,21 +154,21 @@ impl From<&arc_fitting::Warning> for Warning {
             arc_fitting::Warning::RoundingExceedsTolerance { deviation_mm } => (
                 WarningCode::RoundingExceedsTolerance,
                 format!(
-                    "the program rounds to its decimals: it may be {:.4} mm from the points, beyond the tolerance; more decimals would help",
+                    "rounding to the program's decimals moves the path up to {:.4} mm from the points, beyond the tolerance: send more `decimals`",
                     rounded_up_mm(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::CoarseSamples { deviation_mm } => (
                 WarningCode::CoarseSamples,
                 format!(
-                    "the points are taken as samples of a smooth curve; from the lines between them the elements are up to {:.4} mm away; where the lines are the shape, ask for `measure: polyline`",
+                    "the elements are up to {:.4} mm from the straight lines between the points: where the straight lines are the shape, send `measure: polyline`",
                     rounded_up_mm(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(
-                    "this method knows no tolerance: its elements are up to {:.4} mm away, by the measure that was asked for",
+                    "`method: biarc` takes no account of the tolerance: the elements are up to {:.4} mm away",
                     rounded_up_mm(*deviation_mm)
                 ),
             ),

@@ -12,19 +12,25 @@ use crate::budget::Budget;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
-use crate::http::dto::interpolation::{InterpolateJob, InterpolateReport, InterpolateRequest};
+use crate::http::dto::interpolation::{InterpolateReport, InterpolateRequest};
+use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
-use crate::http::wanted::{Toolpaths, Wanted};
-use crate::operations::interpolation::{self, Plan, Sketch};
+use crate::http::negotiation::{Toolpaths, Wanted};
+use crate::operations::interpolation::{self, Job, Plan, Sketch};
 use crate::plot::Drawing;
 use crate::toolpath::units::rounded_up_mm;
 
-/// Interpolates a plane curve within a band and answers the elements, the NC program that runs them, or a picture.
+/// The answer in JSON.
+type InterpolateAnswer = Answer<InterpolateReport>;
+
+/// Replace a plane curve by lines, arcs or parabolas within a band.
+///
+/// The answer is the elements, the NC program that runs the elements, or a picture. Every element has a proved distance from the curve.
 #[utoipa::path(post, path = "/v1/curves/interpolate", operation_id = "interpolateCurve", tag = "curves",
     params(Wanted<Toolpaths>), request_body = InterpolateRequest,
-    responses((status = 200, description = "The elements, in one of their forms.", body = Answer<InterpolateReport>)))]
+    responses((status = 200, description = "The elements, the program or a picture.", body = InterpolateAnswer)))]
 pub async fn interpolate_curve(
     State(app): State<Arc<App>>,
     wanted: Wanted<Toolpaths>,
@@ -33,8 +39,8 @@ pub async fn interpolate_curve(
     answer(&app, wanted, body, interpolate).await
 }
 
-fn interpolate(job: InterpolateJob, budget: &Budget) -> Result<Outcome<InterpolateReport>, ApiError> {
-    let InterpolateJob { job, tool, program, dialect, meta } = job;
+fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<InterpolateReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
     let plan = interpolation::plan(&job, budget)?;
     let Plan { curve, toolpath, report, cutting, warnings } = plan;
     let (elements, height) = (report.elements.clone(), job.z_mm);
@@ -42,9 +48,8 @@ fn interpolate(job: InterpolateJob, budget: &Budget) -> Result<Outcome<Interpola
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        cut: Some(Cut { toolpath, tool, cutting, program, dialect, comments: vec![proved(&report)] }),
+        product: Cut { toolpath, cutting, setup, comments: vec![proved(&report)], nc: None },
         report: InterpolateReport::from(report),
-        nc: None,
         drawing: Box::new(move || drawing(interpolation::sketch(&curve, &band, &elements), height)),
     })
 }
@@ -77,14 +82,14 @@ impl From<&interpolation::Warning> for Warning {
             interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self {
                 code: WarningCode::RoundingLeavesBand,
                 detail: format!(
-                    "the program rounds to its decimals: it may be {:.4} mm from the curve, beyond the band; more decimals would help",
+                    "rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band: send more `decimals`",
                     rounded_up_mm(*deviation_mm)
                 ),
             },
             interpolation::Warning::ContourNotReached { uncut_mm } => Self {
                 code: WarningCode::ContourNotReached,
                 detail: format!(
-                    "the contour is curved more tightly than the cutter: it is left uncut by up to some {:.4} mm",
+                    "the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays",
                     rounded_up_mm(*uncut_mm)
                 ),
             },

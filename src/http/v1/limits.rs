@@ -1,4 +1,4 @@
-//! What this server accepts.
+//! `GET /v1/limits`: what this server accepts.
 
 use std::sync::Arc;
 
@@ -12,34 +12,39 @@ use crate::http::dto::meta;
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
 
-/// How large a request may be, and how long it may take.
+/// How large a request may be, and how long a request may take.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ServerLimits {
+    /// Largest body of a request, in bytes. For a body in gzip the limit holds for the decoded bytes too.
     body_bytes: usize,
+    /// Largest number of points of one surface.
     surface_points: usize,
+    /// Largest number of points of one curve.
     curve_points: usize,
-    /// Elements of one interpolated curve.
+    /// Largest number of elements of one interpolated curve.
     elements: usize,
-    /// Points at which one cutter is dropped.
+    /// Largest number of points at which one request drops a cutter.
     drop_points: usize,
-    /// Section planes of one milling job.
+    /// Largest number of section planes of one milling job.
     sections: usize,
-    /// Moves of one toolpath that is sent.
+    /// Largest number of moves of one toolpath in a request.
     moves: usize,
+    /// Largest number of entries of `meta`.
     meta_entries: usize,
+    /// Longest text of `meta` and longest name of a program, in characters.
     text_characters: usize,
-    /// Computations at a time.
+    /// Number of computations that run at the same time.
     workers: usize,
-    /// Requests that may wait for a worker; one more is refused with 503.
+    /// Number of requests that may wait for a worker. One request more is refused with status 503.
     queue: usize,
-    /// Waiting and computing end with 504 after this.
+    /// Longest time for waiting and computing together, in s. A longer computation ends with status 504.
     deadline_s: f64,
-    /// Bytes of a program that is rewritten as a stream.
+    /// Largest program that `/v1/arcs/fit` rewrites as a stream, in bytes.
     #[schema(maximum = 9_007_199_254_740_991_u64)]
     stream_bytes: u64,
-    /// A stream ends after this.
+    /// Longest time for one stream, in s.
     stream_deadline_s: f64,
-    /// A body without progress for this long is answered with 408.
+    /// Longest time without a new byte of a body, in s. A slower body ends with status 408.
     body_timeout_s: f64,
 }
 
@@ -67,9 +72,12 @@ impl From<&App> for ServerLimits {
     }
 }
 
-/// The limits of this server, which are settings.
+/// Tell the limits of this server.
+///
+/// Limits are settings of the server. A request beyond a limit is refused with the code `limit_exceeded`, `payload_too_large`,
+/// `too_long`, `overloaded` or `deadline_passed`.
 #[utoipa::path(get, path = "/v1/limits", operation_id = "getLimits", tag = "service",
-    responses((status = 200, description = "All of them.", body = ServerLimits)))]
+    responses((status = 200, description = "All limits.", body = ServerLimits)))]
 pub async fn get_limits(State(app): State<Arc<App>>) -> Result<Encoded, ApiError> {
     Encoded::json(&ServerLimits::from(&*app))
 }

@@ -10,19 +10,25 @@ use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::meta;
-use crate::http::dto::program_writing::{WriteJob, WriteReport, WriteRequest};
+use crate::http::dto::program_writing::{WriteReport, WriteRequest, Writing};
+use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
-use crate::http::wanted::{Programs, Wanted};
+use crate::http::negotiation::{Programs, Wanted};
 use crate::plot::Drawing;
 use crate::post::{self, ProgramJob};
 use crate::toolpath::units::rounded_up_mm;
 
-/// Writes a toolpath as an NC program, with a certificate of how far rounding has moved it.
+/// The answer in JSON.
+type WriteAnswer = Answer<WriteReport>;
+
+/// Write a toolpath as an NC program.
+///
+/// The answer is the NC program, with a proved bound of how far rounding moves the toolpath, or a picture.
 #[utoipa::path(post, path = "/v1/programs/write", operation_id = "writeProgram", tag = "programs",
     params(Wanted<Programs>), request_body = WriteRequest,
-    responses((status = 200, description = "The program, in one of its forms.", body = Answer<WriteReport>)))]
+    responses((status = 200, description = "The program, the report or a picture.", body = WriteAnswer)))]
 pub async fn write_program(
     State(app): State<Arc<App>>,
     wanted: Wanted<Programs>,
@@ -31,30 +37,30 @@ pub async fn write_program(
     answer(&app, wanted, body, write).await
 }
 
-fn write(job: WriteJob, budget: &Budget) -> Result<Outcome<WriteReport>, ApiError> {
-    let comments: Vec<String> = meta::notes(job.meta.as_ref()).chain(adjusted(job.moved_mm)).collect();
+fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
+    let comments: Vec<String> = meta::notes(meta.as_ref()).chain(adjusted(job.moved_mm)).collect();
     let warnings: Vec<Warning> = job.clearance_chosen_mm.map(clearance_chosen).into_iter().collect();
-    let cautions = job.cutting.cautions(job.tool.as_ref(), &job.program);
+    let cautions = job.cutting.cautions(setup.tool.as_ref(), &setup.program);
     let told: Vec<Warning> =
         warnings.iter().cloned().chain(cautions.into_iter().map(Warning::from)).collect();
     let program_job = ProgramJob {
-        program: &job.program,
-        tool: job.tool.as_ref(),
+        program: &setup.program,
+        tool: setup.tool.as_ref(),
         cutting: &job.cutting,
-        dialect: job.dialect,
+        dialect: setup.dialect,
         comments: &comments,
         warnings: &sheet::told(&told),
     };
     let written = post::write(&job.toolpath, &program_job, budget)?;
-    let report = WriteReport::new(&job, &written);
-    let WriteJob { toolpath, moved_mm: _, clearance_chosen_mm: _, tool, cutting, program, dialect, meta } =
-        job;
+    let report = WriteReport::new(&job, &setup, &written);
+    let Writing { toolpath, moved_mm: _, clearance_chosen_mm: _, cutting } = job;
+    let (cutting, nc) = (Some(cutting), Some(written.text));
     Ok(Outcome {
         meta,
         warnings,
         report,
-        cut: Some(Cut { toolpath, tool, cutting: Some(cutting), program, dialect, comments: Vec::new() }),
-        nc: Some(written.text),
+        product: Cut { toolpath, cutting, setup, comments: Vec::new(), nc },
         drawing: Box::new(Drawing::default),
     })
 }
@@ -63,7 +69,7 @@ fn clearance_chosen(z_mm: f64) -> Warning {
     Warning {
         code: WarningCode::ClearanceChosen,
         detail: format!(
-            "`cutting.clearance_z_mm` is absent: the program goes to z {z_mm} mm, above everything that the toolpath cuts; nothing is known of clamps"
+            "`cutting.clearance_z_mm` is absent: the program goes to z {z_mm} mm, above everything that the toolpath cuts; check that clamps are lower"
         ),
     }
 }

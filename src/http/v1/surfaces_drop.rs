@@ -9,19 +9,24 @@ use crate::budget::Budget;
 use crate::geometry::surface::source::Source;
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
-use crate::http::dto::answer::Answer;
+use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
-use crate::http::wanted::{Models, Wanted};
+use crate::http::negotiation::{Models, Wanted};
 use crate::machining::wire_model::{self, Wire};
 use crate::operations::cutter_location::{self, Error};
 use crate::plot::Drawing;
 
-/// Drops a cutter onto a surface at many places and answers where its tip is when it touches.
+/// The answer in JSON.
+type DropAnswer = Answer<DropReport, NoMembers>;
+
+/// Lower a cutter onto a surface at many places.
+///
+/// The answer is the position of the cutter's tip where the cutter touches the surface first, for every place.
 #[utoipa::path(post, path = "/v1/surfaces/drop", operation_id = "dropCutter", tag = "surfaces",
     params(Wanted<Models>), request_body = DropRequest,
-    responses((status = 200, description = "The tips, in the order of the points.", body = Answer<DropReport>)))]
+    responses((status = 200, description = "The tips, in the order of the points.", body = DropAnswer)))]
 pub async fn drop_cutter(
     State(app): State<Arc<App>>,
     wanted: Wanted<Models>,
@@ -30,7 +35,7 @@ pub async fn drop_cutter(
     answer(&app, wanted, body, locate).await
 }
 
-fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport>, ApiError> {
+fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport, ()>, ApiError> {
     let DropJob { job, meta } = job;
     let locations = cutter_location::locate(&job, budget)?;
     let surface = job.surface;
@@ -38,8 +43,7 @@ fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport>, ApiError
         meta,
         warnings: Vec::new(),
         report: DropReport::from(&locations[..]),
-        cut: None,
-        nc: None,
+        product: (),
         drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
     })
 }

@@ -12,20 +12,26 @@ use crate::geometry::surface::source::Source;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
-use crate::http::dto::milling::{MillJob, MillReport, MillRequest};
+use crate::http::dto::milling::{MillReport, MillRequest};
+use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
 use crate::http::extract::JobBody;
-use crate::http::wanted::{Toolpaths, Wanted};
+use crate::http::negotiation::{Toolpaths, Wanted};
 use crate::machining::wire_model;
-use crate::operations::surface_milling::{self, Plan};
+use crate::operations::surface_milling::{self, Job, Plan};
 use crate::plot::Drawing;
 use crate::toolpath::units::rounded_up_mm;
 
-/// Plans the finishing of a surface and answers the toolpath, the NC program that cuts it, or a picture.
+/// The answer in JSON.
+type MillAnswer = Answer<MillReport>;
+
+/// Plan the milling of a surface.
+///
+/// The answer is the toolpath with proved bounds of deviation and gouging, the NC program, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/mill", operation_id = "millSurface", tag = "surfaces",
     params(Wanted<Toolpaths>), request_body = MillRequest,
-    responses((status = 200, description = "The toolpath, in one of its forms.", body = Answer<MillReport>)))]
+    responses((status = 200, description = "The toolpath, the program or a picture.", body = MillAnswer)))]
 pub async fn mill_surface(
     State(app): State<Arc<App>>,
     wanted: Wanted<Toolpaths>,
@@ -34,22 +40,14 @@ pub async fn mill_surface(
     answer(&app, wanted, body, mill).await
 }
 
-fn mill(job: MillJob, budget: &Budget) -> Result<Outcome<MillReport>, ApiError> {
-    let MillJob { job, program, dialect, meta } = job;
+fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<MillReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
     let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         report: MillReport::from(&report),
-        cut: Some(Cut {
-            toolpath,
-            tool: Some(job.tool),
-            cutting: Some(cutting),
-            program,
-            dialect,
-            comments: vec![proved(&report)],
-        }),
-        nc: None,
+        product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
         drawing: Box::new(move || drawing(&job.surface)),
     })
 }
@@ -77,43 +75,43 @@ impl From<&surface_milling::Warning> for Warning {
             }
             surface_milling::Warning::ScallopNotProved => Self {
                 code: WarningCode::ScallopNotProved,
-                detail: "no height left between passes is stated: the cutter is no ball, or cannot follow the surface everywhere"
+                detail: "the report has no scallop height, because the cutter is no ball or cannot follow the surface everywhere"
                     .into(),
             },
             surface_milling::Warning::ShortPiecesLeftOut { count, longest_mm } => Self {
                 code: WarningCode::ShortPiecesLeftOut,
                 detail: format!(
-                    "pieces of passes that are shorter than a tenth of the cutter's radius are left out, and what they would cut is left: {count}, the longest {:.4} mm",
+                    "{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm",
                     rounded_up_mm(*longest_mm)
                 ),
             },
             surface_milling::Warning::PartSmallerThanCutter => Self {
                 code: WarningCode::PartSmallerThanCutter,
-                detail: "the part is smaller than the cutter both ways: are its points in millimetres?".into(),
+                detail: "the part is smaller than the cutter along x and along y: check that the points are in mm".into(),
             },
             surface_milling::Warning::StockNotGiven { approach_mm } => Self {
                 code: WarningCode::StockNotGiven,
                 detail: format!(
-                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface, and no more may stand on it"
+                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface, and no higher stock may stand there"
                 ),
             },
             surface_milling::Warning::EntryNotClear { count } => Self {
                 code: WarningCode::EntryNotClear,
                 detail: format!(
-                    "{count} entries and exits have no room for what was asked for: there the cutter goes straight down or up"
+                    "{count} entries and exits have no room: there the cutter goes straight down or up"
                 ),
             },
             surface_milling::Warning::RoughingPathGouges { depth_mm } => Self {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(
-                    "this path is for roughing: it cuts into the surface by up to {:.4} mm",
+                    "the path is for roughing and cuts up to {:.4} mm into the surface",
                     rounded_up_mm(*depth_mm)
                 ),
             },
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
                 detail: format!(
-                    "passes {stepover_mm} mm apart do not meet everywhere: stock is left between them"
+                    "passes {stepover_mm} mm apart do not meet everywhere: material stays between the passes"
                 ),
             },
         }

@@ -8,21 +8,26 @@ use axum::response::Response;
 use crate::budget::Budget;
 use crate::http::App;
 use crate::http::answer::{Outcome, answer};
-use crate::http::dto::answer::Answer;
+use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::modelling::{ModelJob, ModelReport, ModelRequest};
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::extract::JobBody;
+use crate::http::negotiation::{Models, Wanted};
 use crate::http::pointer::Pointer;
-use crate::http::wanted::{Models, Wanted};
 use crate::machining::wire_model::{WireError, sketch};
 use crate::operations::surface_model::{self, Error};
 use crate::plot::Drawing;
 
-/// Models a surface and answers what it is like, or a picture of it.
+/// The answer in JSON.
+type ModelAnswer = Answer<ModelReport, NoMembers>;
+
+/// Describe a surface.
+///
+/// The answer is the patches, bounds, curvature and wires of the surface, or a picture.
 #[utoipa::path(post, path = "/v1/surfaces/model", operation_id = "modelSurface", tag = "surfaces",
     params(Wanted<Models>), request_body = ModelRequest,
-    responses((status = 200, description = "The model, in one of its forms.", body = Answer<ModelReport>)))]
+    responses((status = 200, description = "The description or a picture.", body = ModelAnswer)))]
 pub async fn model_surface(
     State(app): State<Arc<App>>,
     wanted: Wanted<Models>,
@@ -31,7 +36,7 @@ pub async fn model_surface(
     answer(&app, wanted, body, model).await
 }
 
-fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiError> {
+fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, ApiError> {
     let ModelJob { job, with_patches, meta } = job;
     let model = surface_model::model(&job, budget)?;
     // The wires that were asked for lie on the picture; else a few curves do.
@@ -44,8 +49,7 @@ fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport>, ApiErro
         meta,
         warnings: model.warnings.iter().map(Warning::from).collect(),
         report: ModelReport::new(model, with_patches)?,
-        cut: None,
-        nc: None,
+        product: (),
         drawing: Box::new(drawing),
     })
 }
@@ -58,11 +62,11 @@ impl From<&surface_model::Warning> for Warning {
             }
             surface_model::Warning::NotSmooth(fault) => Self {
                 code: WarningCode::NotSmooth,
-                detail: format!("{fault}: it cannot be milled as it is"),
+                detail: format!("{fault}: the surface cannot be milled like this"),
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,
-                detail: "the surface has a place without a normal, such as a pole, or one too like it to tell: no curvature is stated"
+                detail: "the surface has, or may have, a place without a normal, such as a pole: the report has no curvature"
                     .into(),
             },
         }

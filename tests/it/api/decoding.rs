@@ -154,7 +154,7 @@ async fn an_exceeded_limit_is_named_with_its_value_and_maximum() {
     assert_eq!(answer.violations(), [("limit_exceeded".to_owned(), "#/surface/points".to_owned())]);
     let problem = answer.problem();
     let detail = problem["errors"][0]["detail"].as_str().unwrap_or_default();
-    assert_eq!(detail, "4 surface points; at most 3 are allowed");
+    assert_eq!(detail, "the surface has 4 points; send at most 3");
     let fine = with("/strategy", json!({ "kind": "cl_cartesian", "plane": "yz", "stepover_mm": 0.01 }));
     let app = super::support::app(&["--workers", "1", "--max-sections", "100"]);
     let answer = post(&app, MILL, fine, &[]).await;

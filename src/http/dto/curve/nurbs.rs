@@ -2,65 +2,52 @@
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{ArrayBuilder, Schema, SchemaType, Type};
 
-use super::check_points;
+use super::{CurvePoints, check_points};
 use crate::config::Limits;
 use crate::geometry::plane_curve::nurbs as core;
-use crate::http::dto::check::Range;
-use crate::http::dto::check::Violations;
-use crate::http::dto::point::{PlanePoint, row_schema_of};
-use crate::http::dto::surface::nurbs::{WEIGHTS, check_knots, number};
+use crate::http::decode::tagged::Kind;
+use crate::http::dto::check::{Range, Violations};
+use crate::http::dto::point::PlanePoint;
+use crate::http::dto::schema::{array_of, number, schema_of};
+use crate::http::dto::surface::nurbs::{WEIGHTS, check_knots};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
 /// Degrees that can be read.
 const DEGREES: (u32, u32) = (1, 7);
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = NurbsCurveKind)]
-pub enum NurbsKind {
-    Nurbs,
-}
-
-/// A rational B-spline curve. The knot vector is full: as many knots as control points, and the degree and one more; it need
-/// not be clamped.
+/// A rational B-spline curve. The knot vector has as many knots as there are control points, plus the degree, plus 1. The knot
+/// vector need not be clamped.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = NurbsCurve)]
 pub struct Nurbs {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: NurbsKind,
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Degree of the curve: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree: u32,
-    /// Not falling.
-    #[schema(schema_with = knots_schema)]
+    /// Knots: plain numbers that never fall.
+    #[schema(value_type = CurveKnots)]
     knots: Vec<f64>,
-    /// In the plane: not multiplied by the weights.
-    #[schema(schema_with = points_schema)]
+    /// Control points `[x, y]` in mm. The coordinates are not multiplied by the weights.
+    #[schema(value_type = CurvePoints)]
     control_points: Vec<PlanePoint>,
-    /// Above zero, no two with a quotient above 1e6. Default: all 1.
-    #[schema(schema_with = weights_schema)]
+    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight pulls the curve
+    /// towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    #[schema(value_type = Option<CurveWeights>)]
     weights: Option<Vec<f64>>,
 }
 
-fn knots_schema() -> Schema {
-    let most = Limits::DEFAULT.curve_points + DEGREES.1 as usize + 1;
-    ArrayBuilder::new().items(number(Range::COORDINATE)).min_items(Some(4)).max_items(Some(most)).into()
-}
+schema_of!(CurveKnots, "Knots: numbers that never fall.", {
+    array_of(number(Range::COORDINATE), 4, Limits::DEFAULT.curve_points + DEGREES.1 as usize + 1)
+});
 
-fn points_schema() -> Schema {
-    row_schema_of::<PlanePoint>(Limits::DEFAULT.curve_points).into()
-}
-
-fn weights_schema() -> Schema {
-    let most = Limits::DEFAULT.curve_points;
-    let weights = ArrayBuilder::new().items(number(WEIGHTS)).min_items(Some(2)).max_items(Some(most));
-    // Null is read as nothing.
-    weights.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
-}
+schema_of!(CurveWeights, "Weights, one for each control point.", {
+    array_of(number(WEIGHTS), 2, Limits::DEFAULT.curve_points)
+});
 
 impl Nurbs {
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
@@ -76,7 +63,11 @@ impl Nurbs {
         let Some(weights) = weights else { return };
         let at = at.field("weights");
         if weights.len() != control_points.len() {
-            let detail = format!("{} weights for {} control points", weights.len(), control_points.len());
+            let detail = format!(
+                "there are {} weights for {} control points; send equally many",
+                weights.len(),
+                control_points.len()
+            );
             violations.add(&at, FieldCode::WrongLength, detail);
         }
         for (k, weight) in weights.iter().enumerate().filter(|(_, weight)| !WEIGHTS.holds(**weight)) {

@@ -6,26 +6,21 @@ use utoipa::ToSchema;
 use super::super::check::{Range, Violations};
 use super::super::milling::Boundary;
 use super::{Sections, check_count};
+use crate::http::decode::tagged::Kind;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum WireUnionKind {
-    WireUnion,
-}
-
-/// For roughing: the tip passes, one way, over wires of the surface at constant y, at the largest height of each and of the wires within
-/// the cutter's radius beside it. The path **cuts into the surface** where that slopes along the wires; how deep is proved, and
-/// said in a warning. Lines, any cutter, `boundary: on`.
+/// Roughing passes along wires of the surface at constant y, all in one direction. The tip runs at the largest height of the wire
+/// and of all wires within the cutter's radius beside the wire. Where the surface slopes along the wires, the path **cuts into the
+/// surface**; a warning tells the proved depth. The passes are lines. Any cutter may be used. `boundary` must be `on`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WireUnion {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: WireUnionKind,
-    /// Largest distance of neighbouring wires.
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Largest distance of neighbouring wires, in mm. A larger pitch makes fewer passes.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pitch_mm: f64,
 }
@@ -51,7 +46,7 @@ impl Sections {
             violations.add(
                 at,
                 FieldCode::Conflict,
-                "the cutter comes to the wires of `wire_union` straight down",
+                "`wire_union` moves straight down and straight up: leave `entry` and `exit` out",
             );
         }
     }
@@ -60,7 +55,7 @@ impl Sections {
     pub fn check_boundary(&self, at: &Pointer, boundary: Boundary, violations: &mut Violations) {
         let is_union = matches!(self.spacing, core::Spacing::WirePitch(_));
         if is_union && matches!(boundary, Boundary::Inside | Boundary::Past) {
-            let detail = "the wires of `wire_union` end on the edge of the surface";
+            let detail = "the wires of `wire_union` end on the edge of the surface: send `boundary: on`";
             violations.add(at, FieldCode::Conflict, detail);
         }
     }

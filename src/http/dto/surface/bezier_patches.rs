@@ -2,49 +2,38 @@
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{ArrayBuilder, Schema};
-use utoipa::openapi::{Ref, RefOr};
+use utoipa::openapi::Ref;
 
 use crate::config::Limits;
 use crate::geometry::surface::net_grid as core;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
+use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
 /// Control points of one patch.
 const POINTS: usize = 16;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum BezierPatchesKind {
-    BezierPatches,
-}
-
-/// Bicubic Bezier patches side by side, which share their boundaries.
+/// Bicubic Bezier patches side by side. Neighbouring patches share the control points of their common boundary.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BezierPatches {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: BezierPatchesKind,
-    /// `patches[i][j][a][b]`: rows of 4 x 4 control nets, i and a along u. Every row is as long as the first; the number
-    /// of control points is limited in all.
-    #[schema(schema_with = schema)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Control points in mm: `patches[i][j][a][b]` is point a, b of the 4 x 4 control net of patch i, j. Indices i and a
+    /// run along u, indices j and b along v. Every row has as many patches as the first row.
+    #[schema(value_type = BezierNets)]
     patches: Vec<Vec<[[Point; 4]; 4]>>,
 }
 
-fn schema() -> Schema {
-    let array = |items: RefOr<Schema>, least: usize, most: usize| -> RefOr<Schema> {
-        ArrayBuilder::new().items(items).min_items(Some(least)).max_items(Some(most)).into()
-    };
-    let net = array(array(Ref::from_schema_name("Point").into(), 4, 4), 4, 4);
+schema_of!(BezierNets, "Rows of 4 x 4 control nets, in mm.", {
+    let net = array_of(array_of(Ref::from_schema_name("Point"), 4, 4), 4, 4);
     let most = Limits::DEFAULT.surface_points / POINTS;
-    match array(array(net, 1, most), 1, most) {
-        RefOr::T(schema) => schema,
-        RefOr::Ref(_) => Schema::default(),
-    }
-}
+    array_of(array_of(net, 1, most), 1, most)
+});
 
 impl BezierPatches {
     pub fn points(&self) -> impl Iterator<Item = &Point> {
@@ -56,17 +45,21 @@ impl BezierPatches {
         let at = at.field("patches");
         let total: usize = patches.iter().map(|row| POINTS * row.len().max(1)).sum();
         if total > limits.surface_points {
-            let detail = format!("{total} control points; at most {} are allowed", limits.surface_points);
+            let detail =
+                format!("the surface has {total} control points; send at most {}", limits.surface_points);
             violations.add(&at, FieldCode::LimitExceeded, detail);
             return;
         }
         let columns = patches.first().map_or(0, Vec::len);
         if columns == 0 {
-            violations.add(&at, FieldCode::TooFewPoints, "no patch; at least one is needed");
+            violations.add(&at, FieldCode::TooFewPoints, "there is no patch; send at least one");
         }
         for (i, row) in patches.iter().enumerate() {
             if row.len() != columns {
-                let detail = format!("{} patches where row 0 has {columns}", row.len());
+                let detail = format!(
+                    "the row has {} patches and row 0 has {columns}; make all rows equally long",
+                    row.len()
+                );
                 violations.add(&at.index(i), FieldCode::RaggedGrid, detail);
             }
             for (j, net) in row.iter().enumerate() {

@@ -3,37 +3,35 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::grid;
+use super::grid::{self, PointRows};
 use crate::config::Limits;
 use crate::geometry::surface::ferguson as core;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
 use crate::http::pointer::Pointer;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FergusonKind {
-    Ferguson,
-}
-
-/// Points with given tangents at each: Ferguson's composite surface. All grids are of the size of `points`.
+/// Points with given tangents: Ferguson's composite surface. `tangents_u`, `tangents_v` and `twists` have as many rows, and
+/// rows as long, as `points`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ferguson {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: FergusonKind,
-    /// `points[i][j]`, i along u: at least 2 rows of at least 2 points.
-    #[schema(schema_with = grid::schema)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2 rows of at least
+    /// 2 points.
+    #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
-    /// Derivatives by the parameter along u that grows by one from point to point.
-    #[schema(schema_with = grid::schema)]
+    /// Tangent vectors along u at the points, in mm: the derivative by a parameter that grows by 1 from point to point. A
+    /// longer vector holds the direction for longer.
+    #[schema(value_type = PointRows)]
     tangents_u: Vec<Vec<Point>>,
-    /// Derivatives by the parameter along v.
-    #[schema(schema_with = grid::schema)]
+    /// Tangent vectors along v at the points, in mm: the derivative by a parameter that grows by 1 from point to point.
+    #[schema(value_type = PointRows)]
     tangents_v: Vec<Vec<Point>>,
-    /// Mixed derivatives. Default: zero.
-    #[schema(schema_with = grid::optional_schema)]
+    /// Twist vectors at the points, in mm: the mixed derivatives along u and v. Default: zero everywhere.
+    #[schema(value_type = Option<PointRows>)]
     twists: Option<Vec<Vec<Point>>>,
 }
 

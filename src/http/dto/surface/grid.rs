@@ -1,27 +1,22 @@
 //! Grids of points, vectors and numbers.
 
-use utoipa::openapi::schema::{ArrayBuilder, Schema, SchemaType, Type};
+use utoipa::openapi::Ref;
 
 use crate::config::Limits;
 use crate::http::dto::check::Violations;
-use crate::http::dto::point::{Point, row_schema};
+use crate::http::dto::point::Point;
+use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// At least 2 rows of at least 2 points.
-pub fn schema() -> Schema {
-    rows().into()
-}
-
-/// As [`schema`], or null, which is read as nothing.
-pub fn optional_schema() -> Schema {
-    rows().schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
-}
-
-fn rows() -> ArrayBuilder {
-    let most = Limits::DEFAULT.surface_points / 2;
-    ArrayBuilder::new().items(row_schema(most)).min_items(Some(2)).max_items(Some(most))
-}
+schema_of!(
+    PointRows,
+    "Rows of points or vectors `[x, y, z]`, in mm. Every row is as long as the first row.",
+    {
+        let most = Limits::DEFAULT.surface_points / 2;
+        array_of(array_of(Ref::from_schema_name("Point"), 2, most), 2, most)
+    }
+);
 
 /// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing where there are
 /// too many to look at.
@@ -34,22 +29,25 @@ pub fn check_points(
     // Empty rows count too, lest they make violations without end.
     let total: usize = points.iter().map(|row| row.len().max(1)).sum();
     if total > limits.surface_points {
-        let detail = format!("{total} surface points; at most {} are allowed", limits.surface_points);
+        let detail = format!("the surface has {total} points; send at most {}", limits.surface_points);
         violations.add(at, FieldCode::LimitExceeded, detail);
         return None;
     }
     if points.len() < 2 {
-        let detail = format!("{} rows; at least 2 are needed", points.len());
+        let detail = format!("there are {} rows; send at least 2", points.len());
         violations.add(at, FieldCode::TooFewPoints, detail);
     }
     let columns = points.first().map_or(0, Vec::len);
     for (i, row) in points.iter().enumerate() {
         let at_row = at.index(i);
         if row.len() < 2 {
-            let detail = format!("{} points; at least 2 are needed", row.len());
+            let detail = format!("the row has {} points; send at least 2", row.len());
             violations.add(&at_row, FieldCode::TooFewPoints, detail);
         } else if row.len() != columns {
-            let detail = format!("{} points where row 0 has {columns}", row.len());
+            let detail = format!(
+                "the row has {} points and row 0 has {columns}; make all rows equally long",
+                row.len()
+            );
             violations.add(&at_row, FieldCode::RaggedGrid, detail);
         }
         check_row(&at_row, row, violations);
@@ -66,14 +64,14 @@ pub fn check_like<T>(
     check_row: impl Fn(&Pointer, &[T], &mut Violations),
 ) {
     if grid.len() != rows {
-        let detail = format!("{} rows; there are {rows} rows of points", grid.len());
+        let detail = format!("there are {} rows for {rows} rows of points; send equally many", grid.len());
         violations.add(at, FieldCode::WrongLength, detail);
         return;
     }
     for (i, row) in grid.iter().enumerate() {
         let at_row = at.index(i);
         if row.len() != columns {
-            let detail = format!("{} entries; there are {columns} points in a row", row.len());
+            let detail = format!("the row has {} entries for {columns} points; send equally many", row.len());
             violations.add(&at_row, FieldCode::WrongLength, detail);
         }
         check_row(&at_row, row, violations);

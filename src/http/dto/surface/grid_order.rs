@@ -32,7 +32,7 @@ pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violat
     let is_same = |a: &Point3<f64>, b: &Point3<f64>| (a - b).norm() <= SAME_MM;
     let first = rows[0][0];
     if rows.iter().flatten().all(|p| is_same(p, &first)) {
-        violations.add(at, FieldCode::Coincident, "all points are the same");
+        violations.add(at, FieldCode::Coincident, "all points are the same: send points of a surface");
         return;
     }
     let repeats = |pair: &[Vec<Point3<f64>>]| pair[0].iter().zip(&pair[1]).all(|(a, b)| is_same(a, b));
@@ -46,15 +46,17 @@ pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violat
         violations.add(&at.index(0).index(j), FieldCode::Coincident, detail);
     }
     if let Some(i) = rows.windows(2).position(|pair| is_reversed(&pair[0], &pair[1])) {
-        let detail =
-            format!("row {} runs the other way than row {i}: reverse it, so that all rows run alike", i + 1);
+        let detail = format!(
+            "row {} runs the other way than row {i}: reverse the row, so that all rows run alike",
+            i + 1
+        );
         violations.add(&at.index(i + 1), FieldCode::ReversedRow, detail);
     } else if refuses_outliers
         && let Some(Outlier { place: [i, j], from_neighbours, between }) = outlier(&rows)
     {
         let detail = format!(
-            "the point is {from_neighbours:.4} mm away from the nearest of its neighbours, which lie at most {between:.4} mm from theirs: \
-             correct it, or say `outliers: accept`"
+            "the point is {from_neighbours:.4} mm from its nearest neighbour, and the neighbours are at most {between:.4} mm from each \
+             other: correct the point, or send `outliers: accept`"
         );
         violations.add(&at.index(i).index(j), FieldCode::Outlier, detail);
     }

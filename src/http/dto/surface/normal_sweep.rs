@@ -7,30 +7,26 @@ use utoipa::ToSchema;
 use super::section_text::{Room, SectionText};
 use crate::config::Limits;
 use crate::geometry::surface::normal_sweep as core;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum NormalSweepKind {
-    NormalSweep,
-}
-
-/// A drive curve in a plane that stays at right angles to a basic curve in the xy plane and is carried along it. Exact along
-/// lines and arcs of the basic curve, within 1e-6 mm along its smooth curves.
+/// A drive curve carried along a basic curve in the xy plane. The drive curve's plane stays at right angles to the basic
+/// curve. The surface is exact along lines and arcs of the basic curve, and within 1e-6 mm along smooth curves.
 ///
-/// A sharp corner of the basic curve between two lines is mitred, also where a closed curve ends; beside an arc or a smooth
-/// curve it is refused. So is a drive curve that reaches beyond the centre of a rounding, or beyond where mitres meet. A
-/// sharp corner of either curve is an edge of the surface.
+/// A sharp corner of the basic curve between two lines is mitred, also where a closed curve ends. A sharp corner beside an
+/// arc or a smooth curve is refused. A drive curve is refused that reaches beyond the centre of a rounding, or beyond the
+/// place where mitres meet. A sharp corner of either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NormalSweep {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: NormalSweepKind,
-    /// Along u, in the xy plane: two coordinates a point.
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The basic curve, along u in the xy plane: points `x,y` in mm.
     basic: SectionText,
-    /// Along v: two coordinates a point, to the left of the basic curve seen from above, and up.
+    /// The drive curve, along v: points in mm, first the distance to the left of the basic curve seen from above, then the
+    /// height.
     drive: SectionText,
 }
 

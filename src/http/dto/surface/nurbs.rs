@@ -2,75 +2,59 @@
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{
-    ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, SchemaType, Type,
-};
 
-use super::grid;
+use super::grid::{self, PointRows};
 use crate::config::Limits;
 use crate::geometry::surface::nurbs as core;
 use crate::geometry::surface::patch::rational::MAX_DEGREE;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use crate::http::dto::point::Point;
+use crate::http::dto::schema::{array_of, number, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
 /// Weights; only their ratios matter.
 pub const WEIGHTS: Range = Range { min: 1e-6, max: 1e6 };
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum NurbsKind {
-    Nurbs,
-}
-
-/// A rational B-spline surface. Knot vectors are full: as many knots as control points, and the degree and one more;
-/// they need not be clamped.
+/// A rational B-spline surface. Each knot vector has as many knots as there are control points along its direction, plus the
+/// degree, plus 1. The knot vectors need not be clamped.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Nurbs {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: NurbsKind,
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Degree along u: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree_u: u32,
+    /// Degree along v: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree_v: u32,
-    /// Not falling; inside the domain no knot stands more often than the degree.
-    #[schema(schema_with = knots_schema)]
+    /// Knots along u: plain numbers that never fall. Inside the domain no knot is repeated more often than the degree.
+    #[schema(value_type = SurfaceKnots)]
     knots_u: Vec<f64>,
-    #[schema(schema_with = knots_schema)]
+    /// Knots along v: plain numbers that never fall. Inside the domain no knot is repeated more often than the degree.
+    #[schema(value_type = SurfaceKnots)]
     knots_v: Vec<f64>,
-    /// `control_points[i][j]`, i along u, in space: not multiplied by the weights.
-    #[schema(schema_with = grid::schema)]
+    /// Control points in mm: `control_points[i][j]`, i along u and j along v. The coordinates are not multiplied by the
+    /// weights.
+    #[schema(value_type = PointRows)]
     control_points: Vec<Vec<Point>>,
-    /// Above zero, no two with a quotient above 1e6. Default: all 1.
-    #[schema(schema_with = weights_schema)]
+    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight pulls the surface
+    /// towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    #[schema(value_type = Option<SurfaceWeights>)]
     weights: Option<Vec<Vec<f64>>>,
 }
 
-fn knots_schema() -> Schema {
-    let most = Limits::DEFAULT.surface_points / 2 + MAX_DEGREE + 1;
-    let knots = ArrayBuilder::new().items(number(Range::COORDINATE));
-    knots.min_items(Some(4)).max_items(Some(most)).into()
-}
+schema_of!(SurfaceKnots, "Knots: numbers that never fall.", {
+    array_of(number(Range::COORDINATE), 4, Limits::DEFAULT.surface_points / 2 + MAX_DEGREE + 1)
+});
 
-fn weights_schema() -> Schema {
+schema_of!(SurfaceWeights, "Rows of weights, one for each control point.", {
     let most = Limits::DEFAULT.surface_points / 2;
-    let row = ArrayBuilder::new().items(number(WEIGHTS)).min_items(Some(2)).max_items(Some(most));
-    let rows = ArrayBuilder::new().items(row).min_items(Some(2)).max_items(Some(most));
-    // Null is read as nothing.
-    rows.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).into()
-}
-
-/// The schema of a number in a range.
-pub fn number(range: Range) -> ObjectBuilder {
-    ObjectBuilder::new()
-        .schema_type(Type::Number)
-        .format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
-        .minimum(Some(range.min))
-        .maximum(Some(range.max))
-}
+    array_of(array_of(number(WEIGHTS), 2, most), 2, most)
+});
 
 impl Nurbs {
     pub fn points(&self) -> impl Iterator<Item = &Point> {
@@ -106,7 +90,8 @@ impl Nurbs {
 /// Looks at a knot vector that is to have `expected` knots.
 pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violations: &mut Violations) {
     if let Some(expected) = expected.filter(|expected| knots.len() != *expected) {
-        let detail = format!("{} knots; control points and degree ask for {expected}", knots.len());
+        let detail =
+            format!("there are {} knots; the control points and the degree need {expected}", knots.len());
         violations.add(at, FieldCode::WrongLength, detail);
     }
     for (k, knot) in knots.iter().enumerate() {
@@ -115,7 +100,8 @@ pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violati
         }
     }
     if let Some(k) = knots.windows(2).position(|pair| pair[1] < pair[0]) {
-        let detail = format!("{} is below {} before it", knots[k + 1], knots[k]);
+        let detail =
+            format!("the knot {} is below the knot {} before; knots never fall", knots[k + 1], knots[k]);
         violations.add(&at.index(k + 1), FieldCode::OutOfRange, detail);
     }
 }

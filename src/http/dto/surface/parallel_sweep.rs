@@ -8,26 +8,22 @@ use super::section_text::{Room, SectionText};
 use crate::config::Limits;
 use crate::geometry::profile::Profile;
 use crate::geometry::surface::parallel_sweep as core;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ParallelSweepKind {
-    ParallelSweep,
-}
-
-/// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). It starts at the basic
-/// curve's start wherever the drive curve is written. Exact. A sharp corner of either curve is an edge of the surface.
+/// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). The surface starts at the start
+/// of the basic curve, wherever the drive curve lies. The surface is exact. A sharp corner of either curve is an edge of the
+/// surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParallelSweep {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: ParallelSweepKind,
-    /// Along u. With two coordinates a point it lies in the xz plane.
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The basic curve, along u: points `x,y,z` in mm. A curve of points with two coordinates lies in the xz plane.
     basic: SectionText,
-    /// Along v. With two coordinates a point it lies in the yz plane.
+    /// The drive curve, along v: points `x,y,z` in mm. A curve of points with two coordinates lies in the yz plane.
     drive: SectionText,
 }
 

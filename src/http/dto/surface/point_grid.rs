@@ -3,46 +3,47 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::schema::Schema;
+use utoipa::openapi::Ref;
 
-use super::{grid, grid_order};
+use super::grid::{self, PointRows};
+use super::grid_order;
 use crate::config::Limits;
 use crate::geometry::surface::point_grid as core;
+use crate::http::decode::object;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
-use crate::http::dto::object;
-use crate::http::dto::point::{Point, row_schema};
+use crate::http::dto::names::into_core;
+use crate::http::dto::point::Point;
+use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PointGridKind {
-    PointGrid,
-}
-
-/// Measured points, joined by a smooth surface with uniform parameters.
+/// Measured points, joined by a smooth surface: bicubic splines with uniform parameters.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointGrid {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: PointGridKind,
-    /// `points[i][j]`, i along u: at least 2 rows of at least 2 points, every row as long as the first. The number of
-    /// points is limited in all.
-    #[schema(schema_with = grid::schema)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2 rows of at least
+    /// 2 points, every row as long as the first row.
+    #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
-    /// How the mixed derivatives at the points are chosen: those of the cubic spline, or zero.
+    /// The mixed derivatives at the points: `spline` takes the derivatives of the cubic spline, `zero` takes zero.
     #[serde(default)]
     #[schema(default = "spline")]
     twist: Twist,
-    /// The end conditions of the splines; `clamped` takes the tangents of `end_tangents`. `natural` has no curvature at the
-    /// edges, which bends the rim of a part that was measured. Default: `not_a_knot`.
+    /// The end conditions of the splines. `not_a_knot` makes the first two and the last two spans one cubic each. `natural` has
+    /// no curvature at the edges, which bends the rim of a measured part. `clamped` takes the tangents of `end_tangents`.
+    /// `bessel` takes the slope of the parabola through the three points nearest the edge. Without `ends` the surface is that of
+    /// `not_a_knot`, and no warning tells of fewer than 4 points.
     ends: Option<Ends>,
-    /// What happens where a point lies far away from all of its neighbours, five times as far as they lie from each other: mostly it is a
-    /// mistake, and takes long to mill.
+    /// What to do with a point that is five times as far from its neighbours as the neighbours are from each other. Such a
+    /// point is mostly a mistake and takes long to mill. `refuse` answers an error, `accept` mills the point.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,
+    /// Tangents at the boundaries, in mm; required with `ends: clamped` and refused without.
     #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
 }
@@ -72,28 +73,30 @@ pub enum Outliers {
     Accept,
 }
 
-/// Tangents along the boundaries, one vector for each boundary point: derivatives by the parameter that grows by one
+/// Tangents across the boundaries, in mm, one vector for each boundary point: the derivative by a parameter that grows by 1
 /// from point to point.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EndTangents {
-    /// Along `points[0]`.
-    #[schema(schema_with = tangents_schema)]
+    /// Tangents along u at the points of the first row, in mm.
+    #[schema(value_type = TangentRow)]
     u0: Vec<Point>,
-    /// Along the last row of `points`.
-    #[schema(schema_with = tangents_schema)]
+    /// Tangents along u at the points of the last row, in mm.
+    #[schema(value_type = TangentRow)]
     u1: Vec<Point>,
-    /// Along the first points of the rows.
-    #[schema(schema_with = tangents_schema)]
+    /// Tangents along v at the first point of each row, in mm.
+    #[schema(value_type = TangentRow)]
     v0: Vec<Point>,
-    /// Along the last points of the rows.
-    #[schema(schema_with = tangents_schema)]
+    /// Tangents along v at the last point of each row, in mm.
+    #[schema(value_type = TangentRow)]
     v1: Vec<Point>,
 }
 
-fn tangents_schema() -> Schema {
-    row_schema(Limits::DEFAULT.surface_points / 2).into()
-}
+schema_of!(TangentRow, "Vectors `[x, y, z]`, in mm, one for each point of a boundary.", {
+    array_of(Ref::from_schema_name("Point"), 2, Limits::DEFAULT.surface_points / 2)
+});
+
+into_core!(Twist => core::Twist, [Spline, Zero]);
 
 impl PointGrid {
     pub fn points(&self) -> impl Iterator<Item = &Point> {
@@ -112,7 +115,7 @@ impl PointGrid {
                 violations.add(&at_tangents, FieldCode::MissingField, detail);
             }
             (_, Some(_)) => {
-                let detail = "`end_tangents` has a meaning with `ends: clamped` only";
+                let detail = "`end_tangents` needs `ends: clamped`";
                 violations.add(&at_tangents, FieldCode::UnknownField, detail);
             }
             (_, None) => {}
@@ -128,7 +131,10 @@ impl EndTangents {
         {
             let at = at.field(name);
             if side.len() != expected {
-                let detail = format!("{} vectors; there are {expected} boundary points", side.len());
+                let detail = format!(
+                    "there are {} vectors for {expected} boundary points; send equally many",
+                    side.len()
+                );
                 violations.add(&at, FieldCode::WrongLength, detail);
             }
             for (k, vector) in side.iter().enumerate() {
@@ -143,10 +149,7 @@ impl From<PointGrid> for core::PointGrid {
     fn from(PointGrid { _kind: _, points, twist, ends, outliers: _, end_tangents }: PointGrid) -> Self {
         Self {
             points: grid::converted(points),
-            twist: match twist {
-                Twist::Spline => core::Twist::Spline,
-                Twist::Zero => core::Twist::Zero,
-            },
+            twist: twist.into(),
             ends: match (ends, end_tangents) {
                 (Some(Ends::Clamped), Some(tangents)) => core::Ends::Clamped(tangents.into()),
                 (None | Some(Ends::Clamped), _) => core::Ends::Usual,

@@ -8,27 +8,23 @@ use super::section_text::{Room, SectionText};
 use crate::config::Limits;
 use crate::geometry::profile::Profile;
 use crate::geometry::surface::ruled as core;
+use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RuledKind {
-    Ruled,
-}
-
-/// Two curves whose points at equal fractions of their lengths are joined by straight lines. Exact between two lines and
-/// between two arcs that turn equally, within 1e-6 mm between others. A sharp corner of either curve is an edge of the
-/// surface.
+/// Two curves joined by straight lines, which join points at equal fractions of the lengths of the curves. The surface is exact
+/// between two lines and between two arcs that turn equally, and within 1e-6 mm between other curves. A sharp corner of
+/// either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ruled {
     #[serde(rename = "kind")]
-    #[schema(inline)]
-    _kind: RuledKind,
-    /// Along u, at v = 0. With two coordinates a point it lies in the xy plane.
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The first curve, along u at v = 0: points `x,y,z` in mm. A curve of points with two coordinates lies in the xy plane.
     first: SectionText,
-    /// Along u, at the largest v. With two coordinates a point it lies in the xy plane.
+    /// The second curve, along u at the largest v: points `x,y,z` in mm. A curve of points with two coordinates lies in the
+    /// xy plane.
     second: SectionText,
 }
 

@@ -11,10 +11,10 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::language::section_curve::{Fault, SectionCurve, SectionCurveError};
 
-/// A curve in the language of section curves, mm: `l(x,y)` is a corner of a polyline, `r(x,y,R)` a corner rounded by the
-/// radius R (0 leaves it sharp), `b((x,y),...)` a smooth curve through points, the C2 cubic with uniform parameters and
-/// natural ends. Items are separated by white space. With three coordinates a point it is a curve in space: `l(x,y,z)`,
-/// `r(x,y,z,R)`, `b((x,y,z),...)`.
+/// A curve in the language of section curves, in mm. `l(x,y)` is a corner of a polyline. `r(x,y,R)` is a corner rounded by the
+/// radius R; R = 0 leaves the corner sharp. `b((x,y),...)` is a smooth curve through points: the C2 cubic spline with uniform
+/// parameters and natural ends. White space separates the items. Points with three coordinates make a curve in space:
+/// `l(x,y,z)`, `r(x,y,z,R)`, `b((x,y,z),...)`.
 #[derive(Debug, ToSchema)]
 #[schema(as = SectionText, value_type = String, max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
 pub struct SectionText(Result<SectionCurve, SectionCurveError>);
@@ -50,15 +50,17 @@ impl SectionText {
             Ok(SectionCurve::Plane(chain)) => chain.segments().len(),
             Ok(SectionCurve::Space(chain)) => {
                 if room == Room::PlaneOnly {
-                    let detail = "the curve is in space; here a point has two coordinates";
+                    let detail = "the curve must lie in a plane: send points with two coordinates";
                     violations.add(at, FieldCode::WrongLength, detail);
                 }
                 chain.segments().len()
             }
         };
         if n_segments > limits.curve_points {
-            let detail =
-                format!("{n_segments} lines, arcs and cubics; at most {} are allowed", limits.curve_points);
+            let detail = format!(
+                "the curve has {n_segments} lines, arcs and cubics; send at most {}",
+                limits.curve_points
+            );
             violations.add(at, FieldCode::LimitExceeded, detail);
         }
     }

@@ -19,12 +19,12 @@ const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 
 /// The memory for request bodies, shared by all requests.
 #[derive(Debug)]
-pub struct Intake {
+pub struct BodyMemory {
     held: AtomicUsize,
     most: usize,
 }
 
-impl Intake {
+impl BodyMemory {
     pub fn new(most: usize) -> Arc<Self> {
         Arc::new(Self { held: AtomicUsize::new(0), most })
     }
@@ -35,7 +35,7 @@ impl Intake {
     }
 
     fn share(self: &Arc<Self>) -> Share {
-        Share(Arc::new(Taken { intake: Arc::clone(self), bytes: AtomicUsize::new(0) }))
+        Share(Arc::new(Taken { memory: Arc::clone(self), bytes: AtomicUsize::new(0) }))
     }
 }
 
@@ -45,7 +45,7 @@ pub struct Share(Arc<Taken>);
 
 #[derive(Debug)]
 struct Taken {
-    intake: Arc<Intake>,
+    memory: Arc<BodyMemory>,
     bytes: AtomicUsize,
 }
 
@@ -64,16 +64,16 @@ impl Share {
     /// # Errors
     /// `overloaded` when other requests hold it.
     pub fn take(&self, bytes: usize) -> Result<(), ApiError> {
-        let Taken { intake, bytes: mine } = &*self.0;
-        let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= intake.most);
-        match intake.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, added) {
+        let Taken { memory, bytes: mine } = &*self.0;
+        let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= memory.most);
+        match memory.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, added) {
             Ok(_) => {
                 mine.fetch_add(bytes, Ordering::Relaxed);
                 Ok(())
             }
             Err(_) => Err(ApiError::new(
                 Code::Overloaded,
-                format!("the bodies of all requests would exceed {} bytes", intake.most),
+                format!("the server holds {} bytes of request bodies at most; try again later", memory.most),
             )),
         }
     }
@@ -81,7 +81,7 @@ impl Share {
 
 impl Drop for Taken {
     fn drop(&mut self) {
-        self.intake.held.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
+        self.memory.held.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
     }
 }
 
@@ -92,7 +92,7 @@ pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next
         sleep(REFUSAL_PAUSE).await;
         return ApiError::from(super::compute::Failure::Overloaded).into_response();
     }
-    let share = app.intake.share();
+    let share = app.body_memory.share();
     request.extensions_mut().insert(share.clone());
     let response = next.run(request).await;
     drop(share);
@@ -105,19 +105,19 @@ mod tests {
 
     #[test]
     fn what_is_taken_is_bounded_over_all_and_comes_back() {
-        let intake = Intake::new(100);
-        let (first, second) = (intake.share(), intake.share());
+        let memory = BodyMemory::new(100);
+        let (first, second) = (memory.share(), memory.share());
         assert_eq!(first.take(60), Ok(()));
         assert_eq!(second.take(40), Ok(()));
         assert_eq!(second.take(1).map_err(|error| error.code()), Err(Code::Overloaded));
         assert_eq!(second.take(usize::MAX).map_err(|error| error.code()), Err(Code::Overloaded));
         let copy = first.clone();
         drop(first);
-        assert_eq!(intake.held(), 100);
+        assert_eq!(memory.held(), 100);
         drop(copy);
-        assert_eq!(intake.held(), 40);
+        assert_eq!(memory.held(), 40);
         assert_eq!(second.take(60), Ok(()));
         drop(second);
-        assert_eq!(intake.held(), 0);
+        assert_eq!(memory.held(), 0);
     }
 }

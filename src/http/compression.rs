@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 
-use axum::http::{Extensions, HeaderMap, StatusCode, Version, header};
+use axum::http::{Extensions, HeaderMap, HeaderName, StatusCode, Version, header};
 use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
@@ -10,7 +10,9 @@ use tower_http::compression::CompressionLayer;
 use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove};
 
 use super::error::{ApiError, Code};
-use super::output::REPR_DIGEST;
+
+/// The digest of an answer's bytes. The bytes of an answer with a digest are final.
+pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 
 pub const GZIP: &str = "gzip";
 
@@ -36,7 +38,7 @@ impl Coding {
             (None | Some(b"identity"), None) => Ok(Self::Identity),
             (Some(b"gzip" | b"x-gzip"), None) => Ok(Self::Gzip),
             _ => {
-                let detail = "a body is read as it is, or in `gzip` once";
+                let detail = "this content coding is unknown: send the body as it is, or in `gzip` once";
                 Err(ApiError::new(Code::UnsupportedCoding, detail))
             }
         }
@@ -67,13 +69,14 @@ pub fn gunzip(body: &[u8], limit: usize) -> Result<Vec<u8>, ApiError> {
     let mut decoded = Vec::new();
     let read = MultiGzDecoder::new(body).take(limit as u64 + 1).read_to_end(&mut decoded);
     if decoded.len() > limit {
-        let detail = format!("the body has more than {limit} bytes when it is decoded; more are not allowed");
+        let detail =
+            format!("the body has more than {limit} bytes after gzip is undone: send a smaller body");
         return Err(ApiError::new(Code::PayloadTooLarge, detail));
     }
     match read {
         Ok(_) => Ok(decoded),
         Err(error) => {
-            let detail = format!("the body is no gzip, or not the whole of it: {error}");
+            let detail = format!("the body is not gzip, or its end is missing: {error}");
             Err(ApiError::new(Code::BadRequest, detail))
         }
     }

@@ -1,0 +1,47 @@
+//! What every request for a toolpath says beside the part: tool, cutting conditions, program and the caller's own texts.
+
+use super::check::Violations;
+use super::cutting::Cutting;
+use super::meta::{self, Meta};
+use super::program::Program;
+use crate::http::pointer::Pointer;
+use crate::post::Dialect;
+use crate::toolpath::cutting::CuttingRequest;
+use crate::toolpath::{program, tool};
+
+/// The members that such requests share, as they were sent; the tool is checked already.
+pub struct SentSetup {
+    pub tool: Option<tool::Tool>,
+    pub cutting: Option<Cutting>,
+    pub program: Program,
+    pub meta: Option<Meta>,
+}
+
+/// The tool, and how the program is written.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    pub tool: Option<tool::Tool>,
+    pub program: program::Program,
+    pub dialect: &'static Dialect,
+}
+
+/// A job of an operation with its setup.
+#[derive(Debug)]
+pub struct JobWithSetup<J> {
+    pub job: J,
+    pub setup: Setup,
+    pub meta: Option<Meta>,
+}
+
+impl SentSetup {
+    /// The setup, the cutting conditions where legal ones were sent, and the caller's texts; with what is wrong in `violations`.
+    pub fn convert(self, violations: &mut Violations) -> (Setup, Option<CuttingRequest>, Option<Meta>) {
+        let Self { tool, cutting, program, meta } = self;
+        let root = Pointer::root();
+        let cutting = cutting.and_then(|cutting| cutting.convert(&root.field("cutting"), violations));
+        program.check(&root.field("program"), violations);
+        meta::check(meta.as_ref(), violations);
+        let (dialect, program) = program.convert();
+        (Setup { tool, program, dialect }, cutting, meta)
+    }
+}

@@ -1,0 +1,188 @@
+//! How an answer is wanted: by the query, by `Accept`, and among what its endpoint offers.
+
+use std::sync::Arc;
+
+use axum::extract::{FromRequestParts, Query};
+use axum::http::Uri;
+use axum::http::request::Parts;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use utoipa::IntoParams;
+use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
+use utoipa::openapi::schema::{ObjectBuilder, Type};
+
+use super::App;
+use super::error::{ApiError, Code};
+use super::output::{self, Representation, accept};
+use super::request_id::RequestId;
+
+/// What the endpoints of one kind answer in, and the query that they read.
+pub trait Offers {
+    /// The forms of the answer, the default first.
+    const OFFERS: &'static [Representation];
+
+    /// The names of the parameters that endpoints share, as far as these endpoints read them.
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc"];
+
+    /// The names of the endpoint's own parameters, which are the fields of `Query`.
+    const OWN_PARAMETERS: &'static [&'static str] = &[];
+
+    /// The endpoint's own parameters.
+    type Query: DeserializeOwned;
+}
+
+/// The own parameters of an endpoint that has none.
+#[derive(Debug, Deserialize)]
+pub struct NoQuery {}
+
+/// A job that ends in a toolpath, whose program can be written.
+pub enum Toolpaths {}
+
+impl Offers for Toolpaths {
+    type Query = NoQuery;
+
+    const OFFERS: &'static [Representation] = &[
+        Representation::Json,
+        Representation::Gcode,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Events,
+    ];
+}
+
+/// A job that ends in the text of a program.
+pub enum Programs {}
+
+impl Offers for Programs {
+    type Query = NoQuery;
+
+    const OFFERS: &'static [Representation] = &[
+        Representation::Gcode,
+        Representation::Json,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Events,
+    ];
+}
+
+/// A surface that is looked at.
+pub enum Models {}
+
+impl Offers for Models {
+    type Query = NoQuery;
+
+    const OFFERS: &'static [Representation] =
+        &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
+}
+
+/// The parameters that endpoints share.
+#[derive(Debug, Deserialize)]
+struct AnswerQuery {
+    format: Option<Representation>,
+    toolpath: Option<bool>,
+    nc: Option<bool>,
+}
+
+/// The form of one answer.
+#[derive(Debug, Clone)]
+pub struct Form {
+    pub representation: Representation,
+    /// One of the representation's, as it was asked for.
+    pub media_type: &'static str,
+    /// Whether the JSON answer holds the toolpath, where the caller says.
+    pub with_toolpath: Option<bool>,
+    /// Whether the JSON answer holds the program's text too.
+    pub with_nc: bool,
+    pub with_gzip: bool,
+    pub request_id: RequestId,
+}
+
+/// The form in which the caller wants the answer of an endpoint that offers `O`, and the endpoint's own parameters.
+pub struct Wanted<O: Offers> {
+    pub form: Form,
+    pub query: O::Query,
+}
+
+impl<O: Offers> FromRequestParts<Arc<App>> for Wanted<O> {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, ApiError> {
+        let request_id = RequestId::from_request_parts(parts, app).await?;
+        let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
+        check_names::<O>(&parts.uri).map_err(invalid)?;
+        let AnswerQuery { format, toolpath, nc } = read(&parts.uri).map_err(invalid)?;
+        let query = read(&parts.uri).map_err(invalid)?;
+        let (representation, media_type) = output::choose(O::OFFERS, &parts.headers, format)?;
+        let with_nc = nc.unwrap_or(false);
+        if with_nc && !O::OFFERS.contains(&Representation::Gcode) {
+            let detail = "`nc` asks for a program, and this endpoint makes none: leave `nc` out";
+            return Err(ApiError::new(Code::InvalidRequest, detail));
+        }
+        let with_gzip = accept::takes_gzip(&parts.headers);
+        let form =
+            Form { representation, media_type, with_toolpath: toolpath, with_nc, with_gzip, request_id };
+        Ok(Self { form, query })
+    }
+}
+
+/// Refuses a parameter that the endpoint does not read: a misspelt parameter must not silently do nothing.
+fn check_names<O: Offers>(uri: &Uri) -> Result<(), String> {
+    let known: Vec<&str> = O::PARAMETERS.iter().chain(O::OWN_PARAMETERS).copied().collect();
+    let sent: Vec<(String, String)> = read(uri)?;
+    match sent.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+        None => Ok(()),
+        Some((name, _)) => {
+            Err(format!("the query parameter `{name}` is unknown here; use one of `{}`", known.join("`, `")))
+        }
+    }
+}
+
+/// The parameters of a query that `T` has.
+fn read<T: DeserializeOwned>(uri: &Uri) -> Result<T, String> {
+    let Query(query) = Query::try_from_uri(uri).map_err(|rejection| plain(&rejection.body_text()))?;
+    Ok(query)
+}
+
+/// What the decoder of a query says, in plain words.
+fn plain(message: &str) -> String {
+    let message = message.strip_prefix("Failed to deserialize query string: ").unwrap_or(message);
+    match message.strip_prefix("missing field `").and_then(|rest| rest.split_once('`')) {
+        Some((name, _)) => format!("the query parameter `{name}` is required"),
+        None => format!("in the query: {message}"),
+    }
+}
+
+/// The query as the endpoint's own offers leave it.
+impl<O: Offers> IntoParams for Wanted<O> {
+    fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let names = O::OFFERS.iter().filter_map(|offer| offer.name());
+        let format = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names));
+        let yes_or_no = || ObjectBuilder::new().schema_type(Type::Boolean);
+        let parameter = |name: &str, description: &str, schema: ObjectBuilder| {
+            ParameterBuilder::new()
+                .name(name)
+                .parameter_in(ParameterIn::Query)
+                .description(Some(description))
+                .schema(Some(schema))
+                .build()
+        };
+        let mut parameters = vec![
+            parameter(
+                "format",
+                "Form of the answer. `format` overrides the header `Accept`, for links and for callers that cannot set headers.",
+                format,
+            ),
+            parameter(
+                "toolpath",
+                "Whether the JSON answer holds the toolpath. Default: `true` where the answer has no `nc`, else `false`.",
+                yes_or_no(),
+            ),
+        ];
+        if O::OFFERS.contains(&Representation::Gcode) {
+            let nc = "Whether the JSON answer, or the event `result`, holds the text of the NC program in `nc`. Default: `false`; \
+                      `/v1/programs/write` always answers `nc`.";
+            parameters.push(parameter("nc", nc, yes_or_no()));
+        }
+        parameters
+    }
+}

@@ -1,0 +1,136 @@
+//! What the contract says of every operation alike: headers, problems and the forms of answers. The handlers document JSON alone.
+
+use axum::http::StatusCode;
+use serde_json::{Map, Value, json};
+
+use crate::http::error::PROBLEM_JSON;
+use crate::http::output::{EVENTS, JSON, Representation};
+
+const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, with `Progress` as data: one event at the \
+    beginning of every stage, and at most ten events a second within a stage. The last event is `result`, with the JSON answer on \
+    one line as data, or `problem`, with `Problem` as data. Comments keep a silent connection open. A request that is refused \
+    before the computation starts gets a problem with its own status instead of events.";
+
+/// Statuses of failure that any operation can answer, and those of operations with a body.
+const ANY_FAILURE: [StatusCode; 4] = [
+    StatusCode::BAD_REQUEST,
+    StatusCode::URI_TOO_LONG,
+    StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE,
+    StatusCode::INTERNAL_SERVER_ERROR,
+];
+const BODY_FAILURE: [StatusCode; 7] = [
+    StatusCode::NOT_ACCEPTABLE,
+    StatusCode::REQUEST_TIMEOUT,
+    StatusCode::PAYLOAD_TOO_LARGE,
+    StatusCode::UNSUPPORTED_MEDIA_TYPE,
+    StatusCode::UNPROCESSABLE_ENTITY,
+    StatusCode::SERVICE_UNAVAILABLE,
+    StatusCode::GATEWAY_TIMEOUT,
+];
+
+/// The headers of answers, by the name under which the contract keeps each.
+fn headers() -> Value {
+    let text = |description: &str| json!({ "description": description, "schema": { "type": "string" } });
+    json!({
+        "RequestId": text("Id of the request: the id that was sent with the request, else a new id."),
+        "EngineVersion": text("Version of the service. The same request to the same version gives the same bytes."),
+        "RetryAfter": {
+            "description": "Time after which the request may be sent again, in whole seconds.",
+            "schema": { "type": "integer", "minimum": 0 },
+        },
+        "ReprDigest": {
+            "description": "SHA-256 of the sent bytes, after compression: `sha-256=:...:` by RFC 9530. Absent with events.",
+            "schema": { "type": "string", "pattern": "^sha-256=:[A-Za-z0-9+/]{43}=:$" },
+        },
+        "Warnings": text("Codes of all `warnings`, separated by commas. Absent where there are none, and with events."),
+        "ServerTiming": text("Milliseconds in `queue`, `parse`, `compute` and `encode`. Absent with events."),
+    })
+}
+
+fn header(name: &str) -> Value {
+    json!({ "$ref": format!("#/components/headers/{name}") })
+}
+
+/// Adds headers, problems and the forms of answers to all operations.
+pub fn add(document: &mut Value) {
+    document["components"]["headers"] = headers();
+    let Some(paths) = document["paths"].as_object_mut() else { return };
+    for (path, item) in paths {
+        for operation in item.as_object_mut().into_iter().flat_map(Map::values_mut) {
+            for response in operation["responses"].as_object_mut().into_iter().flat_map(Map::values_mut) {
+                response["headers"] = common_headers();
+            }
+            add_problems(path, operation);
+            add_forms(operation);
+        }
+    }
+}
+
+fn common_headers() -> Value {
+    json!({ "x-request-id": header("RequestId"), "x-engine-version": header("EngineVersion") })
+}
+
+/// Gives an operation the failures that the operation can answer.
+fn add_problems(path: &str, operation: &mut Value) {
+    let extra: &[StatusCode] = match path {
+        _ if operation.get("requestBody").is_some() => &BODY_FAILURE,
+        "/readyz" => &[StatusCode::SERVICE_UNAVAILABLE],
+        _ => &[],
+    };
+    for status in ANY_FAILURE.iter().chain(extra) {
+        let response = &mut operation["responses"][status.as_str()];
+        *response = json!({
+            "description": status.canonical_reason(),
+            "headers": common_headers(),
+            "content": { PROBLEM_JSON: { "schema": { "$ref": "#/components/schemas/Problem" } } },
+        });
+        if *status == StatusCode::SERVICE_UNAVAILABLE {
+            response["headers"]["retry-after"] = header("RetryAfter");
+        }
+    }
+}
+
+/// Gives a computing operation the forms of its answer: the media types of the values of its `format`, and events.
+fn add_forms(operation: &mut Value) {
+    let mut parameters = operation["parameters"].as_array().into_iter().flatten();
+    let format = parameters.find(|parameter| parameter["name"] == "format");
+    let Some(names) = format.and_then(|format| format["schema"]["enum"].as_array()).cloned() else { return };
+    let answer = &mut operation["responses"]["200"];
+    let forms = names.into_iter().filter_map(|name| serde_json::from_value::<Representation>(name).ok());
+    for media_type in forms.flat_map(Representation::media_types).filter(|media_type| **media_type != JSON) {
+        answer["content"][media_type] = json!({ "schema": { "type": "string" } });
+    }
+    answer["content"][EVENTS] = json!({ "schema": { "type": "string", "description": EVENTS_DESCRIPTION } });
+    answer["headers"]["repr-digest"] = header("ReprDigest");
+    answer["headers"]["server-timing"] = header("ServerTiming");
+    answer["headers"]["toolpathd-warnings"] = header("Warnings");
+}
+
+/// Puts the description of a member that may be null beside the member's alternatives, and every paragraph on one line.
+pub fn tidy(value: &mut Value) {
+    match value {
+        Value::Object(members) => {
+            hoist(members);
+            if let Some(Value::String(text)) = members.get_mut("description") {
+                let paragraphs = text.split("\n\n").map(|paragraph| paragraph.replace('\n', " "));
+                *text = paragraphs.collect::<Vec<_>>().join("\n\n");
+            }
+            members
+                .iter_mut()
+                .filter(|(name, _)| !name.starts_with("example"))
+                .for_each(|(_, value)| tidy(value));
+        }
+        Value::Array(items) => items.iter_mut().for_each(tidy),
+        _ => {}
+    }
+}
+
+/// The generator leaves the description of an optional reference in the reference.
+fn hoist(members: &mut Map<String, Value>) {
+    let items = members.get_mut("oneOf").and_then(Value::as_array_mut).into_iter().flatten();
+    let found = items.filter_map(Value::as_object_mut).filter(|item| item.contains_key("$ref"));
+    let found: Vec<Value> = found.filter_map(|item| item.remove("description")).collect();
+    if let Some(description) = found.into_iter().next() {
+        members.insert("description".to_owned(), description);
+    }
+}

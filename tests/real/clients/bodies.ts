@@ -1,0 +1,84 @@
+// The smallest body of each operation, with the types that are generated from the contract.
+
+import type { components, operations } from "./contract";
+
+type Body<Operation extends keyof operations> = operations[Operation] extends {
+  requestBody: { content: { "application/json": infer Json } };
+}
+  ? Json
+  : never;
+
+type Answer<Operation extends keyof operations> = operations[Operation] extends {
+  responses: { 200: { content: { "application/json": infer Json } } };
+}
+  ? Json
+  : never;
+
+const surface: components["schemas"]["Surface"] = {
+  kind: "point_grid",
+  points: [
+    [[0, 0, 0], [0, 1, 0]],
+    [[10, 0, 0], [10, 1, 0]],
+  ],
+};
+
+const tool: components["schemas"]["Tool"] = { shape: "ball", diameter_mm: 6 };
+
+export const fit: Body<"fitArcs"> = {
+  polyline: [[0, 0], [10, 0], [20, 0]],
+  tolerance_mm: 0.01,
+};
+
+export const put: Body<"putArcs"> = fit;
+
+export const interpolate: Body<"interpolateCurve"> = {
+  curve: { kind: "graph", expression: "sin(x)", domain: [0, 6.5] },
+  method: "linear",
+  band: { below_mm: 0.1, above_mm: 0.1 },
+};
+
+export const drop: Body<"dropCutter"> = { surface, tool, points: [[5, 0.5]] };
+
+export const mill: Body<"millSurface"> = {
+  surface,
+  tool,
+  strategy: { kind: "cl_cartesian", stepover_mm: 2 },
+  tolerance_mm: 0.01,
+  cutting: { feed_mm_per_min: 500 },
+};
+
+export const model: Body<"modelSurface"> = { surface };
+
+export const write: Body<"writeProgram"> = {
+  toolpath: {
+    start: [0, 0, 5],
+    passes: [{ moves: [{ kind: "line", to: [0, 0, -1], feed_mm_per_min: 100 }] }],
+  },
+};
+
+// `kind` tells the objects of a union apart.
+export function length(move: components["schemas"]["Move"]): number {
+  switch (move.kind) {
+    case "rapid":
+    case "line":
+      return move.to.length;
+    case "arc":
+      return move.center.length;
+    case "parabola":
+      return move.control.length;
+    case "dwell":
+      return move.seconds;
+  }
+}
+
+// Every operation with a body is built above.
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "writeProgram";
+type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
+export const every: WithBody extends Built ? true : never = true;
+
+export function passes(answer: Answer<"millSurface">): number {
+  return answer.report.n_passes + answer.warnings.length + (answer.toolpath?.passes.length ?? 0);
+}
+
+// @ts-expect-error: a ruled surface has no points.
+export const wrong: components["schemas"]["Surface"] = { kind: "ruled", points: [] };

@@ -289,7 +289,7 @@ mod tests {
         }
     }
 
-    fn written() -> Cut {
+    fn written_cut() -> Cut {
         Cut { nc: Some("M2\n".to_owned()), ..cut() }
     }
 
@@ -349,9 +349,9 @@ mod tests {
         let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
         assert_eq!(members, ["engine_version", "meta", "report", "request_id", "warnings"]);
         assert_eq!(json_of(outcome(cut()), Some(false)).await.get("toolpath"), None);
-        let written = json_of(outcome(written()), None).await;
+        let written = json_of(outcome(written_cut()), None).await;
         assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2\n")));
-        assert!(json_of(outcome(written()), Some(true)).await["toolpath"].is_object());
+        assert!(json_of(outcome(written_cut()), Some(true)).await["toolpath"].is_object());
     }
 
     #[tokio::test]
@@ -359,7 +359,7 @@ mod tests {
         let (content_type, text) = shown(outcome(cut()), Representation::Gcode, None).await.expect("NC text");
         assert_eq!(content_type, "text/x-gcode; charset=us-ascii");
         assert!(text.contains("PART_ID 7") && text.contains("PROVED"), "{text}");
-        let written = shown(outcome(written()), Representation::Gcode, None).await;
+        let written = shown(outcome(written_cut()), Representation::Gcode, None).await;
         assert_eq!(written.expect("NC text").1, "M2\n");
         let error = shown(outcome(()), Representation::Gcode, None).await.expect_err("no toolpath");
         assert_eq!(error.code(), Code::InternalError);

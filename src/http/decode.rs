@@ -7,7 +7,7 @@ mod foreign;
 mod mend;
 pub mod object;
 pub mod tagged;
-mod words;
+pub mod words;
 
 use std::collections::HashSet;
 use std::fmt;

@@ -12,6 +12,7 @@ use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 
 use super::App;
+use super::decode::words;
 use super::error::{ApiError, Code};
 use super::output::{self, Representation, accept};
 use super::request_id::RequestId;
@@ -143,12 +144,23 @@ fn read<T: DeserializeOwned>(uri: &Uri) -> Result<T, String> {
     Ok(query)
 }
 
-/// What the decoder of a query says, in plain words.
+/// What the decoder of a query says, in plain words: the name of a parameter and a fault, or a fault alone.
 fn plain(message: &str) -> String {
     let message = message.strip_prefix("Failed to deserialize query string: ").unwrap_or(message);
-    match message.strip_prefix("missing field `").and_then(|rest| rest.split_once('`')) {
-        Some((name, _)) => format!("the query parameter `{name}` is required"),
-        None => format!("in the query: {message}"),
+    let (name, fault) = message.split_once(": ").unwrap_or(("", message));
+    let quoted: Vec<&str> = fault.split('`').skip(1).step_by(2).collect();
+    match quoted.as_slice() {
+        [missing] if fault.starts_with("missing field") => {
+            format!("the query parameter `{missing}` is required")
+        }
+        [repeated] if fault.starts_with("duplicate field") => {
+            format!("the query parameter `{repeated}` stands twice: send `{repeated}` once")
+        }
+        [value, names @ ..] if fault.starts_with("unknown variant") => {
+            format!("the query parameter `{name}`: {}", words::unknown(value, names))
+        }
+        _ if fault.contains("`true`") => format!("the query parameter `{name}` must be `true` or `false`"),
+        _ => format!("the query parameter `{name}` must be a number"),
     }
 }
 
@@ -184,5 +196,39 @@ impl<O: Offers> IntoParams for Wanted<O> {
             parameters.push(parameter("nc", nc, yes_or_no()));
         }
         parameters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_of_a_query_name_the_parameter_and_what_to_send() {
+        #[derive(Debug, Deserialize)]
+        struct Own {
+            _tolerance_mm: f64,
+        }
+        let own = |query: &str| read::<Own>(&format!("/?{query}").parse().expect("a path")).map(|_| ());
+        let shared =
+            |query: &str| read::<AnswerQuery>(&format!("/?{query}").parse().expect("a path")).map(|_| ());
+        for (result, words) in [
+            (own(""), "the query parameter `_tolerance_mm` is required"),
+            (own("_tolerance_mm=fine"), "the query parameter `_tolerance_mm` must be a number"),
+            (shared("nc=maybe"), "the query parameter `nc` must be `true` or `false`"),
+            (shared("nc=true&nc=true"), "the query parameter `nc` stands twice: send `nc` once"),
+            (
+                shared("format=pdf"),
+                "the query parameter `format`: `pdf` is unknown; use one of `json`, `gcode`, `svg`, `html`",
+            ),
+        ] {
+            assert_eq!(result, Err(words.to_owned()));
+        }
+        let unknown = check_names::<Models>(&"/?tolpath=false".parse().expect("a path"));
+        assert_eq!(
+            unknown,
+            Err("the query parameter `tolpath` is unknown here; use one of `format`, `toolpath`, `nc`"
+                .to_owned())
+        );
     }
 }

@@ -1,0 +1,227 @@
+//! A curl command as a request, without curl: the options that the documents use, and no others.
+
+use std::collections::HashMap;
+use std::io::{Read, Write};
+use std::net::SocketAddr;
+
+use super::page::root;
+use crate::api::support::connect;
+
+/// The address that the documents write.
+const WRITTEN_ADDRESS: &str = "http://127.0.0.1:8080";
+
+/// What curl would send, and where it would write the answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Curl {
+    pub method: String,
+    pub target: String,
+    pub headers: Vec<(String, String)>,
+    pub body: Option<Body>,
+    /// The file of `-o`.
+    pub saved_as: Option<String>,
+}
+
+/// The body of a request as the command names it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Body {
+    /// `--data TEXT`.
+    Text(String),
+    /// `--data @FILE`: the file without its line ends.
+    Joined(String),
+    /// `--data-binary @FILE` and `-T FILE`: the file as it is.
+    Whole(String),
+}
+
+/// An answer over a socket.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub content_type: String,
+    pub body: String,
+}
+
+/// The curl commands of a shell block. Any other command is refused, but `cargo`.
+pub fn commands(shell: &str) -> Result<Vec<Curl>, String> {
+    let joined = shell.replace("\\\n", " ");
+    let lines = joined.lines().map(str::trim).filter(|line| !line.is_empty());
+    let mut commands = Vec::new();
+    for line in lines {
+        let words = words(line)?;
+        match words.first().map(String::as_str) {
+            Some("curl") => commands.push(Curl::of(&words[1..]).map_err(|fault| format!("{fault}: {line}"))?),
+            Some("cargo") => {}
+            _ => return Err(format!("neither curl nor cargo: {line}")),
+        }
+    }
+    Ok(commands)
+}
+
+/// The words of a line of shell: quotes are taken off, a comment ends the line, and nothing is expanded.
+fn words(line: &str) -> Result<Vec<String>, String> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let mut chars = line.chars();
+    while let Some(c) = chars.next() {
+        match c {
+            '\'' | '"' => {
+                let text: String = chars.by_ref().take_while(|&end| end != c).collect();
+                if c == '"' && text.contains(['$', '`', '\\']) {
+                    return Err(format!("the shell would expand \"{text}\""));
+                }
+                word.get_or_insert_default().push_str(&text);
+            }
+            ' ' => words.extend(word.take()),
+            '#' if word.is_none() => break,
+            '$' | '`' | '|' | '>' | '<' | '&' | ';' | '*' | '?' | '\\' => {
+                return Err(format!("the shell would act on {c}: {line}"));
+            }
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    Ok(words)
+}
+
+impl Curl {
+    /// The request of curl's arguments.
+    fn of(arguments: &[String]) -> Result<Self, String> {
+        let (mut url, mut headers, mut body, mut saved_as) = (None, Vec::new(), None, None);
+        let mut method = "GET";
+        let mut rest = arguments.iter();
+        while let Some(argument) = rest.next() {
+            let mut value = || rest.next().cloned().ok_or(format!("{argument} lacks its value"));
+            match argument.as_str() {
+                "-s" | "-N" | "-sN" => {}
+                "-H" => {
+                    let header = value()?;
+                    let (name, text) = header.split_once(':').ok_or(format!("{header} is no header"))?;
+                    headers.push((name.to_lowercase(), text.trim().to_owned()));
+                }
+                "--data" | "--data-binary" => {
+                    method = "POST";
+                    let data = value()?;
+                    body = Some(match (data.strip_prefix('@'), argument.as_str()) {
+                        (Some(file), "--data") => Body::Joined(file.to_owned()),
+                        (Some(file), _) => Body::Whole(file.to_owned()),
+                        (None, _) => Body::Text(data),
+                    });
+                }
+                "-T" => {
+                    method = "PUT";
+                    body = Some(Body::Whole(value()?));
+                }
+                "-o" => saved_as = Some(value()?),
+                option if option.starts_with('-') => return Err(format!("{option} is not known here")),
+                address if url.is_none() => url = Some(address),
+                second => return Err(format!("{second} is a second address")),
+            }
+        }
+        let target = url.and_then(|url| url.strip_prefix(WRITTEN_ADDRESS));
+        let target = target.ok_or(format!("the address does not begin with {WRITTEN_ADDRESS}"))?;
+        if method == "POST" && headers.iter().all(|(name, _)| name != "content-type") {
+            // What curl says of `--data` when told nothing.
+            headers.push(("content-type".into(), "application/x-www-form-urlencoded".into()));
+        }
+        if headers.iter().all(|(name, _)| name != "accept") {
+            headers.push(("accept".into(), "*/*".into()));
+        }
+        Ok(Self { method: method.into(), target: target.into(), headers, body, saved_as })
+    }
+
+    /// Sends the request. A file is one of `files`, which earlier commands of the document wrote, or one of the package.
+    pub fn send(&self, address: SocketAddr, files: &HashMap<String, Vec<u8>>) -> Answer {
+        let bytes = |name: &String| match files.get(name) {
+            Some(bytes) => bytes.clone(),
+            None => std::fs::read(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}")),
+        };
+        let body = match &self.body {
+            None => Vec::new(),
+            Some(Body::Text(text)) => text.clone().into_bytes(),
+            Some(Body::Joined(name)) => {
+                bytes(name).into_iter().filter(|byte| !b"\r\n\0".contains(byte)).collect()
+            }
+            Some(Body::Whole(name)) => bytes(name),
+        };
+        let mut head = format!("{} {} HTTP/1.1\r\nhost: {address}\r\n", self.method, self.target);
+        for (name, value) in &self.headers {
+            head.push_str(&format!("{name}: {value}\r\n"));
+        }
+        head.push_str(&format!("connection: close\r\ncontent-length: {}\r\n\r\n", body.len()));
+        let mut stream = connect(address);
+        stream.write_all(head.as_bytes()).expect("written");
+        stream.write_all(&body).expect("written");
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).expect("an answer");
+        Answer::of(&answer)
+    }
+}
+
+impl Answer {
+    fn of(bytes: &[u8]) -> Self {
+        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").expect("the end of the head");
+        let head = String::from_utf8_lossy(&bytes[..end]).to_lowercase();
+        let header = |name: &str| {
+            let line = head.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "));
+            line.unwrap_or_default().to_owned()
+        };
+        let body = &bytes[end + 4..];
+        let body = if header("transfer-encoding") == "chunked" { joined(body) } else { body.to_owned() };
+        let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).expect("a status");
+        Self { status, content_type: header("content-type"), body: String::from_utf8(body).expect("UTF-8") }
+    }
+}
+
+/// A chunked body as a whole. A body that does not end is a failure of the service.
+fn joined(mut chunks: &[u8]) -> Vec<u8> {
+    let mut whole = Vec::new();
+    loop {
+        let end = chunks.windows(2).position(|two| two == b"\r\n").expect("the length of a chunk");
+        let length = std::str::from_utf8(&chunks[..end]).expect("a length");
+        let length = usize::from_str_radix(length, 16).expect("a length");
+        if length == 0 {
+            return whole;
+        }
+        whole.extend(&chunks[end + 2..end + 2 + length]);
+        chunks = &chunks[end + 2 + length + 2..];
+    }
+}
+
+#[test]
+fn a_command_is_the_request_that_curl_would_send() {
+    let shell = "cargo run --release  # first\n\
+        curl -s 'http://127.0.0.1:8080/v1/arcs/fit?nc=true' \\\n  -H 'Accept: application/json' --data @a.json -o out\n\
+        curl -T a.ngc http://127.0.0.1:8080/v1/arcs/fit\n";
+    let found = commands(shell).expect("commands");
+    let header = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(found[0].headers, [
+        header("accept", "application/json"),
+        header("content-type", "application/x-www-form-urlencoded")
+    ]);
+    assert_eq!((found[0].method.as_str(), found[0].target.as_str()), ("POST", "/v1/arcs/fit?nc=true"));
+    assert_eq!(found[0].body, Some(Body::Joined("a.json".into())));
+    assert_eq!(found[0].saved_as.as_deref(), Some("out"));
+    assert_eq!((found[1].method.as_str(), &found[1].body), ("PUT", &Some(Body::Whole("a.ngc".into()))));
+    assert_eq!(found[1].headers, [header("accept", "*/*")]);
+}
+
+#[test]
+fn a_command_that_is_not_understood_is_refused() {
+    for shell in [
+        "curl --insecure http://127.0.0.1:8080/livez",
+        "curl http://127.0.0.1:9090/livez",
+        "curl http://127.0.0.1:8080/livez | head",
+        "curl http://127.0.0.1:8080/livez?$QUERY",
+        "curl --data \"$(cat a)\" http://127.0.0.1:8080/livez",
+        "curl http://127.0.0.1:8080/livez -o",
+        "wget http://127.0.0.1:8080/livez",
+    ] {
+        assert!(commands(shell).is_err(), "{shell}");
+    }
+}
+
+#[test]
+fn a_chunked_body_is_joined() {
+    let answer =
+        Answer::of(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nG0 \r\n2\r\nX1\r\n0\r\n\r\n");
+    assert_eq!((answer.status, answer.body.as_str()), (200, "G0 X1"));
+}

@@ -1,0 +1,50 @@
+//! Every link of the documents to a place of this package leads somewhere.
+
+use std::path::Path;
+
+use super::page::{anchor, headings, read, root};
+
+/// The documents, decisions among them.
+fn documents() -> Vec<String> {
+    let mut paths = vec!["README.md".to_owned(), "CHANGELOG.md".to_owned()];
+    for folder in ["docs", "docs/decisions"] {
+        let entries = std::fs::read_dir(root().join(folder)).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
+        paths.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
+    }
+    paths
+}
+
+/// The targets of the links `[text](target)` outside of fenced blocks.
+fn links(markdown: &str) -> Vec<&str> {
+    let mut in_block = false;
+    let mut found = Vec::new();
+    for line in markdown.lines() {
+        in_block ^= line.starts_with("```");
+        if !in_block {
+            found.extend(line.split("](").skip(1).filter_map(|rest| rest.split(')').next()));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_link_leads_to_a_file_and_a_heading() {
+    let mut dead = Vec::new();
+    for path in documents() {
+        let markdown = read(&path);
+        for link in links(&markdown).into_iter().filter(|link| !link.contains("://")) {
+            let (file, place) = link.split_once('#').unwrap_or((link, ""));
+            let target = match file {
+                "" => path.clone(),
+                file => Path::new(&path).parent().expect("a folder").join(file).to_str().expect("UTF-8").to_owned(),
+            };
+            let is_there = root().join(&target).exists()
+                && (place.is_empty() || headings(&read(&target)).iter().any(|(_, title)| anchor(title) == place));
+            if !is_there {
+                dead.push(format!("{path}: {link}"));
+            }
+        }
+    }
+    assert!(dead.is_empty(), "{}", dead.join("\n"));
+}

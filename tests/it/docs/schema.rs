@@ -1,0 +1,248 @@
+//! What the contract says of a field, in the words of a table.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value};
+
+/// Endings of names, and names, with the unit that they stand for; the first that fits.
+const UNITS: &[(&str, &str)] = &[
+    ("_mm_per_min", "mm/min"),
+    ("_mm_per_s2", "mm/s²"),
+    ("_per_mm", "1/mm"),
+    ("_mm", "mm"),
+    ("_deg", "degrees"),
+    ("_rpm", "1/min"),
+    ("_s", "s"),
+    ("seconds", "s"),
+    ("bytes", "bytes"),
+    ("bytes_in", "bytes"),
+    ("bytes_out", "bytes"),
+    ("text_characters", "characters"),
+];
+
+/// Schemas whose values are coordinates.
+const COORDINATES: &[&str] = &["Point", "PlanePoint", "Position", "Place", "SectionText", "Bounds", "Patch"];
+
+/// The committed contract with the headings under which a page describes its schemas.
+pub struct Contract<'a> {
+    pub schemas: &'a Map<String, Value>,
+    /// The heading of each schema that has a table.
+    pub headings: BTreeMap<String, String>,
+}
+
+/// A schema without its wrapping: references followed, `null` taken off.
+pub struct Field {
+    /// The name of the schema that is referred to, where one is.
+    pub refers_to: Option<String>,
+    schema: Value,
+    pub is_nullable: bool,
+    pub default: Option<Value>,
+    description: String,
+}
+
+impl Contract<'_> {
+    /// The component that a reference leads to.
+    pub fn component(&self, name: &str) -> &Value {
+        self.schemas.get(name).unwrap_or_else(|| panic!("the contract has no schema {name}"))
+    }
+
+    pub fn field(&self, schema: &Value) -> Field {
+        let text = |schema: &Value| schema["description"].as_str().unwrap_or_default().to_owned();
+        let mut inner = schema.clone();
+        let mut description = text(schema);
+        let mut is_nullable = false;
+        if let Some([one, null]) = schema["oneOf"].as_array().map(Vec::as_slice)
+            && null["type"] == "null"
+        {
+            is_nullable = true;
+            inner = one.clone();
+        } else if let Some(all) = schema["allOf"].as_array() {
+            // One of them is the object, the others add words to it.
+            let object = all.iter().find(|part| part.get("$ref").is_some() || part.get("properties").is_some());
+            inner = object.expect("an object among allOf").clone();
+            let words = all.iter().filter(|part| *part != &inner).map(text);
+            description = std::iter::once(description).chain(words).find(|words| !words.is_empty()).unwrap_or_default();
+        }
+        if description.is_empty() {
+            description = text(&inner);
+        }
+        let refers_to = inner["$ref"].as_str().and_then(|path| path.rsplit('/').next()).map(str::to_owned);
+        let default = schema.get("default").or(inner.get("default")).filter(|value| !value.is_null()).cloned();
+        if let Some(name) = &refers_to {
+            inner = self.component(name).clone();
+            let is_value = inner.get("properties").is_none() && !is_tagged_union(&inner);
+            if description.is_empty() || (is_value && inner.get("enum").is_some()) {
+                description = [description, text(&inner)].join(" ").trim().to_owned();
+            }
+        }
+        is_nullable |= inner["type"].as_array().is_some_and(|types| types.contains(&"null".into()));
+        Field { refers_to, schema: inner, is_nullable, default, description }
+    }
+
+    /// The type in words.
+    pub fn type_of(&self, field: &Field, with_limits: bool) -> String {
+        let schema = &field.schema;
+        if let Some(name) = &field.refers_to {
+            if let Some(heading) = self.headings.get(name) {
+                return format!("[{heading}](#{})", super::page::anchor(heading));
+            }
+            if let Some(shape) = shape_of_point(schema) {
+                return shape;
+            }
+        }
+        if let Some(names) = schema["enum"].as_array() {
+            let names: Vec<_> = names.iter().filter_map(Value::as_str).map(|name| format!("`{name}`")).collect();
+            return list_of(&names, "or");
+        }
+        if let Some(kinds) = schema["oneOf"].as_array() {
+            let kinds: Vec<_> = kinds.iter().map(|kind| self.type_of(&self.field(kind), with_limits)).collect();
+            return list_of(&kinds, "or");
+        }
+        let limits = |text: String| if with_limits { text } else { String::new() };
+        match type_name(schema) {
+            "number" => format!("number{}", limits(range(schema))),
+            "integer" => format!("whole number{}", limits(range(schema))),
+            "boolean" => "`true` or `false`".to_owned(),
+            "string" => format!("text{}", limits(longest(schema, "maxLength", "characters"))),
+            "array" => {
+                let item = self.type_of(&self.field(&schema["items"]), false);
+                let pair = (schema["minItems"] == 2 && schema["maxItems"] == 2) && item == "number";
+                if pair { "`[first, last]`".to_owned() } else { format!("list of {item}{}", limits(count(schema))) }
+            }
+            "object" if schema["additionalProperties"].is_object() => "names with texts".to_owned(),
+            _ => "object".to_owned(),
+        }
+    }
+
+    /// The unit of a field: that of its name, or of the coordinates that it holds.
+    pub fn unit_of(&self, name: &str, field: &Field) -> &'static str {
+        if let Some((_, unit)) = UNITS.iter().find(|(ending, _)| name.ends_with(ending)) {
+            return unit;
+        }
+        let mut innermost = field.schema.clone();
+        let mut named = field.refers_to.clone();
+        while type_name(&innermost) == "array" && !named.as_deref().is_some_and(|n| COORDINATES.contains(&n)) {
+            let item = self.field(&innermost["items"]);
+            (innermost, named) = (item.schema, item.refers_to);
+        }
+        if named.as_deref().is_some_and(|name| COORDINATES.contains(&name)) { "mm" } else { "" }
+    }
+
+    /// The default and the meaning, out of the description.
+    pub fn default_and_meaning(&self, field: &Field, is_required: bool) -> (String, String) {
+        let words = field.description.split_whitespace().collect::<Vec<_>>().join(" ");
+        let (said, meaning) = split_default(&words);
+        let default = match (&field.default, said) {
+            _ if is_required => "required".to_owned(),
+            (Some(value), _) => format!("`{}`", value.to_string().trim_matches('"')),
+            (None, Some(said)) => said,
+            (None, None) if self.has_only_defaults(field) => "its own defaults".to_owned(),
+            (None, None) => "none".to_owned(),
+        };
+        (default, meaning)
+    }
+
+    fn has_only_defaults(&self, field: &Field) -> bool {
+        !field.is_nullable && field.schema.get("properties").is_some() && field.schema.get("required").is_none()
+    }
+}
+
+impl Field {
+    /// The fields of an object that has no name of its own in the contract.
+    pub fn inline_object(&self) -> Option<&Value> {
+        (self.refers_to.is_none() && self.schema.get("properties").is_some()).then_some(&self.schema)
+    }
+}
+
+/// Whether a schema is one of several objects that `kind` tells apart.
+pub fn is_tagged_union(schema: &Value) -> bool {
+    schema["oneOf"].as_array().is_some_and(|kinds| kinds.len() > 1 && kinds.iter().all(|kind| kind.get("$ref").is_some()))
+}
+
+/// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without it.
+fn split_default(words: &str) -> (Option<String>, String) {
+    let Some((before, after)) = words.split_once("Default: ") else { return (None, words.to_owned()) };
+    let end = after.match_indices(". ").map(|(at, _)| at).next().unwrap_or(after.trim_end_matches('.').len());
+    let meaning = [before.trim(), after[end..].trim_start_matches('.').trim()].join(" ");
+    (Some(after[..end].to_owned()), meaning.trim().to_owned())
+}
+
+/// `[x, y, z]`, where the schema is such a list and its description shows it.
+fn shape_of_point(schema: &Value) -> Option<String> {
+    if type_name(schema) != "array" || type_name(&schema["items"]) != "number" {
+        return None;
+    }
+    let shown = schema["description"].as_str()?.split('`').skip(1).step_by(2);
+    let shapes: Vec<_> = shown.filter(|text| text.starts_with('[')).map(|text| format!("`{text}`")).collect();
+    (!shapes.is_empty()).then(|| list_of(&shapes, "or"))
+}
+
+/// The type that is not `null`.
+fn type_name(schema: &Value) -> &str {
+    match &schema["type"] {
+        Value::Array(types) => types.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or_default(),
+        name => name.as_str().unwrap_or_default(),
+    }
+}
+
+fn range(schema: &Value) -> String {
+    match (schema["minimum"].as_f64(), schema["maximum"].as_f64()) {
+        (Some(min), Some(max)) => format!(", {} to {}", grouped(min), grouped(max)),
+        (Some(min), None) => format!(", {} or more", grouped(min)),
+        (None, Some(max)) => format!(", at most {}", grouped(max)),
+        (None, None) => String::new(),
+    }
+}
+
+fn count(schema: &Value) -> String {
+    match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
+        (Some(min), Some(max)) if min == max => format!(", {min} of them"),
+        (Some(min), Some(max)) => format!(", {} to {} of them", grouped(min as f64), grouped(max as f64)),
+        (Some(min), None) => format!(", {min} or more"),
+        _ => longest(schema, "maxItems", "of them"),
+    }
+}
+
+fn longest(schema: &Value, limit: &str, what: &str) -> String {
+    schema[limit].as_u64().map(|most| format!(", at most {} {what}", grouped(most as f64))).unwrap_or_default()
+}
+
+/// A number with its thousands apart.
+fn grouped(value: f64) -> String {
+    let text = format!("{}", value.abs());
+    let (whole, fraction) = text.split_once('.').map_or((text.as_str(), None), |(whole, rest)| (whole, Some(rest)));
+    let mut out = String::from(if value < 0.0 { "-" } else { "" });
+    for (k, digit) in whole.chars().enumerate() {
+        if k > 0 && (whole.len() - k) % 3 == 0 {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    fraction.map_or(out.clone(), |fraction| format!("{out}.{fraction}"))
+}
+
+/// `a, b or c`.
+pub fn list_of(items: &[String], last: &str) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., end] => format!("{} {last} {end}", most.join(", ")),
+    }
+}
+
+#[test]
+fn numbers_and_lists_read_as_people_write_them() {
+    assert_eq!(grouped(1e6), "1,000,000");
+    assert_eq!(grouped(-1e6), "-1,000,000");
+    assert_eq!(grouped(1e-6), "0.000001");
+    assert_eq!(grouped(9_007_199_254_740_991.0), "9,007,199,254,740,991");
+    assert_eq!(list_of(&["a".into(), "b".into(), "c".into()], "or"), "a, b or c");
+}
+
+#[test]
+fn a_default_that_is_said_moves_to_its_column() {
+    let split = |words: &str| split_default(words);
+    assert_eq!(split("Chord height. Default: 0.01."), (Some("0.01".into()), "Chord height.".into()));
+    assert_eq!(split("Default: 1. Some take less."), (Some("1".into()), "Some take less.".into()));
+    assert_eq!(split("A name."), (None, "A name.".into()));
+}

@@ -48,3 +48,25 @@ fn every_link_leads_to_a_file_and_a_heading() {
     }
     assert!(dead.is_empty(), "{}", dead.join("\n"));
 }
+
+/// The modules that the third column of a table names: `a/b` and `a/{b, c}`, without words in upper case.
+fn modules(row: &str) -> Vec<String> {
+    let cell = row.split(" | ").nth(2).unwrap_or_default();
+    let paths = cell.split('`').skip(1).step_by(2).filter(|path| path.contains('/'));
+    let each = |path: &str| match path.split_once('{') {
+        Some((folder, names)) => {
+            names.trim_end_matches('}').split(", ").map(|name| format!("{folder}{name}")).collect()
+        }
+        None => vec![path.to_owned()],
+    };
+    paths.flat_map(each).collect()
+}
+
+#[test]
+fn every_module_of_a_paper_exists() {
+    let page = read("docs/papers.md");
+    let named: Vec<String> = page.lines().filter(|line| line.starts_with("| ")).flat_map(modules).collect();
+    assert!(named.len() > 10, "{named:?}");
+    let missing: Vec<_> = named.iter().filter(|name| !root().join(format!("src/{name}.rs")).exists()).collect();
+    assert!(missing.is_empty(), "docs/papers.md names {missing:?}");
+}

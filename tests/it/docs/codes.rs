@@ -38,14 +38,18 @@ fn every_code_is_explained() {
 fn every_setting_is_explained_with_its_default() {
     let page = read("docs/operations.md");
     let (_, rest) = page.split_once("<!-- settings -->").expect("the settings");
-    let rows: Vec<&str> = rest.trim_start().lines().take_while(|line| line.starts_with('|')).skip(2).collect();
+    let rows: Vec<&str> =
+        rest.trim_start().lines().take_while(|line| line.starts_with('|')).skip(2).collect();
     let command = Cli::command();
-    let flags: Vec<_> =
-        command.get_arguments().filter(|flag| !["help", "version"].contains(&flag.get_id().as_str())).collect();
+    let flags: Vec<_> = command
+        .get_arguments()
+        .filter(|flag| !["help", "version"].contains(&flag.get_id().as_str()))
+        .collect();
     assert_eq!(rows.len(), flags.len());
     for flag in flags {
         let name = format!("`--{}`", flag.get_long().expect("a name"));
-        let row = rows.iter().find(|row| row.contains(&name)).unwrap_or_else(|| panic!("{name} is not explained"));
+        let row =
+            rows.iter().find(|row| row.contains(&name)).unwrap_or_else(|| panic!("{name} is not explained"));
         for default in flag.get_default_values() {
             let default = format!("| {} |", default.to_str().expect("UTF-8"));
             assert!(row.contains(&default), "{name}: {default}");

@@ -193,10 +193,10 @@ fn a_command_is_the_request_that_curl_would_send() {
         curl -T a.ngc http://127.0.0.1:8080/v1/arcs/fit\n";
     let found = commands(shell).expect("commands");
     let header = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-    assert_eq!(found[0].headers, [
-        header("accept", "application/json"),
-        header("content-type", "application/x-www-form-urlencoded")
-    ]);
+    assert_eq!(
+        found[0].headers,
+        [header("accept", "application/json"), header("content-type", "application/x-www-form-urlencoded")]
+    );
     assert_eq!((found[0].method.as_str(), found[0].target.as_str()), ("POST", "/v1/arcs/fit?nc=true"));
     assert_eq!(found[0].body, Some(Body::Joined("a.json".into())));
     assert_eq!(found[0].saved_as.as_deref(), Some("out"));

@@ -21,7 +21,8 @@ async fn every_curl_of_the_documents_answers_as_they_show() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
-    let faults = aside(move || DOCUMENTS.iter().flat_map(|path| faults_of(path, address)).collect::<Vec<_>>());
+    let faults =
+        aside(move || DOCUMENTS.iter().flat_map(|path| faults_of(path, address)).collect::<Vec<_>>());
     let faults = faults.await;
     server.stop().await;
     assert!(faults.is_empty(), "{}", faults.join("\n\n"));

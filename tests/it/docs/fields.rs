@@ -97,7 +97,8 @@ fn every_field_that_is_sent_or_answered_stands_in_a_table() {
     let needs_table = |name: &String| {
         let schema = contract.component(name);
         let is_answer = name.starts_with(ANSWER) && name != "Answer_MillReport";
-        !is_answer && (schema.get("properties").is_some() || (is_tagged_union(schema) && !is_any_report(schema)))
+        !is_answer
+            && (schema.get("properties").is_some() || (is_tagged_union(schema) && !is_any_report(schema)))
     };
     let missing: Vec<_> =
         reached.iter().filter(|name| needs_table(name) && !contract.headings.contains_key(*name)).collect();
@@ -192,7 +193,10 @@ fn with_tables(page: &str, document: &Value) -> String {
             assert!(lines.any(|line| line == END), "{line} has no end");
             out.push_str(&format!("\n{}\n{END}\n", render(&table, &contract, document)));
         } else {
-            assert!(!line.starts_with("<!-- ") || line.contains(" codes of "), "{line} is no mark that is known");
+            assert!(
+                !line.starts_with("<!-- ") || line.contains(" codes of "),
+                "{line} is no mark that is known"
+            );
         }
     }
     out
@@ -268,7 +272,8 @@ fn fields(contract: &Contract<'_>, object: &Value, at: &str, is_request: bool, r
         let (default, meaning) = contract.default_and_meaning(&field, is_required || !is_request);
         let kind = contract.type_of(&field, is_request);
         let or_null = if field.is_nullable && !is_request { " or `null`" } else { "" };
-        let mut row = vec![format!("`{path}`"), format!("{kind}{or_null}"), contract.unit_of(name, &field).to_owned()];
+        let mut row =
+            vec![format!("`{path}`"), format!("{kind}{or_null}"), contract.unit_of(name, &field).to_owned()];
         row.extend(is_request.then_some(default));
         row.push(meaning);
         rows.push(row);
@@ -294,6 +299,7 @@ fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let head: Vec<String> = head.iter().map(|&name| name.to_owned()).collect();
     let rule = format!("|{}\n", "---|".repeat(head.len()));
-    let rows = rows.iter().map(|row| line(&row.iter().map(|cell| cell.replace('|', "\\|")).collect::<Vec<_>>()));
+    let rows =
+        rows.iter().map(|row| line(&row.iter().map(|cell| cell.replace('|', "\\|")).collect::<Vec<_>>()));
     line(&head) + &rule + &rows.collect::<String>()
 }

@@ -37,10 +37,17 @@ fn every_link_leads_to_a_file_and_a_heading() {
             let (file, place) = link.split_once('#').unwrap_or((link, ""));
             let target = match file {
                 "" => path.clone(),
-                file => Path::new(&path).parent().expect("a folder").join(file).to_str().expect("UTF-8").to_owned(),
+                file => Path::new(&path)
+                    .parent()
+                    .expect("a folder")
+                    .join(file)
+                    .to_str()
+                    .expect("UTF-8")
+                    .to_owned(),
             };
             let is_there = root().join(&target).exists()
-                && (place.is_empty() || headings(&read(&target)).iter().any(|(_, title)| anchor(title) == place));
+                && (place.is_empty()
+                    || headings(&read(&target)).iter().any(|(_, title)| anchor(title) == place));
             if !is_there {
                 dead.push(format!("{path}: {link}"));
             }
@@ -67,6 +74,7 @@ fn every_module_of_a_paper_exists() {
     let page = read("docs/papers.md");
     let named: Vec<String> = page.lines().filter(|line| line.starts_with("| ")).flat_map(modules).collect();
     assert!(named.len() > 10, "{named:?}");
-    let missing: Vec<_> = named.iter().filter(|name| !root().join(format!("src/{name}.rs")).exists()).collect();
+    let missing: Vec<_> =
+        named.iter().filter(|name| !root().join(format!("src/{name}.rs")).exists()).collect();
     assert!(missing.is_empty(), "docs/papers.md names {missing:?}");
 }

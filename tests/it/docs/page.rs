@@ -70,6 +70,9 @@ fn a_block_ends_at_its_fence() {
     let languages: Vec<_> = found.iter().map(|block| (block.line, block.language.as_str())).collect();
     assert_eq!(languages, [(2, "sh"), (6, "")]);
     assert_eq!(found[0].text, "cargo test\n");
-    assert_eq!(headings("# Start\n```\n# no heading\n```\n## The `kind`\n"), [(0, "Start"), (4, "The `kind`")]);
+    assert_eq!(
+        headings("# Start\n```\n# no heading\n```\n## The `kind`\n"),
+        [(0, "Start"), (4, "The `kind`")]
+    );
     assert_eq!(anchor("`POST /v1/surfaces/mill`"), "post-v1surfacesmill");
 }

@@ -51,8 +51,9 @@ fn the_readme_lists_every_endpoint_with_every_form_of_its_answer() {
     }
     PAGES.iter().for_each(|name| assert!(listed.remove(*name).is_some(), "{name} is not listed"));
     let document = contract();
-    let offered: BTreeMap<String, BTreeSet<&str>> =
-        operations(&document).map(|(method, path, operation)| (format!("{method} {path}"), forms(operation))).collect();
+    let offered: BTreeMap<String, BTreeSet<&str>> = operations(&document)
+        .map(|(method, path, operation)| (format!("{method} {path}"), forms(operation)))
+        .collect();
     assert_eq!(listed, offered);
 }
 
@@ -61,9 +62,12 @@ fn forms(operation: &Value) -> BTreeSet<&'static str> {
     let content = operation["responses"]["200"]["content"].as_object().expect("forms");
     let has_nc = content.contains_key("text/x-gcode");
     // A program is also answered under other names of its type.
-    let is_other_name = |name: &str| has_nc && ["text/plain", "text/x.gcode", "application/x-gcode"].contains(&name);
+    let is_other_name =
+        |name: &str| has_nc && ["text/plain", "text/x.gcode", "application/x-gcode"].contains(&name);
     let names = content.keys().filter(|name| !is_other_name(name));
     names
-        .map(|name| FORMS.iter().find(|(media_type, _)| media_type == name).unwrap_or_else(|| panic!("{name}")).1)
+        .map(|name| {
+            FORMS.iter().find(|(media_type, _)| media_type == name).unwrap_or_else(|| panic!("{name}")).1
+        })
         .collect()
 }

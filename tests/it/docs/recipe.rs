@@ -20,7 +20,10 @@ const POINTS: &str = "list(columns.values())";
 pub fn body_of(blocks: &[Block]) -> Option<(String, Vec<u8>)> {
     let of = |language: &str| blocks.iter().find(|block| block.language == language);
     let (csv, python) = (of("csv")?, of("python")?);
-    assert!(python.text.contains(GROUPING), "the recipe groups its points in another way than this test:\n{GROUPING}");
+    assert!(
+        python.text.contains(GROUPING),
+        "the recipe groups its points in another way than this test:\n{GROUPING}"
+    );
     let (_, rest) = python.text.split_once("\njob = {\n").expect("the body");
     let (body, rest) = rest.split_once("\n}\n").expect("the end of the body");
     assert_eq!(rest.trim(), "json.dump(job, open(\"job.json\", \"w\"))");
@@ -46,8 +49,8 @@ fn the_readme_has_a_recipe_for_points_in_a_table() {
 
 #[test]
 fn points_in_any_order_become_a_grid() {
-    assert_eq!(grid("5,0,1\n0,5,2\n0,0,3\n5,5,4\n"), json!([
-        [[0.0, 0.0, 3.0], [0.0, 5.0, 2.0]],
-        [[5.0, 0.0, 1.0], [5.0, 5.0, 4.0]]
-    ]));
+    assert_eq!(
+        grid("5,0,1\n0,5,2\n0,0,3\n5,5,4\n"),
+        json!([[[0.0, 0.0, 3.0], [0.0, 5.0, 2.0]], [[5.0, 0.0, 1.0], [5.0, 5.0, 4.0]]])
+    );
 }

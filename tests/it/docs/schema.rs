@@ -58,16 +58,19 @@ impl Contract<'_> {
             inner = one.clone();
         } else if let Some(all) = schema["allOf"].as_array() {
             // One of them is the object, the others add words to it.
-            let object = all.iter().find(|part| part.get("$ref").is_some() || part.get("properties").is_some());
+            let object =
+                all.iter().find(|part| part.get("$ref").is_some() || part.get("properties").is_some());
             inner = object.expect("an object among allOf").clone();
             let words = all.iter().filter(|part| *part != &inner).map(text);
-            description = std::iter::once(description).chain(words).find(|words| !words.is_empty()).unwrap_or_default();
+            description =
+                std::iter::once(description).chain(words).find(|words| !words.is_empty()).unwrap_or_default();
         }
         if description.is_empty() {
             description = text(&inner);
         }
         let refers_to = inner["$ref"].as_str().and_then(|path| path.rsplit('/').next()).map(str::to_owned);
-        let default = schema.get("default").or(inner.get("default")).filter(|value| !value.is_null()).cloned();
+        let default =
+            schema.get("default").or(inner.get("default")).filter(|value| !value.is_null()).cloned();
         if let Some(name) = &refers_to {
             inner = self.component(name).clone();
             let is_value = inner.get("properties").is_none() && !is_tagged_union(&inner);
@@ -91,11 +94,13 @@ impl Contract<'_> {
             }
         }
         if let Some(names) = schema["enum"].as_array() {
-            let names: Vec<_> = names.iter().filter_map(Value::as_str).map(|name| format!("`{name}`")).collect();
+            let names: Vec<_> =
+                names.iter().filter_map(Value::as_str).map(|name| format!("`{name}`")).collect();
             return list_of(&names, "or");
         }
         if let Some(kinds) = schema["oneOf"].as_array() {
-            let kinds: Vec<_> = kinds.iter().map(|kind| self.type_of(&self.field(kind), with_limits)).collect();
+            let kinds: Vec<_> =
+                kinds.iter().map(|kind| self.type_of(&self.field(kind), with_limits)).collect();
             return list_of(&kinds, "or");
         }
         let limits = |text: String| if with_limits { text } else { String::new() };
@@ -107,7 +112,11 @@ impl Contract<'_> {
             "array" => {
                 let item = self.type_of(&self.field(&schema["items"]), false);
                 let pair = (schema["minItems"] == 2 && schema["maxItems"] == 2) && item == "number";
-                if pair { "`[first, last]`".to_owned() } else { format!("list of {item}{}", limits(count(schema))) }
+                if pair {
+                    "`[first, last]`".to_owned()
+                } else {
+                    format!("list of {item}{}", limits(count(schema)))
+                }
             }
             "object" if schema["additionalProperties"].is_object() => "names with texts".to_owned(),
             _ => "object".to_owned(),
@@ -121,7 +130,8 @@ impl Contract<'_> {
         }
         let mut innermost = field.schema.clone();
         let mut named = field.refers_to.clone();
-        while type_name(&innermost) == "array" && !named.as_deref().is_some_and(|n| COORDINATES.contains(&n)) {
+        while type_name(&innermost) == "array" && !named.as_deref().is_some_and(|n| COORDINATES.contains(&n))
+        {
             let item = self.field(&innermost["items"]);
             (innermost, named) = (item.schema, item.refers_to);
         }
@@ -143,7 +153,9 @@ impl Contract<'_> {
     }
 
     fn has_only_defaults(&self, field: &Field) -> bool {
-        !field.is_nullable && field.schema.get("properties").is_some() && field.schema.get("required").is_none()
+        !field.is_nullable
+            && field.schema.get("properties").is_some()
+            && field.schema.get("required").is_none()
     }
 }
 
@@ -156,7 +168,9 @@ impl Field {
 
 /// Whether a schema is one of several objects that `kind` tells apart.
 pub fn is_tagged_union(schema: &Value) -> bool {
-    schema["oneOf"].as_array().is_some_and(|kinds| kinds.len() > 1 && kinds.iter().all(|kind| kind.get("$ref").is_some()))
+    schema["oneOf"]
+        .as_array()
+        .is_some_and(|kinds| kinds.len() > 1 && kinds.iter().all(|kind| kind.get("$ref").is_some()))
 }
 
 /// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without it.
@@ -180,7 +194,9 @@ fn shape_of_point(schema: &Value) -> Option<String> {
 /// The type that is not `null`.
 fn type_name(schema: &Value) -> &str {
     match &schema["type"] {
-        Value::Array(types) => types.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or_default(),
+        Value::Array(types) => {
+            types.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or_default()
+        }
         name => name.as_str().unwrap_or_default(),
     }
 }
@@ -204,13 +220,17 @@ fn count(schema: &Value) -> String {
 }
 
 fn longest(schema: &Value, limit: &str, what: &str) -> String {
-    schema[limit].as_u64().map(|most| format!(", at most {} {what}", grouped(most as f64))).unwrap_or_default()
+    schema[limit]
+        .as_u64()
+        .map(|most| format!(", at most {} {what}", grouped(most as f64)))
+        .unwrap_or_default()
 }
 
 /// A number with its thousands apart.
 fn grouped(value: f64) -> String {
     let text = format!("{}", value.abs());
-    let (whole, fraction) = text.split_once('.').map_or((text.as_str(), None), |(whole, rest)| (whole, Some(rest)));
+    let (whole, fraction) =
+        text.split_once('.').map_or((text.as_str(), None), |(whole, rest)| (whole, Some(rest)));
     let mut out = String::from(if value < 0.0 { "-" } else { "" });
     for (k, digit) in whole.chars().enumerate() {
         if k > 0 && (whole.len() - k) % 3 == 0 {

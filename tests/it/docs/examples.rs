@@ -73,11 +73,10 @@ fn compare(answer: &Answer, shown: Option<&Block>) -> Result<(), String> {
     if text.is_empty() {
         return Ok(());
     }
-    let fits = match answer.content_type.as_str() {
-        "application/json" => fit(&squeezed(text), &squeezed(&answer.body)),
-        _ => fit(text.trim_end(), answer.body.trim_end()),
-    };
-    fits.map_err(|part| format!("the answer does not go on with\n{part}\nIt is\n{}", answer.body))
+    let is_json = answer.content_type == "application/json";
+    let readable = |text: &str| if is_json { squeezed(text) } else { text.trim_end().to_owned() };
+    let (shown, told) = (readable(text), readable(&answer.body));
+    fit(&shown, &told).map_err(|part| format!("the answer does not go on with\n{part}\nIt is\n{told}"))
 }
 
 /// The members by which callers tell problems apart. The sentences for people may change.

@@ -93,6 +93,9 @@ impl Contract<'_> {
                 return shape;
             }
         }
+        if let Some(name) = schema["const"].as_str() {
+            return format!("`{name}`");
+        }
         if let Some(names) = schema["enum"].as_array() {
             let names: Vec<_> =
                 names.iter().filter_map(Value::as_str).map(|name| format!("`{name}`")).collect();

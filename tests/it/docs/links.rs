@@ -58,7 +58,7 @@ fn every_link_leads_to_a_file_and_a_heading() {
 
 /// The modules that the third column of a table names: `a/b` and `a/{b, c}`, without words in upper case.
 fn modules(row: &str) -> Vec<String> {
-    let cell = row.split(" | ").nth(2).unwrap_or_default();
+    let cell = row.trim_matches('|').split('|').nth(2).unwrap_or_default();
     let paths = cell.split('`').skip(1).step_by(2).filter(|path| path.contains('/'));
     let each = |path: &str| match path.split_once('{') {
         Some((folder, names)) => {

@@ -17,6 +17,9 @@ const END: &str = "<!-- end -->";
 /// The answers of computations differ in `report` alone: the page shows the other members once.
 const ANSWER: &str = "Answer_";
 
+/// What the page says of the member `report`, which is another object for each endpoint.
+const REPORT: &str = "What the operation found; each endpoint has its own report.";
+
 pub fn contract() -> Value {
     serde_json::from_str(&read("openapi/openapi.json")).expect("the contract is JSON")
 }
@@ -157,8 +160,8 @@ fn is_any_report(schema: &Value) -> bool {
 fn gather(value: &Value, names: &mut BTreeSet<String>) {
     match value {
         Value::Object(members) => {
-            let name = members.get("$ref").and_then(Value::as_str).and_then(|path| path.rsplit('/').next());
-            names.extend(name.map(str::to_owned));
+            let path = members.get("$ref").and_then(Value::as_str);
+            names.extend(path.and_then(|path| path.strip_prefix("#/components/schemas/")).map(str::to_owned));
             members.values().for_each(|member| gather(member, names));
         }
         Value::Array(items) => items.iter().for_each(|item| gather(item, names)),
@@ -271,6 +274,10 @@ fn fields(contract: &Contract<'_>, object: &Value, at: &str, is_request: bool, r
         let is_required = required.contains(&name);
         let (default, meaning) = contract.default_and_meaning(&field, is_required || !is_request);
         let kind = contract.type_of(&field, is_request);
+        let (kind, meaning) = match name {
+            "report" => ("object".to_owned(), REPORT.to_owned()),
+            _ => (kind, meaning),
+        };
         let or_null = if field.is_nullable && !is_request { " or `null`" } else { "" };
         let mut row =
             vec![format!("`{path}`"), format!("{kind}{or_null}"), contract.unit_of(name, &field).to_owned()];

@@ -114,12 +114,7 @@ impl Contract<'_> {
             "string" => format!("text{}", limits(longest(schema, "maxLength", "characters"))),
             "array" => {
                 let item = self.type_of(&self.field(&schema["items"]), false);
-                let pair = (schema["minItems"] == 2 && schema["maxItems"] == 2) && item == "number";
-                if pair {
-                    "`[first, last]`".to_owned()
-                } else {
-                    format!("list of {item}{}", limits(count(schema)))
-                }
+                format!("list of {}{}", plural(&item), limits(count(schema)))
             }
             "object" if schema["additionalProperties"].is_object() => "names with texts".to_owned(),
             _ => "object".to_owned(),
@@ -176,9 +171,19 @@ pub fn is_tagged_union(schema: &Value) -> bool {
         .is_some_and(|kinds| kinds.len() > 1 && kinds.iter().all(|kind| kind.get("$ref").is_some()))
 }
 
+/// The name of a type for several values; names of objects stay as they are.
+fn plural(name: &str) -> String {
+    match name.split_once(" of ") {
+        Some(("list", items)) => format!("lists of {items}"),
+        _ if ["number", "whole number", "text", "object"].contains(&name) => format!("{name}s"),
+        _ => name.to_owned(),
+    }
+}
+
 /// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without it.
 fn split_default(words: &str) -> (Option<String>, String) {
-    let Some((before, after)) = words.split_once("Default: ") else { return (None, words.to_owned()) };
+    let found = ["Default: ", "Default in a request: "].iter().find_map(|mark| words.split_once(mark));
+    let Some((before, after)) = found else { return (None, words.to_owned()) };
     let end = after.match_indices(". ").map(|(at, _)| at).next().unwrap_or(after.trim_end_matches('.').len());
     let meaning = [before.trim(), after[end..].trim_start_matches('.').trim()].join(" ");
     (Some(after[..end].to_owned()), meaning.trim().to_owned())

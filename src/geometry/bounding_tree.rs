@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! Items are added from below: each with its volume, and pairs of nodes under a common volume. A search goes down from the last node that
-//! was added. Of two halves the one that promises more comes first; what is found there may settle the other one.
+//! was added. Of two halves the one that promises more comes first, and the second one if both promise as much; what is found there may
+//! settle the other one.
 //!
 //! # Cost
 //! O(n) to build. A search is O(log n + found) where volumes are tight.
@@ -85,7 +86,7 @@ impl<V: Volume, T> BoundingTree<V, T> {
                 Content::Item(item) => visitor.visit(item, promise),
                 Content::Halves(halves) => {
                     let [a, b] = halves.map(|half| (half, visitor.promise(&self.nodes[half].volume)));
-                    open.extend(if a.1 >= b.1 { [b, a] } else { [a, b] });
+                    open.extend(if a.1 > b.1 { [b, a] } else { [a, b] });
                 }
             }
         }

@@ -51,8 +51,9 @@ impl<P: Patch> BezierSurface<P> {
             let (i, j) = (range.i[0], range.j[0]);
             return tree.add(self.patch(i, j).bounds(), [i, j]);
         };
-        let halves = halves.map(|half| self.add_boxes(tree, half));
-        tree.join(halves)
+        let [first, second] = halves.map(|half| self.add_boxes(tree, half));
+        // A search that prefers neither goes to the second of a pair first: so patches are found in their order.
+        tree.join([second, first])
     }
 
     /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as high

@@ -1,34 +1,37 @@
 //! The offset of contours of lines and arcs: the places beside them at a given distance from all of them.
 //!
 //! # Method
-//! 1. `pieces`: every element of a contour moves aside by the distance, and arcs are laid about convex corners. The offset
-//!    consists of points of these pieces.
-//! 2. `clip`: of each piece the ranges are taken away that lie too near to some element of a contour. Clipping cuts concave
-//!    corners, cusps and global loops alike, and opens the offset where a neck is too narrow.
-//! 3. `link`: the ranges that are left are joined to chains; arcs about nearly straight corners are replaced by mitres
-//!    (`mitre`).
-//! 4. Proof: the least distance of each element of the offset from each element of the contours that is in reach has a
-//!    closed form (`distance`). A distance that is too small refuses the offset.
+//! 1. `pieces`: every element of a contour moves aside by the distance, and arcs are laid about convex
+//!    corners. The offset consists of points of these pieces.
+//! 2. `clip`: of each piece the ranges are taken away that lie too near to some element of a contour.
+//!    Clipping cuts concave corners, cusps and global loops alike, and opens the offset where a neck is too
+//!    narrow.
+//! 3. `link`: the ranges that are left are joined to chains; arcs about nearly straight corners are replaced
+//!    by mitres (`mitre`).
+//! 4. Proof: the least distance of each element of the offset from each element of the contours that is in
+//!    reach has a closed form (`distance`). A distance that is too small refuses the offset.
 //!
 //! # Guarantees
-//! No point of the offset is nearer to a contour than the distance less [`TOO_NEAR_MM`]. The chains follow the direction of
-//! their contours and are connected exactly; their elements are parallel to elements of a contour or about its corners,
-//! within 1e-7 mm at their ends. The offset of an open contour does not run around its ends.
+//! No point of the offset is nearer to a contour than the distance less [`TOO_NEAR_MM`]. The chains follow
+//! the direction of their contours and are connected exactly; their elements are parallel to elements of a
+//! contour or about its corners, within 1e-7 mm at their ends. The offset of an open contour does not run
+//! around its ends.
 //!
 //! # Degenerate input
-//! Elements shorter than 1e-9 mm are stepped over. Arcs with a radius of the distance or less give no piece on their inner
-//! side. Contours may cross themselves and each other: the ranges of one part's offset that are too near to another part are
-//! cut away. Parabolas are refused. Nothing may be left: the offset is then empty.
+//! Elements shorter than 1e-9 mm are stepped over. Arcs with a radius of the distance or less give no piece
+//! on their inner side. Contours may cross themselves and each other: the ranges of one part's offset that
+//! are too near to another part are cut away. Parabolas are refused. Nothing may be left: the offset is then
+//! empty.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements, of which k are as near to a piece as its own contour, with half of its length to
-//! spare: the larger the distance, the larger k. 10 to 40 ms for 2,000 elements, 100 ms with a distance ten times their
-//! size.
+//! O(n (log n + k)) for n elements, of which k are as near to a piece as its own contour, with half of its
+//! length to spare: the larger the distance, the larger k. 10 to 40 ms for 2,000 elements, 100 ms with a
+//! distance ten times their size.
 //!
 //! # Reference
-//! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in Industry 58, 2007:
-//! pieces of lines and arcs, and clipping by distance. The paper clips between crossings of pieces only; here each element
-//! of the contours clips each piece in reach.
+//! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in
+//! Industry 58, 2007: pieces of lines and arcs, and clipping by distance. The paper clips between crossings
+//! of pieces only; here each element of the contours clips each piece in reach.
 
 mod clip;
 pub(super) mod distance;
@@ -88,8 +91,9 @@ pub enum OffsetError {
     TooMany { limit: usize },
 }
 
-/// The offset of connected chains of lines and arcs, as chains in the direction of the contours. A contour is closed if it
-/// ends where it starts. Where elements of a contour meet almost smoothly, the offset may be `mitre_mm` farther away.
+/// The offset of connected chains of lines and arcs, as chains in the direction of the contours. A contour is
+/// closed if it ends where it starts. Where elements of a contour meet almost smoothly, the offset may be
+/// `mitre_mm` farther away.
 ///
 /// # Errors
 /// One of [`OffsetError`].
@@ -149,8 +153,8 @@ pub fn offset(
     }
 }
 
-/// How far the points of a contour are from its offset at most, beyond the offset's distance, at samples, mm: what a disc
-/// of that radius does not reach.
+/// How far the points of a contour are from its offset at most, beyond the offset's distance, at samples, mm:
+/// what a disc of that radius does not reach.
 ///
 /// # Errors
 /// When the budget ends.
@@ -162,7 +166,8 @@ pub fn unreached(
 ) -> Result<f64, Stopped> {
     let offset = Tree::new(offset.iter().flatten().copied().collect());
     let mut farthest: f64 = 0.0;
-    // From one sample to the next the distance changes by no more than the samples are apart: a bound to start from.
+    // From one sample to the next the distance changes by no more than the samples are apart: a bound to
+    // start from.
     let mut before: Option<(Point2<f64>, f64)> = None;
     for (k, element) in without_specks(contour).iter().enumerate() {
         if k % ELEMENTS_BETWEEN_CHECKS == 0 {

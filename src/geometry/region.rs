@@ -1,30 +1,34 @@
-//! Regions of the plane with outlines of lines and arcs, and islands in them: areas, what is inside, unions, offsets.
+//! Regions of the plane with outlines of lines and arcs, and islands in them: areas, what is inside, unions,
+//! offsets.
 //!
 //! # Method
 //! 1. [`Outline::new`] checks a loop: closed, of finite numbers, and not crossing itself.
-//! 2. Loops are cut at each other into edges (`arrangement`). How often the loops wind about either side of an edge
-//!    (`winding`) tells whether the region is there; edges with the region on one side only are its boundary (`trace`).
-//!    Unions, intersections and differences are different rules for the same windings.
-//! 3. An offset of a region is the [`offset`](crate::geometry::offset) of all its outlines together. Its chains go through
-//!    step 2, which restores what is an island of what, and drops necks that are exactly as wide as twice the distance.
+//! 2. Loops are cut at each other into edges (`arrangement`). How often the loops wind about either side of
+//!    an edge (`winding`) tells whether the region is there; edges with the region on one side only are its
+//!    boundary (`trace`). Unions, intersections and differences are different rules for the same windings.
+//! 3. An offset of a region is the [`offset`](crate::geometry::offset) of all its outlines together. Its
+//!    chains go through step 2, which restores what is an island of what, and drops necks that are exactly as
+//!    wide as twice the distance.
 //!
 //! # Guarantees
-//! Outer outlines run counterclockwise and islands clockwise: the region is on the left. Outlines of one region do not
-//! cross, and meet in single points at most. Boundaries lie within a few times 1e-6 mm of the boundaries they come from.
-//! Lines stay lines and arcs stay arcs. Offsets keep the proof of the offset module but for that snap.
+//! Outer outlines run counterclockwise and islands clockwise: the region is on the left. Outlines of one
+//! region do not cross, and meet in single points at most. Boundaries lie within a few times 1e-6 mm of the
+//! boundaries they come from. Lines stay lines and arcs stay arcs. Offsets keep the proof of the offset
+//! module but for that snap.
 //!
 //! # Degenerate input
-//! Places within 1e-6 mm of each other are one place: shared edges, coincident arcs, touching corners and tangent arcs are
-//! met there. Regions narrower than that are dropped. An empty region is a region.
+//! Places within 1e-6 mm of each other are one place: shared edges, coincident arcs, touching corners and
+//! tangent arcs are met there. Regions narrower than that are dropped. An empty region is a region.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet, and O(log n + r) for each place where outlines
-//! meet, with r boxes on a ray. `benches/regions.rs` measures times over growing sizes.
+//! O(n log n + k) for n elements, of which k pairs have boxes that meet, and O(log n + r) for each place
+//! where outlines meet, with r boxes on a ray. `benches/regions.rs` measures times over growing sizes.
 //!
 //! # Reference
-//! W. Randolph Franklin's rule that an edge holds its lower end and not its upper one, for places in polygons; windings of
-//! both sides of an edge as in A. Margalit, G. D. Knott, *An algorithm for computing the union, intersection or difference
-//! of two polygons*, Computers & Graphics 13, 1989. Here for arcs as well, with vertices snapped.
+//! W. Randolph Franklin's rule that an edge holds its lower end and not its upper one, for places in
+//! polygons; windings of both sides of an edge as in A. Margalit, G. D. Knott, *An algorithm for computing
+//! the union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here for arcs as
+//! well, with vertices snapped.
 
 mod arrangement;
 mod contacts;
@@ -42,8 +46,8 @@ use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
 pub use outline::{Outline, OutlineError};
 use trace::Wedge;
 
-/// Where edges are as near as the snap for a long way, rounding may tell their sides apart wrongly. The sides then do not
-/// fit, and the snap is made coarser by this factor, up to the largest snap, mm.
+/// Where edges are as near as the snap for a long way, rounding may tell their sides apart wrongly. The sides
+/// then do not fit, and the snap is made coarser by this factor, up to the largest snap, mm.
 const COARSER: f64 = 4.0;
 const LARGEST_SNAP_MM: f64 = 16.0 * SNAP_MM;
 
@@ -87,8 +91,8 @@ pub enum RegionError {
 }
 
 impl Region {
-    /// The region within any of the outlines and within no island. Outlines may overlap, touch and hold each other, and so
-    /// may islands.
+    /// The region within any of the outlines and within no island. Outlines may overlap, touch and hold each
+    /// other, and so may islands.
     ///
     /// # Errors
     /// One of [`RegionError`].

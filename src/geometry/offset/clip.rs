@@ -1,17 +1,17 @@
 //! The ranges of a piece that are not too near to any contour.
 //!
 //! # Method
-//! Along a piece the distance to an element of the contour passes through the offset's distance only where the piece crosses a line,
-//! or circle, beside the element, or a circle about one of its ends. These places and those where it is nearest to one of
-//! them, or farthest, divide it. In between one look decides: the two distances are equal nowhere. What any element
-//! forbids is taken away.
+//! Along a piece the distance to an element of the contour passes through the offset's distance only where
+//! the piece crosses a line, or circle, beside the element, or a circle about one of its ends. These places
+//! and those where it is nearest to one of them, or farthest, divide it. In between one look decides: the two
+//! distances are equal nowhere. What any element forbids is taken away.
 //!
 //! # Guarantees
 //! The ranges that are left come too near by no more than about the rounding that is allowed.
 //!
 //! # Degenerate input
-//! Where a piece touches such a circle, the two crossings are ill-conditioned; what lies between them is as deep as the
-//! rounding and stays.
+//! Where a piece touches such a circle, the two crossings are ill-conditioned; what lies between them is as
+//! deep as the rounding and stays.
 //!
 //! # Cost
 //! A piece meets the elements that are nearer to its middle than the distance and half of its own length.

@@ -1,16 +1,16 @@
 //! Distances of lines and arcs, in closed form.
 //!
 //! # Method
-//! The place of the least distance between two elements is an end of one of them, a place where they cross, or lies on the
-//! normal that both have in common: every such place on either element is measured from the other. Each figure is the
-//! distance of some point, so that a place too many does no harm.
+//! The place of the least distance between two elements is an end of one of them, a place where they cross,
+//! or lies on the normal that both have in common: every such place on either element is measured from the
+//! other. Each figure is the distance of some point, so that a place too many does no harm.
 //!
 //! # Guarantees
 //! Right to rounding, some 1e-15 of the largest coordinate or radius.
 //!
 //! # Degenerate input
-//! Elements without length are points. Concentric arcs have normals in common wherever they face each other; the least
-//! distance is then found from their ends.
+//! Elements without length are points. Concentric arcs have normals in common wherever they face each other;
+//! the least distance is then found from their ends.
 //!
 //! # Cost
 //! O(1), without trigonometric functions.

@@ -1,12 +1,13 @@
 //! Chains of what is left of the pieces.
 //!
 //! # Method
-//! Where two pieces are cut by each other, each is cut at the same place to rounding: ends are joined to starts, the
-//! nearest pairs first, of equally near ones those whose pieces follow each other soonest.
+//! Where two pieces are cut by each other, each is cut at the same place to rounding: ends are joined to
+//! starts, the nearest pairs first, of equally near ones those whose pieces follow each other soonest.
 //!
 //! # Guarantees
-//! Chains are connected exactly. A joint lies off the lines and circles of its pieces by at most [`BESIDE_MM`]. The chains
-//! and their elements are in the contour's order; a closed chain starts at its first piece.
+//! Chains are connected exactly. A joint lies off the lines and circles of its pieces by at most
+//! [`BESIDE_MM`]. The chains and their elements are in the contour's order; a closed chain starts at its
+//! first piece.
 //!
 //! # Degenerate input
 //! Pieces that meet under a tiny angle are cut at places that differ along them; their joint lies between.
@@ -26,8 +27,8 @@ const BESIDE_MM: f64 = 1e-7;
 /// Pairs of which the distances differ by less are equally near, mm.
 const EQUALLY_NEAR_MM: f64 = 1e-9;
 
-/// Of arcs with ends nearer to each other rounding decides whether they are short or nearly full turns, mm; they become
-/// lines.
+/// Of arcs with ends nearer to each other rounding decides whether they are short or nearly full turns, mm;
+/// they become lines.
 const SHORTEST_ARC_MM: f64 = 2e-6;
 
 /// So that no arc nearly closes, those that turn more are divided, radians.
@@ -44,8 +45,8 @@ pub(super) struct OpenRange {
     pub range: [f64; 2],
 }
 
-/// Joins the ranges to chains. Ends farther than `joint_mm` from each other are not joined, and shorter chains are left
-/// out.
+/// Joins the ranges to chains. Ends farther than `joint_mm` from each other are not joined, and shorter
+/// chains are left out.
 ///
 /// # Errors
 /// When the budget ends.

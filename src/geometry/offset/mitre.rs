@@ -1,13 +1,14 @@
 //! Corners that are hardly any, mitred: the arc about them would be a crumb of a move.
 //!
 //! # Method
-//! Where elements of the contour meet under a small angle, the offset has an arc about their joint, a few micrometres long. The elements
-//! before and after it are lengthened instead until they meet. At an angle a the place where they do lies d (1 / cos(a / 2) - 1) farther
-//! from the joint than the distance d: away from the contour, and by less than rounding.
+//! Where elements of the contour meet under a small angle, the offset has an arc about their joint, a few
+//! micrometres long. The elements before and after it are lengthened instead until they meet. At an angle a
+//! the place where they do lies d (1 / cos(a / 2) - 1) farther from the joint than the distance d: away from
+//! the contour, and by less than rounding.
 //!
 //! # Guarantees
-//! Chains stay connected exactly; elements stay on their lines and circles, within 1e-9 mm. No mitre comes too near to
-//! another part of a contour: the proof covers mitres like everything else.
+//! Chains stay connected exactly; elements stay on their lines and circles, within 1e-9 mm. No mitre comes
+//! too near to another part of a contour: the proof covers mitres like everything else.
 
 use nalgebra::{Point2, Vector2};
 
@@ -21,7 +22,8 @@ const STEPS: usize = 4;
 /// What meets does so to this, mm.
 const MEETS_MM: f64 = 1e-9;
 
-/// The chain with those arcs of radius `distance` mitred that this takes no farther than `most` mm from the contour.
+/// The chain with those arcs of radius `distance` mitred that this takes no farther than `most` mm from the
+/// contour.
 pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element> {
     let mut kept: Vec<Element> = Vec::with_capacity(chain.len());
     let mut k = 0;

@@ -1,15 +1,17 @@
-//! The pieces that the offset can be made of: the elements of the contour moved aside, and arcs about its convex corners.
+//! The pieces that the offset can be made of: the elements of the contour moved aside, and arcs about its
+//! convex corners.
 //!
 //! # Method
-//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the offset
-//! that is nearest to a corner lies on the circle about it, between the normals of the two elements.
+//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the
+//! offset that is nearest to a corner lies on the circle about it, between the normals of the two elements.
 //!
 //! # Guarantees
-//! Every point beside the contour at exactly the distance from it, seen from its nearest point on the side, lies on a
-//! piece.
+//! Every point beside the contour at exactly the distance from it, seen from its nearest point on the side,
+//! lies on a piece.
 //!
 //! # Degenerate input
-//! A contour that turns back on itself is rounded on both sides if it is straight there, else on the side of the cusp.
+//! A contour that turns back on itself is rounded on both sides if it is straight there, else on the side of
+//! the cusp.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -22,8 +24,8 @@ pub(super) const SHORTEST_MM: f64 = 1e-9;
 /// Straight elements with a turn this near to a half turn may turn to either side, radians.
 const TURNED_BACK: f64 = 1e-9;
 
-/// Of bent elements with a turn this near to a half turn the bends tell the side, radians: tangents where elements touch are
-/// known to about 1e-8, and ten times more where an arc is short.
+/// Of bent elements with a turn this near to a half turn the bends tell the side, radians: tangents where
+/// elements touch are known to about 1e-8, and ten times more where an arc is short.
 const TURNED_BACK_BENT: f64 = 1e-6;
 
 /// A piece of the offset before anything is cut away.
@@ -34,8 +36,8 @@ pub(super) struct Piece {
     pub beside: Option<usize>,
 }
 
-/// Appends the pieces of a contour in its order, `distance` to its left, or to its right if negative. Its elements follow
-/// `before` elements of other contours.
+/// Appends the pieces of a contour in its order, `distance` to its left, or to its right if negative. Its
+/// elements follow `before` elements of other contours.
 pub(super) fn append(
     contour: &[Element],
     before: usize,
@@ -141,8 +143,8 @@ pub(super) fn from_carrier(element: &Element, p: Point2<f64>) -> f64 {
     }
 }
 
-/// The angle turned, radians, from one place beside the element to another, near `from` and `to` of its way; `None` where
-/// that is too short or turns back.
+/// The angle turned, radians, from one place beside the element to another, near `from` and `to` of its way;
+/// `None` where that is too short or turns back.
 pub(super) fn turn_between(
     element: &Element,
     [from, to]: [f64; 2],

@@ -66,8 +66,8 @@ fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
     chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
 }
 
-/// Elements that meet under a hundredth of a radian. Without a mitre the offset has an arc about each joint. With a mitre
-/// there is no arc; the offset is connected, and leaves its distance by the mitre at most.
+/// Elements that meet under a hundredth of a radian. Without a mitre the offset has an arc about each joint.
+/// With a mitre there is no arc; the offset is connected, and leaves its distance by the mitre at most.
 #[test]
 fn small_angles_are_mitred_and_large_ones_rounded() {
     let arc_and_lines =
@@ -104,8 +104,8 @@ fn length(chain: &[Element]) -> f64 {
     chain.iter().map(pieces::length).sum()
 }
 
-/// The offset, after it has been sampled: connected, nowhere too near, and with every point beside the contour that is far
-/// enough from it.
+/// The offset, after it has been sampled: connected, nowhere too near, and with every point beside the
+/// contour that is far enough from it.
 fn run(contour: &[Element], side: Side, radius: f64) -> Found {
     let chains = offset(&[contour], side, radius, 0.0, &Budget::unlimited()).unwrap();
     let unreached_mm = unreached(contour, &chains, radius, &Budget::unlimited()).unwrap();
@@ -246,7 +246,8 @@ fn an_s_of_arcs() {
     let found = run_all_ways(&s, Side::Left, R);
     assert_eq!(one(&found).len(), 2);
     assert_near(length(one(&found)), PI * (5.0 - R + 5.0 + R));
-    // Too large a distance leaves the first half circle out, and what is too near to the first beside the second.
+    // Too large a distance leaves the first half circle out, and what is too near to the first beside the
+    // second.
     let found = run_all_ways(&s, Side::Left, 6.0);
     let chain = one(&found);
     assert_eq!(chain.len(), 1);
@@ -296,7 +297,8 @@ fn a_hairpin_with_a_bulb() {
     let bulb = one(&found);
     assert_eq!(bulb[0].start(), bulb[bulb.len() - 1].end());
     let sides = 2.0 * (12.0 - 2.0 * R) + (13.0 - 2.0 * R);
-    // The opening of 3 is seen from the offset as its walls of 5, and the arcs about its corners up to the middle.
+    // The opening of 3 is seen from the offset as its walls of 5, and the arcs about its corners up to the
+    // middle.
     let walls = 10.0 - 2.0 * R;
     assert_near(length(bulb), sides + walls + 2.0 * R * (1.5f64 / R).asin());
     // Around the outside nothing is in the way.
@@ -317,8 +319,8 @@ fn a_loop_of_the_contour_is_cut_off() {
 
 #[test]
 fn pieces_that_touch_what_they_pass() {
-    // The last line crosses the half circle, and its neighbourhood ends where the offset beside the circle touches it: half
-    // way between the places where the offset crosses the near edge of that neighbourhood.
+    // The last line crosses the half circle, and its neighbourhood ends where the offset beside the circle
+    // touches it: half way between the places where the offset crosses the near edge of that neighbourhood.
     let crossing = [(0.0, 0.0), (-3.0, 0.0), (-3.0, 3.0), (-3.0, 4.0), (0.0, 0.0)];
     let crossing = contour(&crossing, &[0.0, 1.0, -1.0]);
     for side in [Side::Left, Side::Right] {

@@ -4,7 +4,8 @@
 //! The sequence is halved until a few elements are left; each part has its box.
 //!
 //! # Cost
-//! O(n) to build. A search among the elements near a point is O(log n + found) where the sequence does not meander.
+//! O(n) to build. A search among the elements near a point is O(log n + found) where the sequence does not
+//! meander.
 
 use nalgebra::{Point2, Vector2};
 
@@ -14,7 +15,8 @@ use crate::geometry::element::Element;
 /// Elements that are looked at one by one.
 const LEAF: usize = 4;
 
-/// By how much boxes are opened in a search, in parts of the largest coordinate: they are made of rounded points.
+/// By how much boxes are opened in a search, in parts of the largest coordinate: they are made of rounded
+/// points.
 const ROUNDING: f64 = 1e-14;
 
 /// Elements with boxes.

@@ -2,15 +2,17 @@
 //!
 //! # Method
 //! 1. Arcs are divided where they are highest and lowest, so that y rises or falls along every element.
-//! 2. Every place where two elements cross or nearly touch becomes a vertex; so do all ends. Places within the snap of a vertex
-//!    are that vertex.
-//! 3. Every element is cut at the vertices within the snap of it. The cuts leave edges, which lie on the lines and
-//!    circles of their elements.
-//! 4. Edges between the same vertices that nowhere leave each other are one edge, which counts how often each group of
-//!    loops runs along it. Edges along which a group runs as often forth as back are no edges of that group.
+//! 2. Every place where two elements cross or nearly touch becomes a vertex; so do all ends. Places within
+//!    the snap of a vertex are that vertex.
+//! 3. Every element is cut at the vertices within the snap of it. The cuts leave edges, which lie on the
+//!    lines and circles of their elements.
+//! 4. Edges between the same vertices that nowhere leave each other are one edge, which counts how often each
+//!    group of loops runs along it. Edges along which a group runs as often forth as back are no edges of
+//!    that group.
 //!
 //! # Guarantees
-//! Every vertex has as many edges of a group coming in as going out. Edges lie within a few snaps of their elements.
+//! Every vertex has as many edges of a group coming in as going out. Edges lie within a few snaps of their
+//! elements.
 //!
 //! # Cost
 //! O(n log n + k) for n elements, of which k pairs have boxes that meet.
@@ -26,12 +28,13 @@ use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::{Tree, bounds};
 
-/// Places nearer to each other than this are one, mm: ten times what the ends of offsets lie beside their circles. With a
-/// smaller value edges that were meant to coincide would leave slivers between them; a larger value would show in programs.
+/// Places nearer to each other than this are one, mm: ten times what the ends of offsets lie beside their
+/// circles. With a smaller value edges that were meant to coincide would leave slivers between them; a larger
+/// value would show in programs.
 pub(super) const SNAP_MM: f64 = 1e-6;
 
-/// Edges between the same vertices are one edge where their middles are as near as this many snaps: both ends of both may
-/// have moved by the snap.
+/// Edges between the same vertices are one edge where their middles are as near as this many snaps: both ends
+/// of both may have moved by the snap.
 const SNAPS_OF_AN_EDGE: f64 = 4.0;
 
 /// The most elements, and cuts of elements: what one machine holds with ease.
@@ -201,8 +204,8 @@ fn from_middle(arc: &PlaneArc, p: Point2<f64>) -> f64 {
     middle.perp(&spoke).atan2(middle.dot(&spoke))
 }
 
-/// The part of an element between two vertices beside it. Arcs are made of their ends: an arc that misses its vertex by the
-/// snap would be on the wrong side of places nearer than that.
+/// The part of an element between two vertices beside it. Arcs are made of their ends: an arc that misses its
+/// vertex by the snap would be on the wrong side of places nearer than that.
 fn between(element: &Element, start: Point2<f64>, end: Point2<f64>) -> Element {
     let turn = match element {
         Element::Arc(arc) => from_middle(arc, end) - from_middle(arc, start),
@@ -236,9 +239,8 @@ fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
         });
         if let Some(first) = first.last() {
             let sense = if edges[first].from == edges[k].from { 1 } else { -1 };
-            for group in 0..2 {
-                count[first][group] += sense * count[k][group];
-            }
+            let [here, there] = [count[first], count[k]];
+            count[first] = [here[0] + sense * there[0], here[1] + sense * there[1]];
             count[k] = [0; 2];
             overlap.get_or_insert(middle);
         }

@@ -17,11 +17,12 @@ const FLAT_MM: f64 = 1e-9;
 /// Arcs are not divided nearer to their ends than this, mm.
 const SHORTEST_MM: f64 = 1e-9;
 
-/// Below this turn, radians, `turn - sin(turn)` is computed by its series: the difference would lose digits. The first
-/// neglected term is below 1e-13 of the result.
+/// Below this turn, radians, `turn - sin(turn)` is computed by its series: the difference would lose digits.
+/// The first neglected term is below 1e-13 of the result.
 const SMALL_TURN: f64 = 0.05;
 
-/// A closed loop of lines and arcs. Its elements follow each other exactly. Loops may touch themselves in single points.
+/// A closed loop of lines and arcs. Its elements follow each other exactly. Loops may touch themselves in
+/// single points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     elements: Vec<Element>,
@@ -48,8 +49,8 @@ pub enum OutlineError {
 }
 
 impl Outline {
-    /// The outline of elements that follow each other within 1e-6 mm, the last of them to the first. The outline runs
-    /// counterclockwise, whichever way its elements run.
+    /// The outline of elements that follow each other within 1e-6 mm, the last of them to the first. The
+    /// outline runs counterclockwise, whichever way its elements run.
     ///
     /// # Errors
     /// One of [`OutlineError`]. Indices count elements from 0.
@@ -114,7 +115,8 @@ pub(super) fn back(element: &Element) -> Element {
     }
 }
 
-/// The elements with gaps closed: each starts where the one before ends. Arcs are made anew of their ends and turns.
+/// The elements with gaps closed: each starts where the one before ends. Arcs are made anew of their ends and
+/// turns.
 fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
     if let Some(index) = elements.iter().position(|element| !is_small(element)) {
         return Err(OutlineError::TooLarge { index });
@@ -179,8 +181,8 @@ pub(super) fn length(chain: &[Element]) -> f64 {
     chain.iter().map(crate::geometry::offset::pieces::length).sum()
 }
 
-/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided at their
-/// highest and lowest points.
+/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided
+/// at their highest and lowest points.
 pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
     let Element::Arc(arc) = element else {
         parts.push(*element);

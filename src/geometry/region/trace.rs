@@ -2,11 +2,12 @@
 //!
 //! # Method
 //! 1. The edges with the area on one side only are its boundary, run with the area on their left.
-//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge it came by: about the same corner of
-//!    the area. Loops that come back to a vertex are divided there, so that no outline visits a vertex twice.
+//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge it came by: about the
+//!    same corner of the area. Loops that come back to a vertex are divided there, so that no outline visits
+//!    a vertex twice.
 //! 3. Edges in a row on one line or circle become one element.
-//! 4. Outlines that run clockwise are islands. A ray from an island finds the outlines about it; the smallest of them is
-//!    its own.
+//! 4. Outlines that run clockwise are islands. A ray from an island finds the outlines about it; the smallest
+//!    of them is its own.
 
 use std::collections::HashMap;
 
@@ -103,8 +104,8 @@ fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) ->
     }
 }
 
-/// The contours of the boundary of faces. Where outlines touch, a contour goes on about the same corner of the wedge: so
-/// the contours' corners are the corners of the places beside them.
+/// The contours of the boundary of faces. Where outlines touch, a contour goes on about the same corner of
+/// the wedge: so the contours' corners are the corners of the places beside them.
 ///
 /// # Errors
 /// [`RegionError::Tangled`], [`RegionError::Stopped`].
@@ -191,8 +192,8 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
     if leaving.len() < 2 {
         return leaving.first().copied();
     }
-    // Directions are told where the sides are as far from the vertex as the shortest of them allows, since sides may be
-    // tangent to each other.
+    // Directions are told where the sides are as far from the vertex as the shortest of them allows, since
+    // sides may be tangent to each other.
     let arrived = outline::back(&boundary[k].element);
     let chord = |element: &Element| (element.end() - element.start()).norm();
     let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
@@ -210,7 +211,8 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
     leaving.iter().copied().min_by(|a, b| turn(a).total_cmp(&turn(b)))
 }
 
-/// The elements of a loop: sides in a row on one line or circle are one, unless the vertex between them `is_end`.
+/// The elements of a loop: sides in a row on one line or circle are one, unless the vertex between them
+/// `is_end`.
 fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Element> {
     let joint = |before: &Side, after: &Side| if is_end(after.from) { None } else { joint([before, after]) };
     // Where the loop begins amid an element, that element comes last.

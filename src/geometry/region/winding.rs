@@ -1,14 +1,14 @@
 //! How often loops wind about a place, and about the two sides of an edge.
 //!
 //! # Method
-//! A ray runs from the place toward larger x. Every element that passes it upward winds once about the place, every element
-//! that passes it downward winds back. An element holds its lower end and not its upper one, so that a vertex on the ray
-//! counts once, and a horizontal line never. Along an edge, and on through vertices where only two edges meet, the windings
-//! of both sides stay: one ray serves a whole chain of edges.
+//! A ray runs from the place toward larger x. Every element that passes it upward winds once about the place,
+//! every element that passes it downward winds back. An element holds its lower end and not its upper one, so
+//! that a vertex on the ray counts once, and a horizontal line never. Along an edge, and on through vertices
+//! where only two edges meet, the windings of both sides stay: one ray serves a whole chain of edges.
 //!
 //! # Guarantees
-//! A place is on the same side of an element as by its cross product with the line, or its distance from the centre of the
-//! arc, to rounding. Nothing else is computed; tangent rays need no care.
+//! A place is on the same side of an element as by its cross product with the line, or its distance from the
+//! centre of the arc, to rounding. Nothing else is computed; tangent rays need no care.
 
 use nalgebra::Point2;
 
@@ -28,8 +28,8 @@ pub(super) struct Sides {
     pub right: [i32; 2],
 }
 
-/// 1 where an element passes the ray from `p` toward larger x upward, -1 downward, else 0. Along the element y must only
-/// rise or only fall.
+/// 1 where an element passes the ray from `p` toward larger x upward, -1 downward, else 0. Along the element
+/// y must only rise or only fall.
 pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
     let (start, end) = (element.start(), element.end());
     let sense = match (start.y <= p.y, end.y <= p.y) {
@@ -52,7 +52,8 @@ pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
     if is_ahead { sense } else { 0 }
 }
 
-/// Shows the elements, along each of which y only rises or only falls, that the ray from `p` passes, with 1 or -1.
+/// Shows the elements, along each of which y only rises or only falls, that the ray from `p` passes, with 1
+/// or -1.
 pub(super) fn along_ray(tree: &Tree, p: Point2<f64>, mut see: impl FnMut(usize, i32)) {
     tree.meeting(p, Point2::new(f64::INFINITY, p.y), |k, element| {
         let sense = passes(element, p);
@@ -106,16 +107,16 @@ fn by_ray(edges: &[Edge], tree: &Tree, k: usize) -> Sides {
     let mut ahead = [0; 2];
     along_ray(tree, middle, |other, sense| {
         if other != k {
-            for group in 0..2 {
-                ahead[group] += sense * edges[other].count[group];
-            }
+            let passed = edges[other].count;
+            ahead = [ahead[0] + sense * passed[0], ahead[1] + sense * passed[1]];
         }
     });
     let less = [ahead[0] - count[0], ahead[1] - count[1]];
     let more = [ahead[0] + count[0], ahead[1] + count[1]];
     let (start, end) = (element.start(), element.end());
-    // Beside an edge that rises the ray runs on its right. A place at the height of the upper end, as all on a horizontal
-    // edge are, counts as above the edge, and at a lower height than both ends, where these are snapped, as below.
+    // Beside an edge that rises the ray runs on its right. A place at the height of the upper end, as all on
+    // a horizontal edge are, counts as above the edge, and at a lower height than both ends, where these are
+    // snapped, as below.
     let is_ahead_left = match (start.y <= middle.y, end.y <= middle.y) {
         (true, false) => false,
         (false, true) => true,
@@ -125,8 +126,8 @@ fn by_ray(edges: &[Edge], tree: &Tree, k: usize) -> Sides {
     if is_ahead_left { Sides { left: ahead, right: less } } else { Sides { left: more, right: ahead } }
 }
 
-/// A vertex where a chain of edges ends of which one is `such`: more than two edges meet there. Without such vertices, the
-/// start of the edge.
+/// A vertex where a chain of edges ends of which one is `such`: more than two edges meet there. Without such
+/// vertices, the start of the edge.
 pub(super) fn first_junction(
     arrangement: &Arrangement,
     sides: &[Sides],

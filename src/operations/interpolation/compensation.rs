@@ -27,8 +27,8 @@ pub enum CompensationError {
     TooMany { limit: usize },
 }
 
-/// The path of a cutter's centre beside a connected chain of lines and arcs. Where elements of the contour meet almost
-/// smoothly, the path may lie up to `mitre_mm` farther from the contour than the radius.
+/// The path of a cutter's centre beside a connected chain of lines and arcs. Where elements of the contour
+/// meet almost smoothly, the path may lie up to `mitre_mm` farther from the contour than the radius.
 ///
 /// # Errors
 /// One of [`CompensationError`].

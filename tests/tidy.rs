@@ -1,5 +1,6 @@
 //! The architecture as a test: which layer may name which, what the core never touches, how long a file may be.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -117,6 +118,133 @@ fn the_tree_explains_itself() {
             assert!(head.is_file(), "{} has no file that heads it", folder.display());
         }
     }
+}
+
+#[test]
+fn modules_beside_each_other_form_no_circle() {
+    let modules: BTreeMap<Vec<String>, String> =
+        sources().into_iter().map(|(path, text)| (module_of(&path), text)).collect();
+    // From one module to another beside it under the same parent: those that each names, with its descendants.
+    let mut named: BTreeMap<(Vec<String>, String), BTreeSet<String>> = BTreeMap::new();
+    for (module, text) in modules.iter().filter(|(module, _)| !module.iter().any(|name| name == "tests")) {
+        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        for other in paths_in(code).filter_map(|path| resolve(&path, module, &modules)) {
+            let common = module.iter().zip(&other).take_while(|(a, b)| a == b).count();
+            if let (Some(from), Some(to)) = (module.get(common), other.get(common)) {
+                named.entry((module[..common].to_vec(), from.clone())).or_default().insert(to.clone());
+            }
+        }
+    }
+    let mut circles = Vec::new();
+    for (parent, start) in named.keys() {
+        let mut reached = BTreeSet::new();
+        let mut open = vec![start.clone()];
+        while let Some(module) = open.pop() {
+            for next in named.get(&(parent.clone(), module)).into_iter().flatten() {
+                if reached.insert(next.clone()) {
+                    open.push(next.clone());
+                }
+            }
+        }
+        if reached.contains(start) {
+            circles.push(format!("{}::{start} is in a circle", parent.join("::")));
+        }
+    }
+    assert!(circles.is_empty(), "{}", circles.join("\n"));
+}
+
+#[test]
+fn the_files_that_the_architecture_names_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/ARCHITECTURE.md")).unwrap();
+    let named = text.split('`').skip(1).step_by(2);
+    let paths: Vec<&str> = named
+        .filter(|name| ["src/", "openapi/", "docs/", "tests/"].iter().any(|at| name.starts_with(at)))
+        .collect();
+    assert!(paths.len() > 40, "the paths were not found");
+    for path in paths {
+        let found = root.join(path).exists() || root.join(path).with_extension("rs").exists();
+        assert!(found, "docs/ARCHITECTURE.md names {path}");
+    }
+}
+
+/// The segments of a module's path, without the crate.
+fn module_of(path: &Path) -> Vec<String> {
+    let inner = path.strip_prefix("src").unwrap().with_extension("");
+    inner.components().map(|name| name.as_os_str().to_str().unwrap().to_owned()).collect()
+}
+
+/// The paths that code names: of every `use`, its lists unfolded, and those that begin with the crate, a parent or the module itself.
+fn paths_in(code: &str) -> impl Iterator<Item = Vec<String>> {
+    let code: Vec<&str> = code_lines(code).map(|(_, line)| line).collect();
+    let code = code.join(" ");
+    let mut paths = Vec::new();
+    for (at, _) in code.match_indices("use ") {
+        let statement = code[at + 4..].split(';').next().unwrap_or_default();
+        unfold("", &statement.replace(char::is_whitespace, ""), &mut paths);
+    }
+    for first in ["crate::", "super::", "self::"] {
+        for (at, _) in code.match_indices(first) {
+            let is_path = |c: &char| c.is_alphanumeric() || *c == '_' || *c == ':';
+            paths.push(code[at..].chars().take_while(is_path).collect());
+        }
+    }
+    let segments =
+        |path: String| path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect();
+    paths.into_iter().map(segments)
+}
+
+/// Appends the single paths of a tree of imports.
+fn unfold(before: &str, tree: &str, paths: &mut Vec<String>) {
+    let Some((head, list)) = tree.split_once('{') else {
+        paths.push(format!("{before}{tree}"));
+        return;
+    };
+    let before = format!("{before}{head}");
+    let (mut depth, mut item) = (0, String::new());
+    for c in list.chars() {
+        match c {
+            ',' if depth == 0 => unfold(&before, &std::mem::take(&mut item), paths),
+            '}' if depth == 0 => break,
+            _ => {
+                depth += i32::from(c == '{') - i32::from(c == '}');
+                item.push(c);
+            }
+        }
+    }
+    if !item.is_empty() {
+        unfold(&before, &item, paths);
+    }
+}
+
+/// The module in which a path that `module` names ends, if it is another one.
+fn resolve(
+    path: &[String],
+    module: &[String],
+    modules: &BTreeMap<Vec<String>, String>,
+) -> Option<Vec<String>> {
+    let mut at = module.to_vec();
+    let mut rest = path;
+    match rest.first()?.as_str() {
+        "crate" => {
+            at.clear();
+            rest = &rest[1..];
+        }
+        "super" | "self" => {
+            while let Some(step @ ("super" | "self")) = rest.first().map(String::as_str) {
+                if step == "super" {
+                    at.pop();
+                }
+                rest = &rest[1..];
+            }
+        }
+        _ => {}
+    }
+    at.extend_from_slice(rest);
+    while !at.is_empty() && !modules.contains_key(&at) {
+        at.pop();
+    }
+    (!at.is_empty() && at != module).then_some(at)
 }
 
 /// Every Rust file below `src`, with its text, by path relative to the package.

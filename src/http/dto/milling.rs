@@ -10,7 +10,7 @@ use super::meta::{Meta, MetaTexts};
 use super::names::into_core;
 use super::program::Program;
 use super::setup::{JobWithSetup, SentSetup};
-use super::strategy::{Sections, Strategy};
+use super::strategy::{Boundary, Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
@@ -95,19 +95,8 @@ pub enum Engine {
     OffsetSection,
 }
 
-/// Where the passes end.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Boundary {
-    Inside,
-    #[default]
-    On,
-    Past,
-}
-
 into_core!(Interpolation => core::Interpolation, [Arcs, Lines]);
 into_core!(Engine => core::Engine, [Contact, OffsetSection]);
-into_core!(Boundary => core::Boundary, [Inside, On, Past]);
 
 /// Blames a surface that is so much smaller than the cutter that it cannot be meant.
 fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {

@@ -154,3 +154,15 @@ fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations
         violations.add(at, FieldCode::LimitExceeded, detail);
     }
 }
+
+/// Where the passes end.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Boundary {
+    Inside,
+    #[default]
+    On,
+    Past,
+}
+
+into_core!(Boundary => core::Boundary, [Inside, On, Past]);

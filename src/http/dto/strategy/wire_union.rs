@@ -4,7 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::super::check::{Range, Violations};
-use super::super::milling::Boundary;
+use super::Boundary;
 use super::{Sections, check_count};
 use crate::http::decode::tagged::Kind;
 use crate::http::error::FieldCode;

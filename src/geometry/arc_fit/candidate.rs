@@ -196,6 +196,12 @@ impl<'a> Span<'a> {
         let center = super::center(self.from, self.to, bulge);
         // An arc to the left of its chord turns clockwise.
         let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
+        // The first and the last line start and end at points, which may lie beside the ends of the element.
+        let flat = self.points.flat;
+        let is_backward = |k: usize| turned(&(flat[k] - center), &(flat[k + 1] - center)) < 0.0;
+        if is_backward(self.first) || is_backward(self.last - 1) {
+            return false;
+        }
         let start = self.from - center;
         let (mut before, mut is_past_half) = (start, false);
         points.skip(1).all(|p| {

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::arc_fit::{
-    Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes, fit_in_space,
+    Continuity, Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes, fit_in_space,
 };
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::following::{from_lines, from_points};
@@ -121,6 +121,41 @@ proptest! {
         let curves = |pieces: &[FittedCurve]| pieces.iter().map(|piece| piece.curve).collect::<Vec<_>>();
         prop_assert_eq!(curves(&pieces), curves(&again));
         judge_in_space(&repeated, &again, TOLERANCE_MM);
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    /// Also where the points go back to where they came from.
+    #[test]
+    fn smooth_chains_keep_the_tolerance(
+        points in any_points(),
+        from in any::<prop::sample::Index>(),
+        to in any::<prop::sample::Index>(),
+        part in 1.0..20.0f64,
+    ) {
+        let mut points = points;
+        let n = points.len();
+        points[to.index(n)] = points[from.index(n)];
+        points.dedup();
+        prop_assume!(points.len() > 1);
+        let request = Fit { continuity: Continuity::Tangent, ..Fit::within(part * TOLERANCE_MM) };
+        let kept = judge(&points, &fitted(&points, &request), request.tolerance_mm);
+        prop_assert!(kept.is_ok(), "{:?} {:?}", kept, points);
+    }
+}
+
+/// A smooth chain whose joints lie beside the points once went round the fold at the end, by an arc of 327 degrees.
+#[test]
+fn a_fold_is_no_loop() {
+    let points = [[0.957, 0.088], [0.945, 0.002], [1.702, -0.018], [2.384, -0.029], [1.702, -0.018]];
+    let points = points.map(|[x, y]| Vector2::new(x, y));
+    for method in [Method::Greedy, Method::Optimal] {
+        for continuity in [Continuity::Position, Continuity::Tangent] {
+            let found = fitted(&points, &Fit { method, continuity, ..Fit::within(0.1) });
+            assert!(judge(&points, &found, 0.1).is_ok(), "{found:?}");
+        }
     }
 }
 

@@ -7,6 +7,9 @@ use nalgebra::Vector2;
 /// The largest sweep of an arc, radians.
 pub const WIDEST: f64 = 350.0 / 180.0 * PI;
 
+/// Rounding of half a turn, radians.
+const HALF_A_TURN: f64 = 1e-9;
+
 #[derive(Debug, Clone, Copy)]
 pub enum Way {
     Line { from: Vector2<f64>, to: Vector2<f64> },
@@ -109,9 +112,11 @@ impl Way {
         let Self::Arc { center, sweep, .. } = *self else { return true };
         let turned = points.windows(2).map(|pair| {
             let [a, b] = [pair[0] - center, pair[1] - center];
-            a.perp(&b).atan2(a.dot(&b))
+            let turned = sweep.signum() * a.perp(&b).atan2(a.dot(&b));
+            // Rounding gives just half a turn either sign: it goes the way of the arc.
+            if turned < HALF_A_TURN - PI { turned + TAU } else { turned }
         });
-        (turned.sum::<f64>() - sweep).abs() < PI
+        (turned.sum::<f64>() - sweep.abs()).abs() < PI
     }
 
     /// How far the lines between points lie inside an arc at most.

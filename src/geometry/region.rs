@@ -227,7 +227,7 @@ impl Region {
         let mut elements = Vec::new();
         for outline in faces.iter().flat_map(|face| [&face.outer].into_iter().chain(&face.islands)) {
             for element in outline.elements() {
-                outline::append_monotone(element, &mut elements);
+                arrangement::append_monotone(element, &mut elements);
             }
         }
         Ok(Self { faces, boundary: Tree::new(elements) })

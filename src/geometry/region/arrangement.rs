@@ -22,11 +22,13 @@ use std::collections::HashMap;
 use nalgebra::{Point2, Vector2};
 
 use super::contacts;
-use super::outline::append_monotone;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::{Tree, bounds};
+
+/// Arcs are not divided nearer to their ends than this, mm.
+const SHORTEST_MM: f64 = 1e-9;
 
 /// Places nearer to each other than this are one, mm: ten times what the ends of offsets lie beside their
 /// circles. With a smaller value edges that were meant to coincide would leave slivers between them; a larger
@@ -282,5 +284,32 @@ impl Vertices {
             },
             |(_, vertex)| vertex,
         )
+    }
+}
+
+/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided
+/// at their highest and lowest points.
+pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
+    let Element::Arc(arc) = element else {
+        parts.push(*element);
+        return;
+    };
+    let from = arc.start - arc.center;
+    let mut cuts: Vec<(f64, Point2<f64>)> = Vec::with_capacity(2);
+    for pole in [nalgebra::Vector2::y(), -nalgebra::Vector2::y()] {
+        let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
+        let angle = angle.rem_euclid(std::f64::consts::TAU);
+        // Nearer to an end than this, the arc rises or falls all along to rounding.
+        let shortest = SHORTEST_MM / arc.radius;
+        if angle > shortest && angle < arc.turn.abs() - shortest {
+            cuts.push((angle, arc.center + pole * arc.radius));
+        }
+    }
+    cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut turned, mut start) = (0.0, arc.start);
+    for (angle, place) in cuts.into_iter().chain([(arc.turn.abs(), arc.end)]) {
+        let turn = arc.turn.signum() * (angle - turned);
+        parts.push(Element::Arc(PlaneArc { start, end: place, turn, ..*arc }));
+        (turned, start) = (angle, place);
     }
 }

@@ -14,9 +14,6 @@ const LARGEST_MM: f64 = 1e8;
 /// An arc that rises less above its chord is a line, mm.
 const FLAT_MM: f64 = 1e-9;
 
-/// Arcs are not divided nearer to their ends than this, mm.
-const SHORTEST_MM: f64 = 1e-9;
-
 /// Below this turn, radians, `turn - sin(turn)` is computed by its series: the difference would lose digits.
 /// The first neglected term is below 1e-13 of the result.
 const SMALL_TURN: f64 = 0.05;
@@ -179,31 +176,4 @@ fn turn_less_sine(turn: f64) -> f64 {
 /// Length of a chain, mm.
 pub(super) fn length(chain: &[Element]) -> f64 {
     chain.iter().map(crate::geometry::offset::pieces::length).sum()
-}
-
-/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided
-/// at their highest and lowest points.
-pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
-    let Element::Arc(arc) = element else {
-        parts.push(*element);
-        return;
-    };
-    let from = arc.start - arc.center;
-    let mut cuts: Vec<(f64, Point2<f64>)> = Vec::with_capacity(2);
-    for pole in [nalgebra::Vector2::y(), -nalgebra::Vector2::y()] {
-        let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
-        let angle = angle.rem_euclid(std::f64::consts::TAU);
-        // Nearer to an end than this, the arc rises or falls all along to rounding.
-        let shortest = SHORTEST_MM / arc.radius;
-        if angle > shortest && angle < arc.turn.abs() - shortest {
-            cuts.push((angle, arc.center + pole * arc.radius));
-        }
-    }
-    cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut turned, mut start) = (0.0, arc.start);
-    for (angle, place) in cuts.into_iter().chain([(arc.turn.abs(), arc.end)]) {
-        let turn = arc.turn.signum() * (angle - turned);
-        parts.push(Element::Arc(PlaneArc { start, end: place, turn, ..*arc }));
-        (turned, start) = (angle, place);
-    }
 }

@@ -13,8 +13,8 @@ use std::collections::HashMap;
 
 use nalgebra::{Point2, Vector2};
 
-use super::arrangement::{Arrangement, Edge, SNAP_MM, arc_or_line};
-use super::outline::{self, Outline, append_monotone};
+use super::arrangement::{Arrangement, Edge, SNAP_MM, append_monotone, arc_or_line};
+use super::outline::{self, Outline};
 use super::winding::{self, Sides};
 use super::{Face, RegionError};
 use crate::budget::Budget;

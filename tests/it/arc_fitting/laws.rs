@@ -7,7 +7,8 @@ use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::arc_fit::{
-    Continuity, Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes, fit_in_space,
+    Continuity, Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes,
+    fit_in_space,
 };
 use toolpathd::geometry::curve::Curve;
 use toolpathd::geometry::following::{from_lines, from_points};

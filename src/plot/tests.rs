@@ -204,7 +204,7 @@ fn what_has_no_extent_or_no_place_is_a_legal_sheet() {
     for bad in [f64::NAN, f64::INFINITY, 1e300, -1e10] {
         said(
             &[vec![Point3::origin(), Point3::new(bad, 0.0, 0.0)]],
-            "The coordinates are too large to be drawn.",
+            "The coordinates are too large for a picture.",
         );
     }
 }

@@ -94,7 +94,7 @@ fn items_that_cannot_be_tell_where() {
         assert_eq!(error(text), (at, fault), "{text}");
     }
     let message = SectionCurve::parse("l(0,0) l(0,0)").unwrap_err().to_string();
-    assert_eq!(message, "the point coincides with the one before it (at byte 7)");
+    assert_eq!(message, "the point coincides with the point before it; leave one of them out (at byte 7)");
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn every_code_is_explained() {
     for (mark, codes) in [
         ("<!-- codes of problems -->", &schemas["ProblemCode"]["enum"]),
         ("<!-- codes of places -->", &schemas["FieldCode"]["enum"]),
-        ("<!-- codes of warnings -->", &schemas["Warning"]["properties"]["code"]["enum"]),
+        ("<!-- codes of warnings -->", &schemas["WarningCode"]["enum"]),
     ] {
         assert_eq!(first_cells(&page, mark), names(codes), "{mark}");
     }

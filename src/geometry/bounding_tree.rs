@@ -45,12 +45,14 @@ pub trait Visitor<V, T> {
     fn visit(&mut self, item: &T, promise: f64);
 }
 
-impl<V: Volume, T> BoundingTree<V, T> {
+impl<V, T> Default for BoundingTree<V, T> {
     /// A tree without nodes.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { nodes: Vec::new() }
     }
+}
 
+impl<V: Volume, T> BoundingTree<V, T> {
     /// Adds an item and returns the index of its node.
     pub fn add(&mut self, volume: V, item: T) -> usize {
         self.push(volume, Content::Item(item))
@@ -137,7 +139,7 @@ mod tests {
                 }
             }
         }
-        let mut tree = BoundingTree::new();
+        let mut tree = BoundingTree::default();
         add(&mut tree, numbers);
         tree
     }
@@ -159,7 +161,7 @@ mod tests {
     #[test]
     fn a_tree_without_nodes_shows_nothing() {
         let mut nearest = Nearest { to: 0.0, distance: 1.0, looked: 0 };
-        BoundingTree::new().search(&mut nearest);
+        BoundingTree::default().search(&mut nearest);
         assert_eq!(nearest.looked, 0);
     }
 }

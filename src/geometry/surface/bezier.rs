@@ -41,7 +41,7 @@ impl<P: Patch> BezierSurface<P> {
 
     /// The boxes of the control points over the indices (i, j) of the patches.
     pub fn bounding_tree(&self) -> BoundingTree<Bounds, [usize; 2]> {
-        let mut tree = BoundingTree::new();
+        let mut tree = BoundingTree::default();
         self.add_boxes(&mut tree, PatchRange::all(self.spans));
         tree
     }

@@ -201,7 +201,7 @@ impl<P: Patch> Tree<P> {
     pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
         let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
         let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
-        let mut tree = Self { covers: BoundingTree::new(), parts: Vec::new() };
+        let mut tree = Self { covers: BoundingTree::default(), parts: Vec::new() };
         tree.add_patches(surface, PatchRange::all(surface.spans()), size, budget)?;
         Ok(tree)
     }

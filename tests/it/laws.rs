@@ -96,17 +96,15 @@ const LEAST_TOLERANCE: f64 = 5e-4;
 /// Longer than any such part takes on a slow machine: a part that takes longer fails.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// How long a part that is many metres wide is milled, and how long the end of the work may take after that.
-const DEADLINE: Duration = Duration::from_millis(300);
+/// How long a part of micrometres or of many metres is milled, and how long the end of the work may take after that.
+const DEADLINE: Duration = Duration::from_millis(200);
 const MOST_AFTER: Duration = Duration::from_secs(1);
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_part_is_milled_within_tolerance_or_refused(
-        job in job(prop_oneof![4 => 1.0..20.0, 1 => Just(0.001)], LEAST_TOLERANCE),
-    ) {
+    fn any_part_is_milled_within_tolerance_or_refused(job in job(1.0..20.0, LEAST_TOLERANCE)) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, LONGEST);
@@ -119,7 +117,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_part_many_metres_wide_is_milled_or_refused_or_stopped_at_the_deadline(job in job(Just(3e4), 0.0)) {
+    fn a_part_of_micrometres_or_many_metres_is_milled_or_refused_or_stopped_at_the_deadline(
+        job in job(prop_oneof![Just(0.001), Just(3e4)], 0.0),
+    ) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, DEADLINE);

@@ -12,7 +12,7 @@
 //!    reach has a closed form (`distance`). A distance that is too small refuses the offset.
 //!
 //! # Guarantees
-//! No point of the offset is nearer to a contour than the distance less [`TOO_NEAR_MM`]. The chains follow
+//! No point of the offset is nearer to a contour than the distance less `TOO_NEAR_MM`. The chains follow
 //! the direction of their contours and are connected exactly; their elements are parallel to elements of a
 //! contour or about its corners, within 1e-7 mm at their ends. The offset of an open contour does not run
 //! around its ends.

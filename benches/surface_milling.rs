@@ -1,4 +1,5 @@
-//! Times of the steps of surface milling over growing sizes; milling and drops on as many threads as there are.
+//! Times of the steps of surface milling over growing sizes; milling and drops on as many threads as there
+//! are.
 //!
 //! `cargo bench --bench surface_milling`
 
@@ -102,8 +103,8 @@ fn sections(c: &mut Criterion) {
     group.finish();
 }
 
-/// What `benches/peers/opencascade` has Open CASCADE do: 100 sections of the offset through 9 x 9 points at 10 mm, with all that
-/// it takes from the points on.
+/// What `benches/peers/opencascade` has Open CASCADE do: 100 sections of the offset through 9 x 9 points at
+/// 10 mm, with all that it takes from the points on.
 fn sections_of_peer(c: &mut Criterion) {
     let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
     let planes: Vec<PlaneAt> =

@@ -1,4 +1,5 @@
-//! What a computation may spend: a deadline, a cancel flag, a place to report progress, and threads that help.
+//! What a computation may spend: a deadline, a cancel flag, a place to report progress, and threads that
+//! help.
 //!
 //! This is the only door through which the core sees the outside world while it computes. A budget is
 //! asked at every step of every long loop; it answers `Err(Stopped)` when the caller has gone away or the

@@ -43,7 +43,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_ALLOW_PUBLIC", value_parser = clap::builder::BoolishValueParser::new(), global = true)]
     pub allow_public: bool,
 
-    /// Origins whose pages may call this service, such as `https://mes.example`; several with commas or repeated
+    /// Origins whose pages may call this service, such as `https://mes.example`; several with commas or
+    /// repeated
     #[arg(long, env = "TOOLPATHD_CORS_ORIGIN", value_delimiter = ',', value_parser = origin, global = true)]
     pub cors_origin: Vec<HeaderValue>,
 

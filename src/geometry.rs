@@ -1,4 +1,5 @@
-//! Geometry: planes, curves, surfaces, regions and certified bounds. It knows nothing of machines or wire formats.
+//! Geometry: planes, curves, surfaces, regions and certified bounds. It knows nothing of machines or wire
+//! formats.
 
 pub mod arc_fit;
 pub mod bernstein;

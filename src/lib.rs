@@ -1,4 +1,5 @@
-//! toolpathd turns part data into CNC toolpaths. The library is the whole of it; the binary serves it over HTTP.
+//! toolpathd turns part data into CNC toolpaths. The library is the whole of it; the binary serves it over
+//! HTTP.
 
 pub mod budget;
 pub mod config;

@@ -1,7 +1,8 @@
 //! Work shared out to threads, with the results in order.
 //!
-//! A computation starts its own threads and never waits for the work of another computation. Computations that share [`Helpers`] have
-//! so many threads together, beside the threads that they were called on; a computation that finds no helper free works alone.
+//! A computation starts its own threads and never waits for the work of another computation. Computations
+//! that share [`Helpers`] have so many threads together, beside the threads that they were called on; a
+//! computation that finds no helper free works alone.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;
@@ -23,7 +24,8 @@ impl Default for Helpers {
     }
 }
 
-/// The results of `make` for 0..n in that order, or its first error in that order. Work after an error is not begun.
+/// The results of `make` for 0..n in that order, or its first error in that order. Work after an error is not
+/// begun.
 ///
 /// # Errors
 /// The first error of `make`.

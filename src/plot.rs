@@ -1,30 +1,32 @@
-//! Pictures: a toolpath, a surface or both as one SVG sheet, A4 landscape, that prints true to its stated scale.
+//! Pictures: a toolpath, a surface or both as one SVG sheet, A4 landscape, that prints true to its stated
+//! scale.
 //!
 //! # Method
-//! 1. The bounds of all that is drawn choose the largest standard scale at which the plan, the front and the left
-//!    side fit in first-angle arrangement (`layout`).
-//! 2. Every curve is projected into every view (`view`): an arc facing the view stays an arc, in pieces of a quarter
-//!    turn at most; an arc seen from its edge is its extremes; a helix seen from its side is flattened; a parabola is a
-//!    quadratic curve in every view.
-//! 3. For each view and each class of motion one pen writes path data (`pen`): runs of lines are thinned within a
-//!    cone of directions, curves below the drawing's resolution become lines.
+//! 1. The bounds of all that is drawn choose the largest standard scale at which the plan, the front and the
+//!    left side fit in first-angle arrangement (`layout`).
+//! 2. Every curve is projected into every view (`view`): an arc facing the view stays an arc, in pieces of a
+//!    quarter turn at most; an arc seen from its edge is its extremes; a helix seen from its side is
+//!    flattened; a parabola is a quadratic curve in every view.
+//! 3. For each view and each class of motion one pen writes path data (`pen`): runs of lines are thinned
+//!    within a cone of directions, curves below the drawing's resolution become lines.
 //! 4. A surface lies under the strokes, as bands of heights (`relief`).
-//! 5. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same class
-//!    has already inked are left out (`ink`), on a finer and then coarser raster. The sheet says so.
+//! 5. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same
+//!    class has already inked are left out (`ink`), on a finer and then coarser raster. The sheet says so.
 //!
 //! # Guarantees
-//! * Unless the sheet says that strokes are left out, no point of a move is drawn farther than 0.02 mm of paper from
-//!   where it belongs, and nothing else is drawn; the relief of a surface is as true as its mesh.
+//! * Unless the sheet says that strokes are left out, no point of a move is drawn farther than 0.02 mm of
+//!   paper from where it belongs, and nothing else is drawn; the relief of a surface is as true as its mesh.
 //! * A picture has at most some 3 MB, whatever it shows.
 //! * Same scene, same bytes. Texts reach the picture as text only.
 //!
 //! # Degenerate input
-//! Points and straight paths are drawn at the scale that the rest asks for. What has no extent is drawn at 1:1. A
-//! scene with nothing in it, or with coordinates beyond a thousand kilometres, is a sheet that says so.
+//! Points and straight paths are drawn at the scale that the rest asks for. What has no extent is drawn at
+//! 1:1. A scene with nothing in it, or with coordinates beyond a thousand kilometres, is a sheet that says
+//! so.
 //!
 //! # Cost
-//! O(n) in the moves and points: each is projected three times, and at most five times over when strokes are left
-//! out; then a stroke costs its length in cells of the raster.
+//! O(n) in the moves and points: each is projected three times, and at most five times over when strokes are
+//! left out; then a stroke costs its length in cells of the raster.
 
 mod axes;
 mod class;
@@ -100,8 +102,8 @@ impl Drawing {
 /// Path data beyond this is thinned: what a browser shows and a mail carries without delay.
 pub const MAX_PATH_BYTES: usize = 2_000_000;
 
-/// Cells of the rasters on which strokes are left out, mm of paper. The first is a line's width; on the last there
-/// are too few cells for the paths to grow much beyond the limit.
+/// Cells of the rasters on which strokes are left out, mm of paper. The first is a line's width; on the last
+/// there are too few cells for the paths to grow much beyond the limit.
 const RASTERS_MM: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
 /// Path data by view and class.

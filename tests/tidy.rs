@@ -1,4 +1,5 @@
-//! The architecture as a test: which layer may name which, what the core never touches, how long a file may be.
+//! The architecture as a test: which layer may name which, what the core never touches, how long a file may
+//! be.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -108,6 +109,26 @@ fn files_can_be_read_in_one_sitting() {
 }
 
 #[test]
+fn comments_are_no_wider_than_the_code() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let settings = fs::read_to_string(root.join("rustfmt.toml")).unwrap();
+    let width: usize =
+        settings.lines().find_map(|line| line.strip_prefix("max_width = ")).unwrap().trim().parse().unwrap();
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        for (number, line) in text.lines().enumerate() {
+            let comment = line.trim_start().starts_with("//");
+            // A table has a line for each of its rows.
+            let table = line.trim_start_matches([' ', '/', '!']).starts_with('|');
+            if comment && !table && line.chars().count() > width {
+                wrong.push(format!("{}:{}: {line}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
 fn the_tree_explains_itself() {
     for (path, _) in sources() {
         let name = path.file_stem().unwrap().to_str().unwrap();
@@ -124,7 +145,8 @@ fn the_tree_explains_itself() {
 fn modules_beside_each_other_form_no_circle() {
     let modules: BTreeMap<Vec<String>, String> =
         sources().into_iter().map(|(path, text)| (module_of(&path), text)).collect();
-    // From one module to another beside it under the same parent: those that each names, with its descendants.
+    // From one module to another beside it under the same parent: those that each names, with its
+    // descendants.
     let mut named: BTreeMap<(Vec<String>, String), BTreeSet<String>> = BTreeMap::new();
     for (module, text) in modules.iter().filter(|(module, _)| !module.iter().any(|name| name == "tests")) {
         let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -174,7 +196,8 @@ fn module_of(path: &Path) -> Vec<String> {
     inner.components().map(|name| name.as_os_str().to_str().unwrap().to_owned()).collect()
 }
 
-/// The paths that code names: of every `use`, its lists unfolded, and those that begin with the crate, a parent or the module itself.
+/// The paths that code names: of every `use`, its lists unfolded, and those that begin with the crate, a
+/// parent or the module itself.
 fn paths_in(code: &str) -> impl Iterator<Item = Vec<String>> {
     let code: Vec<&str> = code_lines(code).map(|(_, line)| line).collect();
     let code = code.join(" ");

@@ -1,39 +1,43 @@
 //! Arcs and lines through a sequence of points in a plane.
 //!
 //! # Method
-//! 1. Whether an element can stand for a stretch of points is decided in closed form: the arcs over a chord are a family with
-//!    one parameter, and "within the tolerance of this point" is an interval of it (`chord`, `span`).
-//! 2. `greedy`: Ju's method, each element grows as far as it can. `biarc`: two arcs a span through every point. `optimal`: the
-//!    least number of elements between the points, by breadth first search with bounds (`bounds`) that leave out what cannot
-//!    be better.
-//! 3. Where the points have errors of their own, so that growing is not best, elements may also meet beside the points
-//!    (`joints`) if that saves some.
+//! 1. Whether an element can stand for a stretch of points is decided in closed form: the arcs over a chord
+//!    are a family with one parameter, and "within the tolerance of this point" is an interval of it
+//!    (`chord`, `span`).
+//! 2. `greedy`: Ju's method, each element grows as far as it can. `biarc`: two arcs a span through every
+//!    point. `optimal`: the least number of elements between the points, by breadth first search with bounds
+//!    (`bounds`) that leave out what cannot be better.
+//! 3. Where the points have errors of their own, so that growing is not best, elements may also meet beside
+//!    the points (`joints`) if that saves some.
 //! 4. `tangent`: a chain in which each element begins in the direction in which the one before ended.
 //! 5. `space`: points in space are divided where the plane of their arcs changes.
 //!
 //! # Guarantees
 //! Of all but biarcs, which know no tolerance:
-//! * Every point is within the tolerance of its element, and the elements pass the points in order: a reversal is
-//!   not swallowed. The last point is reached. Arcs go round their centres as the lines between the points do.
-//! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`] nothing is
-//!   promised between the points: the caller knows how far the true curve leaves its chords.
+//! * Every point is within the tolerance of its element, and the elements pass the points in order: a
+//!   reversal is not swallowed. The last point is reached. Arcs go round their centres as the lines between
+//!   the points do.
+//! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`]
+//!   nothing is promised between the points: the caller knows how far the true curve leaves its chords.
 //! * In a plane, with joints on points, no chain of elements within the tolerance is shorter than that of
-//!   [`Method::Optimal`], within windows of [`WINDOW`] points; but of the bulges that keep the tolerance, order and lines are tried
-//!   at nineteen places, which can miss one. In space it is no longer than the greedy one.
+//!   [`Method::Optimal`], within windows of [`WINDOW`] points; but of the bulges that keep the tolerance,
+//!   order and lines are tried at nineteen places, which can miss one. In space it is no longer than the
+//!   greedy one.
 //!
 //! # Degenerate input
-//! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only for a closed way
-//! whose points are no farther apart than 30 degrees. An arc flatter than [`FLATTEST_MM`] is a line where a line fits; no arc
-//! has a radius above [`LARGEST_RADIUS_MM`], but in smooth chains, where a line would be a kink.
+//! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only
+//! for a closed way whose points are no farther apart than 30 degrees. An arc flatter than [`FLATTEST_MM`] is
+//! a line where a line fits; no arc has a radius above [`LARGEST_RADIUS_MM`], but in smooth chains, where a
+//! line would be a kink.
 //!
 //! # Cost
-//! O(n m) for n points, m an element, at some 10 ns; what would take much longer, on points in space and on noise of the order of
-//! the tolerance, ends with the best that is known. See `benches/arc_fitting.rs`.
+//! O(n m) for n points, m an element, at some 10 ns; what would take much longer, on points in space and on
+//! noise of the order of the tolerance, ends with the best that is known. See `benches/arc_fitting.rs`.
 //!
 //! # Differences from the paper
 //! As printed the algorithm drops a tail of two points; here it becomes a line. Eq. 4 measures to the whole
-//! circle, this to the arc. The arc with the least largest error, which the paper asks for, leaves the farthest points to its
-//! left and right equally far.
+//! circle, this to the arc. The arc with the least largest error, which the paper asks for, leaves the
+//! farthest points to its left and right equally far.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.
@@ -68,8 +72,8 @@ pub const FLATTEST_MM: f64 = 1e-3;
 /// Controls refuse, or run badly, arcs of larger radius.
 pub const LARGEST_RADIUS_MM: f64 = 1e4;
 
-/// More points than this are fitted window by window: what ends in the first three quarters stands, and the next window
-/// begins there.
+/// More points than this are fitted window by window: what ends in the first three quarters stands, and the
+/// next window begins there.
 pub const WINDOW: usize = 10_000;
 
 /// Elements with fewer points each follow the points' errors wherever they meet.
@@ -78,8 +82,8 @@ const POINTS_FOR_FREE_JOINTS: usize = 8;
 /// Nodes on each side of a point where elements may meet beside it.
 const NODES_BESIDE: i32 = 6;
 
-/// Looks at points, for each of them, that a search may take, unless it is told otherwise; in space, where the closed form tells
-/// little; and for all windows together. A second is some hundred million.
+/// Looks at points, for each of them, that a search may take, unless it is told otherwise; in space, where
+/// the closed form tells little; and for all windows together. A second is some hundred million.
 pub const EFFORT: usize = 40_000;
 const EFFORT_IN_SPACE: usize = 500;
 const MOST_LOOKS_IN_ALL: usize = 1_000_000_000;
@@ -165,7 +169,8 @@ pub struct Fit {
     pub measure: Measure,
     /// The last point is the first again: it may be one full turn.
     pub is_closed: bool,
-    /// Looks at points, for each of them, after which a search ends with the best that is known: what has grown, if it is zero.
+    /// Looks at points, for each of them, after which a search ends with the best that is known: what has
+    /// grown, if it is zero.
     pub effort: usize,
 }
 

@@ -1,9 +1,10 @@
-//! Products of polynomials in Bernstein form. A polynomial lies between the least and the largest of its coefficients.
+//! Products of polynomials in Bernstein form. A polynomial lies between the least and the largest of its
+//! coefficients.
 
 use nalgebra::SVector;
 
-/// The Bernstein coefficients of the scalar product of two vector polynomials over the unit interval; each has one
-/// coefficient at least.
+/// The Bernstein coefficients of the scalar product of two vector polynomials over the unit interval; each
+/// has one coefficient at least.
 pub fn dot<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> Vec<f64> {
     let [m, n] = [a.len() - 1, b.len() - 1];
     let mut product = vec![0.0; m + n + 1];

@@ -1,9 +1,9 @@
 //! What B-spline curves and surfaces share: the rules for their knots, and their Bezier control points.
 //!
 //! # Method
-//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a and k times
-//! b. They are linear in the control points of the span, so they are found for a knot vector, as matrices
-//! ([`spans`]), by de Boor's recursion with one argument a step.
+//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a
+//! and k times b. They are linear in the control points of the span, so they are found for a knot vector, as
+//! matrices ([`spans`]), by de Boor's recursion with one argument a step.
 //!
 //! # Guarantees
 //! Every step is a convex combination, whatever the spacing and multiplicity of the knots, clamped or not.

@@ -71,7 +71,8 @@ impl Curve {
         }
     }
 
-    /// The point of the curve that is nearest to `p`; for a helix one as near as [`distance_to`](Self::distance_to) says.
+    /// The point of the curve that is nearest to `p`; for a helix one as near as
+    /// [`distance_to`](Self::distance_to) says.
     pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
         match self {
             Curve::Line(line) => line.nearest_to(p),

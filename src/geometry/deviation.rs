@@ -1,26 +1,29 @@
 //! How far an element lies from a curve, proved over the whole of both.
 //!
 //! # Method
-//! 1. The deviation is read at parameters of the curve: there the point of the curve is enclosed, and its signed distance
-//!    from the element (`gauge`). By the normal measure that is the distance to the foot on the element. It is largest
-//!    where the two run parallel, and there the distance from curve to element is that from element to curve.
-//! 2. Between two readings the second derivative of the distance is enclosed, from those of the curve and the curvature
-//!    of the element. So the distance lies within a parabola of the line through the readings.
-//! 3. Where that does not decide, or says more than 5/4 of what has been read, the range is halved. Where no derivatives
-//!    are bounded, as at a kink, what is read at an end holds as far as the curve goes.
+//! 1. The deviation is read at parameters of the curve: there the point of the curve is enclosed, and its
+//!    signed distance from the element (`gauge`). By the normal measure that is the distance to the foot on
+//!    the element. It is largest where the two run parallel, and there the distance from curve to element is
+//!    that from element to curve.
+//! 2. Between two readings the second derivative of the distance is enclosed, from those of the curve and the
+//!    curvature of the element. So the distance lies within a parabola of the line through the readings.
+//! 3. Where that does not decide, or says more than 5/4 of what has been read, the range is halved. Where no
+//!    derivatives are bounded, as at a kink, what is read at an end holds as far as the curve goes.
 //!
 //! # Guarantees
-//! * [`Verdict::Within`] is a proof: every point of the curve over the range lies within the band about the element, its
-//!   foot runs from one end of the element to the other, and so every point of the element is as near to the curve. All
-//!   is rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
-//! * The spread is never below what readings show, and at most 5/4 of it and a quarter of a micrometre's thousandth.
+//! * [`Verdict::Within`] is a proof: every point of the curve over the range lies within the band about the
+//!   element, its foot runs from one end of the element to the other, and so every point of the element is as
+//!   near to the curve. All is rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
+//! * The spread is never below what readings show, and at most 5/4 of it and a quarter of a micrometre's
+//!   thousandth.
 //! * [`Verdict::Outside`] is certain: a point is named at which the band is left.
 //!
 //! # Degenerate input
 //! What cannot be decided within some thousands of cells is [`Verdict::Unproved`].
 //!
 //! # Cost
-//! O(1) for a smooth piece that the element fits; O(log(1 / g)) where the deviation is within the part g of the band.
+//! O(1) for a smooth piece that the element fits; O(log(1 / g)) where the deviation is within the part g of
+//! the band.
 
 mod gauge;
 
@@ -29,8 +32,8 @@ use super::interval::Interval;
 use super::plane_curve::PlaneCurve;
 use gauge::{Gauge, Normal, Reading, Vertical};
 
-/// Bands are kept up to rounding: this, mm, and a part of the largest coordinate. A straight line must pass a band that has no
-/// room on one side.
+/// Bands are kept up to rounding: this, mm, and a part of the largest coordinate. A straight line must pass a
+/// band that has no room on one side.
 pub const GUARD_MM: f64 = 1e-12;
 pub const GUARD_PART: f64 = 256.0 * f64::EPSILON;
 
@@ -56,7 +59,8 @@ pub enum Measure {
     Vertical,
 }
 
-/// How far elements may lie to the right (below) and to the left (above) of the curve, mm; both are zero or more.
+/// How far elements may lie to the right (below) and to the left (above) of the curve, mm; both are zero or
+/// more.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     pub below_mm: f64,
@@ -64,7 +68,8 @@ pub struct Band {
     pub measure: Measure,
 }
 
-/// The signed deviations of an element from its curve: positive where the element lies to the left, or above. mm.
+/// The signed deviations of an element from its curve: positive where the element lies to the left, or above.
+/// mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
     pub least_mm: f64,
@@ -192,7 +197,8 @@ impl Search {
                 return Some(verdict);
             }
         }
-        // At both ends there is nothing to read where they are joints: the first halving comes before the first bound.
+        // At both ends there is nothing to read where they are joints: the first halving comes before the
+        // first bound.
         self.halve(gauge, before, after).err().or_else(|| {
             while let Some([a, b]) = self.open.pop() {
                 let bound = bound(gauge, &a, &b);
@@ -250,7 +256,8 @@ fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
     Interval::between(least.next_down(), most.next_up())
 }
 
-/// How far the parabola with the second difference `bend` >= 0 over ends that differ by `rise` goes above the higher.
+/// How far the parabola with the second difference `bend` >= 0 over ends that differ by `rise` goes above the
+/// higher.
 ///
 /// With s from 0 to 1 it is rise s + bend s (1 - s) / 2 above the one; largest at s = 1/2 + rise / bend.
 fn bulge(rise: f64, bend: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Elements of an interpolation: a line, an arc or a parabola between two points of the plane.
 //!
-//! An element is seen by its feet: the foot of a point is the nearest place on the element, and its signed distance is
-//! positive where the point lies to the left of the element's direction.
+//! An element is seen by its feet: the foot of a point is the nearest place on the element, and its signed
+//! distance is positive where the point lies to the left of the element's direction.
 
 use std::f64::consts::PI;
 
@@ -54,8 +54,8 @@ pub struct Foot {
 }
 
 impl PlaneArc {
-    /// The arc with this bulge, tan(turn / 4) and positive where the arc lies to the left of its chord, so that it turns to
-    /// the right; `None` when there is no such arc.
+    /// The arc with this bulge, tan(turn / 4) and positive where the arc lies to the left of its chord, so
+    /// that it turns to the right; `None` when there is no such arc.
     pub fn with_bulge(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> Option<Self> {
         let center = Point2::from(arc_fit::center(start.coords, end.coords, bulge));
         let radius = (start - center).norm();
@@ -177,7 +177,8 @@ impl Element {
         }
     }
 
-    /// Encloses the second derivative by x between two places, for an element that is the graph of a function.
+    /// Encloses the second derivative by x between two places, for an element that is the graph of a
+    /// function.
     pub fn graph_bend(&self, from: f64, to: f64) -> Interval {
         match self {
             Self::Line { .. } => Interval::ZERO,

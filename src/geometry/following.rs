@@ -1,16 +1,19 @@
-//! How far a line or an arc is from points, and from the lines between them, in order: the Frechet distance, bounded.
+//! How far a line or an arc is from points, and from the lines between them, in order: the Frechet distance,
+//! bounded.
 //!
 //! # Method
-//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. Where they do not, the least distance
-//!    within which places in order exist is bisected; each point takes the first place that is near enough.
-//! 2. Between the places of two neighbours curve and line run side by side. Where both places are feet on an arc in a plane,
-//!    the distance there is known in closed form. Elsewhere the line is halved, each time with a place for its middle, until
-//!    the bound is close to what was found: two points that move evenly, one on a line and one round an arc of radius r
-//!    by the angle a, are no farther apart than at the ends and r a^2 / 8.
+//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. Where they do not, the
+//!    least distance within which places in order exist is bisected; each point takes the first place that is
+//!    near enough.
+//! 2. Between the places of two neighbours curve and line run side by side. Where both places are feet on an
+//!    arc in a plane, the distance there is known in closed form. Elsewhere the line is halved, each time
+//!    with a place for its middle, until the bound is close to what was found: two points that move evenly,
+//!    one on a line and one round an arc of radius r by the angle a, are no farther apart than at the ends
+//!    and r a^2 / 8.
 //!
 //! # Guarantees
-//! The result bounds the distance for places in order from the first to the last, whatever they are: wrong places
-//! make it larger, never smaller. It shares nothing with the fit whose curves it judges.
+//! The result bounds the distance for places in order from the first to the last, whatever they are: wrong
+//! places make it larger, never smaller. It shares nothing with the fit whose curves it judges.
 //!
 //! # Cost
 //! O(n) for n points whose feet follow each other, O(n log(1 / rounding)) where they do not.
@@ -42,8 +45,8 @@ const HALF_A_TURN: f64 = PI + 1e-7;
 /// Steps of Newton's method to a foot on a helix.
 const FOOT_STEPS: usize = 6;
 
-/// Bound of the least distance within which the curve passes the points in order, mm; infinite where it turns by more than half
-/// a turn between two of them, for which they are no reason.
+/// Bound of the least distance within which the curve passes the points in order, mm; infinite where it turns
+/// by more than half a turn between two of them, for which they are no reason.
 pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
@@ -54,8 +57,8 @@ pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     if steps.into_iter().all(is_half_a_turn) { track.largest(&points, &places) } else { f64::INFINITY }
 }
 
-/// Bound of the distance within which the curve, from its start to its end, and the lines between the points run side by
-/// side, mm.
+/// Bound of the distance within which the curve, from its start to its end, and the lines between the points
+/// run side by side, mm.
 pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
@@ -107,8 +110,8 @@ impl<'a> FramedCurve<'a> {
         }
     }
 
-    /// A point in the frame: along, and away from, a line; about an arc, so that the arc begins at the angle zero and turns to
-    /// the left.
+    /// A point in the frame: along, and away from, a line; about an arc, so that the arc begins at the angle
+    /// zero and turns to the left.
     fn local(&self, p: &Point3<f64>) -> Vector3<f64> {
         match self {
             Self::Line { start, along, .. } => {
@@ -222,7 +225,8 @@ impl<'a> FramedCurve<'a> {
         bisect([within, out], PLACE_STEPS, |place| self.distance(p, place) <= mm)[0]
     }
 
-    /// Bound of how far the line between two points runs from the curve between their places, if more than `most`.
+    /// Bound of how far the line between two points runs from the curve between their places, if more than
+    /// `most`.
     fn beside(&self, ends: [Vector3<f64>; 2], places: [f64; 2], most: f64) -> f64 {
         let Self::Arc { radius, sweep, .. } = self else {
             // Between points that move evenly on two lines the distance is convex.
@@ -249,8 +253,8 @@ impl<'a> FramedCurve<'a> {
             let middle = (ends[0] + ends[1]) * 0.5;
             let foot = self.foot(&middle);
             let is_inside = places[0] < foot && foot < places[1];
-            // A middle beyond an end has its place at that end. On a long way round it takes the middle place, else the other half
-            // would keep all of the turn.
+            // A middle beyond an end has its place at that end. On a long way round it takes the middle
+            // place, else the other half would keep all of the turn.
             let place = if is_inside || turn < LONG_WAY {
                 foot.clamp(places[0], places[1])
             } else {
@@ -262,8 +266,8 @@ impl<'a> FramedCurve<'a> {
         bounded
     }
 
-    /// The largest distance in closed form of a line from an arc in a plane, where its ends stand at their feet and it turns by
-    /// less than half a turn about the centre: at an end, or where it passes the centre.
+    /// The largest distance in closed form of a line from an arc in a plane, where its ends stand at their
+    /// feet and it turns by less than half a turn about the centre: at an end, or where it passes the centre.
     fn between_feet(&self, [a, b]: [Vector3<f64>; 2], places: [f64; 2]) -> Option<f64> {
         let Self::Arc { radius, sweep, rise, .. } = self else { return None };
         let is_foot = |p: &Vector3<f64>, place: f64| {

@@ -1,8 +1,9 @@
 //! Interval arithmetic with outward rounding.
 //!
 //! # Guarantees
-//! The result of an operation holds every value that the operation has on members of its operands. Each end is computed
-//! to the nearest number and moved one number outward, which is enough where the operation itself is correctly rounded.
+//! The result of an operation holds every value that the operation has on members of its operands. Each end
+//! is computed to the nearest number and moved one number outward, which is enough where the operation itself
+//! is correctly rounded.
 //!
 //! # Degenerate input
 //! A result that cannot be told, because an end would be no number, is the whole line.
@@ -89,7 +90,8 @@ impl Interval {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// What two enclosures of the same number leave; `self` where they do not meet, which they only do in vain.
+    /// What two enclosures of the same number leave; `self` where they do not meet, which they only do in
+    /// vain.
     pub fn meet(self, other: Self) -> Self {
         let (lo, hi) = (self.lo.max(other.lo), self.hi.min(other.hi));
         if lo <= hi { Self { lo, hi } } else { self }
@@ -132,8 +134,8 @@ pub(crate) fn outward(lo: f64, hi: f64) -> Interval {
     if lo <= hi { Interval { lo: lo.next_down(), hi: hi.next_up() } } else { Interval::ENTIRE }
 }
 
-/// Ends of sums, one number outward. A sum that comes out as zero is zero; left as it is it keeps operations away from
-/// the least numbers, with which processors are slow.
+/// Ends of sums, one number outward. A sum that comes out as zero is zero; left as it is it keeps operations
+/// away from the least numbers, with which processors are slow.
 fn of_sums(lo: f64, hi: f64) -> Interval {
     let sums = outward(lo, hi);
     Interval { lo: if lo == 0.0 { 0.0 } else { sums.lo }, hi: if hi == 0.0 { 0.0 } else { sums.hi } }

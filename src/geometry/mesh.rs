@@ -1,8 +1,8 @@
 //! A surface as triangles between points over a grid of parameters: what pictures shade.
 //!
 //! # Guarantees
-//! The grid takes the joints of patches in, where there are no more of them than cells. There are as many points for a
-//! large surface as for a small one.
+//! The grid takes the joints of patches in, where there are no more of them than cells. There are as many
+//! points for a large surface as for a small one.
 //!
 //! # Degenerate input
 //! At a pole triangles have no extent; a point whose triangles have none has no normal.

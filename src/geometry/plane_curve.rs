@@ -9,8 +9,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::interval::Interval;
 
-/// The largest coordinate or parameter of designed curves, and one over the least step of the parameter: far beyond any part, and
-/// such that no second derivative overflows.
+/// The largest coordinate or parameter of designed curves, and one over the least step of the parameter: far
+/// beyond any part, and such that no second derivative overflows.
 pub const LARGEST: f64 = 1e60;
 
 /// Where a curve and its first two derivatives by the parameter are, over a range of parameters.
@@ -39,15 +39,16 @@ pub trait PlaneCurve: Sync {
     /// The point at `t`, to rounding.
     fn point(&self, t: f64) -> Point2<f64>;
 
-    /// The derivative by the parameter at `t`, to rounding; at a break the one after it, at the end the one before.
+    /// The derivative by the parameter at `t`, to rounding; at a break the one after it, at the end the one
+    /// before.
     fn derivative(&self, t: f64) -> Vector2<f64>;
 
-    /// Encloses the curve over `[from, to]`, which lies in the domain and has no break inside. The ends may be equal;
-    /// then the point is enclosed to a few units of rounding.
+    /// Encloses the curve over `[from, to]`, which lies in the domain and has no break inside. The ends may
+    /// be equal; then the point is enclosed to a few units of rounding.
     fn enclose(&self, from: f64, to: f64) -> Enclosure;
 
-    /// Whether the tangent jumps at the break `t` by more than an angle of this sine: a right angle and more are such, as is
-    /// a derivative of zero.
+    /// Whether the tangent jumps at the break `t` by more than an angle of this sine: a right angle and more
+    /// are such, as is a derivative of zero.
     fn has_corner(&self, t: f64, sine: f64) -> bool {
         let (before, after) = (self.derivative(t.next_down()), self.derivative(t));
         before.dot(&after) <= 0.0 || before.perp(&after).abs() > sine * before.norm() * after.norm()

@@ -7,8 +7,8 @@ mod shape;
 use nalgebra::Point;
 pub use shape::{ControlPoint, Shape};
 
-/// Lines that are shorter are left out, mm: rounding made them where the tangents of two arcs meet, and they have no
-/// direction.
+/// Lines that are shorter are left out, mm: rounding made them where the tangents of two arcs meet, and they
+/// have no direction.
 const SHORTEST_MM: f64 = 1e-9;
 
 /// A part of a profile.
@@ -59,8 +59,8 @@ impl<const D: usize> Profile<D> {
         }
     }
 
-    /// The joints, by the number of pieces before them, at which nothing sees to it that the tangents agree. An arc touches
-    /// its lines, and so the arc that follows at once; the cubics of one place are smooth.
+    /// The joints, by the number of pieces before them, at which nothing sees to it that the tangents agree.
+    /// An arc touches its lines, and so the arc that follows at once; the cubics of one place are smooth.
     pub fn loose_joints(&self) -> Vec<usize> {
         let is_smooth = |pair: &[Piece<D>]| match (&pair[0].shape, &pair[1].shape) {
             (Shape::Arc { .. }, Shape::Arc { .. } | Shape::Line(_)) | (Shape::Line(_), Shape::Arc { .. }) => {

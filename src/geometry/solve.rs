@@ -5,8 +5,9 @@ use std::convert::Infallible;
 /// Halvings after which no range of numbers can be halved again.
 pub const TO_ROUNDING: usize = 2_200;
 
-/// A range between a place where something holds and one where it fails, halved `halvings` times or until it cannot be halved.
-/// The first place of the range that is returned is one where it was found to hold, or the first one given.
+/// A range between a place where something holds and one where it fails, halved `halvings` times or until it
+/// cannot be halved. The first place of the range that is returned is one where it was found to hold, or the
+/// first one given.
 ///
 /// # Errors
 /// Those of `holds`.
@@ -34,8 +35,8 @@ pub fn bisect(range: [f64; 2], halvings: usize, mut holds: impl FnMut(f64) -> bo
 /// Steps in the search for a root; it takes five to ten.
 const STEPS: usize = 60;
 
-/// The root in `range` of a function that falls, or the end of the range that is nearest to it, by regula falsi (the Illinois
-/// variant), to rounding.
+/// The root in `range` of a function that falls, or the end of the range that is nearest to it, by regula
+/// falsi (the Illinois variant), to rounding.
 pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     let (mut above, mut below) = (f(low), f(high));
     if above <= 0.0 {

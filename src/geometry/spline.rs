@@ -1,12 +1,12 @@
 //! Derivatives of the C2 cubic spline through values in any number of dimensions.
 //!
 //! # Method
-//! The first derivatives of a C2 cubic solve a tridiagonal system: one row a value says that the second derivatives on
-//! both sides agree, one row an end what that end does.
+//! The first derivatives of a C2 cubic solve a tridiagonal system: one row a value says that the second
+//! derivatives on both sides agree, one row an end what that end does.
 //!
 //! # Guarantees
-//! Elimination needs no pivoting: the rows are diagonally dominant but for the not-a-knot end, whose pivots stay above
-//! zero (with steps a, b, .. from the end, a + b after one step).
+//! Elimination needs no pivoting: the rows are diagonally dominant but for the not-a-knot end, whose pivots
+//! stay above zero (with steps a, b, .. from the end, a + b after one step).
 //!
 //! # Degenerate input
 //! With too few values for their end condition, not-a-knot and Bessel give the interpolating polynomial.
@@ -42,8 +42,8 @@ pub fn derivatives<const D: usize>(
     derivatives_over(&vec![1.0; values.len().saturating_sub(1)], values, ends)
 }
 
-/// First derivatives, by the parameter that grows by `steps[i]`, above zero, from value i to the next, of the spline
-/// through `values`, two at least and one more than the steps.
+/// First derivatives, by the parameter that grows by `steps[i]`, above zero, from value i to the next, of the
+/// spline through `values`, two at least and one more than the steps.
 pub fn derivatives_over<const D: usize>(
     steps: &[f64],
     values: &[SVector<f64, D>],
@@ -94,13 +94,14 @@ pub fn derivatives_over<const D: usize>(
     right
 }
 
-/// Derivative at the end of the parabola with these slopes over the steps nearest to the end, the nearest first.
+/// Derivative at the end of the parabola with these slopes over the steps nearest to the end, the nearest
+/// first.
 fn parabola_end<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
     p + (p - q) * (a / (a + b))
 }
 
-/// The right side of the row b m0 + (a + b) m1, which says that the spans of the steps `a` and `b`, the end's first, are
-/// one cubic; `p` and `q` are the slopes over them.
+/// The right side of the row b m0 + (a + b) m1, which says that the spans of the steps `a` and `b`, the end's
+/// first, are one cubic; `p` and `q` are the slopes over them.
 fn not_a_knot<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
     (p * (b * (3.0 * a + 2.0 * b)) + q * (a * a)) / (a + b)
 }

@@ -1,7 +1,7 @@
 //! Surfaces: what they are made from, how they are evaluated, and what is proved of them.
 //!
-//! Every kind of surface ([`source`]) is brought to Bezier patches over a grid of unit squares: patch (i, j) covers
-//! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
+//! Every kind of surface ([`source`]) is brought to Bezier patches over a grid of unit squares: patch (i, j)
+//! covers parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
 
 pub mod any_surface;
 pub mod bezier;

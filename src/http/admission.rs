@@ -13,8 +13,8 @@ use tokio::time::sleep;
 use super::App;
 use super::error::{ApiError, Code};
 
-/// How long a refusal is held back. Callers that come back at once would otherwise take the processors from the
-/// computations that they wait for.
+/// How long a refusal is held back. Callers that come back at once would otherwise take the processors from
+/// the computations that they wait for.
 const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 
 /// The memory for request bodies, shared by all requests.

@@ -72,7 +72,8 @@ pub struct Cut {
     /// Without them there are no feeds, and no program.
     pub cutting: Option<Cutting>,
     pub setup: Setup,
-    /// What is to be said of it beside the caller's own `meta`, for the program's header and below the picture.
+    /// What is to be said of it beside the caller's own `meta`, for the program's header and below the
+    /// picture.
     pub comments: Vec<String>,
     /// The program, where the computation has written it and every JSON answer holds it.
     pub nc: Option<String>,
@@ -97,8 +98,8 @@ impl Product for Cut {
 /// Computes `plan` of the body's job on the pool and answers what comes of it as it is wanted.
 ///
 /// # Errors
-/// When there is no place on the pool, or the plan or its representation fails; once events are streamed, failures
-/// are among them.
+/// When there is no place on the pool, or the plan or its representation fails; once events are streamed,
+/// failures are among them.
 pub async fn answer<O: Offers, T, R, P, F>(
     app: &Arc<App>,
     wanted: Wanted<O>,

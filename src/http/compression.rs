@@ -45,7 +45,8 @@ impl Coding {
     }
 }
 
-/// Gzip for every answer but those that were computed: they are coded on the pool, before their digest is taken.
+/// Gzip for every answer but those that were computed: they are coded on the pool, before their digest is
+/// taken.
 pub fn layer() -> CompressionLayer<impl Predicate> {
     let has_no_digest =
         |_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions| !headers.contains_key(REPR_DIGEST);

@@ -101,8 +101,8 @@ impl Compute {
         self.run_admitted(self.admit()?, None, job).await
     }
 
-    /// As [`Self::run`], for a job that has been let in already, by what it holds until it ends: a ticket, or a share of
-    /// something else. It tells its progress to `listener`.
+    /// As [`Self::run`], for a job that has been let in already, by what it holds until it ends: a ticket, or
+    /// a share of something else. It tells its progress to `listener`.
     ///
     /// # Errors
     /// When the deadline passes before the job ends, or the job panics.

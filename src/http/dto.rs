@@ -1,5 +1,5 @@
-//! Wire types, apart from the core's own: each converts by exhaustive destructuring, so that a field added to one
-//! side does not compile until it is handled on the other.
+//! Wire types, apart from the core's own: each converts by exhaustive destructuring, so that a field added to
+//! one side does not compile until it is handled on the other.
 
 pub mod answer;
 pub mod approach;

@@ -1,4 +1,5 @@
-//! Errors as the caller sees them: problem details by RFC 9457. The only place that knows status codes of failures.
+//! Errors as the caller sees them: problem details by RFC 9457. The only place that knows status codes of
+//! failures.
 
 use std::fmt;
 
@@ -18,8 +19,8 @@ pub const MAX_ERRORS: usize = 100;
 /// A text of the caller may be in a detail, at any length.
 const MAX_DETAIL_CHARACTERS: usize = 500;
 
-/// What went wrong, as a closed list. With `invalid_request` `errors` has one entry for each violation. `unsupported` is a legal
-/// request for something that this version cannot do yet.
+/// What went wrong, as a closed list. With `invalid_request` `errors` has one entry for each violation.
+/// `unsupported` is a legal request for something that this version cannot do yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ProblemCode)]
@@ -230,10 +231,11 @@ pub struct Problem {
     code: Code,
     /// Id of the request, as in the header `x-request-id`.
     request_id: String,
-    /// The violations, at most 100; `detail` tells the number of all. Empty where no place of the body is to blame.
+    /// The violations, at most 100; `detail` tells the number of all. Empty where no place of the body is to
+    /// blame.
     errors: Vec<FieldError>,
-    /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `not_smooth`, `section_lost`, `band_infeasible` and
-    /// `tolerance_not_reached`.
+    /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `not_smooth`, `section_lost`,
+    /// `band_infeasible` and `tolerance_not_reached`.
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<Place>,
     /// The media types that the endpoint can answer. Present with `not_acceptable`.
@@ -259,8 +261,8 @@ impl ApiError {
         Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
     }
 
-    /// A body that breaks rules. When all that breaks them is merely not built yet, or a feed that is missing, the code
-    /// says so.
+    /// A body that breaks rules. When all that breaks them is merely not built yet, or a feed that is
+    /// missing, the code says so.
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         Self::invalid_among(errors.len(), errors)
     }

@@ -66,8 +66,8 @@ impl ProgressSink for Listener {
     }
 }
 
-/// Streams the computation that `start` makes with a listener for its progress, until its end as an event `result`
-/// or `problem`. Dropping the response drops the computation.
+/// Streams the computation that `start` makes with a listener for its progress, until its end as an event
+/// `result` or `problem`. Dropping the response drops the computation.
 pub fn stream<F>(request_id: RequestId, start: impl FnOnce(Arc<dyn ProgressSink>) -> F) -> Response
 where
     F: Future<Output = Result<Encoded, ApiError>> + Send + 'static,

@@ -16,8 +16,8 @@ use super::compression::{Coding, gunzip};
 use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
 
-/// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip, of
-/// which one cannot tell.
+/// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip,
+/// of which one cannot tell.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
 
 /// The body: JSON that was read as a `T`, and is a legal job.
@@ -54,8 +54,8 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
     }
 }
 
-/// Runs what would delay the other connections, at most as many at a time as there are workers; whoever goes away
-/// before its turn has no turn.
+/// Runs what would delay the other connections, at most as many at a time as there are workers; whoever goes
+/// away before its turn has no turn.
 async fn aside<T: Send + 'static>(
     app: &App,
     work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,

@@ -98,7 +98,8 @@ pub struct Form {
     pub request_id: RequestId,
 }
 
-/// The form in which the caller wants the answer of an endpoint that offers `O`, and the endpoint's own parameters.
+/// The form in which the caller wants the answer of an endpoint that offers `O`, and the endpoint's own
+/// parameters.
 pub struct Wanted<O: Offers> {
     pub form: Form,
     pub query: O::Query,

@@ -36,7 +36,8 @@ pub enum Representation {
     Svg,
     /// The picture with the figures of the answer.
     Html,
-    /// How far the computation is, while it runs, and then the JSON answer; never by name, for links cannot show it.
+    /// How far the computation is, while it runs, and then the JSON answer; never by name, for links cannot
+    /// show it.
     #[serde(skip)]
     Events,
 }
@@ -65,8 +66,8 @@ impl Representation {
     }
 }
 
-/// Chooses among `offers`, the default first, by `format`, else by `Accept` (RFC 9110, section 12.5.1); with the
-/// media type by which the choice was asked for.
+/// Chooses among `offers`, the default first, by `format`, else by `Accept` (RFC 9110, section 12.5.1); with
+/// the media type by which the choice was asked for.
 ///
 /// # Errors
 /// `not_acceptable` with the types on offer.
@@ -128,8 +129,8 @@ impl Encoded {
         Self { content_type, disposition: None, is_gzip: false, digest: None, warnings: None, body }
     }
 
-    /// As it will be sent: in gzip where that is wanted and worth it, and with the digest of the bytes that are
-    /// left (RFC 9530).
+    /// As it will be sent: in gzip where that is wanted and worth it, and with the digest of the bytes that
+    /// are left (RFC 9530).
     ///
     /// # Errors
     /// When gzip fails, which is a fault of this program.
@@ -145,7 +146,8 @@ impl Encoded {
         Ok(self)
     }
 
-    /// Tells the codes of warnings in a header too, for callers that read no other form of them; nothing of none.
+    /// Tells the codes of warnings in a header too, for callers that read no other form of them; nothing of
+    /// none.
     pub fn warning_of(mut self, codes: &str) -> Self {
         self.warnings = HeaderValue::from_str(codes).ok().filter(|codes| !codes.is_empty());
         self

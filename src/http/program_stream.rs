@@ -1,8 +1,9 @@
 //! NC programs that are rewritten while they arrive: larger than memory, and answered before they end.
 //!
-//! A stream holds one of the places for streams, and a place on the pool only while it has bytes to work on. What is ready is
-//! sent through a short queue: a caller that reads slowly slows down its own stream, and nothing is held beyond the queue.
-//! As long as nothing has been answered, a failure is a problem; later it ends the connection without the end of the body.
+//! A stream holds one of the places for streams, and a place on the pool only while it has bytes to work on.
+//! What is ready is sent through a short queue: a caller that reads slowly slows down its own stream, and
+//! nothing is held beyond the queue. As long as nothing has been answered, a failure is a problem; later it
+//! ends the connection without the end of the body.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -26,18 +27,20 @@ use crate::budget::Budget;
 use crate::config::Settings;
 use crate::post::rewrite::{Figures, RewriteError, Rewriter};
 
-/// Bytes of an answer that wait for a caller who does not read: enough for small programs of callers that send all of
-/// theirs before they read.
+/// Bytes of an answer that wait for a caller who does not read: enough for small programs of callers that
+/// send all of theirs before they read.
 const BACKLOG_BYTES: u32 = 4 * 1024 * 1024;
 
 /// Parts in that queue: small ones cost memory of their own.
 const BACKLOG_PARTS: usize = 1024;
 
-/// Bytes of a body that are worked on at a time; of coded ones, which may decode to a thousand times as much, fewer.
+/// Bytes of a body that are worked on at a time; of coded ones, which may decode to a thousand times as much,
+/// fewer.
 const STEP_BYTES: usize = 256 * 1024;
 const CODED_STEP_BYTES: usize = 4096;
 
-/// Bytes that are held back until something moves: a text that is no program is refused before any of it is answered.
+/// Bytes that are held back until something moves: a text that is no program is refused before any of it is
+/// answered.
 const HELD_BYTES: usize = 64 * 1024;
 
 /// What streams may take.

@@ -1,7 +1,7 @@
 //! What the HTTP parser refuses, answered like everything else.
 //!
-//! A head that hyper cannot read, or finds too large, reaches no layer: hyper writes a bare status and closes the
-//! connection. On its way out that answer gets the problem it lacks.
+//! A head that hyper cannot read, or finds too large, reaches no layer: hyper writes a bare status and closes
+//! the connection. On its way out that answer gets the problem it lacks.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;

@@ -1,16 +1,17 @@
 //! Expressions in x: what a user writes for y(x).
 //!
 //! # Method
-//! 1. [`parse`](Expression::parse) turns the text into a tape: operations in the order in which they are computed, each
-//!    with the byte of the text it comes from.
-//! 2. The tape is computed with a stack, never by recursion: in numbers, in numbers with a derivative, or in intervals
-//!    with two derivatives (automatic differentiation, forward).
+//! 1. [`parse`](Expression::parse) turns the text into a tape: operations in the order in which they are
+//!    computed, each with the byte of the text it comes from.
+//! 2. The tape is computed with a stack, never by recursion: in numbers, in numbers with a derivative, or in
+//!    intervals with two derivatives (automatic differentiation, forward).
 //! 3. [`examine`](Expression::examine) proves by subdivision that the expression is defined over a domain.
 //!
 //! # Grammar
-//! From loose to tight: `+ -`; `* /`; the signs; `^`, which binds right: -x^2 is -(x^2), 2^-x is legal. Products are
-//! written out. Numbers are decimal, with `.5`, `5.` and `1e-3`; they, `pi` and `e` are the nearest floating-point
-//! numbers. Names are in lower case: see [`function`]. Spaces, tabs and line ends separate.
+//! From loose to tight: `+ -`; `* /`; the signs; `^`, which binds right: -x^2 is -(x^2), 2^-x is legal.
+//! Products are written out. Numbers are decimal, with `.5`, `5.` and `1e-3`; they, `pi` and `e` are the
+//! nearest floating-point numbers. Names are in lower case: see [`function`]. Spaces, tabs and line ends
+//! separate.
 //!
 //! An exponent without x is a constant, rounded to the nearest number: x^(6/2) is x^3 and takes negative x.
 //!
@@ -45,12 +46,12 @@ pub use offence::Offence;
 
 use tape::Tape;
 
-/// Longer texts are refused, bytes. Expressions come by hand or from a fit with some dozens of terms; each computation
-/// takes time in proportion.
+/// Longer texts are refused, bytes. Expressions come by hand or from a fit with some dozens of terms; each
+/// computation takes time in proportion.
 pub const LONGEST_TEXT: usize = 10_000;
 
-/// Deeper nesting is refused: parentheses, arguments, signs and powers of powers all count. The parser recurses, and
-/// at this depth it takes less than an eighth of the 2 MB that a thread has.
+/// Deeper nesting is refused: parentheses, arguments, signs and powers of powers all count. The parser
+/// recurses, and at this depth it takes less than an eighth of the 2 MB that a thread has.
 pub const DEEPEST_NESTING: usize = 200;
 
 /// A function of x.
@@ -73,23 +74,24 @@ impl Expression {
         evaluate::value(&self.tape, x)
     }
 
-    /// The value and the derivative at `x`, to rounding. Where the derivative jumps it is the one to the right; where
-    /// it does not exist otherwise it is no number, or an infinite one.
+    /// The value and the derivative at `x`, to rounding. Where the derivative jumps it is the one to the
+    /// right; where it does not exist otherwise it is no number, or an infinite one.
     pub fn value_and_derivative(&self, x: f64) -> [f64; 2] {
         evaluate::value_and_derivative(&self.tape, x)
     }
 
-    /// Encloses the value and the first two derivatives over `x`. A derivative that does not exist or is not bounded is
-    /// the whole line; only that of `abs`, `min`, `max` and `hypot` is bounded where it jumps.
+    /// Encloses the value and the first two derivatives over `x`. A derivative that does not exist or is not
+    /// bounded is the whole line; only that of `abs`, `min`, `max` and `hypot` is bounded where it jumps.
     ///
-    /// Where the expression is not defined, the value is enclosed as if arguments were moved to the nearest legal one;
-    /// [`examine`](Self::examine) tells whether that matters.
+    /// Where the expression is not defined, the value is enclosed as if arguments were moved to the nearest
+    /// legal one; [`examine`](Self::examine) tells whether that matters.
     pub fn enclose(&self, x: Interval) -> [Interval; 3] {
         enclose::enclose(&self.tape, x)
     }
 
-    /// Proves that the expression is defined, finite and continuous over the closed `domain`, and encloses its values
-    /// there, to about one part in ten thousand of the largest; less tightly where ten thousand cells do not suffice.
+    /// Proves that the expression is defined, finite and continuous over the closed `domain`, and encloses
+    /// its values there, to about one part in ten thousand of the largest; less tightly where ten thousand
+    /// cells do not suffice.
     ///
     /// # Errors
     /// Where it is not defined, or cannot be proved to be; or that the budget is spent.

@@ -60,8 +60,8 @@ impl PlaneCurve for Graph {
         Point2::new(t, value.mid())
     }
 
-    /// As asked for; where there is no derivative, or none that is finite, the one a billionth of the domain further
-    /// towards its end, or before it.
+    /// As asked for; where there is no derivative, or none that is finite, the one a billionth of the domain
+    /// further towards its end, or before it.
     fn derivative(&self, t: f64) -> Vector2<f64> {
         let [from, to] = self.domain;
         let step = NUDGE * (to - from);

@@ -10,23 +10,26 @@
 //!
 //! # Method
 //! 1. The text becomes items (`grammar`), all in the plane or all in space.
-//! 2. Every rounded corner becomes an arc (`corner`): its lines lead to its neighbours, of a `b` to the end that is nearer
-//!    along the curve.
-//! 3. Straight lines join what is left (`chain`). A `b` is the C2 cubic with uniform parameters and natural ends.
+//! 2. Every rounded corner becomes an arc (`corner`): its lines lead to its neighbours, of a `b` to the end
+//!    that is nearer along the curve.
+//! 3. Straight lines join what is left (`chain`). A `b` is the C2 cubic with uniform parameters and natural
+//!    ends.
 //!
 //! # Guarantees
-//! Arcs are exact: rational quadratics of a quarter turn at most. The parameter of lines and arcs is in proportion to
-//! the length, and grows by it; along a `b` it grows by the sum of the chords, equally from point to point.
+//! Arcs are exact: rational quadratics of a quarter turn at most. The parameter of lines and arcs is in
+//! proportion to the length, and grows by it; along a `b` it grows by the sum of the chords, equally from
+//! point to point.
 //!
 //! # Degenerate input
-//! Neighbouring points that coincide, corners that do not fit between their neighbours, and rounded reversals are errors
-//! that tell their place. A corner without a turn is a point of its line.
+//! Neighbouring points that coincide, corners that do not fit between their neighbours, and rounded reversals
+//! are errors that tell their place. A corner without a turn is a point of its line.
 //!
 //! # Cost
 //! O(n) in the length of the text.
 //!
 //! # Differences from the paper
-//! The paper prints neither parameters nor ends of the smooth curve, and `b(x1,y1),(x2,y2)` without outer parentheses.
+//! The paper prints neither parameters nor ends of the smooth curve, and `b(x1,y1),(x2,y2)` without outer
+//! parentheses.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -94,7 +97,8 @@ pub enum Fault {
         "the radius {radius_mm} mm does not fit; the rounded corners of the line need {taken_mm} mm of its {length_mm} mm"
     )]
     CornerDoesNotFit { radius_mm: f64, taken_mm: f64, length_mm: f64 },
-    /// Parameters that do not rise, when curves a thousand times longer than any part have points a micrometre apart.
+    /// Parameters that do not rise, when curves a thousand times longer than any part have points a
+    /// micrometre apart.
     #[error("{0}")]
     Chain(PiecewiseError),
     #[error("{0}")]

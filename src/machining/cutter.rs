@@ -1,8 +1,10 @@
-//! Cutters as geometry: a flat disc with a rounded edge, turning about a vertical axis, below a shank of the same radius.
+//! Cutters as geometry: a flat disc with a rounded edge, turning about a vertical axis, below a shank of the
+//! same radius.
 //!
-//! A ball has no flat, a flat end no rounding, a bull nose both. As a function of the distance d from the axis the lower side lies
-//! h(d) above the tip: nothing up to the flat's radius, then c - sqrt(c^2 - (d - r)^2) for a corner of radius c about a
-//! flat of radius r, and nothing at all beyond r + c. h is convex, also as a function of d^2.
+//! A ball has no flat, a flat end no rounding, a bull nose both. As a function of the distance d from the
+//! axis the lower side lies h(d) above the tip: nothing up to the flat's radius, then c - sqrt(c^2 - (d -
+//! r)^2) for a corner of radius c about a flat of radius r, and nothing at all beyond r + c. h is convex,
+//! also as a function of d^2.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -125,7 +127,8 @@ impl Cutter {
         ((self.corner - out) * (self.corner + out)).max(0.0).sqrt()
     }
 
-    /// The slope of the lower side at a distance from the axis; it grows with the distance, and is infinite from the radius on.
+    /// The slope of the lower side at a distance from the axis; it grows with the distance, and is infinite
+    /// from the radius on.
     pub fn slope(&self, distance: f64) -> f64 {
         let out = distance - self.flat;
         if out <= 0.0 { 0.0 } else { out / self.depth(out) }
@@ -191,8 +194,9 @@ impl Cutter {
         Form { away: point.away, along, across }
     }
 
-    /// Forms Q for which the height at p is at least that of the tangent plane at `point` and Q(p - point) / 2, for every p
-    /// that is at least `least` mm (negative on the near side) farther out than the point; for the first of them anywhere.
+    /// Forms Q for which the height at p is at least that of the tangent plane at `point` and Q(p - point) /
+    /// 2, for every p that is at least `least` mm (negative on the near side) farther out than the point; for
+    /// the first of them anywhere.
     pub fn support_forms(&self, point: &LowerPoint, least: f64) -> [Form; 4] {
         // The height is convex as a function of the squared distance: its tangent there is a paraboloid.
         let round = if point.distance > 0.0 { point.slope / point.distance } else { self.bend(0.0) };

@@ -1,23 +1,29 @@
 //! Where a cutter that comes down from above touches a surface first.
 //!
 //! # Method
-//! With the cutter's axis at a, a surface point P within its radius R lifts the tip to P_z - h(|P - a|), h the height of the
-//! cutter's lower side over its tip ([`Cutter`]). The tip's height is the largest lift over all of the surface: an upper
-//! envelope, so that folds of the offset, loops, sharp edges, overhangs and boundaries need no care of their own.
-//! 1. The surface is kept in small parts under a hierarchy of boxes, each with a plane over what is in it (`tree`).
-//! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane touches the cutter over the
-//!    axis, which knows no steep slopes, or within the square for the lift itself, which knows edges and corners.
-//! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the contact known with the
-//!    paraboloid that supports the cutter, by the side of the cutter for parts along it, by a concave quadratic bound (`bound`), or by
-//!    round bodies about the cutter (`round`, `side`). What that does not decide is halved.
+//! With the cutter's axis at a, a surface point P within its radius R lifts the tip to P_z - h(|P - a|), h
+//! the height of the cutter's lower side over its tip ([`Cutter`]). The tip's height is the largest lift over
+//! all of the surface: an upper envelope, so that folds of the offset, loops, sharp edges, overhangs and
+//! boundaries need no care of their own.
+//! 1. The surface is kept in small parts under a hierarchy of boxes, each with a plane over what is in it
+//!    (`tree`).
+//! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane
+//!    touches the cutter over the axis, which knows no steep slopes, or within the square for the lift
+//!    itself, which knows edges and corners.
+//! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the
+//!    contact known with the paraboloid that supports the cutter, by the side of the cutter for parts along
+//!    it, by a concave quadratic bound (`bound`), or by round bodies about the cutter (`round`, `side`). What
+//!    that does not decide is halved.
 //!
 //! # Guarantees
-//! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm (or the accuracy asked for) but where the
-//! limit of work is reached; rounding comes on top. The surface may be anything: only control nets count.
+//! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm (or the accuracy
+//! asked for) but where the limit of work is reached; rounding comes on top. The surface may be anything:
+//! only control nets count.
 //!
 //! # Cost
-//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes some 3 us a point along lines, without a
-//! neighbour 10 and 20; where the cutter touches all around, as on the axis of a bowl, tens of milliseconds.
+//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes some 3 us a point
+//! along lines, without a neighbour 10 and 20; where the cutter touches all around, as on the axis of a bowl,
+//! tens of milliseconds.
 //!
 //! # Differences from the papers
 //! Ju traces sections of the offset and Koo et al. unite shifted wires: neither sees what lies beside the
@@ -49,7 +55,8 @@ use tree::{SubPatch, Tree};
 /// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
 const SMALLEST_PART: f64 = 1e-13;
 
-/// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known to the arithmetic.
+/// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known
+/// to the arithmetic.
 const GRAZING: f64 = 1e-12;
 
 /// What is large against a surface, as a part of its diagonal in plan.
@@ -105,7 +112,8 @@ pub struct Contact {
     pub is_rolling: bool,
 }
 
-/// A cutter or a surface whose slope is less counts as level: rounding of a height alone can make a contact this steep.
+/// A cutter or a surface whose slope is less counts as level: rounding of a height alone can make a contact
+/// this steep.
 const LEVEL_SLOPE: f64 = 1e-6;
 
 /// A tip is proved to be this exact, mm.
@@ -136,8 +144,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         &self.cutter
     }
 
-    /// The contact with the axis at `at`; `None` beside the surface. Parameters near those of the contact make it faster and
-    /// change nothing but the last digits.
+    /// The contact with the axis at `at`; `None` beside the surface. Parameters near those of the contact
+    /// make it faster and change nothing but the last digits.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -150,7 +158,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         self.drop_within(ACCURACY_MM, at, near, budget)
     }
 
-    /// As [`Self::drop`], with the tip proved to within `accuracy` mm. A larger accuracy is faster where contacts are nearly equally high.
+    /// As [`Self::drop`], with the tip proved to within `accuracy` mm. A larger accuracy is faster where
+    /// contacts are nearly equally high.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -175,7 +184,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         Ok(drop.contact())
     }
 
-    /// A contact that Newton's method finds from parameters near it: other places may lift the cutter more. `None` where it finds none.
+    /// A contact that Newton's method finds from parameters near it: other places may lift the cutter more.
+    /// `None` where it finds none.
     pub fn near(&self, at: Vector2<f64>, place: [f64; 2]) -> Option<Contact> {
         let mut drop = Drop::new(self, at, Some(place), ACCURACY_MM);
         drop.try_at(place);
@@ -188,8 +198,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         self.tree.parts.iter().step_by(step).map(|part| part.on_surface([0.5, 0.5]))
     }
 
-    /// The tip of the cutter that touches the surface with the tangent plane at a place, whatever else is in its way; with the upward
-    /// normal and the surface point. `None` where the normal does not point up.
+    /// The tip of the cutter that touches the surface with the tangent plane at a place, whatever else is in
+    /// its way; with the upward normal and the surface point. `None` where the normal does not point up.
     pub fn touching(&self, [u, v]: [f64; 2]) -> Option<(Point3<f64>, Vector3<f64>, Point3<f64>)> {
         let jet = self.surface.jet(u, v);
         let normal = jet.normal().try_normalize(0.0)?;
@@ -215,8 +225,9 @@ impl<'a, P: Patch> Contacts<'a, P> {
 }
 
 impl<P: Patch> Contacts<'_, P> {
-    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it, or at right angles to a steep
-    /// part: parts that lie along the side of the cutter are beside it by less than their boxes know. Infinite where boxes say as much.
+    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it, or at
+    /// right angles to a steep part: parts that lie along the side of the cutter are beside it by less than
+    /// their boxes know. Infinite where boxes say as much.
     fn lift_of_part(&self, part: &SubPatch<P>, track: &AxisMove) -> f64 {
         let from = track.nearest(&part.center);
         let outward = part.center - from;
@@ -245,8 +256,8 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// The slope below which a contact counts as level: a point of the rounded corner with this slope lies higher than the flat of the
-    /// cutter by less than the accuracy of a drop.
+    /// The slope below which a contact counts as level: a point of the rounded corner with this slope lies
+    /// higher than the flat of the cutter by less than the accuracy of a drop.
     fn level_slope(&self) -> f64 {
         let [flat, corner] = [self.cutter.flat_radius(), self.cutter.corner_radius()];
         if flat > 0.0 && corner > 0.0 {

@@ -1,36 +1,41 @@
 //! How deep a moving cutter cuts into a surface: an upper bound that knows nothing of how the path was made.
 //!
 //! # Method
-//! A cutter is everything within its corner radius of a convex core: a level disc with all that stands above it (`solid`). While the tip
-//! follows a curve, a surface point P is as deep in the cutter as it is from the cutter's outside; the deepest P is
-//! wanted. It is found by branch and bound over pairs of a piece of the path and a part of a patch with its control net:
-//! 1. *Planes*: for a unit vector m that does not point up, P is no deeper than reach(m) + max m . C - min m . P, with C over the
-//!    piece and P over the control points of the part. Four m are tried: away from the core, against the part's normal, down, and to
-//!    the side.
-//! 2. *Ball*: a ball cutter holds the cutter and touches it along the circle that faces along m; a ball cutter is its own.
-//!    The squared distance to a line, to a point, or (`ball`) a lower bound of that to a circle is a
-//!    polynomial of twice the part's degree, or the quotient of two. Its least Bernstein coefficient bounds it. Along the line
-//!    of contact this polynomial hardly varies, so the bound is tight on large parts.
-//! 3. *Shank*: a point of the part that is above the ball's centre keeps from its axis at least what m shows, over
-//!    the length of the horizontal part of m. Where this is enough, the ball alone matters.
-//! 4. *Rims*: a sharp rim reaches farther below a slope than any point of the slope is deep in the cutter, by up to the root of 2. Where
-//!    the lowest point of the cutter lies below the part, and no edge of the surface is nearer than that, the m against the part's normal
-//!    counts for more than the others (`planes`, `part`), so that the bound covers both depths.
-//! 5. An undecided pair is halved: the piece or the part, whichever reaches farther along m. A pair whose bound is no deeper than the
-//!    deepest penetration found so far is dropped, and one that is small against the gap is as good as exact.
+//! A cutter is everything within its corner radius of a convex core: a level disc with all that stands above
+//! it (`solid`). While the tip follows a curve, a surface point P is as deep in the cutter as it is from the
+//! cutter's outside; the deepest P is wanted. It is found by branch and bound over pairs of a piece of the
+//! path and a part of a patch with its control net:
+//! 1. *Planes*: for a unit vector m that does not point up, P is no deeper than reach(m) + max m . C - min m
+//!    . P, with C over the piece and P over the control points of the part. Four m are tried: away from the
+//!    core, against the part's normal, down, and to the side.
+//! 2. *Ball*: a ball cutter holds the cutter and touches it along the circle that faces along m; a ball
+//!    cutter is its own. The squared distance to a line, to a point, or (`ball`) a lower bound of that to a
+//!    circle is a polynomial of twice the part's degree, or the quotient of two. Its least Bernstein
+//!    coefficient bounds it. Along the line of contact this polynomial hardly varies, so the bound is tight
+//!    on large parts.
+//! 3. *Shank*: a point of the part that is above the ball's centre keeps from its axis at least what m shows,
+//!    over the length of the horizontal part of m. Where this is enough, the ball alone matters.
+//! 4. *Rims*: a sharp rim reaches farther below a slope than any point of the slope is deep in the cutter, by
+//!    up to the root of 2. Where the lowest point of the cutter lies below the part, and no edge of the
+//!    surface is nearer than that, the m against the part's normal counts for more than the others (`planes`,
+//!    `part`), so that the bound covers both depths.
+//! 5. An undecided pair is halved: the piece or the part, whichever reaches farther along m. A pair whose
+//!    bound is no deeper than the deepest penetration found so far is dropped, and one that is small against
+//!    the gap is as good as exact.
 //!
 //! # Guarantees
-//! `bound_mm` is never below the true depth of a surface point in the cutter, for every point of every move; rounding is
-//! counted. The cutter reaches no farther below the surface either, where the surface is smooth around the place. It exceeds the larger
-//! of both by about `gap` and the slack of the path, unless the limit of work is reached, where it is larger but still a bound. `found_mm`
-//! is the depth of a surface point. Nothing about the path is assumed, nor about the surface beyond its nets.
+//! `bound_mm` is never below the true depth of a surface point in the cutter, for every point of every move;
+//! rounding is counted. The cutter reaches no farther below the surface either, where the surface is smooth
+//! around the place. It exceeds the larger of both by about `gap` and the slack of the path, unless the limit
+//! of work is reached, where it is larger but still a bound. `found_mm` is the depth of a surface point.
+//! Nothing about the path is assumed, nor about the surface beyond its nets.
 //!
 //! # Degenerate input
 //! Curves of length zero are points. Helices are replaced by chords, and the chords' height is counted.
 //!
 //! # Cost
-//! O(n log m) for n pieces of path and m patches, and O(1) parts examined for a piece. In the benchmark a move of a ball
-//! takes 35 microseconds, whether there are a thousand or four thousand.
+//! O(n log m) for n pieces of path and m patches, and O(1) parts examined for a piece. In the benchmark a
+//! move of a ball takes 35 microseconds, whether there are a thousand or four thousand.
 
 mod ball;
 mod part;
@@ -55,10 +60,12 @@ use solid::Solid;
 /// Pairs halved for one piece; beyond this the bound at hand is taken.
 const PAIR_LIMIT: usize = 20_000;
 
-/// Pairs of a part and a piece that are shorter than this part of the gap are not halved: their bound is as good as exact.
+/// Pairs of a part and a piece that are shorter than this part of the gap are not halved: their bound is as
+/// good as exact.
 const SMALLEST: f64 = 0.25;
 
-/// Where piece and part reach less far along m than this part of the bound, something else keeps it large: the longer one is halved.
+/// Where piece and part reach less far along m than this part of the bound, something else keeps it large:
+/// the longer one is halved.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// Pairs between two looks at the budget.
@@ -99,7 +106,8 @@ pub struct GougeProof<'a, P> {
     rise: f64,
     /// The largest absolute coordinate of a control point, mm.
     magnitude: f64,
-    /// Length of the pieces into which a path is cut before the search, mm: the mean size of a patch, at least the cutter's diameter.
+    /// Length of the pieces into which a path is cut before the search, mm: the mean size of a patch, at
+    /// least the cutter's diameter.
     piece_length: f64,
 }
 
@@ -125,7 +133,8 @@ impl Visitor<Bounds, [usize; 2]> for Near {
 }
 
 impl<'a, P: Patch> GougeProof<'a, P> {
-    /// The axis of `cutter` is along +z. With `stock` mm to be left on the surface, the cutter counts as that much larger all around.
+    /// The axis of `cutter` is along +z. With `stock` mm to be left on the surface, the cutter counts as that
+    /// much larger all around.
     pub fn new(surface: &'a BezierSurface<P>, cutter: &Cutter, stock: f64) -> Self {
         let tree = surface.bounding_tree();
         let magnitude = tree.volume().magnitude();
@@ -155,8 +164,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
             budget.check()?;
             let mut near = Near { reach: piece.reach(&self.solid), patches: Vec::new() };
             self.tree.search(&mut near);
-            // What the slack adds is the same for every part, so the search need not know it; but a piece with
-            // slack must be found less deep to be good enough.
+            // What the slack adds is the same for every part, so the search need not know it; but a piece
+            // with slack must be found less deep to be good enough.
             let bound = deepest.bound_mm.max(deepest.found_mm + gap) - piece.slack;
             let mut own = Penetration::NONE;
             self.search(piece, &near.patches, Enough { gap, bound }, &mut own, budget)?;
@@ -180,8 +189,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         Ok(deepest)
     }
 
-    /// Raises `deepest` to the penetration by one piece without its slack. Best first: the pair with the largest
-    /// bound is halved next, until that bound is good enough.
+    /// Raises `deepest` to the penetration by one piece without its slack. Best first: the pair with the
+    /// largest bound is halved next, until that bound is good enough.
     fn search(
         &self,
         piece: PathPiece,
@@ -248,7 +257,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         }
     }
 
-    /// Chooses whether to halve the piece, the part along u, or the part along v, so that the bound falls most.
+    /// Chooses whether to halve the piece, the part along u, or the part along v, so that the bound falls
+    /// most.
     fn halving(&self, piece: &PathPiece, part: &SubPatch<P>, depth: &Depth, gap: f64) -> Halving {
         let [along_u, along_v] = part.patch.extents();
         let size = along_u.max(along_v);
@@ -319,13 +329,14 @@ impl<'a, P: Patch> GougeProof<'a, P> {
             return by_plane;
         }
         let ball = ball::nearness(piece, around.rise, &part.patch);
-        // The lowest point of the cutter may lie beside this part, by as much as it lies below it. So far beside, the ball is higher by
-        // no more than depth^2 / radius.
+        // The lowest point of the cutter may lie beside this part, by as much as it lies below it. So far
+        // beside, the ball is higher by no more than depth^2 / radius.
         let beside = planes
             .along_normal()
             .map_or(0.0, |depth| if is_ball { 0.0 } else { depth * depth / around.radius });
         let by_ball = (around.radius - ball.lowest_distance + rounding).max(shank).max(0.0) + beside;
-        // A ball that is larger than the cutter may never show enough, nor may one on an arc about the part: planes do in the end.
+        // A ball that is larger than the cutter may never show enough, nor may one on an arc about the part:
+        // planes do in the end.
         let shown_by = if is_ball && by_ball < bound {
             ShownBy::Ball { varies_along_u: ball.varies_along_u }
         } else {

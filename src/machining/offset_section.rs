@@ -5,8 +5,8 @@
 //! 1. `boundary` cuts the four boundary curves of the offset into stretches on which x_axis is monotone; the
 //!    plane meets each stretch at most once. These are the initial intersection points (3.1).
 //! 2. From each of them that no section has reached yet, [`trace`](Sections::chains) follows the section
-//!    (3.2): a step along the tangent m x n to the predicted point G, then Newton's method to the point of the
-//!    section in the plane through G at right angles to the tangent.
+//!    (3.2): a step along the tangent m x n to the predicted point G, then Newton's method to the point of
+//!    the section in the plane through G at right angles to the tangent.
 //! 3. A section ends at another initial intersection point.
 //!
 //! # Guarantees
@@ -15,8 +15,8 @@
 //! for, because its curvature is bounded over the patches around both.
 //!
 //! # Degenerate input
-//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: sections on the
-//! extent are traced [`INSET_MM`] inside it.
+//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: sections on
+//! the extent are traced [`INSET_MM`] inside it.
 //!
 //! # Cost
 //! O(boundary stretches + points) a plane.
@@ -40,8 +40,8 @@ use crate::geometry::surface::offset::{OffsetJet, offset};
 use crate::geometry::surface::{Surface, span_of};
 use boundary::{Boundary, BoundaryPoint};
 
-/// How far inside the extent of the offset its outermost sections are to be traced, mm: enough for a plane along a straight
-/// edge to meet the edges at its ends, invisible in any program.
+/// How far inside the extent of the offset its outermost sections are to be traced, mm: enough for a plane
+/// along a straight edge to meet the edges at its ends, invisible in any program.
 pub const INSET_MM: f64 = 1e-6;
 
 /// Points of one section; at 0.01 mm apart this is a section of ten metres.
@@ -86,8 +86,8 @@ impl Chain {
 pub struct PlaneAt {
     /// Where the points of its sections lie, mm.
     pub at: f64,
-    /// Where the sections are traced, mm: the same, but for a plane along an edge [`INSET_MM`] inside. Its points are then
-    /// brought to the edge.
+    /// Where the sections are traced, mm: the same, but for a plane along an edge [`INSET_MM`] inside. Its
+    /// points are then brought to the edge.
     pub traced_at: f64,
 }
 
@@ -330,8 +330,8 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// The first of the crossings that the section passes between `here` and `next`. It may leave the surface there
-/// even if `next` lies inside again.
+/// The first of the crossings that the section passes between `here` and `next`. It may leave the surface
+/// there even if `next` lies inside again.
 fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spacing) -> Option<usize> {
     let step = next.jet.point - here.jet.point;
     let length = step.norm();

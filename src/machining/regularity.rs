@@ -1,17 +1,17 @@
 //! Proof that a ball cutter can follow a surface: the normal points up and the offset does not fold.
 //!
 //! # Method
-//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball, from which
-//! come bounds for the principal curvatures ([`curvature`]). A box is finished when
+//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball,
+//! from which come bounds for the principal curvatures ([`curvature`]). A box is finished when
 //! 1. the upward component of the normal is positive over all of it, and
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
 //!
-//! otherwise it is halved across the direction in which its tangents change more. So it is for a while where the steepness across the
-//! planes is only roughly known, and more so where it may be the steepest or the most hollow. A centre that violates a
-//! condition is the place of the answer `Overhang`; so is a box that is still undecided at the limits of depth
-//! and number: there the condition fails, or holds by less than could be proved. `Folds` names the most concave
-//! place that is found on the whole surface.
+//! otherwise it is halved across the direction in which its tangents change more. So it is for a while where
+//! the steepness across the planes is only roughly known, and more so where it may be the steepest or the
+//! most hollow. A centre that violates a condition is the place of the answer `Overhang`; so is a box that is
+//! still undecided at the limits of depth and number: there the condition fails, or holds by less than could
+//! be proved. `Folds` names the most concave place that is found on the whole surface.
 //!
 //! # Guarantees
 //! `Ok` is a proof over the whole surface: n . z > 0, every concave curvature below 1 / R. The bounds hold
@@ -50,11 +50,11 @@ pub struct Regularity {
 /// Places on the offset of a surface that are alike to a cutter that moves along parallel planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope {
-    /// Distance of two planes over that of the sections in them, along the surface: 1 where the surface does not rise
-    /// across the planes, less where it is steeper. A lower bound.
+    /// Distance of two planes over that of the sections in them, along the surface: 1 where the surface does
+    /// not rise across the planes, less where it is steeper. A lower bound.
     pub share: f64,
-    /// Largest curvature of the offset where it is concave, here or where it is less steep, 1/mm; zero or more. An upper
-    /// bound.
+    /// Largest curvature of the offset where it is concave, here or where it is less steep, 1/mm; zero or
+    /// more. An upper bound.
     pub concavity: f64,
 }
 
@@ -93,11 +93,12 @@ impl Regularity {
 /// condition, or holds it by less than a micrometre's part of the cutter.
 const DEPTH_LIMIT: u32 = 42;
 
-/// A slope is sharp when its share is at least this part of that at the box's centre. Scallops grow with the inverse
-/// square of the share, so they are overestimated by no more than a tenth.
+/// A slope is sharp when its share is at least this part of that at the box's centre. Scallops grow with the
+/// inverse square of the share, so they are overestimated by no more than a tenth.
 const SHARPNESS: f64 = 0.95;
 
-/// Where a slope is neither as steep nor as hollow as others on the surface this will do: nothing is left there that is as high.
+/// Where a slope is neither as steep nor as hollow as others on the surface this will do: nothing is left
+/// there that is as high.
 const SHARPNESS_ELSEWHERE: f64 = 0.85;
 
 /// Places of a patch, each way, at which the steepest and the most hollow are looked for.
@@ -281,7 +282,8 @@ impl Proof<'_> {
         if margin < 0.5 * (1.0 - radius * true_high) || margin <= 0.0 {
             return Finding::Undecided(Doubt::Curvature);
         }
-        // The section's curvature is the normal curvature of the offset over the part of the normal in the plane.
+        // The section's curvature is the normal curvature of the offset over the part of the normal in the
+        // plane.
         let mut in_plane = cross.center;
         in_plane[axis] = 0.0;
         let share = (in_plane.norm() - cross.radius) / (length + cross.radius);

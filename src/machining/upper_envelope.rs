@@ -1,24 +1,26 @@
 //! The skyline of a surface over a plane of constant y: the largest z of their section over every x.
 //!
 //! # Method
-//! 1. Patches that the plane may meet are halved until on a part one parameter of the section follows from the other, v from
-//!    u say: S_y has one sign along v (`part`).
-//! 2. The section of a part runs between points that are found exactly, on the sides of the part. The second derivative of the
-//!    section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far it leaves their chord in height. Where that is too much
-//!    the part is halved.
-//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for becomes a [`Segment`]
-//!    at the height of its top.
+//! 1. Patches that the plane may meet are halved until on a part one parameter of the section follows from
+//!    the other, v from u say: S_y has one sign along v (`part`).
+//! 2. The section of a part runs between points that are found exactly, on the sides of the part. The second
+//!    derivative of the section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far it leaves
+//!    their chord in height. Where that is too much the part is halved.
+//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for
+//!    becomes a [`Segment`] at the height of its top.
 //! 4. The upper envelope of the stretches of one section, or of several, is their skyline ([`union`]).
 //!
 //! # Guarantees
-//! Heights over x of the stretches and of the sections differ by at most [`Accuracy::height_mm`], at places that are at most
-//! [`Accuracy::width_mm`] apart; where the section is not upright they are the same places. The largest of several functions differs
-//! from the largest of others by no more than they differ, so the same holds for unions. Only slots between upright walls that are
-//! narrower than the width may be missing. The surface may be anything: creases, folds and overhangs need no care.
+//! Heights over x of the stretches and of the sections differ by at most [`Accuracy::height_mm`], at places
+//! that are at most [`Accuracy::width_mm`] apart; where the section is not upright they are the same places.
+//! The largest of several functions differs from the largest of others by no more than they differ, so the
+//! same holds for unions. Only slots between upright walls that are narrower than the width may be missing.
+//! The surface may be anything: creases, folds and overhangs need no care.
 //!
 //! # Degenerate input
-//! Where an edge of the surface grazes the plane, the section may begin or end as that of a plane at most `height_mm`
-//! from it would. A surface that lies upright in the plane itself has no section; that is an error where it takes too many parts.
+//! Where an edge of the surface grazes the plane, the section may begin or end as that of a plane at most
+//! `height_mm` from it would. A surface that lies upright in the plane itself has no section; that is an
+//! error where it takes too many parts.
 //!
 //! # Cost
 //! O(stretches), with some halvings for each; the envelope O(n log n + n m) for m stretches over one x.

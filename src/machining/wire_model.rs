@@ -1,10 +1,10 @@
 //! Curves on a surface: a wire model, and what pictures show of it.
 //!
 //! # Method
-//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Along a parameter they are
-//! curves of constant other parameter; along an axis they are plane sections ([`Sections`] of the offset by nothing). Neighbouring
-//! curves of constant parameter are at most the pitch apart along the three curves across them that are looked at: both
-//! sides and the middle.
+//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Along a
+//! parameter they are curves of constant other parameter; along an axis they are plane sections ([`Sections`]
+//! of the offset by nothing). Neighbouring curves of constant parameter are at most the pitch apart along the
+//! three curves across them that are looked at: both sides and the middle.
 //!
 //! # Guarantees
 //! Chords leave the surface's curves by at most the chord height asked for.
@@ -93,8 +93,8 @@ pub fn wires(
     }
 }
 
-/// Curves of constant v, at equal distances along three curves of constant u, of which the one that is longest between
-/// two places counts there.
+/// Curves of constant v, at equal distances along three curves of constant u, of which the one that is
+/// longest between two places counts there.
 fn along_u(
     surface: &BezierSurface<impl Patch>,
     job: &WireJob,
@@ -221,8 +221,8 @@ fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
     Ok(spaces as usize)
 }
 
-/// A few curves along both parameters, the sides among them, to show a surface by: some ten thousand points however
-/// large the surface is.
+/// A few curves along both parameters, the sides among them, to show a surface by: some ten thousand points
+/// however large the surface is.
 pub fn sketch(surface: &dyn Surface) -> Vec<Wire> {
     /// Spaces between the curves each way.
     const SPACES: usize = 16;

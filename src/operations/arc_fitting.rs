@@ -1,15 +1,16 @@
 //! Fitting arcs and lines to a polyline.
 //!
 //! # Method
-//! 1. The points are fitted in the plane they lie in, or that is given ([`arc_fit`](crate::geometry::arc_fit)).
-//! 2. What is left between points and curves is measured again on the curves as they are answered, and bounded for the
-//!    program at its decimals.
+//! 1. The points are fitted in the plane they lie in, or that is given
+//!    ([`arc_fit`](crate::geometry::arc_fit)).
+//! 2. What is left between points and curves is measured again on the curves as they are answered, and
+//!    bounded for the program at its decimals.
 //! 3. The curves become a toolpath.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` is the distance within which the curves pass the points in order; by the measure of the polyline that
-//!   of the lines between them too, both ways. It is at most the tolerance, but for biarcs, which know none, and but for
-//!   rounding.
+//! * `deviation_max_mm` is the distance within which the curves pass the points in order; by the measure of
+//!   the polyline that of the lines between them too, both ways. It is at most the tolerance, but for biarcs,
+//!   which know none, and but for rounding.
 //! * `deviation_written_max_mm` bounds the same of the program, whatever of what it allows the control does.
 //!
 //! # Degenerate input
@@ -146,7 +147,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     budget.progress("measure", 0, 1);
     let mut figures = measured(&pieces, &points, job, budget)?;
     if job.fit.method != Method::Biarc {
-        // The measured figure decides: lines replace curves that are too far away, and all curves if some still are.
+        // The measured figure decides: lines replace curves that are too far away, and all curves if some
+        // still are.
         for is_far in [|piece: bool| piece, |_| true] {
             if figures.is_far.iter().any(|is_far| *is_far) {
                 pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));
@@ -183,7 +185,8 @@ struct Figures {
     is_far: Vec<bool>,
 }
 
-/// The chain with lines through the points in place of the curves that are chosen; where all are, it meets every point.
+/// The chain with lines through the points in place of the curves that are chosen; where all are, it meets
+/// every point.
 fn as_lines(
     pieces: &[FittedCurve],
     points: &[Point3<f64>],
@@ -248,8 +251,8 @@ fn measured(
     Ok(figures)
 }
 
-/// Bound of the distance of half a biarc from the line between the two points that it joins, mm: it is no farther from its
-/// chord than it is high.
+/// Bound of the distance of half a biarc from the line between the two points that it joins, mm: it is no
+/// farther from its chord than it is high.
 fn beside(half: &Curve, points: &[Point3<f64>]) -> f64 {
     let line = Line { start: points[0], end: points[points.len() - 1] };
     let height = match half {
@@ -277,7 +280,8 @@ fn exceeds(deviation_mm: f64, tolerance_mm: f64) -> bool {
     deviation_mm > tolerance_mm * (1.0 + ROUNDING) + ROUNDING_MM
 }
 
-/// The angles between neighbouring curves, degrees; of a closed way, also that between the last and the first.
+/// The angles between neighbouring curves, degrees; of a closed way, also that between the last and the
+/// first.
 fn kinks(curves: &[Curve], is_closed: bool) -> Vec<f64> {
     let angle = |before: &Curve, after: &Curve| {
         let [_, a] = before.tangents();

@@ -1,9 +1,9 @@
 //! Where a cutter that comes down at given places touches a surface.
 //!
 //! # Method
-//! Direct contact ([`contact`](crate::machining::drop_cutter)), each point with the one before as a first guess: in the order in which they
-//! were given, or to and fro along strips, whichever is the shorter way. Points are shared out to threads in groups whose size
-//! does not depend on these.
+//! Direct contact ([`contact`](crate::machining::drop_cutter)), each point with the one before as a first
+//! guess: in the order in which they were given, or to and fro along strips, whichever is the shorter way.
+//! Points are shared out to threads in groups whose size does not depend on these.
 //!
 //! # Guarantees
 //! Tips are proved to within [`Location::gap_mm`].
@@ -23,8 +23,8 @@ use crate::toolpath::tool::Tool;
 /// Points that follow each other on one thread.
 const GROUP: usize = 256;
 
-/// The square of the number of strips over the number of points: the way up and down n points in a square is the shortest with the
-/// root of n/3 strips.
+/// The square of the number of strips over the number of points: the way up and down n points in a square is
+/// the shortest with the root of n/3 strips.
 const STRIPS_SQUARED: f64 = 1.0 / 3.0;
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,38 +1,41 @@
-//! Interpolating a plane curve within a band: by lines, parabolas, both or arcs; by bisection, or as few as possible.
+//! Interpolating a plane curve within a band: by lines, parabolas, both or arcs; by bisection, or as few as
+//! possible.
 //!
 //! # Method
 //! 1. The curve is made of its data (`source`) and divided into equal initial elements.
-//! 2. `bisection`: Hyun's methods. An element that leaves the band is halved; the mixed method tries a line first, then a
-//!    parabola, then halves. `least`: each element ends as far on as it can; `layers`:
-//!    where that may not be best, several places are kept that as many elements reach. `corridor`: lines whose joints may lie
-//!    anywhere in the band. `corners`: joints lie on real corners where that costs nothing.
-//! 3. Whether an element stays within the band is proved over the whole of it ([`deviation`](crate::geometry::deviation)).
+//! 2. `bisection`: Hyun's methods. An element that leaves the band is halved; the mixed method tries a line
+//!    first, then a parabola, then halves. `least`: each element ends as far on as it can; `layers`: where
+//!    that may not be best, several places are kept that as many elements reach. `corridor`: lines whose
+//!    joints may lie anywhere in the band. `corners`: joints lie on real corners where that costs nothing.
+//! 3. Whether an element stays within the band is proved over the whole of it
+//!    ([`deviation`](crate::geometry::deviation)).
 //! 4. `lower_bound`: how few elements there can be at least.
-//! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band stand for
-//!    them; beside the contour `compensation` offsets them by the cutter's radius.
+//! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band
+//!    stand for them; beside the contour `compensation` offsets them by the cutter's radius.
 //!
 //! # Guarantees
-//! * Every element stays within the band, by the measure that is asked for: a proof, not a sample. `deviation_max_mm` bounds
-//!   what was read by at most 5/4.
+//! * Every element stays within the band, by the measure that is asked for: a proof, not a sample.
+//!   `deviation_max_mm` bounds what was read by at most 5/4.
 //! * Elements follow each other without gaps from the first point of the curve to the last.
 //! * No set of elements of the method with such joints is smaller than `n_elements_lower_bound`.
 //!
 //! # Degenerate input
-//! A band that no element keeps however short, as one without room on the side to which the curve bends, is refused with
-//! the place.
+//! A band that no element keeps however short, as one without room on the side to which the curve bends, is
+//! refused with the place.
 //!
 //! # Cost
-//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and paths beside the
-//! contour cost more, as `corridor` and [`offset`](crate::geometry::offset) say. `benches/interpolation.rs` measures times
-//! over growing sizes.
+//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and
+//! paths beside the contour cost more, as `corridor` and [`offset`](crate::geometry::offset) say.
+//! `benches/interpolation.rs` measures times over growing sizes.
 //!
 //! # Differences from the paper
-//! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered. Its machining
-//! time is that of its interpreter; here it is length by feed. Misprints in its tables are named where they are tested.
+//! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered.
+//! Its machining time is that of its interpreter; here it is length by feed. Misprints in its tables are
+//! named where they are tested.
 //!
 //! # Reference
-//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
-//! Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
+//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
+//! Technique", Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
 
 mod beam_search;
 mod bisection;
@@ -83,7 +86,8 @@ pub struct ReportedElement {
 pub struct Report {
     pub elements: Vec<ReportedElement>,
     pub elements_per_initial: Vec<usize>,
-    /// No set of elements of the method with such joints is smaller; not told of very many that were bisected.
+    /// No set of elements of the method with such joints is smaller; not told of very many that were
+    /// bisected.
     pub n_elements_lower_bound: Option<usize>,
     /// Length of what is cut, mm.
     pub length_mm: f64,

@@ -1,19 +1,23 @@
-//! Finishing a surface along parallel plane sections (CL-Cartesian machining), by direct contact or by sections of the offset; and
-//! roughing along unions of wires (`wire_union`).
+//! Finishing a surface along parallel plane sections (CL-Cartesian machining), by direct contact or by
+//! sections of the offset; and roughing along unions of wires (`wire_union`).
 //!
 //! # Method
-//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), and continued past its edges where the cutter is to
-//!    run past them.
+//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), and continued past its
+//!    edges where the cutter is to run past them.
 //! 2. *By contact*: the tip follows where the cutter, larger by the stock to be left, touches from above
-//!    ([`contact`](crate::machining::drop_cutter)). *By sections of the offset*: the surface is proved to be smooth
-//!    ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the radius and the stock, not to fold
-//!    ([`regularity`](crate::machining::regularity)); sections of the offset, lowered by the radius, are the curves (Ju eq. 1). Where
-//!    that proof is there and the certificate bears it out, passes by contact of a ball are made so too. From it come the heights that
-//!    passes leave between them (`scallop`).
-//! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes nearer to it is cut
-//!    off. `passes`: the CL points of each section are joined by arcs and lines (Ju, section 4).
-//! 4. `links`: one way or zigzag, the passes are joined by links, or the cutter leaves one and enters the next (`entries`).
-//! 5. Every move of every cutter, as computed and as it will be written, is certified against the surface (`certificate`).
+//!    ([`contact`](crate::machining::drop_cutter)). *By sections of the offset*: the surface is proved to be
+//!    smooth ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the
+//!    radius and the stock, not to fold ([`regularity`](crate::machining::regularity)); sections of the
+//!    offset, lowered by the radius, are the curves (Ju eq. 1). Where that proof is there and the certificate
+//!    bears it out, passes by contact of a ball are made so too. From it come the heights that passes leave
+//!    between them (`scallop`).
+//! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes
+//!    nearer to it is cut off. `passes`: the CL points of each section are joined by arcs and lines (Ju,
+//!    section 4).
+//! 4. `links`: one way or zigzag, the passes are joined by links, or the cutter leaves one and enters the
+//!    next (`entries`).
+//! 5. Every move of every cutter, as computed and as it will be written, is certified against the surface
+//!    (`certificate`).
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the
@@ -21,8 +25,8 @@
 //! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; it is found
 //!   without knowledge of how the path was made. Into the
 //!   stock to be left they enter by the tolerance at most; a path that would cut deeper is refused.
-//! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the deviation,
-//!   and for what lies so near to an edge that the way to the next pass would leave the surface.
+//! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the
+//!   deviation, and for what lies so near to an edge that the way to the next pass would leave the surface.
 //!
 //! # Degenerate input
 //! Sections shorter than two steps of the resolution are left out: they would vanish in rounding.
@@ -87,13 +91,13 @@ pub struct Report {
     pub gouge_max_mm: f64,
     /// Where the deepest penetration was found; `None` where none was, or the bound is not of a place.
     pub gouge_at: Option<Point3<f64>>,
-    /// What the cutter cannot reach at concave places, along the normal of the surface, at most: the largest that was found, mm;
-    /// `None` where it was not looked for.
+    /// What the cutter cannot reach at concave places, along the normal of the surface, at most: the largest
+    /// that was found, mm; `None` where it was not looked for.
     pub rest_sampled_max_mm: Option<f64>,
     /// Where that is, if it is anything.
     pub rest_at: Option<Point3<f64>>,
-    /// Proved height of what is left between passes, along the surface normal, mm; `None` where the passes are too far
-    /// apart to meet.
+    /// Proved height of what is left between passes, along the surface normal, mm; `None` where the passes
+    /// are too far apart to meet.
     pub scallop_max_mm: Option<f64>,
     pub n_arcs: usize,
     pub n_lines: usize,
@@ -104,11 +108,13 @@ pub struct Report {
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
-    /// What is left between passes is not proved: the cutter cannot follow the surface everywhere, or is no ball.
+    /// What is left between passes is not proved: the cutter cannot follow the surface everywhere, or is no
+    /// ball.
     ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
-    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does not go there.
+    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does
+    /// not go there.
     ShortPiecesLeftOut { count: usize, longest_mm: f64 },
     /// Both extents of the part in plan are less than the diameter of the cutter.
     PartSmallerThanCutter,

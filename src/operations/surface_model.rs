@@ -1,14 +1,14 @@
 //! What a surface is like: its patches, bounds and curvature, and a wire model of it.
 //!
 //! # Method
-//! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its normal points up
-//! where it starts. Its box and its most concave place are found by branch and bound on control nets; wires are those of
-//! [`wire_model`].
+//! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its
+//! normal points up where it starts. Its box and its most concave place are found by branch and bound on
+//! control nets; wires are those of [`wire_model`].
 //!
 //! # Guarantees
-//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is level along a curve as
-//! the control points do; the curvature is an upper bound, within a
-//! hundredth as far as the limit of work allows. Edges and gaps do not stop the model; they are warnings.
+//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is
+//! level along a curve as the control points do; the curvature is an upper bound, within a hundredth as far
+//! as the limit of work allows. Edges and gaps do not stop the model; they are warnings.
 //!
 //! # Cost
 //! O(patches + points of wires).
@@ -42,10 +42,11 @@ pub struct Model {
     /// The corners of the box around it, mm.
     pub bounds: [Point3<f64>; 2],
     pub wires: Option<Vec<Wire>>,
-    /// Largest distance of the points it was made to pass through from it, mm; `None` for data that are no such points.
+    /// Largest distance of the points it was made to pass through from it, mm; `None` for data that are no
+    /// such points.
     pub fit_deviation_max_mm: Option<f64>,
-    /// Proved upper bound of the curvature where it is concave seen from above, 1/mm; negative where it is convex everywhere,
-    /// `None` where it has a place without a normal.
+    /// Proved upper bound of the curvature where it is concave seen from above, 1/mm; negative where it is
+    /// convex everywhere, `None` where it has a place without a normal.
     pub curvature_max_concave_per_mm: Option<f64>,
     pub warnings: Vec<Warning>,
 }

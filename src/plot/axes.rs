@@ -20,8 +20,8 @@ struct Tick {
 
 /// Everything of `view` that does not come from moves.
 ///
-/// The numbers of x stand below the plan, those of y left of it, those of z left of the front and below the side:
-/// the views are aligned, so that no number is needed twice.
+/// The numbers of x stand below the plan, those of y left of it, those of z left of the front and below the
+/// side: the views are aligned, so that no number is needed twice.
 pub fn draw(view: &View, layout: &Layout) -> String {
     let [left, top, width, height] = view.frame;
     let (right, bottom) = (left + width, top + height);

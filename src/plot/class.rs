@@ -65,7 +65,8 @@ impl Class {
         }
     }
 
-    /// Colours from the palette of Okabe and Ito, which colour-blind readers tell apart. Widths in mm of paper.
+    /// Colours from the palette of Okabe and Ito, which colour-blind readers tell apart. Widths in mm of
+    /// paper.
     fn style(self) -> &'static str {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",

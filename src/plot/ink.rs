@@ -1,7 +1,7 @@
 //! Which cells of the sheet a pen has inked.
 //!
-//! On a raster of cells a stroke adds nothing to the picture when all of its cells are inked. Every stroke that is
-//! drawn inks at least one cell more, so there are no more strokes than cells.
+//! On a raster of cells a stroke adds nothing to the picture when all of its cells are inked. Every stroke
+//! that is drawn inks at least one cell more, so there are no more strokes than cells.
 
 use nalgebra::Point2;
 

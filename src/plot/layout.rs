@@ -1,7 +1,7 @@
 //! Where the views lie on the sheet, and at which scale.
 //!
-//! First-angle arrangement: the front above the plan, the left side to the right of the plan. So all coordinates
-//! grow to the right or upward, x is shared by plan and front, y by plan and left side.
+//! First-angle arrangement: the front above the plan, the left side to the right of the plan. So all
+//! coordinates grow to the right or upward, x is shared by plan and front, y by plan and left side.
 
 use nalgebra::{Point2, Point3};
 

@@ -1,14 +1,14 @@
 //! Path data of one class in one view, with runs of lines thinned below the drawing's resolution.
 //!
 //! # Method
-//! A run of lines keeps an anchor and the cone of directions from it that pass every point since within a tolerance.
-//! A point in the cone, and not nearer to the anchor than the last, replaces the last; any other point ends the
-//! stroke at the last and makes that the anchor. J. Sklansky, V. Gonzalez, *Fast polygonal approximation of digitized
-//! curves*, Pattern Recognition 12, 1980.
+//! A run of lines keeps an anchor and the cone of directions from it that pass every point since within a
+//! tolerance. A point in the cone, and not nearer to the anchor than the last, replaces the last; any other
+//! point ends the stroke at the last and makes that the anchor. J. Sklansky, V. Gonzalez, *Fast polygonal
+//! approximation of digitized curves*, Pattern Recognition 12, 1980.
 //!
 //! # Guarantees
-//! What is drawn and what is meant differ by less than 0.02 mm of paper: [`THIN_MM`], [`CHORD_MM`] and the rounding of
-//! coordinates to 0.01 mm together.
+//! What is drawn and what is meant differ by less than 0.02 mm of paper: [`THIN_MM`], [`CHORD_MM`] and the
+//! rounding of coordinates to 0.01 mm together.
 //!
 //! # Cost
 //! O(1) a stroke; with a raster, the stroke's length in cells.

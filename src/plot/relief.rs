@@ -1,12 +1,13 @@
-//! The relief of a surface: heights as bands of colour, in the plan with contours and light from the upper left, in the
-//! other views what the surface hides.
+//! The relief of a surface: heights as bands of colour, in the plan with contours and light from the upper
+//! left, in the other views what the surface hides.
 //!
 //! # Method
-//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so that levels are as smooth as the
-//!    mesh is, and again where the light falls from one tone to the next (`tone`).
-//! 2. The plan shows for each band, from the lowest up, the area of all that is not below it, and then its tones: where
-//!    the surface lies over itself, the higher part covers the lower one.
-//! 3. An area is the border of its pieces (`border`): edges that two pieces share go, the rest is thinned as all lines are.
+//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so that levels are as smooth
+//!    as the mesh is, and again where the light falls from one tone to the next (`tone`).
+//! 2. The plan shows for each band, from the lowest up, the area of all that is not below it, and then its
+//!    tones: where the surface lies over itself, the higher part covers the lower one.
+//! 3. An area is the border of its pieces (`border`): edges that two pieces share go, the rest is thinned as
+//!    all lines are.
 //! 4. Front and left side show the area of all triangles, filled by height.
 //!
 //! # Guarantees
@@ -34,7 +35,8 @@ pub const CELLS: usize = 72;
 
 /// A relief beyond this is drawn from a coarser mesh.
 pub const MAX_BYTES: usize = 300_000;
-/// A mesh whose triangles are cut more often is too rough to be drawn as it is. A smooth surface has some 2000 cuts.
+/// A mesh whose triangles are cut more often is too rough to be drawn as it is. A smooth surface has some
+/// 2000 cuts.
 const MOST_CUTS: usize = 6_000;
 
 /// Meshes and tones that are tried one after the other. The last always has its place.

@@ -7,8 +7,8 @@ pub const TITLE_SIZE_MM: f64 = 4.2;
 /// No line of a sheet or a page shows more of a text than this.
 const MAX_CHARACTERS: usize = 1000;
 
-/// `text` on one line, without controls, without what XML forbids and without marks that turn the direction of
-/// what follows; at most its first thousand characters.
+/// `text` on one line, without controls, without what XML forbids and without marks that turn the direction
+/// of what follows; at most its first thousand characters.
 pub fn clean(text: &str) -> String {
     let mut cleaned = String::new();
     for c in text.chars().take(MAX_CHARACTERS) {
@@ -60,8 +60,8 @@ fn width_of(c: char) -> f64 {
     }
 }
 
-/// `text` in at most `max_lines` lines (one at least) of at most `width_max` heights each, broken at spaces where
-/// there are any; what does not fit ends in an ellipsis.
+/// `text` in at most `max_lines` lines (one at least) of at most `width_max` heights each, broken at spaces
+/// where there are any; what does not fit ends in an ellipsis.
 pub fn wrap(text: &str, width_max: f64, max_lines: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut rest = text;

@@ -1,4 +1,5 @@
-//! The toolpath along chains of curves that are cut once: down at the start of each, along it, and up at its end.
+//! The toolpath along chains of curves that are cut once: down at the start of each, along it, and up at its
+//! end.
 
 use nalgebra::Point3;
 
@@ -13,8 +14,8 @@ pub const TOP_MM: f64 = 0.0;
 /// How far the tool is lifted between chains of which nobody said how to cut them, mm.
 const LIFT_MM: f64 = 2.0;
 
-/// Goes along each chain. Without cutting conditions nothing has a feed, and a single chain is all there is; several are joined
-/// by way of `top_mm` and a little more.
+/// Goes along each chain. Without cutting conditions nothing has a feed, and a single chain is all there is;
+/// several are joined by way of `top_mm` and a little more.
 ///
 /// # Errors
 /// When the curves of a chain do not follow each other.

@@ -17,8 +17,8 @@ pub enum FlattenError {
 
 /// Points on `curve`, its exact ends first and last, whose chords stay within `chord_tolerance_mm` of it.
 ///
-/// They are evenly spaced by length, and by the parameter on a parabola. A full circle has at least three chords. Cost
-/// O(sqrt(size / tolerance)) points, at most `limit`.
+/// They are evenly spaced by length, and by the parameter on a parabola. A full circle has at least three
+/// chords. Cost O(sqrt(size / tolerance)) points, at most `limit`.
 ///
 /// # Errors
 /// When the tolerance is not above zero, or more than `limit` points are needed.
@@ -55,9 +55,9 @@ pub fn flatten(
 
 /// Half the angle that one chord may span, radians.
 ///
-/// A chord of a circle leaves it by r (1 - cos a) = 2 r sin^2(a / 2). On a helix a point and the chord's point
-/// at the same fraction also differ along the circle, by at most 0.065 r a^3; together at most 1.01 r a^2 / 2
-/// for a up to 60 degrees.
+/// A chord of a circle leaves it by r (1 - cos a) = 2 r sin^2(a / 2). On a helix a point and the chord's
+/// point at the same fraction also differ along the circle, by at most 0.065 r a^3; together at most 1.01 r
+/// a^2 / 2 for a up to 60 degrees.
 fn half_angle(arc: &Arc, tolerance_mm: f64) -> f64 {
     let ratio = tolerance_mm / (2.0 * arc.radius());
     let angle =

@@ -1,20 +1,21 @@
 //! The time a machine needs that cannot change its speed at once.
 //!
 //! # Method
-//! 1. A chain is a run of moves of one kind, feed or rapid. The machine is at rest where a chain begins and ends:
-//!    at the ends of the path, at a dwell, and between rapid and feed.
-//! 2. Within a move the speed is at most its feed; on an arc also sqrt(a / k), where k is the curvature, so that
-//!    the centripetal acceleration is at most a. A parabola is taken in parts, each at its own largest curvature.
-//! 3. At the joint of two moves that meet at the angle w (pi where they go straight on) the speed v is at most that
-//!    of a circle which touches both and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w / 2)), with
-//!    d = 0.01 mm, Grbl's default.
-//! 4. Look-ahead: a pass backward and one forward along the chain lower the speeds at the joints until each follows
-//!    from its neighbours within the acceleration, v1^2 <= v0^2 + 2 a l.
+//! 1. A chain is a run of moves of one kind, feed or rapid. The machine is at rest where a chain begins and
+//!    ends: at the ends of the path, at a dwell, and between rapid and feed.
+//! 2. Within a move the speed is at most its feed; on an arc also sqrt(a / k), where k is the curvature, so
+//!    that the centripetal acceleration is at most a. A parabola is taken in parts, each at its own largest
+//!    curvature.
+//! 3. At the joint of two moves that meet at the angle w (pi where they go straight on) the speed v is at
+//!    most that of a circle which touches both and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w /
+//!    2)), with d = 0.01 mm, Grbl's default.
+//! 4. Look-ahead: a pass backward and one forward along the chain lower the speeds at the joints until each
+//!    follows from its neighbours within the acceleration, v1^2 <= v0^2 + 2 a l.
 //! 5. Each move then takes the time of the trapezoid, or triangle, of speed between its two joints.
 //!
 //! # Guarantees
-//! The time is at least that of length by feed, falls as the acceleration grows, tends to it where no move turns
-//! back, and does not change when a line or an arc is divided.
+//! The time is at least that of length by feed, falls as the acceleration grows, tends to it where no move
+//! turns back, and does not change when a line or an arc is divided.
 //!
 //! # Degenerate input
 //! Moves without length take no time and are no joints.
@@ -23,8 +24,8 @@
 //! O(n) in the moves: 0.05 microseconds each.
 //!
 //! # Differences from a control
-//! One acceleration stands for all axes, along the path and across it; jerk, the limits of single axes and the number
-//! of blocks a control looks ahead are not known here. So this is an estimate.
+//! One acceleration stands for all axes, along the path and across it; jerk, the limits of single axes and
+//! the number of blocks a control looks ahead are not known here. So this is an estimate.
 //!
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
@@ -41,8 +42,8 @@ use crate::geometry::curve::Curve;
 /// How far the circle that stands for a corner leaves it, mm.
 const JUNCTION_DEVIATION_MM: f64 = 0.01;
 
-/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`; none where a feed move has no
-/// feed.
+/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`; none where a feed
+/// move has no feed.
 pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acceleration) -> Option<f64> {
     let a = acceleration.mm_per_s2();
     let mut chain = Chain::default();

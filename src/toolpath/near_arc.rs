@@ -1,13 +1,14 @@
 //! Arcs whose two radii do not quite agree: what other software has rounded, made exact again.
 //!
 //! # Method
-//! The centre is moved to the bisector of the ends. On a short arc that changes little; on one that nearly closes, where
-//! the bisector leans with the smallest difference of the radii, it can change much. Such an arc is divided at the
-//! middle of its sweep, at the mean of the radii, and each half is made exact on its own.
+//! The centre is moved to the bisector of the ends. On a short arc that changes little; on one that nearly
+//! closes, where the bisector leans with the smallest difference of the radii, it can change much. Such an
+//! arc is divided at the middle of its sweep, at the mean of the radii, and each half is made exact on its
+//! own.
 //!
 //! # Guarantees
-//! The bound that is returned holds for every curve a control may run for the arc as it came: about the given centre, at
-//! any radius between those of the two ends, both ways.
+//! The bound that is returned holds for every curve a control may run for the arc as it came: about the given
+//! centre, at any radius between those of the two ends, both ways.
 
 use std::f64::consts::TAU;
 
@@ -91,8 +92,8 @@ impl Given {
         Some(NearArc { arcs: vec![arc], moved_mm })
     }
 
-    /// Two exact arcs that meet at the middle of the sweep. Whatever radius a control takes there, it is no farther
-    /// from the mean than half the difference of the radii.
+    /// Two exact arcs that meet at the middle of the sweep. Whatever radius a control takes there, it is no
+    /// farther from the mean than half the difference of the radii.
     fn halves(&self) -> Option<NearArc> {
         let [from, to] = self.radii();
         let spoke = self.s.xy() - self.c;

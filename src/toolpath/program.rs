@@ -46,7 +46,8 @@ pub struct Program {
     pub safe_home: SafeHome,
 }
 
-/// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program ends.
+/// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program
+/// ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SafeHome {
     /// It does not.

@@ -9,8 +9,9 @@
 //! 3. The distance from the source to whatever a control may run for the block is bounded. An arc whose bound
 //!    is too large, whose sense or sweep would change, or whose centre cannot be found is split in two.
 //! 4. An arc that is flatter than half a step becomes a line, one of more than [`MAX_RADIUS_MM`] chords.
-//! 5. A parabola's three control points are rounded (`parabola`), and divided as arcs are; one that is flatter than half
-//!    a step becomes a line, and where there are no blocks for it, chords no farther from it than half a step.
+//! 5. A parabola's three control points are rounded (`parabola`), and divided as arcs are; one that is
+//!    flatter than half a step becomes a line, and where there are no blocks for it, chords no farther from
+//!    it than half a step.
 //!
 //! # Guarantees
 //! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
@@ -49,8 +50,8 @@ pub const MAX_MISMATCH_MM: f64 = 0.015;
 /// or into a full circle.
 pub const MIN_SAGITTA_STEPS: f64 = 0.5;
 
-/// Arcs of smaller radius are written as lines: LinuxCNC refuses radii under 0.00005 inch (0.00127 mm) as zero, and other controls
-/// lose as much in rounding.
+/// Arcs of smaller radius are written as lines: LinuxCNC refuses radii under 0.00005 inch (0.00127 mm) as
+/// zero, and other controls lose as much in rounding.
 const LEAST_RADIUS_MM: f64 = 0.0013;
 
 /// Arcs of larger radius are written as chords: controls have run whole circles on them.
@@ -69,8 +70,8 @@ const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
 /// One curve as it will be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Written {
-    /// The exact curve: its ends lie on the grid, as does a parabola's control point, and an arc's centre is the point
-    /// nearest to the written one from which both ends are equally far.
+    /// The exact curve: its ends lie on the grid, as does a parabola's control point, and an arc's centre is
+    /// the point nearest to the written one from which both ends are equally far.
     pub curve: Curve,
     /// The end in units of the last decimal.
     pub end_units: [i64; 3],
@@ -78,7 +79,8 @@ pub struct Written {
     /// Difference of the written radii at the two ends, mm.
     pub radius_mismatch_mm: f64,
     /// Upper bound for the distance between `curve` and any curve a control may run for the block: one about
-    /// the written centre with a radius anywhere between those at the ends, and arcs in place of a parabola. mm, both ways.
+    /// the written centre with a radius anywhere between those at the ends, and arcs in place of a parabola.
+    /// mm, both ways.
     pub slack_mm: f64,
     /// Upper bound for the distance of the source from `curve` and from any curve a control may run for the
     /// block, mm, both ways and in order.
@@ -172,8 +174,8 @@ impl Grid {
 pub struct Rounded {
     /// In order; none where the curve vanishes on the grid.
     pub curves: Vec<Written>,
-    /// Upper bound for the distance of the source from all that a control may run for it, mm, both ways: that of the
-    /// curves, and of the parts that vanish to the point they vanish to.
+    /// Upper bound for the distance of the source from all that a control may run for it, mm, both ways: that
+    /// of the curves, and of the parts that vanish to the point they vanish to.
     pub displacement_mm: f64,
 }
 
@@ -308,8 +310,8 @@ impl Output {
         Ok(())
     }
 
-    /// The line between the rounded points, or nothing where they coincide; `added_mm` is the distance from the
-    /// source to the line between the points themselves.
+    /// The line between the rounded points, or nothing where they coincide; `added_mm` is the distance from
+    /// the source to the line between the points themselves.
     fn line(&mut self, start: &Point3<f64>, end: &Point3<f64>, added_mm: f64) -> Result<(), QuantizeError> {
         let (from, to) = (self.grid.round(start)?, self.grid.round(end)?);
         let line = Line { start: self.grid.point(from), end: self.grid.point(to) };

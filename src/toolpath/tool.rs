@@ -2,7 +2,8 @@
 
 use crate::machining::cutter::Cutter;
 
-/// The form of a cutter below its cylindrical shank of the same radius. The tip is its lowest point on the axis.
+/// The form of a cutter below its cylindrical shank of the same radius. The tip is its lowest point on the
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// A hemisphere.

@@ -1,4 +1,5 @@
-//! Fitting arcs and lines, judged by geometry of its own: what the tests share are elements as ways, and a verdict on results.
+//! Fitting arcs and lines, judged by geometry of its own: what the tests share are elements as ways, and a
+//! verdict on results.
 
 mod brute;
 mod claims;
@@ -40,8 +41,8 @@ fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
     each.collect()
 }
 
-/// The number of elements, if the chain starts and ends near the first and the last point, leaves no point out, and every
-/// element passes its points within the tolerance and in order; otherwise what is wrong.
+/// The number of elements, if the chain starts and ends near the first and the last point, leaves no point
+/// out, and every element passes its points within the tolerance and in order; otherwise what is wrong.
 fn judge(points: &[Vector2<f64>], found: &Fitted, tolerance: f64) -> Result<usize, String> {
     let most = tolerance + ROUNDING_MM;
     let is_whole = found.elements.last().map(|element| element.end) == Some(points.len() - 1);

@@ -89,14 +89,15 @@ const LARGEST_RADIUS: f64 = 10.0;
 
 const ENGINES: [Engine; 2] = [Engine::Contact, Engine::OffsetSection];
 
-/// The least tolerance, as a fraction of the part's width: finer tolerances of the same shapes take longer, and the law is
-/// about shapes.
+/// The least tolerance, as a fraction of the part's width: finer tolerances of the same shapes take longer,
+/// and the law is about shapes.
 const LEAST_TOLERANCE: f64 = 5e-4;
 
 /// Longer than any such part takes on a slow machine: a part that takes longer fails.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// How long a part of micrometres or of many metres is milled, and how long the end of the work may take after that.
+/// How long a part of micrometres or of many metres is milled, and how long the end of the work may take
+/// after that.
 const DEADLINE: Duration = Duration::from_millis(200);
 const MOST_AFTER: Duration = Duration::from_secs(1);
 

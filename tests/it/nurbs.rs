@@ -1,7 +1,8 @@
 //! NURBS surfaces against their definition: random rational ones, points and derivatives to second order.
 //!
-//! The definition is the recursion of Cox and de Boor. Each basis function carries its two derivatives through the recursion by
-//! the product rule; a point is the sum over all control points, and the quotient rule divides by the weight.
+//! The definition is the recursion of Cox and de Boor. Each basis function carries its two derivatives
+//! through the recursion by the product rule; a point is the sum over all control points, and the quotient
+//! rule divides by the weight.
 
 use nalgebra::{Point3, Vector3, Vector4};
 use proptest::prelude::*;
@@ -48,7 +49,8 @@ fn any_surface() -> impl Strategy<Value = Nurbs> {
 /// A value with its first and second derivative.
 type Jet = [f64; 3];
 
-/// The basis function number `i` of a degree at the parameter `u`, which lies in the knot interval number `interval`.
+/// The basis function number `i` of a degree at the parameter `u`, which lies in the knot interval number
+/// `interval`.
 fn basis(knots: &[f64], degree: usize, i: usize, interval: usize, u: f64) -> Jet {
     if degree == 0 {
         return [f64::from(i == interval), 0.0, 0.0];
@@ -67,7 +69,8 @@ fn basis(knots: &[f64], degree: usize, i: usize, interval: usize, u: f64) -> Jet
     [0, 1, 2].map(|k| rising[k] + falling[k])
 }
 
-/// The derivatives of a surface at a place, by how often each parameter is derived: (0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2).
+/// The derivatives of a surface at a place, by how often each parameter is derived: (0, 0), (1, 0), (0, 1),
+/// (2, 0), (1, 1), (0, 2).
 fn by_definition(nurbs: &Nurbs, [u, v]: [f64; 2]) -> [Vector3<f64>; 6] {
     let weights = nurbs.weights.as_ref().unwrap();
     let along = |k: usize, at: f64| -> Vec<Jet> {
@@ -95,7 +98,8 @@ fn by_definition(nurbs: &Nurbs, [u, v]: [f64; 2]) -> [Vector3<f64>; 6] {
     [s, su, sv, suu, suv, svv]
 }
 
-/// The knot span that holds the share `t` of all spans with a length: its number, the place in it, its start and length.
+/// The knot span that holds the share `t` of all spans with a length: its number, the place in it, its start
+/// and length.
 fn span(knots: &[f64], t: f64) -> (usize, f64, f64, f64) {
     let mut distinct = knots.to_vec();
     distinct.dedup();

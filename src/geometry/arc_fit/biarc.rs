@@ -1,8 +1,8 @@
 //! Biarcs through every point: two arcs a span that meet with a common tangent.
 //!
-//! The tangent at a point is that of the circle through it and its neighbours (at an end, through the three points there).
-//! Between two points with their tangents the joint is the one with equal tangent lengths. The arcs follow the tangents and
-//! know no tolerance; they are what Ju compares with.
+//! The tangent at a point is that of the circle through it and its neighbours (at an end, through the three
+//! points there). Between two points with their tangents the joint is the one with equal tangent lengths. The
+//! arcs follow the tangents and know no tolerance; they are what Ju compares with.
 //!
 //! # Reference
 //! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.

@@ -1,14 +1,15 @@
 //! How far elements can reach at most, and how few can be left at least: what the search need not look at.
 //!
 //! # Method
-//! 1. Let an arc pass within e of the points i to j, and i <= i' < j' <= j. Its part between the places near i' and j' ends
-//!    within e of these two; a similarity moves these ends onto them, and every point of the part by at most
-//!    e (|w| + |1 - w|), where w is its place with the ends at 0 and 1. That is at most sqrt(2) e up to half a turn,
-//!    2 sqrt(2) e up to 270 degrees and 23 e up to 350 (e on a line). So if no arc over the chord from i' to j' passes
-//!    within the tolerance enlarged accordingly, none within the tolerance passes any longer stretch.
+//! 1. Let an arc pass within e of the points i to j, and i <= i' < j' <= j. Its part between the places near
+//!    i' and j' ends within e of these two; a similarity moves these ends onto them, and every point of the
+//!    part by at most e (|w| + |1 - w|), where w is its place with the ends at 0 and 1. That is at most
+//!    sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees and 23 e up to 350 (e on a line). So if no
+//!    arc over the chord from i' to j' passes within the tolerance enlarged accordingly, none within the
+//!    tolerance passes any longer stretch.
 //! 2. From there backwards, ends are tried one by one, as long as that is worth it.
-//! 3. The counts follow from the last point. On clean data the first of them is the number of elements that grew as far as
-//!    they could, which is thereby proved to be the least.
+//! 3. The counts follow from the last point. On clean data the first of them is the number of elements that
+//!    grew as far as they could, which is thereby proved to be the least.
 //!
 //! # Cost
 //! O(n m) for elements of m points; the second step ends after so many looks at points.
@@ -18,7 +19,8 @@ use super::candidate::{Points, Rule, Span, Witnesses};
 use super::chord::LARGEST_BULGE;
 use crate::budget::{Budget, Stopped};
 
-/// The factors of the tolerance up to the bulges of half a turn, of 270 degrees and the largest; and for lines.
+/// The factors of the tolerance up to the bulges of half a turn, of 270 degrees and the largest; and for
+/// lines.
 const ARCS: &[(f64, f64)] = &[(2.4143, 1.0), (3.8285, 2.4143), (23.95, LARGEST_BULGE)];
 const LINES: &[(f64, f64)] = &[(2.0, 0.0)];
 
@@ -35,8 +37,8 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// For elements that meet on the points, after at most so many looks at points where these are worth more than a proof
-    /// in their place.
+    /// For elements that meet on the points, after at most so many looks at points where these are worth more
+    /// than a proof in their place.
     pub fn on_points(points: Points, rule: &Rule, most: usize, budget: &Budget) -> Result<Self, Stopped> {
         let n = points.flat.len();
         let (mut beyond, mut left) = (vec![n; n], vec![0; n]);

@@ -1,10 +1,10 @@
 //! One element over a part of the points: whether there is one, and the best.
 //!
 //! # Method
-//! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are passed in their
-//! order, that the lines between them stay near (where these are the shape), and that heights follow, is then checked of
-//! single bulges out of that set. An arc passes points in order when places on it, each near its point, never go back, and the
-//! lines between the points turn about its centre as it does.
+//! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are
+//! passed in their order, that the lines between them stay near (where these are the shape), and that heights
+//! follow, is then checked of single bulges out of that set. An arc passes points in order when places on it,
+//! each near its point, never go back, and the lines between the points turn about its centre as it does.
 
 use nalgebra::Vector2;
 
@@ -53,8 +53,8 @@ pub struct Span<'a> {
     pub to: Vector2<f64>,
 }
 
-/// The points that left no bulge the last time, or refused the last one: likely to do so again. And how many points were
-/// looked at in all.
+/// The points that left no bulge the last time, or refused the last one: likely to do so again. And how many
+/// points were looked at in all.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Witnesses {
     low: usize,
@@ -81,8 +81,8 @@ impl<'a> Span<'a> {
         &self.points.flat[self.first + 1..self.last]
     }
 
-    /// The bulges of arcs, up to `largest`, that pass within `tolerance` mm of every inner point; `None` where there are
-    /// none.
+    /// The bulges of arcs, up to `largest`, that pass within `tolerance` mm of every inner point; `None`
+    /// where there are none.
     pub fn near(&self, tolerance: f64, largest: f64, witnesses: &mut Witnesses) -> Option<Bulges> {
         let chord = Chord::new(self.from, self.to)?;
         let mut bulges = Bulges::up_to(largest);
@@ -186,7 +186,8 @@ impl<'a> Span<'a> {
         line.into_iter().chain(arcs)
     }
 
-    /// Whether the nearest places on the circle of an arc, or on the chord, go from one end to the other and never back.
+    /// Whether the nearest places on the circle of an arc, or on the chord, go from one end to the other and
+    /// never back.
     fn advances(&self, bulge: f64) -> bool {
         let points = [self.from].into_iter().chain(self.inner().iter().copied()).chain([self.to]);
         if bulge == 0.0 {
@@ -216,7 +217,8 @@ impl<'a> Span<'a> {
         })
     }
 
-    /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed form has said all.
+    /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed
+    /// form has said all.
     pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, witnesses: &mut Witnesses) -> bool {
         let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
         let is_flat = self.points.heights.is_empty();
@@ -299,15 +301,16 @@ impl<'a> Span<'a> {
         self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
     }
 
-    /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead past the centre on
-    /// its other side: the points are near the ends of the arc, in its gap, and the arc is near none of them.
+    /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead
+    /// past the centre on its other side: the points are near the ends of the arc, in its gap, and the arc is
+    /// near none of them.
     fn winds(&self, track: &ChordFrame, chord: &Chord) -> bool {
         let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
         track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
     }
 
-    /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own, that do not go
-    /// back; `None` where there are such places for all.
+    /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own,
+    /// that do not go back; `None` where there are such places for all.
     fn crossing(
         &self,
         track: &ChordFrame,
@@ -326,8 +329,8 @@ impl<'a> Span<'a> {
         None
     }
 
-    /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter than
-    /// [`FLATTEST_MM`] becomes a line where a line will do.
+    /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter
+    /// than [`FLATTEST_MM`] becomes a line where a line will do.
     pub fn best(&self, rule: &Rule) -> Option<f64> {
         let found = self.find(rule, &mut Witnesses::default())?;
         if self.last == self.first + 1 || rule.shapes == Shapes::LinesOnly {
@@ -343,15 +346,16 @@ impl<'a> Span<'a> {
         Some(if is_kept { best } else { found })
     }
 
-    /// The bulges about one that keeps the rule; `None` where rounding has put it beside the only ones there are.
+    /// The bulges about one that keeps the rule; `None` where rounding has put it beside the only ones there
+    /// are.
     fn part_of(&self, found: f64, rule: &Rule) -> Option<(Chord, [f64; 2])> {
         let bulges = self.bulges(rule, &mut Witnesses::default())?;
         let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
         Some((Chord::new(self.from, self.to)?, part))
     }
 
-    /// The bulge in `part` that leaves the farthest points to its left and right equally far: every signed distance falls
-    /// as the bulge grows.
+    /// The bulge in `part` that leaves the farthest points to its left and right equally far: every signed
+    /// distance falls as the bulge grows.
     fn balanced(&self, chord: &Chord, part: [f64; 2]) -> f64 {
         let l = chord.half;
         let unbalance = |b: f64| {

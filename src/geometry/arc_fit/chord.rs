@@ -1,13 +1,13 @@
 //! The arcs over one chord: a family with one parameter, and which of them pass near a point or a line.
 //!
 //! # Method
-//! The arcs from P to Q are told apart by the bulge b = tan(sweep / 4), positive to the left of PQ. With L half the chord,
-//! (x, y) a point in the frame of the chord's middle, dP and dQ its distances to the ends,
-//! S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2, the arcs within e of the point have
-//! b in [2L(y - e)/(S - k), 2L(y + e)/(S - k)]; all have where dP <= e or dQ <= e. Since
-//! S^2 - k^2 = 4L^2(y^2 - e^2), for k > 0 the bounds are (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)) without
-//! cancellation; there |y| < e means that the point lies beyond an end, and the valid bulges are those outside the two
-//! bounds. The bulge 0 is never among them.
+//! The arcs from P to Q are told apart by the bulge b = tan(sweep / 4), positive to the left of PQ. With L
+//! half the chord, (x, y) a point in the frame of the chord's middle, dP and dQ its distances to the ends, S
+//! = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2, the arcs within e of the point have b in
+//! [2L(y - e)/(S - k), 2L(y + e)/(S - k)]; all have where dP <= e or dQ <= e. Since S^2 - k^2 = 4L^2(y^2 -
+//! e^2), for k > 0 the bounds are (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)) without cancellation; there |y|
+//! < e means that the point lies beyond an end, and the valid bulges are those outside the two bounds. The
+//! bulge 0 is never among them.
 
 use nalgebra::Vector2;
 
@@ -30,7 +30,8 @@ impl Bulges {
         Self { least: -largest, most: largest, hole: [0.0; 2] }
     }
 
-    /// The closed intervals that are left, the negative one first; one of them is all there is where there is no hole.
+    /// The closed intervals that are left, the negative one first; one of them is all there is where there is
+    /// no hole.
     pub fn parts(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let has_hole = self.hole[0] < self.hole[1];
         let whole = [self.least, self.most];
@@ -116,7 +117,8 @@ impl Chord {
             return;
         }
         let scale = (s + k) / (2.0 * l);
-        // Beyond all bounds, where the point is just so far beside the line that the other bound alone is left.
+        // Beyond all bounds, where the point is just so far beside the line that the other bound alone is
+        // left.
         let (first, second) = (scale / (e + y), -(scale / (e - y)));
         if yy <= ee {
             bulges.hole = [bulges.hole[0].min(second), bulges.hole[1].max(first)];
@@ -126,8 +128,9 @@ impl Chord {
         }
     }
 
-    /// The largest bulge of an arc to the left that is nowhere farther than `tolerance` mm above the line through `a` and
-    /// `b`, where it is the inside of that line, between the two, that is nearest to the centre; `None` where no line says so.
+    /// The largest bulge of an arc to the left that is nowhere farther than `tolerance` mm above the line
+    /// through `a` and `b`, where it is the inside of that line, between the two, that is nearest to the
+    /// centre; `None` where no line says so.
     pub fn highest_over(&self, a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) -> Option<f64> {
         let [a, b] = [self.local(a), self.local(b)];
         self.over([a, b], tolerance)
@@ -142,8 +145,8 @@ impl Chord {
         self.over([a, b].map(mirrored), tolerance).map(|bulge| -bulge)
     }
 
-    /// The circle of bulge b touches the line at the distance e inside: with n the line's left normal and h its height over
-    /// the origin, h - n_y c = r - e, which is L(1 + n_y) b^2 - 2(h + e) b + L(1 - n_y) = 0.
+    /// The circle of bulge b touches the line at the distance e inside: with n the line's left normal and h
+    /// its height over the origin, h - n_y c = r - e, which is L(1 + n_y) b^2 - 2(h + e) b + L(1 - n_y) = 0.
     fn over(&self, [a, b]: [Vector2<f64>; 2], tolerance: f64) -> Option<f64> {
         let (along, l) = (b - a, self.half);
         let length = along.norm();

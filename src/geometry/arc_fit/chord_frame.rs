@@ -79,7 +79,8 @@ impl ChordFrame {
         [Vector2::new(p.x + self.half, p.y).norm(), Vector2::new(p.x - self.half, p.y).norm()]
     }
 
-    /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the length.
+    /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the
+    /// length.
     pub fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
         let foot = self.foot(p, height);
         let p = self.flattened(p, height);
@@ -133,8 +134,9 @@ impl ChordFrame {
 
     /// Bound of the distance of the line from `a` to `b`, each with its height, from a helix.
     ///
-    /// Of a line that is seen under the angle 2 h, a point at the fraction t stands at the fraction f of the angle with
-    /// |f - t| <= h^2 / (8 cos^2 h), the error of a chord of the tangent; there the helix has risen by so much more or less.
+    /// A point at the fraction t of a line that is seen under the angle 2 h stands at the fraction f of that
+    /// angle, and |f - t| <= h^2 / (8 cos^2 h), the error of a chord of the tangent. There the helix is
+    /// higher or lower than the line by at most that part of its rise.
     pub fn beside(&self, [a, b]: [(Vector2<f64>, f64); 2]) -> f64 {
         let off = |(p, height): (Vector2<f64>, f64)| {
             let foot = self.foot(p, height);
@@ -149,8 +151,8 @@ impl ChordFrame {
         beside.hypot(above_a.max(above_b) + rise * ahead)
     }
 
-    /// As [`Self::half_width`], on both sides of the foot at least: with the slope s and the height a over the foot, a place d
-    /// farther on is no more than sqrt(b^2 + (a + s d)^2 + d^2) away, b beside.
+    /// As [`Self::half_width`], on both sides of the foot at least: with the slope s and the height a over
+    /// the foot, a place d farther on is no more than sqrt(b^2 + (a + s d)^2 + d^2) away, b beside.
     fn half_width_of_helix(&self, foot: &Foot, height: f64, tolerance: f64) -> f64 {
         let length = self.radius * self.sweep;
         let slope = self.rise.abs() / length;

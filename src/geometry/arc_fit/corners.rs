@@ -1,7 +1,8 @@
 //! Points at which a way has a real corner.
 //!
-//! A smooth way turns about as much at one point as at the next; at a corner it turns much more than anywhere beside it. Where
-//! the points are samples, a longer step may turn more by as much as the way is curved beside it.
+//! A smooth way turns about as much at one point as at the next; at a corner it turns much more than anywhere
+//! beside it. Where the points are samples, a longer step may turn more by as much as the way is curved
+//! beside it.
 
 use nalgebra::Vector2;
 

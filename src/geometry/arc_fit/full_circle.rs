@@ -1,7 +1,7 @@
 //! One full turn through the points of a closed way.
 //!
-//! The circle with the least largest deviation is found by weighted least squares (Kasa's equations, which are linear), where
-//! each point's weight grows with its deviation (Lawson).
+//! The circle with the least largest deviation is found by weighted least squares (Kasa's equations, which
+//! are linear), where each point's weight grows with its deviation (Lawson).
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

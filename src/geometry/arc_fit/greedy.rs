@@ -1,8 +1,8 @@
 //! Elements that each grow as far as they can: Ju's method.
 //!
-//! An element takes in one point after another until the first that it cannot (along lines, [`STRIDE`] at a time, then one by
-//! one: these are programs, of which there is much); from some number of points on, growth is tried at
-//! doubling lengths, then by halving, which may end later than the first failure, never earlier.
+//! An element takes in one point after another until the first that it cannot (along lines, [`STRIDE`] at a
+//! time, then one by one: these are programs, of which there is much); from some number of points on, growth
+//! is tried at doubling lengths, then by halving, which may end later than the first failure, never earlier.
 
 use nalgebra::Vector2;
 
@@ -18,8 +18,8 @@ pub const FAST: usize = 16;
 
 const STRIDE: usize = 4;
 
-/// The points at which elements meet, from the first to the last; the first element starts at `from`, and each takes in `one_by_one`
-/// points before it grows faster.
+/// The points at which elements meet, from the first to the last; the first element starts at `from`, and
+/// each takes in `one_by_one` points before it grows faster.
 pub fn joints(
     points: Points,
     from: Vector2<f64>,

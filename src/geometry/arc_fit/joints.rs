@@ -1,7 +1,8 @@
 //! Places beside the points where elements may meet too.
 //!
-//! On data with noise, or rounded, an element whose ends are pinned to two points has to follow their errors. Here nodes lie
-//! across the way of the points as well, at several distances within the tolerance, at some points of each element.
+//! On data with noise, or rounded, an element whose ends are pinned to two points has to follow their errors.
+//! Here nodes lie across the way of the points as well, at several distances within the tolerance, at some
+//! points of each element.
 
 use nalgebra::Vector2;
 
@@ -18,8 +19,8 @@ const FARTHEST: f64 = 0.97;
 const SIGHT_TOLERANCES: f64 = 30.0;
 const SIGHT_POINTS: usize = 64;
 
-/// Nodes at some of the points and beside them, `side` on each side, for elements of which there are `count`. Where the start is
-/// `pinned`, it is the only one of the first point; a closed way ends at its start.
+/// Nodes at some of the points and beside them, `side` on each side, for elements of which there are `count`.
+/// Where the start is `pinned`, it is the only one of the first point; a closed way ends at its start.
 pub fn nodes(
     points: &[Vector2<f64>],
     pinned: Option<Vector2<f64>>,

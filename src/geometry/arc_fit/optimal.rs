@@ -1,12 +1,14 @@
 //! The least number of elements between given nodes.
 //!
 //! # Method
-//! Breadth first: what one element reaches from the start, what a second reaches from there, and so on. An element may be
-//! possible where a shorter one is not, so every place is a node, not only the farthest. Nodes from which the last is too far
-//! by [`Bounds`] to beat what is known already are left out, and so are all that were reached before.
+//! Breadth first: what one element reaches from the start, what a second reaches from there, and so on. An
+//! element may be possible where a shorter one is not, so every place is a node, not only the farthest. Nodes
+//! from which the last is too far by [`Bounds`] to beat what is known already are left out, and so are all
+//! that were reached before.
 //!
 //! # Cost
-//! Each node is reached once, which costs its span; most other pairs fail at the first points that are looked at.
+//! Each node is reached once, which costs its span; most other pairs fail at the first points that are looked
+//! at.
 
 use nalgebra::Vector2;
 
@@ -41,8 +43,8 @@ pub enum Outcome {
     GivenUp,
 }
 
-/// Looks for a chain of less than `known` elements from a node of the first point to one of the last. `nodes` are in the order of
-/// their points.
+/// Looks for a chain of less than `known` elements from a node of the first point to one of the last. `nodes`
+/// are in the order of their points.
 pub fn fewest(
     points: Points,
     nodes: &[Node],
@@ -87,8 +89,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds to `next` what one element from `source` reaches that was not reached before, as the element of number `count`; the
-    /// node of the last point, if it is there.
+    /// Adds to `next` what one element from `source` reaches that was not reached before, as the element of
+    /// number `count`; the node of the last point, if it is there.
     fn expand(&mut self, source: usize, count: usize, next: &mut Vec<usize>) -> Option<usize> {
         let mut witnesses = Witnesses::default();
         let end = self.reached(source, count, next, &mut witnesses);

@@ -1,7 +1,8 @@
 //! Points in space: the planes of their arcs, and elements as curves.
 //!
-//! Arcs lie in a coordinate plane, or are helices about its normal. Unless the plane is given, a way is divided into stretches
-//! that keep one coordinate, which lie in a plane with all their points, and the rest, whose arcs are helices over the xy plane.
+//! Arcs lie in a coordinate plane, or are helices about its normal. Unless the plane is given, a way is
+//! divided into stretches that keep one coordinate, which lie in a plane with all their points, and the rest,
+//! whose arcs are helices over the xy plane.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -85,7 +86,8 @@ fn fit_stretches(
     Ok(pieces)
 }
 
-/// The points up to `end`, from where the stretch before ended, have their arcs in `plane`, and lie in it if it is level.
+/// The points up to `end`, from where the stretch before ended, have their arcs in `plane`, and lie in it if
+/// it is level.
 struct PlanarRun {
     plane: Plane,
     is_level: bool,
@@ -147,7 +149,8 @@ fn fit_stretch(
                 Arc::new(plane, direction, start, end, at(center, height)).map(Curve::Arc)
             };
             let line = Curve::Line(Line { start, end });
-            // An arc whose radii differ by rounding, since it is hardly longer than that, is as good as a line.
+            // An arc whose radii differ by rounding, since it is hardly longer than that, is as good as a
+            // line.
             let curve = match element.shape {
                 Shape::Line => line,
                 Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)).unwrap_or(line),
@@ -160,7 +163,8 @@ fn fit_stretch(
     Ok(pieces)
 }
 
-/// The height at which an element ends: that of its point, or, where biarcs meet between two points, between theirs.
+/// The height at which an element ends: that of its point, or, where biarcs meet between two points, between
+/// theirs.
 fn height_of(element: &Element, local: &[Vector3<f64>]) -> f64 {
     let at = local[element.end];
     let Some(next) = local.get(element.end + 1).filter(|_| element.to != at.xy()) else { return at.z };

@@ -1,11 +1,13 @@
-//! The circles through one place that pass near a growing number of points: when none is left, no element goes on.
+//! The circles through one place that pass near a growing number of points: when none is left, no element
+//! goes on.
 //!
 //! # Method
-//! Inversion about the place makes its circles lines, and the discs about the points discs, of centre d / (d^2 - e^2) and radius
-//! e / (d^2 - e^2). Two of these far apart for their radii leave lines y = m x + t of small slope in a frame along them; then
-//! "the line meets the disc" is a strip |c_y - m c_x - t| <= rho sqrt(1 + m^2) of (m, t), and with the largest slope under the
-//! root a half-plane on each side. What is kept is the polygon that these leave: it holds every circle there is, and little
-//! else. The frame is chosen anew as better pairs come.
+//! Inversion about the place makes its circles lines, and the discs about the points discs, of centre d /
+//! (d^2 - e^2) and radius e / (d^2 - e^2). Two of these far apart for their radii leave lines y = m x + t of
+//! small slope in a frame along them; then "the line meets the disc" is a strip |c_y - m c_x - t| <= rho
+//! sqrt(1 + m^2) of (m, t), and with the largest slope under the root a half-plane on each side. What is kept
+//! is the polygon that these leave: it holds every circle there is, and little else. The frame is chosen anew
+//! as better pairs come.
 //!
 //! # Cost
 //! O(v) a point for a polygon of v corners; the frame changes O(log n) times.
@@ -15,17 +17,20 @@ use nalgebra::Vector2;
 use super::Shapes;
 use super::candidate::Rule;
 
-/// Points that are looked at one by one, before every second, third and so on will do: neighbours cut off much the same.
+/// Points that are looked at one by one, before every second, third and so on will do: neighbours cut off
+/// much the same.
 const DENSE: usize = 24;
 
-/// A pair of discs whose lines lean by more than this sine is no frame, and one that halves the sine is a better one.
+/// A pair of discs whose lines lean by more than this sine is no frame, and one that halves the sine is a
+/// better one.
 const WIDEST: f64 = 0.5;
 const BETTER: f64 = 0.5;
 
 /// Points before the first frame is tried; once there is one, another is tried when there are twice as many.
 const FIRST_FRAME: usize = 4;
 
-/// What a disc cuts off is left where it is no larger than this part of the disc: corners cost more than they tell.
+/// What a disc cuts off is left where it is no larger than this part of the disc: corners cost more than they
+/// tell.
 const SLIVER: f64 = 0.04;
 
 /// Rounding of the polygon, in parts of what is compared.

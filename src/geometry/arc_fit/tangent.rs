@@ -1,15 +1,17 @@
 //! A chain in which each element begins in the direction in which the one before ended.
 //!
 //! # Method
-//! Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b and ends in psi - 2 atan b: one
-//! direction is the other mirrored in the chord. The bulges within the tolerance are an interval, hence so are the directions
-//! in which an element may start. So the directions in which a chain can arrive at a node are intervals too: those of the node
-//! before, cut by the element's interval, and mirrored. They are carried forward over nodes, element by element, from all
-//! nodes that the farthest chains reach; where the last node is reached, one direction there is followed back to the start.
-//! At a real corner ([`corners`]) any direction may follow.
+//! Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b and ends in psi
+//! - 2 atan b: one direction is the other mirrored in the chord. The bulges within the tolerance are an
+//! interval, hence so are the directions in which an element may start. So the directions in which a chain
+//! can arrive at a node are intervals too: those of the node before, cut by the element's interval, and
+//! mirrored. They are carried forward over nodes, element by element, from all nodes that the farthest chains
+//! reach; where the last node is reached, one direction there is followed back to the start. At a real corner
+//! ([`corners`]) any direction may follow.
 //!
 //! # Guarantees
-//! Directions agree to rounding but at corners. If no such chain is found, or only after very long, elements meet at an angle.
+//! Directions agree to rounding but at corners. If no such chain is found, or only after very long, elements
+//! meet at an angle.
 //!
 //! # Cost
 //! O(c k^2 m) for c elements of m points with k nodes each, k being constant.
@@ -34,18 +36,20 @@ const ABOUT_JOINTS: usize = 3;
 /// Nodes that are gone on from, the farthest first.
 const WIDEST: usize = 96;
 
-/// Nodes on each side of a point, for a chain that may pass beside exact points, and beside those with errors of their own.
+/// Nodes on each side of a point, for a chain that may pass beside exact points, and beside those with errors
+/// of their own.
 const BESIDE_EXACT: i32 = 2;
 const BESIDE_NOISY: i32 = 6;
 
 /// Intervals of directions kept at a node.
 const INTERVALS: usize = 3;
 
-/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most, and by three where there is no chain
-/// otherwise.
+/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most, and by three where
+/// there is no chain otherwise.
 const LARGEST_BETWEEN_NEIGHBOURS: [f64; 2] = [0.414, 2.414];
 
-/// An arc of larger radius is a line where that keeps the rule: over half a metre they differ in direction by 0.01 degrees. mm
+/// An arc of larger radius is a line where that keeps the rule: over half a metre they differ in direction by
+/// 0.01 degrees. mm
 const FLAT_RADIUS_MM: f64 = 1e6;
 
 /// The directions between `low` and `high` can be had at a node.
@@ -72,8 +76,8 @@ impl Arrival {
 
 /// Fits a smooth chain, guided by the nodes of one that need not be smooth.
 ///
-/// Where a chain through points needs more than one element more, one that may pass beside them is looked for as well: between
-/// a line and an arc, no point is where both have the same direction.
+/// Where a chain through points needs more than one element more, one that may pass beside them is looked for
+/// as well: between a line and an arc, no point is where both have the same direction.
 pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
     let count = guide.len() - 1;
@@ -120,8 +124,8 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
     Ok(best.unwrap_or_else(|| shaped(points, guide, &rule)))
 }
 
-/// Nodes on some points of each element of the guide, all about its joints, and the corners: where a line becomes an arc, only
-/// one point is where both have the same direction, and it is near a joint of the guide.
+/// Nodes on some points of each element of the guide, all about its joints, and the corners: where a line
+/// becomes an arc, only one point is where both have the same direction, and it is near a joint of the guide.
 fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
     let last = points.flat.len() - 1;
     let mut indices: Vec<usize> = corners.to_vec();
@@ -261,7 +265,8 @@ impl Search<'_> {
         kept
     }
 
-    /// The chain that arrives at the end in the middle of its directions; `None` if an element of it breaks the rule after all.
+    /// The chain that arrives at the end in the middle of its directions; `None` if an element of it breaks
+    /// the rule after all.
     fn traced(&self, layers: &[Vec<Arrival>], end: Arrival) -> Option<Fitted> {
         let mut elements = Vec::with_capacity(layers.len());
         let mut arrival = end;

@@ -1,18 +1,19 @@
 //! A part of a parabola: a quadratic Bezier curve in space.
 //!
 //! # Method
-//! With B from the start to the control point and A = start - 2 control + end, the point at the parameter t is
-//! start + 2 t B + t^2 A. Its velocity 2 (B + t A) is longest away from the vertex: with w = (B + t A) . A / |A| along
-//! the axis and q = |A x B| / |A| across it, half the speed is sqrt(w^2 + q^2).
-//! * Length: the integral of the speed, w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends over |A|, written as a sum
-//!   of terms that are not negative, so that nothing cancels however small A is.
-//! * Distance: the cubic (P(t) - p) . P'(t) = 0, one root between each two neighbours of the ends and its own extremes.
+//! With B from the start to the control point and A = start - 2 control + end, the point at the parameter t
+//! is start + 2 t B + t^2 A. Its velocity 2 (B + t A) is longest away from the vertex: with w = (B + t A) . A
+//! / |A| along the axis and q = |A x B| / |A| across it, half the speed is sqrt(w^2 + q^2).
+//! * Length: the integral of the speed, w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends over |A|,
+//!   written as a sum of terms that are not negative, so that nothing cancels however small A is.
+//! * Distance: the cubic (P(t) - p) . P'(t) = 0, one root between each two neighbours of the ends and its own
+//!   extremes.
 //! * Curvature: |A x B| / (2 |B + t A|^3), largest where the speed is least: at the vertex, or at an end.
 //!
 //! # Degenerate input
-//! Control points on one line make a straight motion, which turns back where the control point lies beyond an end;
-//! length, distance and support are those of that motion. A control point at an end, and three equal points, are
-//! legal.
+//! Control points on one line make a straight motion, which turns back where the control point lies beyond an
+//! end; length, distance and support are those of that motion. A control point at an end, and three equal
+//! points, are legal.
 //!
 //! # Cost
 //! O(1) each; a point by length and a distance take some ten steps of Newton's method.
@@ -66,8 +67,8 @@ impl Parabola {
         self.end
     }
 
-    /// The second difference start - 2 control + end: half the second derivative by the parameter, along the axis. A
-    /// chord over parameters h apart leaves the curve by |A| h^2 / 4 at equal parameters.
+    /// The second difference start - 2 control + end: half the second derivative by the parameter, along the
+    /// axis. A chord over parameters h apart leaves the curve by |A| h^2 / 4 at equal parameters.
     pub fn bend(&self) -> Vector3<f64> {
         (self.start - self.control) + (self.end - self.control)
     }
@@ -230,8 +231,8 @@ fn extremes(a: f64, b: f64, c: f64) -> [f64; 2] {
     if one <= other { [one, other] } else { [other, one] }
 }
 
-/// The zero of a function, given with its slope, that is monotone between two places; the end that is nearer to zero
-/// where there is none.
+/// The zero of a function, given with its slope, that is monotone between two places; the end that is nearer
+/// to zero where there is none.
 fn root([mut low, mut high]: [f64; 2], at: impl Fn(f64) -> (f64, f64)) -> f64 {
     let (first, last) = (at(low).0, at(high).0);
     if first == 0.0 || first.signum() == last.signum() {

@@ -1,4 +1,5 @@
-//! Reads the distance of a curve from an element, along the normal or along y, and encloses it between readings.
+//! Reads the distance of a curve from an element, along the normal or along y, and encloses it between
+//! readings.
 
 use nalgebra::{Point2, Vector2};
 
@@ -77,9 +78,10 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         Reading { t, distance, away, u: foot.u, is_foot, tangent: foot.tangent }
     }
 
-    /// With the unit normal N and tangent T at the foot, and the signed curvature k of the element there, the distance d
-    /// of a moving point C has d' = N C' and d'' = N C'' - k / (1 - k d) (T C')^2. The foot moves on while T C' > 0 and
-    /// k d < 1; then it stays between those of the two readings, and N, T and k are enclosed by what they are there.
+    /// With the unit normal N and tangent T at the foot, and the signed curvature k of the element there, the
+    /// distance d of a moving point C has d' = N C' and d'' = N C'' - k / (1 - k d) (T C')^2. The foot moves
+    /// on while T C' > 0 and k d < 1; then it stays between those of the two readings, and N, T and k are
+    /// enclosed by what they are there.
     fn bend(&self, a: &Reading, b: &Reading) -> Option<Interval> {
         if self.ends == Ends::OnCurve && beyond(a.u).max(beyond(b.u)) > END_ROUNDING {
             return None;
@@ -116,8 +118,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         Some(bend - curvature.div(room) * speed.sqr())
     }
 
-    /// The distance changes no faster than the point moves; near an end the foot may run out of the element by as much, and
-    /// on a bent element it may jump: what lies between the feet counts from one of them.
+    /// The distance changes no faster than the point moves; near an end the foot may run out of the element
+    /// by as much, and on a bent element it may jump: what lies between the feet counts from one of them.
     fn reach(&self, a: &Reading, b: &Reading) -> Interval {
         let Enclosure { point: [x, y], .. } = self.curve.enclose(a.t, b.t);
         if !x.is_bounded() || !y.is_bounded() {

@@ -16,7 +16,8 @@ fn arc(center: [f64; 2], radius: f64, from: f64, turn: f64, rise: f64) -> Curve 
     Curve::Arc(Arc::new(Plane::Xy, direction, start, end, Point3::new(center[0], center[1], 1.0)).unwrap())
 }
 
-/// The least distance for places in order among many, for many points of the lines: a Frechet distance of two sequences.
+/// The least distance for places in order among many, for many points of the lines: a Frechet distance of two
+/// sequences.
 fn dense(curve: &Curve, points: &[Point3<f64>], on_line: usize, on_curve: usize) -> f64 {
     let mut way = vec![points[0]];
     for pair in points.windows(2) {
@@ -87,7 +88,8 @@ fn a_full_turn_is_followed() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Never below dense points, little above them where the points go on, and larger when the curve is spoilt.
+    /// Never below dense points, little above them where the points go on, and larger when the curve is
+    /// spoilt.
     #[test]
     fn bounds_hold_and_see_what_is_spoilt(
         radius in 0.5..20.0f64, from in 0.0..6.0f64, turn in 0.1..5.5f64, left in any::<bool>(),

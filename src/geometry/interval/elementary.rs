@@ -1,17 +1,17 @@
 //! Elementary functions of intervals, with outward rounding.
 //!
 //! # Method
-//! A monotone function is taken at the ends. An even one is taken at the least and the largest absolute value. Sine
-//! and cosine are taken at the ends and joined with the extremes that may lie between.
+//! A monotone function is taken at the ends. An even one is taken at the least and the largest absolute
+//! value. Sine and cosine are taken at the ends and joined with the extremes that may lie between.
 //!
 //! # Guarantees
-//! The result holds every value that the function has on members of its operand, and lies in the function's range,
-//! as far as the functions of the standard library are accurate to `ULPS`.
+//! The result holds every value that the function has on members of its operand, and lies in the function's
+//! range, as far as the functions of the standard library are accurate to `ULPS`.
 //!
 //! # Degenerate input
-//! A member outside of the domain is taken for the nearest one inside; where there is no nearest one, as with the
-//! logarithm of what is not positive, it is left out, and the whole line is the answer when none is left. Whether
-//! that may be is for the caller to ask.
+//! A member outside of the domain is taken for the nearest one inside; where there is no nearest one, as with
+//! the logarithm of what is not positive, it is left out, and the whole line is the answer when none is left.
+//! Whether that may be is for the caller to ask.
 //!
 //! # Cost
 //! O(1): two values of the function, four for sine and powers of intervals.
@@ -20,16 +20,16 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use super::Interval;
 
-/// How far each end moves outward, in units of the last place. The C libraries in use document at most 2 for these
-/// functions on this kind of machine, one of them 4 for the cube root.
+/// How far each end moves outward, in units of the last place. The C libraries in use document at most 2 for
+/// these functions on this kind of machine, one of them 4 for the cube root.
 const ULPS: i64 = 4;
 
-/// Above, sine and cosine are not told, rad: the count of half turns would lose the digits that tell where in a turn
-/// the ends are. No sensible part turns as often.
+/// Above, sine and cosine are not told, rad: the count of half turns would lose the digits that tell where in
+/// a turn the ends are. No sensible part turns as often.
 const FARTHEST_TURN: f64 = 1e8;
 
-/// The relative error of a count of half turns: of 1/pi, of the product with it and of the difference to 1/2, each
-/// half a unit of the last place, and twice that.
+/// The relative error of a count of half turns: of 1/pi, of the product with it and of the difference to 1/2,
+/// each half a unit of the last place, and twice that.
 const COUNT_ERROR: f64 = 4.0 * f64::EPSILON;
 
 impl Interval {
@@ -169,8 +169,8 @@ impl Interval {
         Self { lo: self.lo.max(least).min(most), hi: self.hi.min(most).max(least) }
     }
 
-    /// The values of cosine, or of sine, whose extremes are at the whole numbers of half turns plus `shift`: the even
-    /// ones are ones, the odd ones are minus ones.
+    /// The values of cosine, or of sine, whose extremes are at the whole numbers of half turns plus `shift`:
+    /// the even ones are ones, the odd ones are minus ones.
     fn wave(self, function: fn(f64) -> f64, shift: f64) -> Self {
         let whole = Self { lo: -1.0, hi: 1.0 };
         if self.mag() > FARTHEST_TURN || self.hi - self.lo >= 2.0 * PI {

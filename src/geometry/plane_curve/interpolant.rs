@@ -6,12 +6,12 @@
 //! 3. A cubic Bezier piece from point to point.
 //!
 //! # Guarantees
-//! The curve passes the points exactly at its breaks. Two points make a line, three the parabola through them at these
-//! parameters. The distance from a smooth curve falls with the fourth power of that of the points.
+//! The curve passes the points exactly at its breaks. Two points make a line, three the parabola through them
+//! at these parameters. The distance from a smooth curve falls with the fourth power of that of the points.
 //!
 //! # Degenerate input
-//! Neighbours that coincide, or are so close that the summed length does not grow, are refused. A last point equal to
-//! the first closes the curve, with a kink as the ends know nothing of each other.
+//! Neighbours that coincide, or are so close that the summed length does not grow, are refused. A last point
+//! equal to the first closes the curve, with a kink as the ends know nothing of each other.
 //!
 //! # Cost
 //! O(n).

@@ -5,12 +5,13 @@
 //! ([`spans`]), weights and weighted points alike.
 //!
 //! # Guarantees
-//! The pieces are the curve, to rounding, whatever the spacing and multiplicity of the knots, clamped or not. Control
-//! points that the curve passes at the ends of clamped spans stay what they are where there are no weights.
+//! The pieces are the curve, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
+//! Control points that the curve passes at the ends of clamped spans stay what they are where there are no
+//! weights.
 //!
 //! # Degenerate input
-//! Knot spans without length have no piece. A knot of multiplicity p + 1 inside the domain tears the curve, and is
-//! refused unless both ends agree.
+//! Knot spans without length have no piece. A knot of multiplicity p + 1 inside the domain tears the curve,
+//! and is refused unless both ends agree.
 //!
 //! # Cost
 //! O(n p^4) for n control points of degree p.
@@ -22,11 +23,12 @@ use super::piecewise::{Bezier, BezierError, Piecewise, PiecewiseError};
 use super::weights::{WeightError, check_weights};
 use crate::geometry::bspline::{KnotError, KnotRules, MAX_DEGREE, Span, check_knots, spans};
 
-/// The shortest knot span, in parts of the domain; shorter ones are two knots that were to be one. Curves of a million
-/// points have spans of a millionth.
+/// The shortest knot span, in parts of the domain; shorter ones are two knots that were to be one. Curves of
+/// a million points have spans of a millionth.
 pub const SHORTEST_SPAN: f64 = 1e-9;
 
-/// Control points in the plane (not multiplied by the weights), mm; a full knot vector of length n + degree + 1.
+/// Control points in the plane (not multiplied by the weights), mm; a full knot vector of length n + degree +
+/// 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nurbs {
     pub degree: usize,
@@ -61,8 +63,8 @@ pub enum NurbsError {
 }
 
 impl Nurbs {
-    /// The curve, with the knots inside the domain as breaks. Its domain is from the knot `degree` to the knot
-    /// n.
+    /// The curve, with the knots inside the domain as breaks. Its domain is from the knot `degree` to the
+    /// knot n.
     ///
     /// # Errors
     /// One of [`NurbsError`].

@@ -1,23 +1,26 @@
-//! Chains of Bezier pieces, polynomial or rational, of degree up to 7: what most designed curves come down to.
+//! Chains of Bezier pieces, polynomial or rational, of degree up to 7: what most designed curves come down
+//! to.
 //!
 //! # Method
-//! 1. A parameter finds its piece by a table of equal stretches of the domain, then by bisection in its stretch.
+//! 1. A parameter finds its piece by a table of equal stretches of the domain, then by bisection in its
+//!    stretch.
 //! 2. Points and derivatives are de Casteljau's.
-//! 3. Ranges: the control points of the part of the piece, and of its derivatives (`net`), or for a rational piece of
-//!    its numerator and denominator (`quotient`), hold it in their hull.
+//! 3. Ranges: the control points of the part of the piece, and of its derivatives (`net`), or for a rational
+//!    piece of its numerator and denominator (`quotient`), hold it in their hull.
 //!
 //! # Guarantees
-//! Enclosures allow for every rounding by forward error bounds: that of a point is some ten units of rounding of the
-//! coordinates' magnitude wide, and holds also what is told as the point there. The excess of enclosures of points and
-//! first derivatives shrinks with the square of the range, as does that of second derivatives of polynomial pieces; of
-//! rational ones with the range.
+//! Enclosures allow for every rounding by forward error bounds: that of a point is some ten units of rounding
+//! of the coordinates' magnitude wide, and holds also what is told as the point there. The excess of
+//! enclosures of points and first derivatives shrinks with the square of the range, as does that of second
+//! derivatives of polynomial pieces; of rational ones with the range.
 //!
 //! # Degenerate input
-//! The ends of neighbouring pieces that differ by rounding are made equal; farther apart they are refused. Parameters
-//! outside the piece or the domain are those of its ends.
+//! The ends of neighbouring pieces that differ by rounding are made equal; farther apart they are refused.
+//! Parameters outside the piece or the domain are those of its ends.
 //!
 //! # Cost
-//! O(p^2) a point and O(p^3) an enclosure of degree p, and O(log n) for the piece where the parameters are most uneven.
+//! O(p^2) a point and O(p^3) an enclosure of degree p, and O(log n) for the piece where the parameters are
+//! most uneven.
 //!
 //! # Reference
 //! G. Farin, *Curves and Surfaces for CAGD*, 5th ed., Morgan Kaufmann, 2002, chapters 5 and 13.
@@ -34,11 +37,12 @@ use self::net::Net;
 use super::{Enclosure, LARGEST, PlaneCurve};
 use crate::geometry::interval::Interval;
 
-/// Ends of neighbouring pieces this close, in parts of the coordinates' magnitude, differ by the rounding of what
-/// they were computed from: thousands of units of it.
+/// Ends of neighbouring pieces this close, in parts of the coordinates' magnitude, differ by the rounding of
+/// what they were computed from: thousands of units of it.
 const JOINT_ROUNDING: f64 = 1e-12;
 
-/// Beyond this number of pieces a gigabyte does not hold them, and their control points could not be counted in 32 bits.
+/// Beyond this number of pieces a gigabyte does not hold them, and their control points could not be counted
+/// in 32 bits.
 pub const MAX_PIECES: usize = 1 << 24;
 
 /// Why pieces make no chain.
@@ -65,8 +69,8 @@ pub struct Piecewise {
     /// The control points of all pieces, one after the other; weights of the rational pieces only.
     points: Vec<[f64; 2]>,
     weights: Vec<f64>,
-    /// For as many equal stretches of the domain as there are pieces, the number of breaks before each, and their
-    /// number.
+    /// For as many equal stretches of the domain as there are pieces, the number of breaks before each, and
+    /// their number.
     stretches: Vec<u32>,
     stretches_per_parameter: f64,
 }
@@ -78,8 +82,8 @@ struct Piece {
     first_weight: Option<u32>,
 }
 
-/// `$body` with the constant `$n` set to the number of control points of degree `$degree`: loops of known length are
-/// several times faster.
+/// `$body` with the constant `$n` set to the number of control points of degree `$degree`: loops of known
+/// length are several times faster.
 macro_rules! by_degree {
     ($degree:expr, $n:ident => $body:expr) => {
         match $degree {
@@ -102,8 +106,8 @@ impl Piecewise {
     /// The chain that starts at the parameter `start`, of pieces with the parameters at which they end.
     ///
     /// # Errors
-    /// When there are no pieces or too many, the parameters do not rise, or a piece does not start where the one before it
-    /// ends.
+    /// When there are no pieces or too many, the parameters do not rise, or a piece does not start where the
+    /// one before it ends.
     pub fn new(start: f64, pieces: impl IntoIterator<Item = (Bezier, f64)>) -> Result<Self, PiecewiseError> {
         let mut chain = Self {
             joints: vec![start],
@@ -185,8 +189,8 @@ impl Piecewise {
         self.stretches = stretches;
     }
 
-    /// The stretch that holds `t`. It does not fall as `t` rises, because no step of its computation does: so breaks of
-    /// stretches before it are below `t`, and those of stretches after it above.
+    /// The stretch that holds `t`. It does not fall as `t` rises, because no step of its computation does: so
+    /// breaks of stretches before it are below `t`, and those of stretches after it above.
     fn stretch_of(&self, t: f64) -> usize {
         let stretch = (t - self.joints[0]) * self.stretches_per_parameter;
         (stretch as usize).min(self.pieces.len() - 1)

@@ -52,12 +52,13 @@ impl<P: Patch> BezierSurface<P> {
             return tree.add(self.patch(i, j).bounds(), [i, j]);
         };
         let [first, second] = halves.map(|half| self.add_boxes(tree, half));
-        // A search that prefers neither goes to the second of a pair first: so patches are found in their order.
+        // A search that prefers neither goes to the second of a pair first: so patches are found in their
+        // order.
         tree.join([second, first])
     }
 
-    /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as high
-    /// as control points on a surface that is level at its top along a whole curve.
+    /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as
+    /// high as control points on a surface that is level at its top along a whole curve.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -110,8 +111,9 @@ impl<P: Patch> BezierSurface<P> {
         if facing_up < 0.0 { self.transposed() } else { self }
     }
 
-    /// The surface with straight patches added all around, tangent to it and at least `by` mm long: what a cutter
-    /// follows that runs past the edges. `None` where a side has no tangents across, or a rational one no room.
+    /// The surface with straight patches added all around, tangent to it and at least `by` mm long: what a
+    /// cutter follows that runs past the edges. `None` where a side has no tangents across, or a rational one
+    /// no room.
     pub fn continued(&self, by: f64) -> Option<Self> {
         // Four times along u, with a quarter turn between, comes round to where it started.
         (0..4).try_fold(self.clone(), |surface, _| Some(surface.continued_along_u(by)?.turned()))
@@ -131,7 +133,8 @@ impl<P: Patch> BezierSurface<P> {
         Some(Self::from_fn([nu + 1, nv], |i, j| if i < nu { *self.patch(i, j) } else { side[j] }))
     }
 
-    /// The same surface with its domain turned by a quarter: the side of the largest v comes to that of the largest u.
+    /// The same surface with its domain turned by a quarter: the side of the largest v comes to that of the
+    /// largest u.
     fn turned(&self) -> Self {
         let [nu, nv] = self.spans;
         Self::from_fn([nv, nu], |i, j| self.patch(nu - 1 - j, i).turned())

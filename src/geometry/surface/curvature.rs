@@ -1,12 +1,14 @@
 //! Principal curvatures: at a point, over a part of a patch, and the most concave of a whole surface.
 //!
 //! # Method
-//! Every derivative over a part lies in a ball. Parameters are changed linearly so that the first fundamental form at
-//! the centre is the identity; then the principal curvatures over the part are those at the centre, widened by the radii of the
-//! balls. The most concave place of a surface is found by branch and bound with these bounds, best first.
+//! Every derivative over a part lies in a ball. Parameters are changed linearly so that the first fundamental
+//! form at the centre is the identity; then the principal curvatures over the part are those at the centre,
+//! widened by the radii of the balls. The most concave place of a surface is found by branch and bound with
+//! these bounds, best first.
 //!
 //! # Guarantees
-//! Curvatures are signed, positive where the surface is concave seen along its normal. Bounds hold for every point.
+//! Curvatures are signed, positive where the surface is concave seen along its normal. Bounds hold for every
+//! point.
 //!
 //! # Degenerate input
 //! Where the normal vanishes there is no curvature, and no bound.
@@ -29,11 +31,12 @@ const UNBOUNDED_LIMIT: usize = 20_000;
 /// What is smaller than this part of the surface is a point.
 const NO_SIZE: f64 = 1e-6;
 
-/// And as a part of one over the size of the surface: one that is nowhere concave has nothing else to compare with.
+/// And as a part of one over the size of the surface: one that is nowhere concave has nothing else to compare
+/// with.
 const GAP_FLAT: f64 = 1e-3;
 
-/// Bounds of both principal curvatures over a part, the least and the largest, 1/mm; `None` where the derivatives are known too
-/// roughly.
+/// Bounds of both principal curvatures over a part, the least and the largest, 1/mm; `None` where the
+/// derivatives are known too roughly.
 pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     let DerivativeBounds { du, dv, duu, duv, dvv } = *derivatives;
     let cross = derivatives.normal();
@@ -59,7 +62,8 @@ pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     if form_error.is_nan() || form_error >= 0.5 {
         return None;
     }
-    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90 degrees.
+    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90
+    // degrees.
     let normal = cross.center / length;
     let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
     let second = |d: VectorBall| (normal.dot(&d.center), d.radius + tilt * d.reach());
@@ -91,8 +95,10 @@ pub fn most_concave_at(jet: &Jet) -> f64 {
     mean + (mean * mean - gauss).max(0.0).sqrt()
 }
 
-/// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of the
-/// largest there is, or a thousandth of one over the size of the surface, as far as the limit of work allows; negative where the surface is convex everywhere. `None` where the surface has a place without a normal.
+/// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of
+/// the largest there is, or a thousandth of one over the size of the surface, as far as the limit of work
+/// allows; negative where the surface is convex everywhere. `None` where the surface has a place without a
+/// normal.
 ///
 /// # Errors
 /// Only the budget's stop.
@@ -142,8 +148,8 @@ impl<P: Patch> Search<P> {
         self.found + GAP_SHARE * self.found.abs() + self.gap
     }
 
-    /// Takes in a part, or its parts where nothing can be said of it as a whole; `false` where it has a place without a
-    /// normal: a part of no size that still has no bound.
+    /// Takes in a part, or its parts where nothing can be said of it as a whole; `false` where it has a place
+    /// without a normal: a part of no size that still has no bound.
     fn add(&mut self, part: P, no_size: f64, budget: &Budget) -> Result<bool, Stopped> {
         let mut unbounded = vec![part];
         for k in 1.. {

@@ -1,7 +1,8 @@
 //! Ferguson's composite surface: points with given tangents and twists at every corner.
 //!
 //! # Guarantees
-//! Through its points with its tangents; C1 across patches, because neighbours share what their corners are made of.
+//! Through its points with its tangents; C1 across patches, because neighbours share what their corners are
+//! made of.
 //!
 //! # Reference
 //! J. C. Ferguson, "Multivariable Curve Interpolation", Journal of the ACM 11, 1964.
@@ -11,7 +12,8 @@ use nalgebra::{Point3, Vector3};
 use super::bezier::BezierSurface;
 use super::hermite::{self, Corner};
 
-/// Points `points[i][j]`, i along u, with their derivatives by parameters that grow by one from point to point; mm.
+/// Points `points[i][j]`, i along u, with their derivatives by parameters that grow by one from point to
+/// point; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ferguson {
     pub points: Vec<Vec<Point3<f64>>>,

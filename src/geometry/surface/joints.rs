@@ -1,9 +1,9 @@
 //! Whether neighbouring patches meet, and share their tangent planes, along their common sides.
 //!
 //! # Method
-//! At a number of places of a common side the points and the normals of both patches are compared. Along the side both
-//! differences are quotients of polynomials, of degree 40 at most for patches of degree 7, so they vanish everywhere if they do at
-//! these places.
+//! At a number of places of a common side the points and the normals of both patches are compared. Along the
+//! side both differences are quotients of polynomials, of degree 40 at most for patches of degree 7, so they
+//! vanish everywhere if they do at these places.
 //!
 //! # Cost
 //! O(sides looked at).
@@ -19,11 +19,12 @@ const PLACES: usize = 48;
 /// Patches farther apart than this do not join, mm. What is less is a rounding of the data, and is counted.
 pub const GAP_LIMIT_MM: f64 = 1e-5;
 
-/// Normals that differ by more than this make an edge, radians: a few hundredths of a degree. What is less is a rounding of
-/// the data, and is counted.
+/// Normals that differ by more than this make an edge, radians: a few hundredths of a degree. What is less is
+/// a rounding of the data, and is counted.
 pub const KINK_LIMIT: f64 = 1e-3;
 
-/// A normal shorter than this part of what the size of the patch suggests is rounding: the side is a point there.
+/// A normal shorter than this part of what the size of the patch suggests is rounding: the side is a point
+/// there.
 const NO_NORMAL: f64 = 1e-9;
 
 /// How exactly the patches of a surface join.

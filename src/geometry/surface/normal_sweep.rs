@@ -4,19 +4,21 @@
 //! With the basic curve c in the xy plane, n its unit normal to the left and (x, z) the drive curve,
 //! S(u, v) = c(u) + n(u) x(v) + k z(v), as a tensor product for each pair of pieces:
 //! 1. Along a line n is constant; along an arc it is a rational quadratic with the arc's weights.
-//! 2. Along a cubic the unit normal is not rational. It is replaced by cubics that agree with it and its derivative where
-//!    they meet (`unit_normal`), and the cubic is halved until they are near enough.
-//! 3. At a sharp corner between two lines both normals become the vector of the mitre (`corner`): each line is cut, or goes
-//!    on, to the plane that halves the corner. So do the ends of a closed curve.
+//! 2. Along a cubic the unit normal is not rational. It is replaced by cubics that agree with it and its
+//!    derivative where they meet (`unit_normal`), and the cubic is halved until they are near enough.
+//! 3. At a sharp corner between two lines both normals become the vector of the mitre (`corner`): each line
+//!    is cut, or goes on, to the plane that halves the corner. So do the ends of a closed curve.
 //!
 //! # Guarantees
 //! Exact to rounding but for cubics of the basic curve, where the surface leaves the exact one by at most
-//! [`TOLERANCE_MM`], proved by Bernstein coefficients, and keeps its smoothness. No part runs backward along the basic
-//! curve: the surface does not fold at any place of it. That distant parts of it keep clear of each other is not looked at.
+//! [`TOLERANCE_MM`], proved by Bernstein coefficients, and keeps its smoothness. No part runs backward along
+//! the basic curve: the surface does not fold at any place of it. That distant parts of it keep clear of each
+//! other is not looked at.
 //!
 //! # Degenerate input
-//! A drive curve that reaches exactly to the centre of an arc, or to where mitres meet, makes a pole there. One that
-//! reaches farther is refused, as is a sharp corner beside an arc or a cubic, whose two sides do not meet in a plane.
+//! A drive curve that reaches exactly to the centre of an arc, or to where mitres meet, makes a pole there.
+//! One that reaches farther is refused, as is a sharp corner beside an arc or a cubic, whose two sides do not
+//! meet in a plane.
 //!
 //! # Cost
 //! O(patches).
@@ -112,7 +114,8 @@ impl NormalSweep {
             .map_err(|TooManyPatches(_)| NormalSweepError::TooManyPatches)
     }
 
-    /// The joints at corners, by the number of patches before them along u and v; of curves that make a surface.
+    /// The joints at corners, by the number of patches before them along u and v; of curves that make a
+    /// surface.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         let along_basic = match self.rails() {
             Ok(Rails { rails: _, firsts }) => {
@@ -136,7 +139,8 @@ impl NormalSweep {
                 }
                 Shape::Arc { points, weight } => {
                     check_arc(piece, normals, reach)?;
-                    // The unit circle's own control point: the sum of two unit vectors is twice the weight long.
+                    // The unit circle's own control point: the sum of two unit vectors is twice the weight
+                    // long.
                     let middle = (normals[0] + normals[1]) / (2.0 * weight * weight);
                     let control = [(normals[0], 1.0), (middle, *weight), (normals[1], 1.0)];
                     let stations = points.iter().zip(control).map(|(p, (n, w))| station(p, &n, w));
@@ -171,8 +175,8 @@ fn station(point: &Point2<f64>, normal: &Vector2<f64>, weight: f64) -> Station {
     }
 }
 
-/// How far to the side the drive curve may go until a piece between these ends with these normals has no length left;
-/// at the side to which the drive curve reaches too far, with how far it reaches.
+/// How far to the side the drive curve may go until a piece between these ends with these normals has no
+/// length left; at the side to which the drive curve reaches too far, with how far it reaches.
 fn overreach(
     chord: Vector2<f64>,
     [first, last]: [Vector2<f64>; 2],

@@ -5,12 +5,13 @@
 //! ([`spans`]); a patch is matrix, net, matrix.
 //!
 //! # Guarantees
-//! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
-//! Patches of degree up to 3 whose weights are all equal are raised to [`BicubicPatch`](super::BicubicPatch), which is exact.
+//! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or
+//! not. Patches of degree up to 3 whose weights are all equal are raised to
+//! [`BicubicPatch`](super::BicubicPatch), which is exact.
 //!
 //! # Degenerate input
-//! Knot spans without length have no patch. Knots of multiplicity p let the surface break in its tangents, which
-//! [`joints`](super::joints) finds; of more than p inside the domain would tear it and are refused.
+//! Knot spans without length have no patch. Knots of multiplicity p let the surface break in its tangents,
+//! which [`joints`](super::joints) finds; of more than p inside the domain would tear it and are refused.
 //!
 //! # Cost
 //! O(p^2 q^2) for each patch of degree (p, q).
@@ -25,11 +26,12 @@ use crate::geometry::bspline::{
     KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
 };
 
-/// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be one.
+/// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be
+/// one.
 pub const SHORTEST_SPAN: f64 = 1e-6;
 
-/// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm; knot vectors of
-/// length n + degree + 1 each way.
+/// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm; knot
+/// vectors of length n + degree + 1 each way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nurbs {
     pub degree: [usize; 2],
@@ -108,8 +110,8 @@ impl Nurbs {
         })
     }
 
-    /// The joints between patches, by the number of patches before them along u and v, across which the knots let the
-    /// tangents break; of a surface that [`Nurbs::surface`] accepts.
+    /// The joints between patches, by the number of patches before them along u and v, across which the knots
+    /// let the tangents break; of a surface that [`Nurbs::surface`] accepts.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         let size = [self.control_points.len(), self.control_points.first().map_or(0, Vec::len)];
         [0, 1].map(|along| {

@@ -1,7 +1,7 @@
 //! What every Bezier patch can do: evaluation, subdivision and bounds by its control net.
 //!
-//! There are two: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree to 7. Proofs and certificates are
-//! written once, over this trait.
+//! There are two: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree to 7. Proofs and
+//! certificates are written once, over this trait.
 
 pub mod bicubic;
 pub mod raise;
@@ -45,15 +45,15 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
     /// The same patch with its unit square turned by a quarter: the side v = 1 comes to u = 1.
     fn turned(&self) -> Self;
 
-    /// The patch that joins this one at u = 1 and runs straight on along the tangents there, at least `reach` times as
-    /// far as they are long. `None` where a rational patch would reach beyond infinity.
+    /// The patch that joins this one at u = 1 and runs straight on along the tangents there, at least `reach`
+    /// times as far as they are long. `None` where a rational patch would reach beyond infinity.
     fn continued(&self, reach: f64) -> Option<Self>;
 
     /// Sets that hold every derivative over the unit square.
     fn derivatives(&self) -> DerivativeBounds;
 
-    /// A lower bound over the unit square of the sum over k of `weights[k]` times the squared coordinate along
-    /// `axes[k]`, counted from `origin`.
+    /// A lower bound over the unit square of the sum over k of `weights[k]` times the squared coordinate
+    /// along `axes[k]`, counted from `origin`.
     fn bound_squares<const N: usize>(
         &self,
         origin: &Vector3<f64>,
@@ -101,7 +101,8 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         self.control_points().map(|p| p.dot(direction)).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far the control points reach along `direction` and back: at most along a row of constant v, and along one of constant u; mm.
+    /// How far the control points reach along `direction` and back: at most along a row of constant v, and
+    /// along one of constant u; mm.
     fn spreads(&self, direction: &Vector3<f64>) -> [f64; 2];
 
     /// Whether all of the patch lies ahead of `origin` along `direction`.

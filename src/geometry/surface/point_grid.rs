@@ -62,8 +62,8 @@ pub struct EndTangents {
 /// The end conditions of the cubic splines along both directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Ends {
-    /// As `NotAKnot`, where nobody asked for it by name: through too few points for it runs the polynomial, and there is nothing
-    /// to warn of.
+    /// As `NotAKnot`, where nobody asked for it by name: through too few points for it runs the polynomial,
+    /// and there is nothing to warn of.
     #[default]
     Usual,
     Natural,

@@ -2,16 +2,18 @@
 //!
 //! # Method
 //! Both curves are cut at the joints of either, by length (`part`). Over each stretch:
-//! 1. Two lines make a bilinear patch, and two arcs of the same sweep a rational one: in both parameter and length agree.
-//! 2. Of any other pair, what is no line is replaced by the cubic in its length that agrees with its ends and tangents
-//!    there, and the stretch is halved until the cubics are near enough.
+//! 1. Two lines make a bilinear patch, and two arcs of the same sweep a rational one: in both parameter and
+//!    length agree.
+//! 2. Of any other pair, what is no line is replaced by the cubic in its length that agrees with its ends and
+//!    tangents there, and the stretch is halved until the cubics are near enough.
 //!
 //! # Guarantees
-//! Exact to rounding in the first case. In the second the curve of every fraction leaves the exact one by at most
-//! [`TOLERANCE_MM`], and tangents agree where cubics meet. The remainder of such a cubic is its length to the fourth
-//! by 384, times the fourth derivative of the curve by its length: 1 / R^3 for an arc; for a cubic c at most 64 a^3 + 26 a b
-//! with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3, by differentiating c' / |c'| three times and
-//! bounding every term. Lengths of cubics are by quadrature, some 1e-12 mm wrong.
+//! Exact to rounding in the first case. In the second the curve of every fraction leaves the exact one by at
+//! most [`TOLERANCE_MM`], and tangents agree where cubics meet. The remainder of such a cubic is its length
+//! to the fourth by 384, times the fourth derivative of the curve by its length: 1 / R^3 for an arc; for a
+//! cubic c at most 64 a^3 + 26 a b with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3, by
+//! differentiating c' / |c'| three times and bounding every term. Lengths of cubics are by quadrature, some
+//! 1e-12 mm wrong.
 //!
 //! # Degenerate input
 //! Where the curves meet the surface has no normal. A cusp of a cubic, where its direction jumps, is refused.
@@ -20,7 +22,8 @@
 //! O(patches).
 //!
 //! # Differences from the paper
-//! The paper divides the curves into equal intervals and joins their ends; how many there are makes no difference here.
+//! The paper divides the curves into equal intervals and joins their ends; how many there are makes no
+//! difference here.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -51,7 +54,8 @@ pub struct Ruled {
     pub second: Profile<3>,
 }
 
-/// Why the curves make no surface; `curve` is 0 for the first and 1 for the second, `place` that of its piece.
+/// Why the curves make no surface; `curve` is 0 for the first and 1 for the second, `place` that of its
+/// piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RuledError {
     #[error("a curve has no pieces; it needs at least one")]
@@ -90,8 +94,8 @@ impl Ruled {
         Ok(of_weights([patches.len(), 1], weights, patch))
     }
 
-    /// The joints at corners of either curve, by the number of patches before them along u and v; of curves that make a
-    /// surface.
+    /// The joints at corners of either curve, by the number of patches before them along u and v; of curves
+    /// that make a surface.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         [self.strip().map_or(Vec::new(), |strip| strip.loose), Vec::new()]
     }
@@ -174,7 +178,8 @@ fn near(parts: &[Part; 2]) -> Option<Sides> {
     is_near.then(|| [0, 1].map(|k| parts[k].cubic().map(|p| (p, 1.0)).to_vec()))
 }
 
-/// The next part of a curve, the fraction of its length at which it ends, and whether the joint there is loose.
+/// The next part of a curve, the fraction of its length at which it ends, and whether the joint there is
+/// loose.
 #[derive(Clone, Copy)]
 struct Head {
     part: Part,

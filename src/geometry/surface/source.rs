@@ -83,8 +83,8 @@ impl Source {
         }
     }
 
-    /// The joints of the surface, by the number of patches before them along u and v, whose smoothness the kind of data
-    /// does not see to.
+    /// The joints of the surface, by the number of patches before them along u and v, whose smoothness the
+    /// kind of data does not see to.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         match self {
             Self::PointGrid(_) | Self::Ferguson(_) => [Vec::new(), Vec::new()],

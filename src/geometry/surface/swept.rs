@@ -1,9 +1,10 @@
 //! What the sweeps share: a drive curve whose axes are carried along a basic curve, as tensor products.
 //!
 //! # Method
-//! With the basic curve's control points o and weights w, the control points a, b, c of the vectors that the axes become,
-//! with the same weights, and the drive curve's control points (x, y, z) and weights m, the surface
-//! o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v) has the control points o + a x + b y + c z and the weights w m.
+//! With the basic curve's control points o and weights w, the control points a, b, c of the vectors that the
+//! axes become, with the same weights, and the drive curve's control points (x, y, z) and weights m, the
+//! surface o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v) has the control points o + a x + b y + c z and the
+//! weights w m.
 
 use nalgebra::{Point3, Vector3};
 

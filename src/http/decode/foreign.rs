@@ -1,4 +1,5 @@
-//! Bodies that are no JSON, told by what they are: a spreadsheet's text, another encoding, numbers that JSON does not have.
+//! Bodies that are no JSON, told by what they are: a spreadsheet's text, another encoding, numbers that JSON
+//! does not have.
 
 /// What a body is, where it is something well known that is not JSON in UTF-8.
 pub fn named(body: &[u8], fault_at: Option<usize>) -> Option<&'static str> {

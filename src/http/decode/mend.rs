@@ -1,8 +1,9 @@
 //! All violations of a body at once, wrong types and missing members among them.
 //!
-//! A decoder stops at the first member that does not fit. Here that member gets a stand-in, the body is decoded again, and so on
-//! until it fits; then the rules that its values break are looked for too. Violations by stand-ins are left out. Whole
-//! numbers that were written with a point, as `12.0`, stand for themselves.
+//! A decoder stops at the first member that does not fit. Here that member gets a stand-in, the body is
+//! decoded again, and so on until it fits; then the rules that its values break are looked for too.
+//! Violations by stand-ins are left out. Whole numbers that were written with a point, as `12.0`, stand for
+//! themselves.
 
 use serde_json::{Value, json};
 

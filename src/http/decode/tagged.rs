@@ -1,8 +1,8 @@
 //! Objects that their member `kind` tells apart: the decoder, and the schema with its discriminator.
 //!
 //! The dispatch is by hand: a derived internally tagged enum buffers its content, and the path of an error
-//! ends at the enum. Here the object is decoded from its own text. An error of the object travels inside the message of the
-//! outer decoder, because an outer decoder passes on nothing but a message.
+//! ends at the enum. Here the object is decoded from its own text. An error of the object travels inside the
+//! message of the outer decoder, because an outer decoder passes on nothing but a message.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
@@ -19,8 +19,9 @@ use crate::http::pointer::Pointer;
 /// Begins a packed error, as no message of a decoder begins, and separates its parts.
 const MARK: char = '\u{1}';
 
-/// Gives an enum of objects its decoder and its schema. Each object has a `_kind` of type [`Kind`]; the schema of the object
-/// gets the member `kind` here. `later` names kinds that the contract has and this version cannot read yet.
+/// Gives an enum of objects its decoder and its schema. Each object has a `_kind` of type [`Kind`]; the
+/// schema of the object gets the member `kind` here. `later` names kinds that the contract has and this
+/// version cannot read yet.
 macro_rules! by_kind {
     (
         $(#[doc = $doc:literal])+

@@ -12,7 +12,8 @@ use super::toolpath::{Measures, Toolpath, Warning};
 use crate::http::ENGINE_VERSION;
 use crate::http::request_id::RequestId;
 
-/// The answer of a computation: what every answer holds, the report of the operation, and the operation's own members.
+/// The answer of a computation: what every answer holds, the report of the operation, and the operation's own
+/// members.
 #[derive(Serialize)]
 pub struct Answer<R, M = PathMembers> {
     #[serde(flatten)]
@@ -52,7 +53,8 @@ pub struct PathMembers {
     /// The text of the NC program. Present with `?nc=true`, and in answers of `/v1/programs/write`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nc: Option<String>,
-    /// The moves. Absent with `?toolpath=false`, and where the answer has `nc` unless `?toolpath=true` asks for the moves.
+    /// The moves. Absent with `?toolpath=false`, and where the answer has `nc` unless `?toolpath=true` asks
+    /// for the moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub toolpath: Option<Toolpath>,
 }

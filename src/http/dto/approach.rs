@@ -15,8 +15,8 @@ const RAMP: Range = Range { min: 0.1, max: 89.0 };
 const THICKNESS: Range = Range { min: 0.0, max: 1000.0 };
 
 by_kind! {
-    /// The stock that stands over the surface before the program runs; `kind` says in which form. Rapids come down to 2 mm above the
-    /// stock.
+    /// The stock that stands over the surface before the program runs; `kind` says in which form. Rapids come
+    /// down to 2 mm above the stock.
     #[derive(Debug, Clone, Copy)]
     Stock { "on_surface" => OnSurface(StockOnSurface), "block" => Block(StockBlock) }
 }
@@ -46,8 +46,8 @@ pub struct StockBlock {
 }
 
 by_kind! {
-    /// How the cutter comes down to a pass; `kind` says which way. Where the entry has no room, the cutter plunges and the answer
-    /// warns.
+    /// How the cutter comes down to a pass; `kind` says which way. Where the entry has no room, the cutter
+    /// plunges and the answer warns.
     #[derive(Debug, Clone, Copy)]
     Entry { "plunge" => Plunge(Plunge), "ramp" => Ramp(Ramp), "arc" => Arc(EntryArc) }
 }
@@ -86,8 +86,8 @@ pub struct EntryArc {
 }
 
 by_kind! {
-    /// How the cutter leaves a pass; `kind` says which way. Where the exit has no room, the cutter goes straight up and the answer
-    /// warns.
+    /// How the cutter leaves a pass; `kind` says which way. Where the exit has no room, the cutter goes
+    /// straight up and the answer warns.
     #[derive(Debug, Clone, Copy)]
     Exit { "retract" => Retract(Retract), "arc" => Arc(ExitArc) }
 }

@@ -25,37 +25,40 @@ use crate::http::pointer::Pointer;
 use crate::operations::arc_fitting as core;
 use crate::post::rewrite::{self, Figures, RewriteJob};
 
-/// Points to be replaced by arcs and lines. An arc turns by at most 180 degrees between two neighbouring points.
+/// Points to be replaced by arcs and lines. An arc turns by at most 180 degrees between two neighbouring
+/// points.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// The points in mm, in order: all `[x, y]`, at z = 0, or all `[x, y, z]`. Coincident neighbours count once.
+    /// The points in mm, in order: all `[x, y]`, at z = 0, or all `[x, y, z]`. Coincident neighbours count
+    /// once.
     #[schema(value_type = Polyline)]
     polyline: Vec<Position>,
-    /// The plane of the arcs: `xy`, `zx` or `yz`. Default: for each run of points the plane that the points lie in, and helices
-    /// over the xy plane elsewhere.
+    /// The plane of the arcs: `xy`, `zx` or `yz`. Default: for each run of points the plane that the points
+    /// lie in, and helices over the xy plane elsewhere.
     plane: Option<Plane>,
     /// Largest allowed distance, in mm. `measure` says from what. A larger tolerance makes fewer elements.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// `optimal` makes the fewest elements. `greedy` makes each element as long as possible (Ju). `biarc` lays two arcs through
-    /// each pair of neighbouring points, and takes no account of the tolerance.
+    /// `optimal` makes the fewest elements. `greedy` makes each element as long as possible (Ju). `biarc`
+    /// lays two arcs through each pair of neighbouring points, and takes no account of the tolerance.
     #[serde(default)]
     #[schema(default = "optimal")]
     method: Method,
-    /// `position`: neighbouring elements meet. `tangent`: neighbouring elements also have the same direction where they meet,
-    /// except at real corners.
+    /// `position`: neighbouring elements meet. `tangent`: neighbouring elements also have the same direction
+    /// where they meet, except at real corners.
     #[serde(default)]
     #[schema(default = "position")]
     continuity: Continuity,
-    /// What the tolerance holds for. `points`: the elements pass every point within the tolerance; the points are samples of a
-    /// smooth curve, and between the points the elements may leave the straight lines by more. `polyline`: the straight lines
-    /// between the points are the shape, and lines and elements lie within the tolerance of each other.
+    /// What the tolerance holds for. `points`: the elements pass every point within the tolerance; the points
+    /// are samples of a smooth curve, and between the points the elements may leave the straight lines by
+    /// more. `polyline`: the straight lines between the points are the shape, and lines and elements lie
+    /// within the tolerance of each other.
     #[serde(default)]
     #[schema(default = "points")]
     measure: Measure,
-    /// Where elements meet. `on_points`: on points of the polyline. `free`: also beside the points, within the tolerance, where
-    /// the points have errors of their own and a free joint saves elements.
+    /// Where elements meet. `on_points`: on points of the polyline. `free`: also beside the points, within
+    /// the tolerance, where the points have errors of their own and a free joint saves elements.
     #[serde(default)]
     #[schema(default = "free")]
     joints: Joints,
@@ -63,8 +66,8 @@ pub struct FitRequest {
     #[serde(default)]
     #[schema(default = false)]
     closed: bool,
-    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no program can be written.
-    /// The top of the part is z = 0, or the highest point if that point is higher.
+    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no
+    /// program can be written. The top of the part is z = 0, or the highest point if that point is higher.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.
@@ -73,8 +76,8 @@ pub struct FitRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -134,19 +137,20 @@ into_core!(Joints => core_fit::Joints, [Free, OnPoints]);
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ProgramQuery {
-    /// Required with a body of NC text, refused with a body of JSON: the largest distance between the new blocks and the lines that
-    /// they replace, in mm. A larger tolerance makes fewer blocks.
+    /// Required with a body of NC text, refused with a body of JSON: the largest distance between the new
+    /// blocks and the lines that they replace, in mm. A larger tolerance makes fewer blocks.
     #[param(required = false, minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
     /// With a body of NC text: the dialect of the text, a name listed by `/v1/dialects`. Default: `linuxcnc`.
     #[param(value_type = Option<DialectName>)]
     dialect: Option<String>,
-    /// With a body of NC text: `optimal` makes the fewest blocks, `greedy` makes each block as long as possible. Default: `optimal`.
+    /// With a body of NC text: `optimal` makes the fewest blocks, `greedy` makes each block as long as
+    /// possible. Default: `optimal`.
     #[serde(default)]
     #[param(inline, required = false)]
     method: ProgramMethod,
-    /// With a body of NC text: `position` lets neighbouring blocks meet, `tangent` also gives them the same direction where they
-    /// meet, except at real corners. Default: `position`.
+    /// With a body of NC text: `position` lets neighbouring blocks meet, `tangent` also gives them the same
+    /// direction where they meet, except at real corners. Default: `position`.
     #[serde(default)]
     #[param(inline, required = false)]
     continuity: Continuity,
@@ -199,8 +203,8 @@ pub struct ProgramReport {
     n_arcs: u64,
     /// Number of lines in place of these runs.
     n_lines: u64,
-    /// Proved largest distance between the new blocks and the lines that they replace, in mm. The bound holds for every path that a
-    /// control may take for the new blocks.
+    /// Proved largest distance between the new blocks and the lines that they replace, in mm. The bound holds
+    /// for every path that a control may take for the new blocks.
     deviation_max_mm: f64,
     /// Number of lines of the program that move an axis.
     n_motions: u64,
@@ -329,14 +333,16 @@ pub struct FitReport {
     n_arcs: usize,
     /// Number of lines.
     n_lines: usize,
-    /// Largest distance of the elements from the points, in mm. With `measure: polyline` the largest distance between the elements
-    /// and the lines between the points, both ways.
+    /// Largest distance of the elements from the points, in mm. With `measure: polyline` the largest distance
+    /// between the elements and the lines between the points, both ways.
     deviation_max_mm: f64,
-    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its decimals, in mm.
+    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its
+    /// decimals, in mm.
     deviation_written_max_mm: f64,
     /// Largest angle at which neighbouring elements meet, in degrees.
     kink_max_deg: f64,
-    /// Number of joints with an angle above 0.01 degrees. With `continuity: tangent` these are the real corners.
+    /// Number of joints with an angle above 0.01 degrees. With `continuity: tangent` these are the real
+    /// corners.
     n_kinks: usize,
     /// Length of the elements, in mm.
     length_mm: f64,

@@ -35,10 +35,10 @@ pub struct Graph {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// The function: y in mm from x in mm. The expression may use `+ - * / ^`, signs, parentheses, numbers, `x`, `pi`, `e`, and
-    /// sin cos tan asin acos atan sinh cosh tanh exp ln log log10 log2 sqrt cbrt abs min max pow hypot. Angles are in radians.
-    /// `log` is `ln`. `^` binds to the right, and `-x^2` is `-(x^2)`. A product needs its `*`. The function must be defined and
-    /// continuous over the whole domain.
+    /// The function: y in mm from x in mm. The expression may use `+ - * / ^`, signs, parentheses, numbers,
+    /// `x`, `pi`, `e`, and sin cos tan asin acos atan sinh cosh tanh exp ln log log10 log2 sqrt cbrt abs min
+    /// max pow hypot. Angles are in radians. `log` is `ln`. `^` binds to the right, and `-x^2` is `-(x^2)`. A
+    /// product needs its `*`. The function must be defined and continuous over the whole domain.
     #[schema(max_length = 10_000, example = "sin(x)")]
     expression: String,
     /// The first and the last x, in mm; the last is at least 1e-6 mm larger.
@@ -65,8 +65,8 @@ pub struct SectionCurve {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// The curve, in mm. `l(x,y)` is a corner of a polyline. `r(x,y,R)` is a corner rounded by the radius R. `b((x,y),...)` is a
-    /// smooth curve through points. White space separates the items.
+    /// The curve, in mm. `l(x,y)` is a corner of a polyline. `r(x,y,R)` is a corner rounded by the radius R.
+    /// `b((x,y),...)` is a smooth curve through points. White space separates the items.
     #[schema(max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
     text: String,
 }

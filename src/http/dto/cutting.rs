@@ -44,11 +44,12 @@ pub struct Cutting {
     #[serde(default)]
     #[schema(default = "off")]
     coolant: Coolant,
-    /// Absolute height of rapids between distant places, in mm. Default: 20 mm above the top of the part and its stock; for
-    /// `/v1/programs/write` 20 mm above everything that the toolpath cuts.
+    /// Absolute height of rapids between distant places, in mm. Default: 20 mm above the top of the part and
+    /// its stock; for `/v1/programs/write` 20 mm above everything that the toolpath cuts.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
-    /// Absolute height to which the tool is lifted between passes, in mm. Default: 2 mm above the top of the part and its stock.
+    /// Absolute height to which the tool is lifted between passes, in mm. Default: 2 mm above the top of the
+    /// part and its stock.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     retract_z_mm: Option<f64>,
 }

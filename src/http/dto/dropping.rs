@@ -33,8 +33,8 @@ pub struct DropRequest {
     /// Where the cutter's axis stands: points `[x, y]` in mm.
     #[schema(value_type = DropPoints)]
     points: Vec<PlanePoint>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -79,14 +79,16 @@ fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations
 /// Where the cutter touches.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct DropReport {
-    /// For each point the position of the cutter's tip when the cutter touches the surface from above, in mm; `null` where the
-    /// cutter misses the surface.
+    /// For each point the position of the cutter's tip when the cutter touches the surface from above, in mm;
+    /// `null` where the cutter misses the surface.
     #[schema(value_type = Places)]
     tips: Vec<Option<Place>>,
-    /// For each point a place where the cutter touches the surface, in mm; `null` where the cutter misses the surface.
+    /// For each point a place where the cutter touches the surface, in mm; `null` where the cutter misses the
+    /// surface.
     #[schema(value_type = Places)]
     contacts: Vec<Option<Place>>,
-    /// Proved largest distance of a tip below its exact height, in mm, apart from the rounding of floating point numbers.
+    /// Proved largest distance of a tip below its exact height, in mm, apart from the rounding of floating
+    /// point numbers.
     gap_max_mm: f64,
 }
 

@@ -37,16 +37,16 @@ const INITIAL_ELEMENTS: (u32, u32) = (1, 10_000);
 pub struct InterpolateRequest {
     /// The curve.
     curve: Curve,
-    /// The elements: `linear` makes lines. `parabolic` makes parabolas. `mixed` makes lines where lines stay within the band, else
-    /// parabolas. `arc` makes arcs, and lines where arcs would be too flat.
+    /// The elements: `linear` makes lines. `parabolic` makes parabolas. `mixed` makes lines where lines stay
+    /// within the band, else parabolas. `arc` makes arcs, and lines where arcs would be too flat.
     method: Method,
-    /// How the curve is divided: `bisection` halves each element that leaves the band (Hyun); `least` makes as few elements as
-    /// possible.
+    /// How the curve is divided: `bisection` halves each element that leaves the band (Hyun); `least` makes
+    /// as few elements as possible.
     #[serde(default)]
     #[schema(default = "bisection")]
     subdivision: Subdivision,
-    /// Where elements meet: `on_curve`, or `in_band`, anywhere in the band where that saves elements. `in_band` needs
-    /// `subdivision: least` and `method: linear`.
+    /// Where elements meet: `on_curve`, or `in_band`, anywhere in the band where that saves elements.
+    /// `in_band` needs `subdivision: least` and `method: linear`.
     #[serde(default)]
     #[schema(default = "on_curve")]
     joints: Joints,
@@ -57,8 +57,9 @@ pub struct InterpolateRequest {
     /// How far elements may lie from the curve.
     #[serde(deserialize_with = "object::required")]
     band: Band,
-    /// The side of the contour on which the cutter runs, seen along the curve: `left`, `right` or `none`. With a side the path is the
-    /// contour's offset by the radius of `tool`. `left` and `right` need lines and arcs, no parabolas.
+    /// The side of the contour on which the cutter runs, seen along the curve: `left`, `right` or `none`.
+    /// With a side the path is the contour's offset by the radius of `tool`. `left` and `right` need lines
+    /// and arcs, no parabolas.
     #[serde(default)]
     #[schema(default = "none")]
     compensation: Compensation,
@@ -68,15 +69,15 @@ pub struct InterpolateRequest {
     /// Height of the contour, in mm.
     #[schema(minimum = -100_000, maximum = 100_000, default = 0)]
     z_mm: Option<f64>,
-    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no program can be written.
-    /// The top of the part is z = 0, or the contour if the contour is higher.
+    /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no
+    /// program can be written. The top of the part is z = 0, or the contour if the contour is higher.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -127,17 +128,21 @@ pub enum Compensation {
     Right,
 }
 
-/// How far elements may lie from the curve on each side. `below_mm` and `above_mm` together are at least 1e-6 mm.
+/// How far elements may lie from the curve on each side. `below_mm` and `above_mm` together are at least 1e-6
+/// mm.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
-    /// Width of the band below the curve, in mm: to the right, seen along the curve. A wider band makes fewer elements.
+    /// Width of the band below the curve, in mm: to the right, seen along the curve. A wider band makes fewer
+    /// elements.
     #[schema(minimum = 0, maximum = 10)]
     below_mm: f64,
-    /// Width of the band above the curve, in mm: to the left, seen along the curve. A wider band makes fewer elements.
+    /// Width of the band above the curve, in mm: to the left, seen along the curve. A wider band makes fewer
+    /// elements.
     #[schema(minimum = 0, maximum = 10)]
     above_mm: f64,
-    /// How the distance is measured: `normal` is the shortest distance; `vertical` is the distance along y, for graphs only.
+    /// How the distance is measured: `normal` is the shortest distance; `vertical` is the distance along y,
+    /// for graphs only.
     #[serde(default)]
     #[schema(default = "normal")]
     measure: Measure,
@@ -264,8 +269,8 @@ pub struct ReportedElement {
     shape: Shape,
     /// Number of the initial part of the curve that the element belongs to, counted from 1.
     initial_element: usize,
-    /// The first and the last place on the curve that the element replaces: x in mm for a graph, else the curve's parameter, a plain
-    /// number.
+    /// The first and the last place on the curve that the element replaces: x in mm for a graph, else the
+    /// curve's parameter, a plain number.
     domain: [f64; 2],
     /// Proved largest distance of the element from the curve, in mm, by the measure of the band.
     deviation_mm: f64,
@@ -276,8 +281,8 @@ pub struct ReportedElement {
 pub struct InterpolateReport {
     /// Number of elements.
     n_elements: usize,
-    /// Proved smallest number of elements that any subdivision with this method and these joints needs. Absent where `bisection` makes
-    /// more than 10,000 elements.
+    /// Proved smallest number of elements that any subdivision with this method and these joints needs.
+    /// Absent where `bisection` makes more than 10,000 elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     n_elements_lower_bound: Option<usize>,
     /// Number of elements in each initial part of the curve.
@@ -289,8 +294,8 @@ pub struct InterpolateReport {
     cutting_time_s: Option<f64>,
     /// Proved largest distance of an element from the curve, in mm, by the measure of the band.
     deviation_max_mm: f64,
-    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its decimals, in mm. Absent with
-    /// `compensation`.
+    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its
+    /// decimals, in mm. Absent with `compensation`.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_written_max_mm: Option<f64>,
     /// The elements, in the order of the curve.

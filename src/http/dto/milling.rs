@@ -33,33 +33,36 @@ pub struct MillRequest {
     tool: Tool,
     /// How the surface is milled.
     strategy: Strategy,
-    /// Largest allowed distance between the written path and the exact path, in mm. A larger tolerance makes a shorter program.
+    /// Largest allowed distance between the written path and the exact path, in mm. A larger tolerance makes
+    /// a shorter program.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
     /// What joins the CL points: `arcs`, arcs and lines as few as possible, or `lines`.
     #[serde(default)]
     #[schema(default = "arcs")]
     interpolation: Interpolation,
-    /// Largest distance of neighbouring CL points, in mm. A shorter step makes more points. Default: as long as the tolerance
-    /// allows.
+    /// Largest distance of neighbouring CL points, in mm. A shorter step makes more points. Default: as long
+    /// as the tolerance allows.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
-    /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until the cutter touches: any cutter, and any surface seen
-    /// from above, with its edges. `offset_section` cuts the offset surface (Ju): ball cutters, and smooth surfaces without overhangs
-    /// that the ball can follow.
+    /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until the cutter touches: any
+    /// cutter, and any surface seen from above, with its edges. `offset_section` cuts the offset surface
+    /// (Ju): ball cutters, and smooth surfaces without overhangs that the ball can follow.
     #[serde(default)]
     #[schema(default = "contact")]
     engine: Engine,
-    /// Where the passes end. `inside`: the cutter stays inside the outline, seen from above. `on`: the cutter's contact reaches the
-    /// edge. `past`: the contact continues past the edge along the tangents, by at least the cutter's radius.
+    /// Where the passes end. `inside`: the cutter stays inside the outline, seen from above. `on`: the
+    /// cutter's contact reaches the edge. `past`: the contact continues past the edge along the tangents, by
+    /// at least the cutter's radius.
     #[serde(default)]
     #[schema(default = "on")]
     boundary: Boundary,
     /// Thickness of the stock that the program leaves on the surface, in mm.
     #[schema(minimum = 0, maximum = 1000, default = 0)]
     allowance_mm: Option<f64>,
-    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the surface that the program leaves, and the
-    /// answer warns. With `wire_union` and no `stock` rapids end 2 mm above the part, without a warning.
+    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the surface that the
+    /// program leaves, and the answer warns. With `wire_union` and no `stock` rapids end 2 mm above the part,
+    /// without a warning.
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
@@ -71,8 +74,8 @@ pub struct MillRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -214,16 +217,19 @@ pub struct MillReport {
     deviation_max_mm: f64,
     /// Proved largest depth to which the cutter cuts into the surface, in mm.
     gouge_max_mm: f64,
-    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found, or where the bound belongs to no place.
+    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found, or where the
+    /// bound belongs to no place.
     gouge_at: Option<Place>,
-    /// Largest thickness of the material that the cutter cannot reach at concave places, in mm along the normal of the surface. The
-    /// value is the largest of some thousand samples, not a bound. `null` with `engine: offset_section`, which refuses such surfaces.
+    /// Largest thickness of the material that the cutter cannot reach at concave places, in mm along the
+    /// normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
+    /// `engine: offset_section`, which refuses such surfaces.
     rest_sampled_max_mm: Option<f64>,
     /// Where `rest_sampled_max_mm` was found, in mm.
     rest_at: Option<Place>,
-    /// Proved largest height of the material left between passes, in mm along the normal of the surface. The deviation comes on top.
-    /// The bound leaves out places so near to an edge that the way to the next pass leaves the surface. `null` where the passes do not
-    /// meet, the cutter is no ball, or the cutter cannot follow the surface everywhere.
+    /// Proved largest height of the material left between passes, in mm along the normal of the surface. The
+    /// deviation comes on top. The bound leaves out places so near to an edge that the way to the next pass
+    /// leaves the surface. `null` where the passes do not meet, the cutter is no ball, or the cutter cannot
+    /// follow the surface everywhere.
     scallop_max_mm: Option<f64>,
     /// Number of arcs.
     n_arcs: usize,

@@ -41,8 +41,8 @@ pub struct ModelRequest {
     /// Whether the answer holds the control nets of the patches.
     #[schema(default = true)]
     patches: Option<bool>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -51,15 +51,17 @@ pub struct ModelRequest {
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wires {
-    /// Largest distance of neighbouring wires, in mm: in plan for wires along x and y, on the surface for wires along u and v. A larger
-    /// pitch makes fewer wires.
+    /// Largest distance of neighbouring wires, in mm: in plan for wires along x and y, on the surface for
+    /// wires along u and v. A larger pitch makes fewer wires.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pitch_mm: f64,
-    /// What the wires run along: the parameter `u` or `v`, or the axis `x` (at constant y) or `y` (at constant x).
+    /// What the wires run along: the parameter `u` or `v`, or the axis `x` (at constant y) or `y` (at
+    /// constant x).
     #[serde(default)]
     #[schema(default = "u")]
     direction: WireDirection,
-    /// Largest distance of a wire from the straight lines between its points, in mm. A larger value makes fewer points.
+    /// Largest distance of a wire from the straight lines between its points, in mm. A larger value makes
+    /// fewer points.
     #[schema(minimum = 0.000_001, maximum = 10, default = 0.01)]
     chord_height_mm: Option<f64>,
 }
@@ -120,26 +122,26 @@ impl Wires {
 pub struct ModelReport {
     /// Number of patches.
     n_patches: usize,
-    /// The patches: `patches[i][j]` lies between the knots or points i and i + 1 along u, and j and j + 1 along v. A bicubic patch is a
-    /// 4 x 4 control net `net[a][b]` in mm, a along u. A rational patch, or a patch of another degree, is an object. Absent with
-    /// `patches: false`.
+    /// The patches: `patches[i][j]` lies between the knots or points i and i + 1 along u, and j and j + 1
+    /// along v. A bicubic patch is a 4 x 4 control net `net[a][b]` in mm, a along u. A rational patch, or a
+    /// patch of another degree, is an object. Absent with `patches: false`.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_patches")]
     #[schema(value_type = Option<Vec<Vec<Patch>>>)]
     patches: Option<AnySurface>,
-    /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface. Where the surface touches a
-    /// side along a curve, the side may be as far out as the control points.
+    /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface. Where
+    /// the surface touches a side along a curve, the side may be as far out as the control points.
     bounds: Bounds,
-    /// Polylines on the surface, as points in mm. Where a wire leaves the surface and comes back, a new polyline begins. Absent without
-    /// `wires` in the request.
+    /// Polylines on the surface, as points in mm. Where a wire leaves the surface and comes back, a new
+    /// polyline begins. Absent without `wires` in the request.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
     #[schema(value_type = Option<Vec<Vec<Place>>>)]
     wires: Option<Vec<Wire>>,
-    /// Largest distance of the given points from the surface that passes through the points, in mm. `null` for kinds without such
-    /// points.
+    /// Largest distance of the given points from the surface that passes through the points, in mm. `null`
+    /// for kinds without such points.
     fit_deviation_max_mm: Option<f64>,
-    /// Proved upper bound of the curvature where the surface is concave seen from above, in 1/mm. A ball with a radius below the
-    /// inverse fits everywhere. Negative where the surface is convex everywhere. `null` where a place of the surface has no normal, or
-    /// may have none.
+    /// Proved upper bound of the curvature where the surface is concave seen from above, in 1/mm. A ball with
+    /// a radius below the inverse fits everywhere. Negative where the surface is convex everywhere. `null`
+    /// where a place of the surface has no normal, or may have none.
     curvature_max_concave_per_mm: Option<f64>,
 }
 

@@ -44,8 +44,8 @@ pub struct LineMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
-    /// role of the move.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
+    /// `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
@@ -55,8 +55,8 @@ pub struct LineMove {
     pub role: Role,
 }
 
-/// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. `to` equal to the start in the plane makes one full turn. `to` may
-/// differ from the start along the plane's normal: a helix.
+/// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. `to` equal to the start in the plane makes
+/// one full turn. `to` may differ from the start along the plane's normal: a helix.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArcMove {
@@ -65,15 +65,15 @@ pub struct ArcMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// The centre, absolute, in mm, with the start's coordinate along the plane's normal. In a request the radii at the start and
-    /// at the end may differ by 1.5 units of the last written decimal.
+    /// The centre, absolute, in mm, with the start's coordinate along the plane's normal. In a request the
+    /// radii at the start and at the end may differ by 1.5 units of the last written decimal.
     pub center: Point,
     /// The plane of the arc: `xy` (G17), `zx` (G18) or `yz` (G19).
     pub plane: Plane,
     /// `cw` (G2) or `ccw` (G3), seen from the positive end of the plane's normal.
     pub direction: Direction,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
-    /// role of the move.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
+    /// `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
@@ -94,8 +94,8 @@ pub struct ParabolaMove {
     pub to: Point,
     /// The control point, in mm: there the tangents at the start and at the end meet.
     pub control: Point,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of `cutting` for the
-    /// role of the move.
+    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
+    /// `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,

@@ -21,11 +21,12 @@ pub struct Program {
     /// Name of the dialect of the control, as listed by `/v1/dialects`.
     #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
     dialect: Option<String>,
-    /// Number of the program: the O number of a dialect that has one, else a part of the file's name. `/v1/dialects` lists the
-    /// largest number of each dialect.
+    /// Number of the program: the O number of a dialect that has one, else a part of the file's name.
+    /// `/v1/dialects` lists the largest number of each dialect.
     #[schema(minimum = 1, maximum = 99_999_999, default = 1)]
     number: Option<u32>,
-    /// Name of the program. The name appears in a comment, reduced to plain letters and digits, and names the file.
+    /// Name of the program. The name appears in a comment, reduced to plain letters and digits, and names the
+    /// file.
     #[schema(max_length = 1000)]
     name: Option<String>,
     /// Units of the written program: `mm` or `inch`. Lengths in requests and reports are in mm with either.
@@ -39,12 +40,12 @@ pub struct Program {
     #[serde(default)]
     #[schema(default = false)]
     block_numbers: bool,
-    /// Work offset that the start of the program selects. Without a work offset the program runs with the active offset, and the
-    /// answer warns.
+    /// Work offset that the start of the program selects. Without a work offset the program runs with the
+    /// active offset, and the answer warns.
     work_offset: Option<WorkOffset>,
-    /// The way up along Z before the tool change and before the end of the program. `g28` goes to the reference point. `g53` goes
-    /// to zero of the machine's coordinates. `none` changes the tool where the tool stands, and ends the program at the
-    /// clearance height.
+    /// The way up along Z before the tool change and before the end of the program. `g28` goes to the
+    /// reference point. `g53` goes to zero of the machine's coordinates. `none` changes the tool where the
+    /// tool stands, and ends the program at the clearance height.
     #[serde(default)]
     #[schema(default = "none")]
     safe_home: SafeHome,

@@ -37,16 +37,17 @@ pub struct WriteRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Feeds of moves without `feed_mm_per_min`, spindle, coolant and the clearance plane. Without `cutting` the program starts no
-    /// spindle and no coolant. The clearance plane is then 20 mm above everything that the toolpath cuts, or at the highest
-    /// place of the toolpath if that place is higher, and the answer warns.
+    /// Feeds of moves without `feed_mm_per_min`, spindle, coolant and the clearance plane. Without `cutting`
+    /// the program starts no spindle and no coolant. The clearance plane is then 20 mm above everything that
+    /// the toolpath cuts, or at the highest place of the toolpath if that place is higher, and the answer
+    /// warns.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer repeats the texts; the
-    /// program's header and the sheet show the texts.
+    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
+    /// repeats the texts; the program's header and the sheet show the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -89,8 +90,8 @@ impl IntoJob for WriteRequest {
     }
 }
 
-/// The conditions for a toolpath that is planned already. The clearance plane is above everything that is cut: a program neither
-/// begins nor ends at a height where it cuts.
+/// The conditions for a toolpath that is planned already. The clearance plane is above everything that is
+/// cut: a program neither begins nor ends at a height where it cuts.
 fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
@@ -114,7 +115,8 @@ fn conditions(
     request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm))
 }
 
-/// The highest place that is cut: feed moves, but not where the tool comes down from and leaves to. Zero where nothing is.
+/// The highest place that is cut: feed moves, but not where the tool comes down from and leaves to. Zero
+/// where nothing is.
 fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
     let heights = toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut | Role::Link, .. } => {
@@ -138,8 +140,8 @@ fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
 /// What is proved of a written program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct WriteReport {
-    /// Proved largest distance between the cutting moves as sent and the cutting moves as written, in mm. The bound holds for every
-    /// path that a control may take for the written blocks.
+    /// Proved largest distance between the cutting moves as sent and the cutting moves as written, in mm. The
+    /// bound holds for every path that a control may take for the written blocks.
     deviation_max_mm: f64,
     /// The part of `deviation_max_mm` that comes from arcs whose two radii differed in the request, in mm.
     arc_adjustment_max_mm: f64,

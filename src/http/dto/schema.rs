@@ -1,4 +1,5 @@
-//! Schemas of arrays and numbers with limits. Each has a name of its own, so that the field that uses it keeps its description.
+//! Schemas of arrays and numbers with limits. Each has a name of its own, so that the field that uses it
+//! keeps its description.
 
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};

@@ -79,8 +79,8 @@ impl SentToolpath {
     }
 }
 
-/// Reads move by move. After a violation the tool is still taken to where it was sent, so that one fault is not
-/// reported again by the moves behind it; the toolpath is then thrown away.
+/// Reads move by move. After a violation the tool is still taken to where it was sent, so that one fault is
+/// not reported again by the moves behind it; the toolpath is then thrown away.
 struct Reader<'a> {
     builder: Builder,
     moved_mm: f64,

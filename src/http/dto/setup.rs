@@ -1,4 +1,5 @@
-//! What every request for a toolpath says beside the part: tool, cutting conditions, program and the caller's own texts.
+//! What every request for a toolpath says beside the part: tool, cutting conditions, program and the caller's
+//! own texts.
 
 use super::check::Violations;
 use super::cutting::Cutting;
@@ -34,7 +35,8 @@ pub struct JobWithSetup<J> {
 }
 
 impl SentSetup {
-    /// The setup, the cutting conditions where legal ones were sent, and the caller's texts; with what is wrong in `violations`.
+    /// The setup, the cutting conditions where legal ones were sent, and the caller's texts; with what is
+    /// wrong in `violations`.
     pub fn convert(self, violations: &mut Violations) -> (Setup, Option<CuttingRequest>, Option<Meta>) {
         let Self { tool, cutting, program, meta } = self;
         let root = Pointer::root();

@@ -20,7 +20,8 @@ by_kind! {
     Strategy { "cl_cartesian" => ClCartesian(ClCartesian), "wire_union" => WireUnion(WireUnion) }
 }
 
-/// Finishing passes in parallel vertical planes, equally spaced. Give either `stepover_mm` or `scallop_height_mm`, not both.
+/// Finishing passes in parallel vertical planes, equally spaced. Give either `stepover_mm` or
+/// `scallop_height_mm`, not both.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClCartesian {
@@ -31,14 +32,16 @@ pub struct ClCartesian {
     #[serde(default)]
     #[schema(default = "zx")]
     plane: Plane,
-    /// Largest distance of neighbouring planes, in mm. A larger stepover makes fewer passes and higher scallops.
+    /// Largest distance of neighbouring planes, in mm. A larger stepover makes fewer passes and higher
+    /// scallops.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepover_mm: Option<f64>,
-    /// Largest height of the material left between passes, in mm along the normal of the surface. A larger height makes fewer
-    /// passes.
+    /// Largest height of the material left between passes, in mm along the normal of the surface. A larger
+    /// height makes fewer passes.
     #[schema(minimum = 0.000_001, maximum = 1000)]
     scallop_height_mm: Option<f64>,
-    /// `zigzag` cuts neighbouring passes in opposite directions, `one_way` cuts all passes in the same direction.
+    /// `zigzag` cuts neighbouring passes in opposite directions, `one_way` cuts all passes in the same
+    /// direction.
     #[serde(default)]
     #[schema(default = "zigzag")]
     direction: Direction,
@@ -86,7 +89,8 @@ pub struct Sections {
 const SCALLOP_HEIGHT: Range = Range { min: 1e-6, max: 1000.0 };
 
 impl Strategy {
-    /// The strategy at `at` for a surface of the given extents along x and y, or nothing with the reasons in `violations`.
+    /// The strategy at `at` for a surface of the given extents along x and y, or nothing with the reasons in
+    /// `violations`.
     pub fn convert(
         self,
         at: &Pointer,
@@ -143,7 +147,8 @@ impl Sections {
     }
 }
 
-/// Looks at the number of sections before they are made; points beyond the legal magnitude are to blame themselves.
+/// Looks at the number of sections before they are made; points beyond the legal magnitude are to blame
+/// themselves.
 fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations: &mut Violations) {
     let sections = (across / stepover.max(f64::MIN_POSITIVE)).ceil() + 1.0;
     let is_legal = stepover >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;

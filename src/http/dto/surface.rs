@@ -29,8 +29,8 @@ pub use point_grid::PointGrid;
 pub use ruled::Ruled;
 
 by_kind! {
-    /// The surface of the part, given in one of several kinds; `kind` says which. The cutter works on the +z side of the
-    /// surface, whatever the order of the surface's parameters.
+    /// The surface of the part, given in one of several kinds; `kind` says which. The cutter works on the +z
+    /// side of the surface, whatever the order of the surface's parameters.
     #[derive(Debug)]
     Surface {
         "point_grid" => PointGrid(PointGrid),
@@ -57,7 +57,8 @@ impl Surface {
         }
     }
 
-    /// The corners of the box around the points that the surface is given by, of a sweep around where these come to.
+    /// The corners of the box around the points that the surface is given by, of a sweep around where these
+    /// come to.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         match self {
             Self::PointGrid(grid) => bounds(grid.points()),

@@ -30,7 +30,8 @@ pub struct Tool {
     /// Diameter of the cutter, in mm.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     diameter_mm: f64,
-    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Other shapes have no corner radius.
+    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Other shapes have
+    /// no corner radius.
     #[schema(minimum = 0.001, maximum = 500_000)]
     corner_radius_mm: Option<f64>,
     /// Number of the tool in the tool table. Without a number the program calls tool 1, and the answer warns.

@@ -50,7 +50,8 @@ pub enum WarningCode {
     PartSmallerThanCutter,
     /// Nobody said what stands over the surface: rapids come down near it.
     StockNotGiven,
-    /// There is no room for some of the entries and exits that were asked for: the cutter goes straight down or up there.
+    /// There is no room for some of the entries and exits that were asked for: the cutter goes straight down
+    /// or up there.
     EntryNotClear,
     /// The path is one for roughing, and cuts into the surface by as much as the report says.
     RoughingPathGouges,
@@ -124,8 +125,8 @@ pub struct Measures {
     pub total_time_s: Option<f64>,
     /// Time of all pauses, in s.
     pub dwell_time_s: f64,
-    /// Estimated time on a machine that accelerates and brakes, in s. The estimate uses the acceleration of `cutting` and
-    /// look-ahead, and slows down in corners and small arcs. Absent where moves have no feed.
+    /// Estimated time on a machine that accelerates and brakes, in s. The estimate uses the acceleration of
+    /// `cutting` and look-ahead, and slows down in corners and small arcs. Absent where moves have no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_with_acceleration_s: Option<f64>,
     /// How many moves of each kind there are.

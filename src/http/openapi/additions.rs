@@ -1,4 +1,5 @@
-//! What the contract says of every operation alike: headers, problems and the forms of answers. The handlers document JSON alone.
+//! What the contract says of every operation alike: headers, problems and the forms of answers. The handlers
+//! document JSON alone.
 
 use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
@@ -90,7 +91,8 @@ fn add_problems(path: &str, operation: &mut Value) {
     }
 }
 
-/// Gives a computing operation the forms of its answer: the media types of the values of its `format`, and events.
+/// Gives a computing operation the forms of its answer: the media types of the values of its `format`, and
+/// events.
 fn add_forms(operation: &mut Value) {
     let mut parameters = operation["parameters"].as_array().into_iter().flatten();
     let format = parameters.find(|parameter| parameter["name"] == "format");
@@ -106,7 +108,8 @@ fn add_forms(operation: &mut Value) {
     answer["headers"]["toolpathd-warnings"] = header("Warnings");
 }
 
-/// Puts the description of a member that may be null beside the member's alternatives, and every paragraph on one line.
+/// Puts the description of a member that may be null beside the member's alternatives, and every paragraph on
+/// one line.
 pub fn tidy(value: &mut Value) {
     match value {
         Value::Object(members) => {

@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use crate::http::output::{GCODE, JSON};
 
-/// The texts of files in a folder of `openapi/`, each with its name. The folder `surfaces-mill` belongs to `/v1/surfaces/mill`.
+/// The texts of files in a folder of `openapi/`, each with its name. The folder `surfaces-mill` belongs to
+/// `/v1/surfaces/mill`.
 macro_rules! texts {
     ($root:literal, $extension:literal, { $($folder:literal: [$($name:literal),+ $(,)?]),+ $(,)? }) => {
         &[$($((

@@ -1,7 +1,7 @@
 //! An answer as one self-contained page: the picture, and what the JSON answer says, as tables.
 //!
-//! The page asks for nothing else: no script, no font, no style sheet. In print the picture has a sheet of its own,
-//! true to its scale, and the tables follow.
+//! The page asks for nothing else: no script, no font, no style sheet. In print the picture has a sheet of
+//! its own, true to its scale, and the tables follow.
 
 mod label;
 mod number;
@@ -15,8 +15,8 @@ const STYLE: &str = include_str!("page/style.css");
 
 /// Members of an answer that come first, in this order.
 const FIRST: [&str; 4] = ["meta", "warnings", "report", "measures"];
-/// Members that are not shown as tables: those of the footer, the toolpath, which is the picture, and NC text, which is
-/// asked for as such.
+/// Members that are not shown as tables: those of the footer, the toolpath, which is the picture, and NC
+/// text, which is asked for as such.
 const NOT_TABLES: [&str; 4] = ["engine_version", "request_id", "toolpath", "nc"];
 
 /// The page of `answer`, with `svg` in it as it is.

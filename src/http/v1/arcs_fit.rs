@@ -1,5 +1,5 @@
-//! `POST /v1/arcs/fit`: a polyline goes in, the fewest arcs and lines come out; or an NC program, and the same program comes out
-//! with arcs in place of its runs of short lines.
+//! `POST /v1/arcs/fit`: a polyline goes in, the fewest arcs and lines come out; or an NC program, and the
+//! same program comes out with arcs in place of its runs of short lines.
 
 use std::sync::Arc;
 
@@ -35,9 +35,10 @@ type AnyFitAnswer = Answer<AnyFitReport>;
 
 /// Replace points, or the G1 blocks of an NC program, by arcs and lines.
 ///
-/// With a body of JSON the answer is the elements, the NC program that runs the elements, or a picture. With a body of NC text the
-/// answer is the same program with arcs, helices and longer lines in place of runs of G1 blocks; everything else stays byte for byte.
-/// `Accept: application/json` asks for the report of that program alone. NC text is read and answered as a stream of any length.
+/// With a body of JSON the answer is the elements, the NC program that runs the elements, or a picture. With
+/// a body of NC text the answer is the same program with arcs, helices and longer lines in place of runs of
+/// G1 blocks; everything else stays byte for byte. `Accept: application/json` asks for the report of that
+/// program alone. NC text is read and answered as a stream of any length.
 #[utoipa::path(post, path = "/v1/arcs/fit", operation_id = "fitArcs", tag = "curves",
     params(Wanted<Toolpaths>, ProgramQuery),
     request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
@@ -72,8 +73,9 @@ pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Respon
     fit_arcs(state, request).await
 }
 
-/// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a comment, or a letter with a
-/// number. The request comes back with its body whole. Coded bodies are taken for JSON.
+/// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a
+/// comment, or a letter with a number. The request comes back with its body whole. Coded bodies are taken for
+/// JSON.
 async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {
     if request.headers().contains_key(header::CONTENT_ENCODING) {
         return Ok((false, request));

@@ -27,7 +27,8 @@ type InterpolateAnswer = Answer<InterpolateReport>;
 
 /// Replace a plane curve by lines, arcs or parabolas within a band.
 ///
-/// The answer is the elements, the NC program that runs the elements, or a picture. Every element has a proved distance from the curve.
+/// The answer is the elements, the NC program that runs the elements, or a picture. Every element has a
+/// proved distance from the curve.
 #[utoipa::path(post, path = "/v1/curves/interpolate", operation_id = "interpolateCurve", tag = "curves",
     params(Wanted<Toolpaths>), request_body = InterpolateRequest,
     responses((status = 200, description = "The elements, the program or a picture.", body = InterpolateAnswer)))]

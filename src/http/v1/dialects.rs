@@ -6,7 +6,8 @@ use crate::http::output::Encoded;
 
 /// List the dialects in which programs can be written.
 ///
-/// Each dialect has the name that `program.dialect` takes, and the decimals and program numbers that the dialect can write.
+/// Each dialect has the name that `program.dialect` takes, and the decimals and program numbers that the
+/// dialect can write.
 #[utoipa::path(get, path = "/v1/dialects", operation_id = "listDialects", tag = "service",
     responses((status = 200, description = "All dialects.", body = Dialects)))]
 pub async fn list_dialects() -> Result<Encoded, ApiError> {

@@ -74,8 +74,8 @@ impl From<&App> for ServerLimits {
 
 /// Tell the limits of this server.
 ///
-/// Limits are settings of the server. A request beyond a limit is refused with the code `limit_exceeded`, `payload_too_large`,
-/// `too_long`, `overloaded` or `deadline_passed`.
+/// Limits are settings of the server. A request beyond a limit is refused with the code `limit_exceeded`,
+/// `payload_too_large`, `too_long`, `overloaded` or `deadline_passed`.
 #[utoipa::path(get, path = "/v1/limits", operation_id = "getLimits", tag = "service",
     responses((status = 200, description = "All limits.", body = ServerLimits)))]
 pub async fn get_limits(State(app): State<Arc<App>>) -> Result<Encoded, ApiError> {

@@ -23,7 +23,8 @@ type DropAnswer = Answer<DropReport, NoMembers>;
 
 /// Lower a cutter onto a surface at many places.
 ///
-/// The answer is the position of the cutter's tip where the cutter touches the surface first, for every place.
+/// The answer is the position of the cutter's tip where the cutter touches the surface first, for every
+/// place.
 #[utoipa::path(post, path = "/v1/surfaces/drop", operation_id = "dropCutter", tag = "surfaces",
     params(Wanted<Models>), request_body = DropRequest,
     responses((status = 200, description = "The tips, in the order of the points.", body = DropAnswer)))]

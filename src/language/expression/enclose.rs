@@ -2,9 +2,10 @@
 //!
 //! # Method
 //! 1. The tape is computed at the middle of the range, and every value and derivative on the way is kept.
-//! 2. It is computed over the whole range. Each value on the way is met with the one that the mean value theorem gives
-//!    from the middle, f(m) + f'(X) (X - m), and each derivative likewise. What operands have in common cancels
-//!    there: over a short range the enclosure of x - x^2 is as wide as the values are, not twice.
+//! 2. It is computed over the whole range. Each value on the way is met with the one that the mean value
+//!    theorem gives from the middle, f(m) + f'(X) (X - m), and each derivative likewise. What operands have
+//!    in common cancels there: over a short range the enclosure of x - x^2 is as wide as the values are, not
+//!    twice.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.

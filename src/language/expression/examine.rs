@@ -2,19 +2,19 @@
 //!
 //! # Method
 //! 1. The ends of the domain and some points between are computed: most faults show there, and have a place.
-//! 2. Cells, first the whole domain, are computed as intervals. A cell in which nothing can offend is legal. One in
-//!    which all offends ends the search, as does an offence at its middle. Any other is halved.
+//! 2. Cells, first the whole domain, are computed as intervals. A cell in which nothing can offend is legal.
+//!    One in which all offends ends the search, as does an offence at its middle. Any other is halved.
 //! 3. A legal cell whose values reach far beyond those seen at points is halved too, to tighten the bounds.
 //!
 //! # Guarantees
-//! Over a domain that passes, every operation is defined, continuous and finite, and the values are inside the bounds.
-//! Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) may be extended by what
-//! rounding explains: by 1e-12 of the magnitudes that cancel, or within cells of 2^-[`DEEPEST`] of the domain at whose
-//! middle they do not offend.
+//! Over a domain that passes, every operation is defined, continuous and finite, and the values are inside
+//! the bounds. Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) may
+//! be extended by what rounding explains: by 1e-12 of the magnitudes that cancel, or within cells of
+//! 2^-[`DEEPEST`] of the domain at whose middle they do not offend.
 //!
 //! # Degenerate input
-//! A domain that is not two finite numbers, the first less than the second, is an error. An expression that is defined
-//! only by cancellation, as x/x or sin(x)/x at zero, is not.
+//! A domain that is not two finite numbers, the first less than the second, is an error. An expression that
+//! is defined only by cancellation, as x/x or sin(x)/x at zero, is not.
 //!
 //! # Cost
 //! O(n) a cell for n steps of the tape, with at most [`MOST_CELLS`] cells.
@@ -25,8 +25,8 @@ use super::tape::Tape;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::interval::Interval;
 
-/// More cells are not examined: a second or two for an expression of common length. Only faults that are all but
-/// touched at thousands of places take as many.
+/// More cells are not examined: a second or two for an expression of common length. Only faults that are all
+/// but touched at thousands of places take as many.
 const MOST_CELLS: usize = 200_000;
 
 /// Halvings after which a cell is a rounding of the domain wide.

@@ -1,12 +1,12 @@
 //! Operations on intervals with two derivatives.
 //!
 //! # Method
-//! A jet encloses a value and the first two derivatives by x over a range of x. An operation returns the jet of its
-//! result and a verdict: whether an operand may be, or is, outside of the operation's domain.
+//! A jet encloses a value and the first two derivatives by x over a range of x. An operation returns the jet
+//! of its result and a verdict: whether an operand may be, or is, outside of the operation's domain.
 //!
 //! # Guarantees
-//! Where an operand leaves the domain, the jet is that of the operation extended to the nearest legal operand. A
-//! derivative that does not exist, or is not bounded, is the whole line.
+//! Where an operand leaves the domain, the jet is that of the operation extended to the nearest legal
+//! operand. A derivative that does not exist, or is not bounded, is the whole line.
 
 pub mod power;
 
@@ -27,8 +27,8 @@ const SLACK: f64 = 1e-12;
 /// And by so much: rounding outward makes tiny negative numbers of zero.
 const LEAST_SLACK: f64 = 1e-300;
 
-/// A jet with the least magnitude, over its range of x, of the terms that it was summed from. Rounding errors are small
-/// beside it, even where the terms cancel.
+/// A jet with the least magnitude, over its range of x, of the terms that it was summed from. Rounding errors
+/// are small beside it, even where the terms cancel.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
     pub jet: Jet,

@@ -22,7 +22,8 @@ pub enum Offence {
 }
 
 impl Offence {
-    /// Whether the legal arguments include their limits, so that the operation extends past them continuously.
+    /// Whether the legal arguments include their limits, so that the operation extends past them
+    /// continuously.
     pub(super) fn is_past_a_closed_end(self) -> bool {
         matches!(self, Self::SquareRoot | Self::Inverse(_) | Self::PowerOfNegative)
     }
@@ -47,8 +48,8 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// What is certain comes before what may be, and what is never legal before what is when the operand is moved a
-    /// little.
+    /// What is certain comes before what may be, and what is never legal before what is when the operand is
+    /// moved a little.
     pub fn is_graver_than(&self, other: &Self) -> bool {
         let gravity = |of: &Self| (of.certainty, !of.offence.is_past_a_closed_end());
         gravity(self) > gravity(other)

@@ -1,8 +1,9 @@
 //! From text to tape, by operator precedence.
 //!
 //! # Method
-//! Pratt's algorithm, which applies operators in the order in which they are computed: so each one is appended to the
-//! tape as it is applied, and no tree is built. An operand is known by the bytes and the steps it takes up.
+//! Pratt's algorithm, which applies operators in the order in which they are computed: so each one is
+//! appended to the tape as it is applied, and no tree is built. An operand is known by the bytes and the
+//! steps it takes up.
 //!
 //! # Reference
 //! V. R. Pratt, "Top Down Operator Precedence", POPL, 1973.

@@ -1,4 +1,5 @@
-//! Tests of expressions: their texts, their domains, and their values and derivatives against trees made at random.
+//! Tests of expressions: their texts, their domains, and their values and derivatives against trees made at
+//! random.
 
 mod domains;
 mod jets;

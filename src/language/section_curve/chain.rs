@@ -9,8 +9,8 @@ use crate::geometry::plane_curve::piecewise::{Bezier, Piecewise, PiecewiseError}
 use crate::geometry::profile::{Piece, Profile, Shape};
 use crate::geometry::spline::{EndCondition, derivatives};
 
-/// What tangents may take too much of a line, and what of a line is left out, in parts of its length: the rounding of
-/// tangents that meet.
+/// What tangents may take too much of a line, and what of a line is left out, in parts of its length: the
+/// rounding of tangents that meet.
 const FIT: f64 = 1e-14;
 
 /// An item in D dimensions, mm.

@@ -1,23 +1,24 @@
 //! A corner rounded by the arc that touches both of its lines.
 //!
-//! With theta the turn and R the radius, the arc touches the lines R tan(theta / 2) from the corner. As a rational
-//! quadratic its middle control point is the corner, with the weight cos(theta / 2); a turn of more than a right angle
-//! takes two, which meet on the bisector. Half the sum and half the difference of the lines' directions are cos(theta / 2)
-//! and sin(theta / 2) long: so no small turn is lost.
+//! With theta the turn and R the radius, the arc touches the lines R tan(theta / 2) from the corner. As a
+//! rational quadratic its middle control point is the corner, with the weight cos(theta / 2); a turn of more
+//! than a right angle takes two, which meet on the bisector. Half the sum and half the difference of the
+//! lines' directions are cos(theta / 2) and sin(theta / 2) long: so no small turn is lost.
 
 use nalgebra::Point;
 
 use super::Fault;
 
-/// The turn, in radians, and the tangent length, in parts of the coordinates' magnitude, below which a corner is
-/// straight: what rounding makes of points on a line.
+/// The turn, in radians, and the tangent length, in parts of the coordinates' magnitude, below which a corner
+/// is straight: what rounding makes of points on a line.
 const STRAIGHT: f64 = 1e-12;
 
-/// Half of what is missing to a full reversal, in radians, below which rounding may have made it: such an arc would be a
-/// billion times smaller than its tangents.
+/// Half of what is missing to a full reversal, in radians, below which rounding may have made it: such an arc
+/// would be a billion times smaller than its tangents.
 const REVERSED: f64 = 1e-9;
 
-/// One rational quadratic: control points in space, and the weight of the middle one; that of the others is 1.
+/// One rational quadratic: control points in space, and the weight of the middle one; that of the others is
+/// 1.
 pub(super) type Arc<const D: usize> = ([Point<f64, D>; 3], f64);
 
 /// A rounded corner.
@@ -30,7 +31,8 @@ pub(super) struct Rounding<const D: usize> {
     pub(super) length: f64,
 }
 
-/// The rounding of the corner `at` between two other points, by a radius above zero; none where nothing turns.
+/// The rounding of the corner `at` between two other points, by a radius above zero; none where nothing
+/// turns.
 ///
 /// # Errors
 /// When the lines lie on each other.

@@ -1,8 +1,8 @@
 //! The grammar of section curves: from text to items with their places.
 //!
 //! `curve = item (space item)*`, `item = ("l" | "r") row | "b" "(" row ("," row)* ")"`,
-//! `row = "(" number ("," number)* ")"`. White space may stand around every sign but within a number. Nothing nests, so no
-//! text makes the parser go deep; every byte is read once.
+//! `row = "(" number ("," number)* ")"`. White space may stand around every sign but within a number. Nothing
+//! nests, so no text makes the parser go deep; every byte is read once.
 
 use winnow::ascii::{digit0, digit1, multispace0, multispace1};
 use winnow::combinator::{alt, opt};

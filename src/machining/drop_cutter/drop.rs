@@ -1,4 +1,5 @@
-//! The search for the contact at one place: Newton's method for the best, and the proof that nothing lifts the tip higher.
+//! The search for the contact at one place: Newton's method for the best, and the proof that nothing lifts
+//! the tip higher.
 
 use nalgebra::{Point3, Vector2};
 
@@ -156,7 +157,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// Halves what may lift the tip higher, the most promising first, until nothing is left or so many are halved.
+    /// Halves what may lift the tip higher, the most promising first, until nothing is left or so many are
+    /// halved.
     pub(super) fn close(&mut self, most: usize, budget: &Budget) -> Result<(), Stopped> {
         for halvings in 1.. {
             let Some((highest, part)) = self.open.pop() else { return Ok(()) };
@@ -180,7 +182,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         Ok(())
     }
 
-    /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the best.
+    /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the
+    /// best.
     fn highest(&mut self, part: &SubPatch<P>) -> f64 {
         if let (Some(best), Some(support)) = (&self.best, &self.support) {
             let highest = best.height + support.excess(part, &self.track, &self.flat_level());
@@ -207,8 +210,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         highest.min(under)
     }
 
-    /// Climbs a part from a place in its own parameters: the most that it can lift the tip, as seen on the way, and whether any place
-    /// of the way lifts it.
+    /// Climbs a part from a place in its own parameters: the most that it can lift the tip, as seen on the
+    /// way, and whether any place of the way lifts it.
     fn climb_part(&mut self, part: &SubPatch<P>, start: [f64; 2]) -> (f64, bool) {
         let (contacts, track) = (self.contacts, self.track);
         let bends = part.bends();

@@ -1,4 +1,5 @@
-//! Where the cutter is when it touches a side of a surface with its tangent plane: there sections begin and end.
+//! Where the cutter is when it touches a side of a surface with its tangent plane: there sections begin and
+//! end.
 
 use nalgebra::Vector2;
 
@@ -8,7 +9,8 @@ use crate::geometry::solve::largest_place;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
-/// Places along a side of a patch at which positions are looked at. What bends more than once between two of them is not seen.
+/// Places along a side of a patch at which positions are looked at. What bends more than once between two of
+/// them is not seen.
 const SAMPLES: usize = 24;
 
 /// A surface is upright where its normal of unit length rises by less.

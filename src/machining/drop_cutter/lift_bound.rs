@@ -1,10 +1,11 @@
 //! How high a part can lift a cutter: an upper bound by quadratic functions.
 //!
 //! # Method
-//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). The height h of the cutter's lower side is supported by a
-//! tangent plane and a quadratic form ([`Cutter::support_forms`]), so that over the part the lift is at most a function of the
-//! parameters, and of the way t of the axis along a line, whose second derivatives are known within bounds. If it is concave
-//! in the parameters, its largest value over the part is that of a quadratic function in a square.
+//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). The height h of the cutter's lower
+//! side is supported by a tangent plane and a quadratic form ([`Cutter::support_forms`]), so that over the
+//! part the lift is at most a function of the parameters, and of the way t of the axis along a line, whose
+//! second derivatives are known within bounds. If it is concave in the parameters, its largest value over the
+//! part is that of a quadratic function in a square.
 //!
 //! # Guarantees
 //! An upper bound for every point of the part and every t, but for rounding.
@@ -20,8 +21,9 @@ use crate::machining::cutter::{Cutter, Form, LowerPoint};
 /// The part of the least curvature that pays for what is not known of how it changes with the way.
 const SHARE_FOR_DOUBT: f64 = 0.2;
 
-/// A form is definite where its least value is this part of its largest: the smaller part for lifts that are level along a line, as those
-/// of swept and turned surfaces, the larger where the form must make up for doubt.
+/// A form is definite where its least value is this part of its largest: the smaller part for lifts that are
+/// level along a line, as those of swept and turned surfaces, the larger where the form must make up for
+/// doubt.
 const LEAST_SHARES: [f64; 2] = [1e-13, 1e-6];
 
 /// Positions of the axis: `center` + t `way`, |t| <= `reach`.
@@ -50,7 +52,8 @@ impl AxisMove {
         self.center + self.way * self.way.dot(&(place - self.center)).clamp(-self.reach, self.reach)
     }
 
-    /// The squared distance in plan between a box and `at` moved along with the axis, at least, mm^2; exact along x and y.
+    /// The squared distance in plan between a box and `at` moved along with the axis, at least, mm^2; exact
+    /// along x and y.
     pub(super) fn squared_distance(&self, bounds: &Bounds, at: &Vector2<f64>) -> f64 {
         let beyond = |k: usize| {
             let half = self.way[k].abs() * self.reach;
@@ -190,8 +193,8 @@ impl<P: Patch> Touch<'_, P> {
     }
 }
 
-/// What makes a symmetric form definite, if it is added to both squares, zero where it is so; and the least value for a unit vector
-/// then.
+/// What makes a symmetric form definite, if it is added to both squares, zero where it is so; and the least
+/// value for a unit vector then.
 fn lacking_curvature([n_uu, n_uv, n_vv]: [f64; 3], least_share: f64) -> (f64, f64) {
     let half = 0.5 * (n_uu - n_vv);
     let least = 0.5 * (n_uu + n_vv) - (half * half + n_uv * n_uv).sqrt();
@@ -230,7 +233,8 @@ impl Bowl {
             square: own.square + 0.5 * with.dot(&bent_with),
         };
         let mut largest = free.largest(reach);
-        // Where the place is on a side and the function falls from there for every t, that side holds the largest value.
+        // Where the place is on a side and the function falls from there for every t, that side holds the
+        // largest value.
         for (axis, at) in place.into_iter().enumerate() {
             let other = 1 - axis;
             let inward = match at {
@@ -268,7 +272,8 @@ impl Bowl {
         if largest > 0.0 { largest.min(self.in_square(own, place, reach)) } else { largest }
     }
 
-    /// The largest value of `own` without its downward bend, and this, over the square about `place`: convex in t, it is at an end.
+    /// The largest value of `own` without its downward bend, and this, over the square about `place`: convex
+    /// in t, it is at an end.
     fn in_square(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
         let at = |t: f64| {
             let g = [0, 1].map(|k| self.g[k] + t * self.with[k]);

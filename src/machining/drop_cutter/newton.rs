@@ -1,10 +1,11 @@
 //! Newton's method for the place of a part that lifts the cutter most.
 //!
 //! # Method
-//! Two ways to the same place. *By the tangent plane*: the cutter's point with the gradient of the surface lies over the surface
-//! point when the axis is where it should be; how that point moves with the parameters is bounded on the steepest walls and
-//! for sharp rims, too. *By the lift*: the gradient of z - h in the square of the part; it knows sides and corners, but a rim that is
-//! sharp has no gradient. The first is taken as long as it stays inside, the second at sides.
+//! Two ways to the same place. *By the tangent plane*: the cutter's point with the gradient of the surface
+//! lies over the surface point when the axis is where it should be; how that point moves with the parameters
+//! is bounded on the steepest walls and for sharp rims, too. *By the lift*: the gradient of z - h in the
+//! square of the part; it knows sides and corners, but a rim that is sharp has no gradient. The first is
+//! taken as long as it stays inside, the second at sides.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -27,7 +28,8 @@ pub(super) const TOUCHING: f64 = 1e-10;
 /// Slopes that are less are rounding: nothing is held by them.
 const HELD_SLOPE: f64 = 1e-12;
 
-/// A lift that bends less than this part of the other way is level along a line: the step is across that line.
+/// A lift that bends less than this part of the other way is level along a line: the step is across that
+/// line.
 const LEVEL_SHARE: f64 = 1e-9;
 
 /// Places that are no farther outside, in parameters of the part, are on the side.
@@ -73,8 +75,8 @@ impl<'a> Climb<'a> {
         jet
     }
 
-    /// The point of a sharp rim that a side of the part crosses at the place, rising outwards, with the gradient that keeps the side
-    /// beneath the plane through it.
+    /// The point of a sharp rim that a side of the part crosses at the place, rising outwards, with the
+    /// gradient that keeps the side beneath the plane through it.
     fn on_rim(&self, jet: &Jet) -> Option<LowerPoint> {
         let off = self.off(jet);
         let radius = self.cutter.radius();
@@ -97,7 +99,8 @@ impl<'a> Climb<'a> {
         self.cutter.corner_radius() == 0.0
     }
 
-    /// The last place under a sharp rim on the straight way to `next`, where that lies beyond it; `next` otherwise.
+    /// The last place under a sharp rim on the straight way to `next`, where that lies beyond it; `next`
+    /// otherwise.
     fn under_rim(&self, patch: &impl Patch, next: [f64; 2]) -> [f64; 2] {
         let place = |t: f64| [0, 1].map(|k| self.place[k] + t * (next[k] - self.place[k]));
         let beyond = |t: f64| {
@@ -123,7 +126,8 @@ impl<'a> Climb<'a> {
         jet.point.coords.xy() - self.track.center
     }
 
-    /// Whether the cutter touches with the tangent plane at the place that was looked at: to rounding, along that plane too.
+    /// Whether the cutter touches with the tangent plane at the place that was looked at: to rounding, along
+    /// that plane too.
     fn touches(&self, jet: &Jet) -> bool {
         let limit = TOUCHING * self.cutter.radius();
         self.tangent.is_some_and(|tangent| {

@@ -1,21 +1,23 @@
-//! Whether a part stays outside a round body that holds the lower side of the cutter: exact where cutter and surface are both round.
+//! Whether a part stays outside a round body that holds the lower side of the cutter: exact where cutter and
+//! surface are both round.
 //!
 //! # Method
-//! Two spheroids about the axis touch the cutter along the circle of one slope and hold all of its lower side.
-//! *The ball*: its centre sees the edge of the flat at that slope.
-//! *The flattened one*, for the rounded corner of a bull nose: with r the radius of the flat, q the squared distance from the axis and h
-//! the height over the corner's centre, the squared distance from the edge of the flat is q + r^2 - 2 r sqrt(q) + h^2. The root is
-//! concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2. Hence no point lies in the corner
-//! where q (c - r) / c + h^2 is at least the squared corner radius and r (c - r); c is the distance of the contact from the axis.
-//! On steep places it bends as the corner itself does.
+//! Two spheroids about the axis touch the cutter along the circle of one slope and hold all of its lower
+//! side. *The ball*: its centre sees the edge of the flat at that slope. *The flattened one*, for the rounded
+//! corner of a bull nose: with r the radius of the flat, q the squared distance from the axis and h the
+//! height over the corner's centre, the squared distance from the edge of the flat is q + r^2 - 2 r sqrt(q) +
+//! h^2. The root is concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2. Hence
+//! no point lies in the corner where q (c - r) / c + h^2 is at least the squared corner radius and r (c - r);
+//! c is the distance of the contact from the axis. On steep places it bends as the corner itself does.
 //!
-//! *A straight move*: with 2 m the vector of the move and x the coordinate along it from the middle, the squared distance from the nearest
-//! centre is at least d^2 + x^2 k / (1 + k) - k m^2 for every k >= 0, where d is the distance from the line of the centres. It is exact at
+//! *A straight move*: with 2 m the vector of the move and x the coordinate along it from the middle, the
+//! squared distance from the nearest centre is at least d^2 + x^2 k / (1 + k) - k m^2 for every k >= 0, where
+//! d is the distance from the line of the centres. It is exact at
 //! |x| = (1 + k) |m|.
 //!
-//! Over a part, such a sum of squares is a polynomial or a quotient of two; its least Bernstein coefficient bounds it.
-//! Where the cutter fits a fillet, every point of an arc is as far from the centre as the others: no other bound sees that on more than tiny
-//! parts.
+//! Over a part, such a sum of squares is a polynomial or a quotient of two; its least Bernstein coefficient
+//! bounds it. Where the cutter fits a fillet, every point of an arc is as far from the centre as the others:
+//! no other bound sees that on more than tiny parts.
 
 use nalgebra::Vector3;
 
@@ -41,7 +43,8 @@ pub(super) struct RoundBodies {
     along: Vector3<f64>,
 }
 
-/// All places where `weight` times the squared distance from the axis, plus the squared height over the centre, is less than `squared`.
+/// All places where `weight` times the squared distance from the axis, plus the squared height over the
+/// centre, is less than `squared`.
 #[derive(Debug, Clone, Copy)]
 struct Spheroid {
     squared: f64,
@@ -59,13 +62,15 @@ struct Way {
 }
 
 impl RoundBodies {
-    /// `lower` is the point of the cutter that touches the surface, `jet` the point and the derivatives of the surface there.
+    /// `lower` is the point of the cutter that touches the surface, `jet` the point and the derivatives of
+    /// the surface there.
     pub(super) fn around(cutter: &Cutter, lower: &LowerPoint, jet: &Jet) -> Self {
         let along = Vector3::new(-lower.away().y, lower.away().x, 0.0);
         Self { spheroids: Spheroid::around(cutter, lower), side: Side::new(cutter, lower, jet), along }
     }
 
-    /// Whether no point of a part lifts the tip over the level, for any position of the track. A `false` may mean that this is not known.
+    /// Whether no point of a part lifts the tip over the level, for any position of the track. A `false` may
+    /// mean that this is not known.
     pub(super) fn keep_below<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> bool {
         let tip = Vector3::new(track.center.x, track.center.y, level.level);
         let half = Vector3::new(track.way.x, track.way.y, level.slope) * track.reach;

@@ -1,11 +1,12 @@
 //! How far the tips of a stretch of positions leave the chord of those at its ends.
 //!
 //! # Method
-//! While the axis follows a line from a to b, the tip follows a curve z. Its chord is the line between both tips.
-//! *Above*: no part lifts the tip more than `height` over the chord, for no position: the bound of `bound` with the way
-//! as a third variable. *Below*: the points of the surface on the straight line of parameters between both contacts
-//! lift the tip at least to the chord, but for how far their curve bends away from its own chord, because the lower side of the
-//! cutter is convex; or else, the contact of each end lifts the tip high enough up to the middle.
+//! While the axis follows a line from a to b, the tip follows a curve z. Its chord is the line between both
+//! tips. *Above*: no part lifts the tip more than `height` over the chord, for no position: the bound of
+//! `bound` with the way as a third variable. *Below*: the points of the surface on the straight line of
+//! parameters between both contacts lift the tip at least to the chord, but for how far their curve bends
+//! away from its own chord, because the lower side of the cutter is convex; or else, the contact of each end
+//! lifts the tip high enough up to the middle.
 //!
 //! # Guarantees
 //! What is confirmed holds for every position of the stretch, but for rounding.
@@ -22,8 +23,9 @@ use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
-/// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long. Shorter ones may have as many
-/// more as they are shorter: where contacts change place, it is they that decide.
+/// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long.
+/// Shorter ones may have as many more as they are shorter: where contacts change place, it is they that
+/// decide.
 const HALVINGS: f64 = 0.5;
 const HALVING_LIMITS: [f64; 2] = [4.0, 2048.0];
 
@@ -33,8 +35,8 @@ const STEPS: usize = 2;
 /// Joints of patches between the contacts of a stretch; more are too many.
 const JOINT_LIMIT: usize = 6;
 
-/// A bound of a second derivative is loose if it exceeds `LOOSE` times the value in the middle of the patch by more than `LOOSE_SHARE` of
-/// the size of the patch.
+/// A bound of a second derivative is loose if it exceeds `LOOSE` times the value in the middle of the patch
+/// by more than `LOOSE_SHARE` of the size of the patch.
 const LOOSE: f64 = 1.5;
 const LOOSE_SHARE: f64 = 0.01;
 
@@ -56,7 +58,8 @@ pub(super) enum ChordVerdict {
 }
 
 impl<P: Patch> Contacts<'_, P> {
-    /// Compares the tips between two contacts with the chord of theirs: they may lie `below` mm under it and `above` mm over it.
+    /// Compares the tips between two contacts with the chord of theirs: they may lie `below` mm under it and
+    /// `above` mm over it.
     pub(super) fn stretch(&self, from: &Contact, to: &Contact, [below, above]: [f64; 2]) -> ChordVerdict {
         let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
         if !self.is_above(from, to, below) {
@@ -68,7 +71,8 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// Whether no part is near enough to lift the tip anywhere between two positions. A `false` may mean that this is not known.
+    /// Whether no part is near enough to lift the tip anywhere between two positions. A `false` may mean that
+    /// this is not known.
     pub(super) fn is_free(&self, [from, to]: [Vector2<f64>; 2]) -> bool {
         let mut near = Near { contacts: self, track: AxisMove::between(from, to), is_found: false };
         self.tree.visit(&mut near);
@@ -109,8 +113,8 @@ impl<P: Patch> Contacts<'_, P> {
         self.is_above_by_line(from, to, height) || self.is_above_by_ends(from, to, height)
     }
 
-    /// By points of the surface on the line of parameters between the contacts, or, where the cutter is too steep there to say much,
-    /// on one as much nearer to its axis as the points may leave their chord.
+    /// By points of the surface on the line of parameters between the contacts, or, where the cutter is too
+    /// steep there to say much, on one as much nearer to its axis as the points may leave their chord.
     fn is_above_by_line(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         let tips = [from.tip, to.tip];
         let Some(dip) = self.dip([from.place, to.place], tips, [0.0, 0.0]) else { return false };
@@ -126,12 +130,13 @@ impl<P: Patch> Contacts<'_, P> {
         self.dip([nearer_from, nearer_to], tips, ends).is_some_and(|dip| dip.depth <= height)
     }
 
-    /// How far below the chord of two tips the points of the surface on the line of parameters between two `places` lift the tip, at
-    /// most; at its ends they do so by `ends`, mm. `None` where the line crosses too many joints.
+    /// How far below the chord of two tips the points of the surface on the line of parameters between two
+    /// `places` lift the tip, at most; at its ends they do so by `ends`, mm. `None` where the line crosses
+    /// too many joints.
     ///
-    /// A curve of points leaves its chord by `bend`. Points of the chord, seen from the axis, go straight on: there the height of the
-    /// cutter is convex, and their lift is no less than between the ends. It changes with the point no more than the cutter
-    /// is steep at the farthest place from the axis.
+    /// A curve of points leaves its chord by `bend`. Points of the chord, seen from the axis, go straight on:
+    /// there the height of the cutter is convex, and their lift is no less than between the ends. It changes
+    /// with the point no more than the cutter is steep at the farthest place from the axis.
     fn dip(&self, places: [[f64; 2]; 2], tips: [Point3<f64>; 2], ends: [f64; 2]) -> Option<Dip> {
         let [nu, nv] = self.surface.spans();
         let step = [0, 1].map(|k| places[1][k] - places[0][k]);
@@ -162,14 +167,15 @@ impl<P: Patch> Contacts<'_, P> {
         Some(dip)
     }
 
-    /// The height to which a place of the surface lifts the tip with the axis at `axis`; minus infinity where it is beside the cutter.
+    /// The height to which a place of the surface lifts the tip with the axis at `axis`; minus infinity where
+    /// it is beside the cutter.
     fn lift(&self, [u, v]: [f64; 2], axis: Vector2<f64>) -> f64 {
         let point = self.surface.jet(u, v).point.coords;
         point.z - self.cutter.height((point.xy() - axis).norm())
     }
 
-    /// A place about `by` mm nearer to the axis than the contact, the one that lifts the tip most: straight inward on a patch that meets at
-    /// the contact, or along one of its parameters, as along a crest.
+    /// A place about `by` mm nearer to the axis than the contact, the one that lifts the tip most: straight
+    /// inward on a patch that meets at the contact, or along one of its parameters, as along a crest.
     fn nearer_to_axis(&self, contact: &Contact, by: f64) -> Option<[f64; 2]> {
         let [u, v] = contact.place;
         let axis = contact.tip.xy().coords;
@@ -218,8 +224,8 @@ struct Dip {
     bend: f64,
 }
 
-/// Bounds of the lengths of the second derivatives of a patch: by u, by both, by v. A patch with a loose bound is halved, at most
-/// `halvings` times.
+/// Bounds of the lengths of the second derivatives of a patch: by u, by both, by v. A patch with a loose
+/// bound is halved, at most `halvings` times.
 pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
     let derivatives = patch.derivatives();
     let bounds = [derivatives.duu, derivatives.duv, derivatives.dvv].map(|ball| ball.reach());
@@ -237,7 +243,8 @@ pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
     [0, 1, 2].map(|k| bounds[k].min(shares[k] * first[k].max(second[k])))
 }
 
-/// Where a line of parameters meets joints of patches, and its ends, in fractions of it; `None` where there are too many.
+/// Where a line of parameters meets joints of patches, and its ends, in fractions of it; `None` where there
+/// are too many.
 fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
     let mut joints = vec![0.0, 1.0];
     for k in 0..2 {

@@ -1,11 +1,12 @@
 //! Whether a part stays clear of the cutter as seen from the side: exact for swept fillets.
 //!
 //! # Method
-//! Seen along a level direction, one side of the cutter is a flat, a corner that is a circle or sharp, and the shank. Let Q be the place
-//! with the least distance of the part from the axis and the largest height of the part. The part can meet only a piece of the cutter:
-//! the one between the point of the flat beneath Q, the corner, and the point of the shank beside Q. Any circle that holds
-//! the corner and these three points at both ends of a straight move holds that piece all the way, because circles are convex. Over a
-//! swept fillet the centre of the fillet is the best one: all points of its arc are equally far from it.
+//! Seen along a level direction, one side of the cutter is a flat, a corner that is a circle or sharp, and
+//! the shank. Let Q be the place with the least distance of the part from the axis and the largest height of
+//! the part. The part can meet only a piece of the cutter: the one between the point of the flat beneath Q,
+//! the corner, and the point of the shank beside Q. Any circle that holds the corner and these three points
+//! at both ends of a straight move holds that piece all the way, because circles are convex. Over a swept
+//! fillet the centre of the fillet is the best one: all points of its arc are equally far from it.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -51,8 +52,8 @@ impl Side {
         }
     }
 
-    /// Whether no point of a part lifts the tip higher, as seen along a level direction: on a straight move with its middle at `tip`, and
-    /// `half` of it.
+    /// Whether no point of a part lifts the tip higher, as seen along a level direction: on a straight move
+    /// with its middle at `tip`, and `half` of it.
     pub(super) fn keeps_below<P: Patch>(
         &self,
         part: &SubPatch<P>,
@@ -106,8 +107,8 @@ impl Side {
         more.is_finite() && is_clear(corner + up * more)
     }
 
-    /// The same by a ball about the centre of curvature, which holds all of the cutter up to the highest point of the part: exact for
-    /// bowls.
+    /// The same by a ball about the centre of curvature, which holds all of the cutter up to the highest
+    /// point of the part: exact for bowls.
     pub(super) fn ball_keeps_below<P: Patch>(
         &self,
         part: &SubPatch<P>,

@@ -7,7 +7,8 @@ use super::segment_proof::ChordVerdict;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 
-/// A surface of one patch z = f over a rectangle, f of degree 3 at most each way, by blossoms of sampled polynomials.
+/// A surface of one patch z = f over a rectangle, f of degree 3 at most each way, by blossoms of sampled
+/// polynomials.
 fn graph(low: [f64; 2], high: [f64; 2], f: impl Fn(f64, f64) -> f64) -> BezierSurface {
     // Values at thirds to control values of a cubic.
     let control = |y: [f64; 4]| {

@@ -1,11 +1,11 @@
 //! Tips along a line of positions: what a pass follows, with a proved distance from what lies between.
 //!
 //! # Method
-//! The line is bisected (`trace`) into chords that the tips are proved to keep to ([`Contacts::stretch`]), upright walls, and
-//! stretches without a section.
+//! The line is bisected (`trace`) into chords that the tips are proved to keep to ([`Contacts::stretch`]),
+//! upright walls, and stretches without a section.
 //!
-//! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface. Where it only hangs on
-//! an edge at which the surface ends, the section ends.
+//! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface.
+//! Where it only hangs on an edge at which the surface ends, the section ends.
 //!
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
@@ -63,8 +63,9 @@ impl<'a, P: Patch> TipSections<'a, P> {
         Ok(found.into_iter().map(chain).collect())
     }
 
-    /// The sections, and how far beside the plane they were found, mm. Over a plane in which the cutter only grazes a wall, rounding tells
-    /// on which side of it the cutter is: the lower of the two sections beside it is taken.
+    /// The sections, and how far beside the plane they were found, mm. Over a plane in which the cutter only
+    /// grazes a wall, rounding tells on which side of it the cutter is: the lower of the two sections beside
+    /// it is taken.
     fn found(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Found, SectionError> {
         let mut trace = Trace::new(self, plane, spacing, budget);
         if trace.all()? {
@@ -105,8 +106,8 @@ impl<'a, P: Patch> TipSections<'a, P> {
         [self.contacts.bounds().min[along] - radius, self.contacts.bounds().max[along] + radius]
     }
 
-    /// The least and the largest coordinate of positions along the axis that may count, mm: those whose cutter touches a side of the
-    /// surface with its tangent plane, or any part of it at the middle.
+    /// The least and the largest coordinate of positions along the axis that may count, mm: those whose
+    /// cutter touches a side of the surface with its tangent plane, or any part of it at the middle.
     pub fn extent(&self) -> [f64; 2] {
         let contacts = self.contacts;
         let middles =

@@ -1,4 +1,5 @@
-//! The parts that a surface is looked at in: small patches with what is known of each, under a hierarchy of boxes.
+//! The parts that a surface is looked at in: small patches with what is known of each, under a hierarchy of
+//! boxes.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -125,8 +126,8 @@ impl<P: Patch> SubPatch<P> {
         0.5 * (self.bounds.min + self.bounds.max)
     }
 
-    /// Whether every point p of the part has a sum of `weights` times squared coordinates, along `axes` from `origin`, of at least `least` mm^2.
-    /// Rounding is not counted.
+    /// Whether every point p of the part has a sum of `weights` times squared coordinates, along `axes` from
+    /// `origin`, of at least `least` mm^2. Rounding is not counted.
     pub(super) fn is_beyond<const N: usize>(
         &self,
         origin: &Vector3<f64>,
@@ -171,7 +172,8 @@ impl Cover {
         Self { bounds: part.bounds, gradient, height }
     }
 
-    /// How far anything under the cover lies above the plane through `at` with a gradient, at most, and zero there; mm.
+    /// How far anything under the cover lies above the plane through `at` with a gradient, at most, and zero
+    /// there; mm.
     pub(super) fn highest_over(&self, gradient: &Vector2<f64>, at: &Vector2<f64>) -> f64 {
         let center = (0.5 * (self.bounds.min + self.bounds.max)).xy();
         let half = (0.5 * (self.bounds.max - self.bounds.min)).xy();

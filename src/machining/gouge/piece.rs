@@ -30,8 +30,8 @@ pub(super) struct PathPiece {
     pub(super) slack: f64,
 }
 
-/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A helix or a
-/// parabola becomes chords of a height of at most `chord_height` mm, which adds to the slack.
+/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A
+/// helix or a parabola becomes chords of a height of at most `chord_height` mm, which adds to the slack.
 pub(super) fn pieces(
     tip: &Curve,
     rise: f64,
@@ -126,7 +126,8 @@ impl PathPiece {
         }
     }
 
-    /// A point of the track from which a level disc of radius `flat` mm is at or near its least distance from `p`.
+    /// A point of the track from which a level disc of radius `flat` mm is at or near its least distance from
+    /// `p`.
     pub(super) fn nearest(&self, p: &Vector3<f64>, flat: f64) -> Vector3<f64> {
         let mut nearest = self.nearest_point(p);
         if flat > 0.0 {

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-/// A sharp rim in a slope reaches farther below the surface than any point of it is deep in the cutter, by up to the root of 2. The larger
-/// counts: what other m show counts where it is less than this part of what the part's normal shows.
+/// A sharp rim in a slope reaches farther below the surface than any point of it is deep in the cutter, by up
+/// to the root of 2. The larger counts: what other m show counts where it is less than this part of what the
+/// part's normal shows.
 const OTHER_SHARE: f64 = 0.6;
 
 /// What a plane at right angles to m shows.
@@ -66,7 +67,8 @@ impl Planes {
         self.along_normal.map(|shown| shown.at_center.max(self.enough))
     }
 
-    /// Two m: one with the least depth at the part's centre, and the one that gave the bound. What reaches farthest along them is halved.
+    /// Two m: one with the least depth at the part's centre, and the one that gave the bound. What reaches
+    /// farthest along them is halved.
     pub(super) fn halved(&self) -> [Vector3<f64>; 2] {
         let first = self.halved.map_or(-Vector3::z(), |shown| shown.m);
         let is_by_normal = self.along_normal.filter(|normal| normal.bound == self.bound());

@@ -1,9 +1,10 @@
 //! The solid of a cutter with its shank, as the gouge proof sees it.
 //!
-//! Let C be the point of the axis at the height of the corner circle's centre (the ball's centre, the middle of a flat end's bottom).
-//! The core of the cutter is the level disc of the flat's radius about C with everything above it. The cutter is all that lies within
-//! the corner radius of the core. The core is convex, so a unit vector m that does not point up bounds it: no point of the cutter lies
-//! farther along m from C than [`Solid::reach`].
+//! Let C be the point of the axis at the height of the corner circle's centre (the ball's centre, the middle
+//! of a flat end's bottom). The core of the cutter is the level disc of the flat's radius about C with
+//! everything above it. The cutter is all that lies within the corner radius of the core. The core is convex,
+//! so a unit vector m that does not point up bounds it: no point of the cutter lies farther along m from C
+//! than [`Solid::reach`].
 
 use nalgebra::Vector3;
 
@@ -40,7 +41,8 @@ impl Solid {
         Vector3::new(sideways.x, sideways.y, 0.0) + m * self.corner
     }
 
-    /// How deep the point at `off` from C lies in the cutter, mm: its distance from the outside, negative outside.
+    /// How deep the point at `off` from C lies in the cutter, mm: its distance from the outside, negative
+    /// outside.
     pub(super) fn depth(&self, off: &Vector3<f64>) -> f64 {
         let out = off.xy().norm() - self.flat;
         match (out > 0.0, off.z < 0.0) {
@@ -58,8 +60,9 @@ impl Solid {
         Vector3::new(off.x * share, off.y * share, off.z.min(0.0)).try_normalize(0.0)
     }
 
-    /// A ball cutter that holds this one and touches it along the circle where its lower side faces along `m`: about the point of the
-    /// axis from which the circle of the disc's edge is seen along `m`. `None` where it would be as good as a plane.
+    /// A ball cutter that holds this one and touches it along the circle where its lower side faces along
+    /// `m`: about the point of the axis from which the circle of the disc's edge is seen along `m`. `None`
+    /// where it would be as good as a plane.
     pub(super) fn ball_around(&self, m: &Vector3<f64>) -> Option<BallAround> {
         if self.flat == 0.0 {
             return Some(BallAround { radius: self.corner, rise: 0.0 });
@@ -79,7 +82,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Seen along any vector the cutter, and the ball around it, reach at least as far as a point is deep.
+        /// Seen along any vector the cutter, and the ball around it, reach at least as far as a point is
+        /// deep.
         #[test]
         fn no_direction_shows_a_point_less_deep(
             flat in 0.0f64..4.0, corner in 0.0f64..4.0, off in prop::array::uniform3(-6.0f64..6.0),

@@ -8,7 +8,8 @@ use crate::budget::{Budget, Stopped};
 /// Stretches that begin or end between two looks at the budget.
 const EVENTS_BETWEEN_CHECKS: usize = 1024;
 
-/// Ends this near to each other are at one place, mm: rounding leaves no slits between neighbours, nor walls where several end.
+/// Ends this near to each other are at one place, mm: rounding leaves no slits between neighbours, nor walls
+/// where several end.
 const SAME_MM: f64 = 1e-7;
 
 /// A connected skyline: points (x, z), mm, with x that never falls; two at the same x are a wall.

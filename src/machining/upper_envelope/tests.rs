@@ -19,7 +19,8 @@ fn height(envelope: &UpperEnvelope, x: f64) -> f64 {
     heights.map(|p| Segment { from: p[0], to: p[1] }.height(x)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A cylinder of `radius` mm about y with its arc from `from` to `from + sweep` radians over -x, 30 mm long; u along the arc.
+/// A cylinder of `radius` mm about y with its arc from `from` to `from + sweep` radians over -x, 30 mm long;
+/// u along the arc.
 fn cylinder(radius: f64, from: f64, sweep: f64) -> BezierSurface<RationalPatch<4>> {
     let w = (0.5 * sweep).cos();
     let at = |angle: f64, reach: f64| (-reach * angle.cos(), reach * angle.sin());

@@ -1,9 +1,10 @@
 //! Fewer elements than greedy growth finds, by keeping several places that as many elements reach.
 //!
 //! # Method
-//! Of all places that k elements reach, a layer keeps the farthest and some behind it. From each the longest element is
-//! found; where these end, and at equal steps behind the farthest of them as far as some element of the layer before fits,
-//! is the next layer. Where an element from a nearer place reaches farther, as it may about an inflection, it is not lost.
+//! Of all places that k elements reach, a layer keeps the farthest and some behind it. From each the longest
+//! element is found; where these end, and at equal steps behind the farthest of them as far as some element
+//! of the layer before fits, is the next layer. Where an element from a nearer place reaches farther, as it
+//! may about an inflection, it is not lost.
 //!
 //! # Cost
 //! Some [`PLACES`] longest elements, and the square of it in strains, for each element.

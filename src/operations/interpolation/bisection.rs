@@ -1,8 +1,8 @@
 //! Hyun's adaptive interpolation: an element that leaves the band is bisected.
 //!
 //! # Reference
-//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation Technique",
-//! 1992, section 2, steps 1 to 4.
+//! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
+//! Technique", 1992, section 2, steps 1 to 4.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

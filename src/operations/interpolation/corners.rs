@@ -7,10 +7,12 @@ use crate::geometry::plane_curve::PlaneCurve;
 /// A tangent that jumps by more than this makes a corner, as a sine.
 const CORNER_SINE: f64 = 1e-3;
 
-/// Corners beyond so many are left to the elements: a polyline of that many points is no contour with corners.
+/// Corners beyond so many are left to the elements: a polyline of that many points is no contour with
+/// corners.
 const MOST_CORNERS: usize = 10_000;
 
-/// Moves a joint to each corner that an element cuts off, where both elements at the joint then stay within the band.
+/// Moves a joint to each corner that an element cuts off, where both elements at the joint then stay within
+/// the band.
 ///
 /// # Errors
 /// When the budget ends.

@@ -1,28 +1,29 @@
 //! The fewest lines with joints anywhere in the band: a path of the least number of links through a corridor.
 //!
 //! # Method
-//! 1. Gates across the band, many for each element with joints on the curve, make a polygon of it: a corridor between a
-//!    left and a right chain. How far the chains may be from the edges of the band is bounded by derivatives; moved inward
-//!    by that the corridor lies inside the band, moved outward it holds the band.
-//! 2. From what can be reached with some lines, the next line goes as far as one can that leaves the left chain to its left
-//!    and the right chain to its right. It touches both, and ends where it leaves the corridor: from its last touch to
-//!    there is the window through which every path with one line more has to go. (Of the lines through points and below
-//!    others the steepest and the flattest are kept: O'Rourke.)
+//! 1. Gates across the band, many for each element with joints on the curve, make a polygon of it: a corridor
+//!    between a left and a right chain. How far the chains may be from the edges of the band is bounded by
+//!    derivatives; moved inward by that the corridor lies inside the band, moved outward it holds the band.
+//! 2. From what can be reached with some lines, the next line goes as far as one can that leaves the left
+//!    chain to its left and the right chain to its right. It touches both, and ends where it leaves the
+//!    corridor: from its last touch to there is the window through which every path with one line more has to
+//!    go. (Of the lines through points and below others the steepest and the flattest are kept: O'Rourke.)
 //! 3. The joints are where these lines meet; each lies on a window.
 //!
 //! # Guarantees
-//! The number of lines through the corridor that holds the band is a lower bound for all paths in the band. Lines through
-//! the corridor inside are proved on their own by the caller.
+//! The number of lines through the corridor that holds the band is a lower bound for all paths in the band.
+//! Lines through the corridor inside are proved on their own by the caller.
 //!
 //! # Degenerate input
-//! A band that turns back within one line's reach, or folds, gives no path: the joints stay on the curve then.
+//! A band that turns back within one line's reach, or folds, gives no path: the joints stay on the curve
+//! then.
 //!
 //! # Cost
 //! O(n m) for n gates, m of which one line passes.
 //!
 //! # Reference
-//! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J. O'Rourke, *An
-//! on-line algorithm for fitting straight lines between data ranges*, CACM 24, 1981.
+//! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J.
+//! O'Rourke, *An on-line algorithm for fitting straight lines between data ranges*, CACM 24, 1981.
 
 mod gates;
 
@@ -37,7 +38,8 @@ use gates::Gate;
 /// Points of a chain between two looks at the budget.
 const GATES_BETWEEN_CHECKS: usize = 1024;
 
-/// A point this little beside a line, in parts of its place along it, is on it: the last gate is a point of both chains.
+/// A point this little beside a line, in parts of its place along it, is on it: the last gate is a point of
+/// both chains.
 const ROUNDING: f64 = 1e-13;
 
 /// A band as gates.
@@ -77,8 +79,8 @@ impl Corridor {
         Ok(self.links(curve, Edges::Outside, budget)?.map_or(1, |links| links.len()))
     }
 
-    /// The joints of a path of the fewest lines from the first gate to the last, the ends included; `None` where none is
-    /// found.
+    /// The joints of a path of the fewest lines from the first gate to the last, the ends included; `None`
+    /// where none is found.
     ///
     /// # Errors
     /// When the budget ends.

@@ -11,8 +11,8 @@ use crate::geometry::element::Element;
 use crate::geometry::plane_curve::PlaneCurve;
 use bow::Bow;
 
-/// Places at which a deviation is looked for, in parts of a range: at even steps, or, for bands with a narrow side, closer
-/// together towards the ends.
+/// Places at which a deviation is looked for, in parts of a range: at even steps, or, for bands with a narrow
+/// side, closer together towards the ends.
 const EVEN: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 const GRADED: [f64; 17] =
     [0.0003, 0.002, 0.01, 0.03, 0.08, 0.18, 0.3, 0.4, 0.5, 0.6, 0.7, 0.82, 0.92, 0.97, 0.99, 0.998, 0.9997];
@@ -20,12 +20,13 @@ const GRADED: [f64; 17] =
 /// A band is lopsided whose narrow side is less than this part of the wide one.
 const LOPSIDED_PART: f64 = 0.99;
 
-/// Steps of parabolas through three places to where a deviation is largest; more where an element is to touch the curve.
+/// Steps of parabolas through three places to where a deviation is largest; more where an element is to touch
+/// the curve.
 const PEAK_STEPS: usize = 4;
 const TOUCH_STEPS: usize = 16;
 
-/// An element that may not touch the other side of a curve keeps this part of the wide side away from it in its middle: an
-/// element that coincides with the curve takes many cells to prove.
+/// An element that may not touch the other side of a curve keeps this part of the wide side away from it in
+/// its middle: an element that coincides with the curve takes many cells to prove.
 const CLEAR_PART: f64 = 1e-4;
 
 /// Of a side that is narrower than this part of the other only this part is aimed at.
@@ -35,8 +36,8 @@ const NARROW_USE: f64 = 0.7;
 /// How often the places where the deviations of an element are largest join those by which the next is made.
 const EXCHANGES: usize = 4;
 
-/// A side of the band that is narrower than this part of the other has no room for an element that bends to it; one that is
-/// this much shorter than the other side would take is there by rounding.
+/// A side of the band that is narrower than this part of the other has no room for an element that bends to
+/// it; one that is this much shorter than the other side would take is there by rounding.
 const NO_ROOM_PART: f64 = 1e-7;
 const HOPELESS_FACTOR: f64 = 1024.0;
 
@@ -93,8 +94,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         })
     }
 
-    /// The largest deviation over `range` in parts of the band, by the shape that needs least: one is its edge. It is found
-    /// by samples: good enough to search with.
+    /// The largest deviation over `range` in parts of the band, by the shape that needs least: one is its
+    /// edge. It is found by samples: good enough to search with.
     pub fn strain(&self, range: [f64; 2]) -> f64 {
         let strains = self.method.shapes().iter().filter_map(|shape| {
             let element = self.element(*shape, range)?;
@@ -103,8 +104,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         strains.fold(f64::INFINITY, f64::min)
     }
 
-    /// As `strain`, for lines along a curve that bends to one side only: there the deviation is largest where the curve runs
-    /// along the line, which takes a few tangents to find.
+    /// As `strain`, for lines along a curve that bends to one side only: there the deviation is largest where
+    /// the curve runs along the line, which takes a few tangents to find.
     pub fn strain_of_hump(&self, [from, to]: [f64; 2]) -> f64 {
         let Some(line) = self.element(Shape::Line, [from, to]) else { return f64::INFINITY };
         let along = line.end() - line.start();
@@ -119,16 +120,16 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         self.part(&line, self.distance(&line, top, 0.5))
     }
 
-    /// A distance of the curve to the left of an element in parts of the side of the band it is on, with half of the
-    /// rounding that proofs allow for.
+    /// A distance of the curve to the left of an element in parts of the side of the band it is on, with half
+    /// of the rounding that proofs allow for.
     fn part(&self, element: &Element, distance: f64) -> f64 {
         let Band { below_mm, above_mm, .. } = self.band;
         let guard = GUARD_MM + 0.5 * GUARD_PART * element.magnitude();
         if distance > 0.0 { distance / (below_mm + guard) } else { -distance / (above_mm + guard) }
     }
 
-    /// Whether an element over `range` is so much shorter than one that both sides of the band would take if they were as wide
-    /// as the wider that it is the narrow side that has no room for any.
+    /// Whether an element over `range` is so much shorter than one that both sides of the band would take if
+    /// they were as wide as the wider that it is the narrow side that has no room for any.
     pub fn is_hopeless(&self, [from, to]: [f64; 2]) -> bool {
         let Band { below_mm, above_mm, .. } = self.band;
         if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) {
@@ -164,8 +165,9 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
     }
 
-    /// Whether one side of the band is narrower than the other: the paper's parabola, which runs through the curve in its
-    /// middle, then wastes the wide side, and deviations to the narrow side are large only near the ends.
+    /// Whether one side of the band is narrower than the other: the paper's parabola, which runs through the
+    /// curve in its middle, then wastes the wide side, and deviations to the narrow side are large only near
+    /// the ends.
     fn is_lopsided(&self) -> bool {
         let Band { below_mm, above_mm, .. } = self.band;
         below_mm.min(above_mm) < LOPSIDED_PART * below_mm.max(above_mm)
@@ -196,7 +198,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         peak(at, self.places(), [0.0, 0.0], PEAK_STEPS).map_or(f64::INFINITY, |[_, most]| most.max(0.0))
     }
 
-    /// The arc whose deviations use both sides of the band alike; a line where it would be too flat to be run as an arc.
+    /// The arc whose deviations use both sides of the band alike; a line where it would be too flat to be run
+    /// as an arc.
     fn arc(&self, [from, to]: [f64; 2], start: Point2<f64>, end: Point2<f64>) -> Option<Element> {
         let half = 0.5 * (end - start).norm();
         let bows = Bow::Arcs { start, end };
@@ -269,7 +272,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// The root of a falling function between two places, by regula falsi (the Illinois variant), to a part of the width.
+/// The root of a falling function between two places, by regula falsi (the Illinois variant), to a part of
+/// the width.
 fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64 {
     let width = high - low;
     let (mut at_low, mut at_high) = (f(low), f(high));
@@ -306,8 +310,8 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64
     0.5 * (low + high)
 }
 
-/// Where `f` is largest inside a range, and its value there: at one of the places or near it, by parabolas through three
-/// places, for which it is known at the ends. `None` where `f` is not finite.
+/// Where `f` is largest inside a range, and its value there: at one of the places or near it, by parabolas
+/// through three places, for which it is known at the ends. `None` where `f` is not finite.
 fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize) -> Option<[f64; 2]> {
     let mut x = [0.0; GRADED.len() + 2];
     let mut y = [at_ends[0]; GRADED.len() + 2];
@@ -327,7 +331,8 @@ fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize)
     Some(climb(f, near(x), near(y), steps))
 }
 
-/// The largest value of `f` near a place where it is larger than at two neighbours, by parabolas through three places.
+/// The largest value of `f` near a place where it is larger than at two neighbours, by parabolas through
+/// three places.
 fn climb(f: impl Fn(f64) -> f64, mut x: [f64; 3], mut y: [f64; 3], steps: usize) -> [f64; 2] {
     let close = 5e-6 * (x[2] - x[0]).min(2.0 * (x[1] - x[0]));
     for _ in 0..steps {

@@ -62,8 +62,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// The job with the default of everything that has one: the contour itself at a height of zero without feeds, written in
-    /// mm with three decimals for a control that runs parabolas.
+    /// The job with the default of everything that has one: the contour itself at a height of zero without
+    /// feeds, written in mm with three decimals for a control that runs parabolas.
     pub fn new(curve: Source, method: Method, subdivision: Subdivision, band: Band) -> Self {
         Self {
             curve,

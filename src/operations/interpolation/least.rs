@@ -1,16 +1,17 @@
 //! The fewest elements with joints on the curve: each ends as far on as it can.
 //!
 //! # Method
-//! 1. From a joint the longest element is searched: its strain, the deviation in parts of the band, is a growing function
-//!    of its length, whose root at one is found in logarithms; the element there is then proved.
-//! 2. Where the curve is convex every part of an element that stays within the band does so too (`lower_bound`): then the
-//!    longest element from the farthest joint is the best there is, and greedy growth gives the least number. About an
-//!    inflection that need not be so: a longer element may fit again where a shorter does not, and an earlier joint may
-//!    reach farther. Both are tried.
+//! 1. From a joint the longest element is searched: its strain, the deviation in parts of the band, is a
+//!    growing function of its length, whose root at one is found in logarithms; the element there is then
+//!    proved.
+//! 2. Where the curve is convex every part of an element that stays within the band does so too
+//!    (`lower_bound`): then the longest element from the farthest joint is the best there is, and greedy
+//!    growth gives the least number. About an inflection that need not be so: a longer element may fit again
+//!    where a shorter does not, and an earlier joint may reach farther. Both are tried.
 //!
 //! # Guarantees
-//! Every element is proved. Joints are as far on as they can be, to a part of 2e-7 of the element. How far the count may be
-//! from the least of all is told by the lower bound.
+//! Every element is proved. Joints are as far on as they can be, to a part of 2e-7 of the element. How far
+//! the count may be from the least of all is told by the lower bound.
 //!
 //! # Cost
 //! O(n) for n elements.
@@ -28,8 +29,8 @@ const LENGTH_STEPS: usize = 60;
 /// The length is found to this part of itself.
 const LENGTH_PART: f64 = 1e-9;
 
-/// A strain this little below one is at the edge of the band: nearer to it proofs take longer, and elements grow by less than
-/// a part of 1e-7.
+/// A strain this little below one is at the edge of the band: nearer to it proofs take longer, and elements
+/// grow by less than a part of 1e-7.
 const STRAIN_PART: f64 = 2e-7;
 
 /// Parts by which a length is shortened until its element is proved; after them it is halved.
@@ -92,7 +93,8 @@ pub fn fewest(
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// The longest element that starts at `from` and ends at `most` at the latest; `guess` is about how long it is.
+    /// The longest element that starts at `from` and ends at `most` at the latest; `guess` is about how long
+    /// it is.
     ///
     /// # Errors
     /// When no element stays within the band however short.
@@ -161,8 +163,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         to - from <= 1e-13 * (last - first).max(first.abs()).max(last.abs())
     }
 
-    /// How much longer an element may be that fits again: a line that cuts off a bend to the narrow side of the band is short
-    /// beside one to the wide side.
+    /// How much longer an element may be that fits again: a line that cuts off a bend to the narrow side of
+    /// the band is short beside one to the wide side.
     fn longest_factor(&self) -> f64 {
         if matches!(self.method, Method::Arc | Method::Parabolic) {
             return 2.0;
@@ -172,7 +174,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         (2.0 * ratio.sqrt()).min(LONGEST_FACTOR)
     }
 
-    /// Whether a longer element might stay within the band where a shorter does not: not where lines meet a convex curve.
+    /// Whether a longer element might stay within the band where a shorter does not: not where lines meet a
+    /// convex curve.
     fn may_fit_again(&self, [from, to]: [f64; 2]) -> bool {
         if self.method != Method::Linear {
             return true;
@@ -189,7 +192,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         left && right
     }
 
-    /// The element before with an earlier end, and the next from there, where that reaches farther than `next`.
+    /// The element before with an earlier end, and the next from there, where that reaches farther than
+    /// `next`.
     fn around(&self, before: &Fitted, next: &Fitted, most: f64) -> Option<[Fitted; 2]> {
         let [start, joint] = before.range;
         let reached = next.range[1];
@@ -214,8 +218,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
 /// The length at which the strain is one, or all the room there is.
 ///
-/// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the root,
-/// within what is bracketed.
+/// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the
+/// root, within what is bracketed.
 fn limit_length(strain: impl Fn(f64) -> f64, from: f64, [guess, room]: [f64; 2]) -> f64 {
     let (mut low, mut high) = (0.0, f64::INFINITY);
     let mut length = guess;

@@ -1,31 +1,35 @@
 //! How few elements there can be at least, whatever their joints on the curve: a bound for the count of all.
 //!
 //! # Method
-//! With r the farthest place that k elements can reach, k + 1 reach no farther than the farthest end of an element that
-//! starts at r or before it. That is bounded in two ways.
+//! With r the farthest place that k elements can reach, k + 1 reach no farther than the farthest end of an
+//! element that starts at r or before it. That is bounded in two ways.
 //!
-//! 1. **Convex.** Lines: let the curve be convex, and its tangents differ by less than a right angle, where an element from
-//!    before r could run at all. Then the height of a part of the curve over its own chord is at most that of the whole over its
-//!    chord: the part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph; the
-//!    point of the part farthest from its chord has a tangent along it, so it lies on the side of the apex where the strip's
-//!    height counts in full, and its distance is at most that height times the cosine between the chords. (By the vertical
-//!    measure the chord of the whole lies above that of the part, which needs no tangents.) So an element from before r to
-//!    beyond b would have a part from r to b within the band; where that element is outside, b bounds the reach.
-//! 2. **Free.** An element that stays within the band over a range does so over every part of it, whatever its joints. It
-//!    is ruled out by a few points that none of its kind passes near enough: three for lines (the least height of the
-//!    triangle), four for arcs (the thinnest ring) and for parabolas over graphs (the third divided difference).
+//! 1. **Convex.** Lines: let the curve be convex, and its tangents differ by less than a right angle, where
+//!    an element from before r could run at all. Then the height of a part of the curve over its own chord is
+//!    at most that of the whole over its chord: the part lies in a strip of the whole's height along the
+//!    whole's chord, over which the curve is a graph; the point of the part farthest from its chord has a
+//!    tangent along it, so it lies on the side of the apex where the strip's height counts in full, and its
+//!    distance is at most that height times the cosine between the chords. (By the vertical measure the chord
+//!    of the whole lies above that of the part, which needs no tangents.) So an element from before r to
+//!    beyond b would have a part from r to b within the band; where that element is outside, b bounds the
+//!    reach.
+//! 2. **Free.** An element that stays within the band over a range does so over every part of it, whatever
+//!    its joints. It is ruled out by a few points that none of its kind passes near enough: three for lines
+//!    (the least height of the triangle), four for arcs (the thinnest ring) and for parabolas over graphs
+//!    (the third divided difference).
 //!
 //! # Guarantees
-//! No set of elements of the method with joints on the curve is smaller, up to rounding of 1e-9 of the band. The bound is
-//! the count itself for lines on convex curves; for arcs and parabolas it is smaller by some tenth, about inflections by
-//! more: 10 for 15 at worst of what was seen. For parabolas on curves that are no graphs nothing but 1 is known.
+//! No set of elements of the method with joints on the curve is smaller, up to rounding of 1e-9 of the band.
+//! The bound is the count itself for lines on convex curves; for arcs and parabolas it is smaller by some
+//! tenth, about inflections by more: 10 for 15 at worst of what was seen. For parabolas on curves that are no
+//! graphs nothing but 1 is known.
 //!
 //! # Cost
 //! O(n) for n elements, as much as finding the elements.
 //!
 //! # Reference
-//! Three and four points: C. J. de la Vallee Poussin's theorem; rings: Ebara, Fukuyama, Nakano, Nakanishi, *Roundness
-//! algorithms using the Voronoi diagrams*, CCCG 1989.
+//! Three and four points: C. J. de la Vallee Poussin's theorem; rings: Ebara, Fukuyama, Nakano, Nakanishi,
+//! *Roundness algorithms using the Voronoi diagrams*, CCCG 1989.
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
@@ -38,7 +42,8 @@ use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 use crate::geometry::solve::bisect;
 
-/// How much farther than guessed an element is looked at, in parts of its length: the first that is outside bounds the reach.
+/// How much farther than guessed an element is looked at, in parts of its length: the first that is outside
+/// bounds the reach.
 const BEYOND_PARTS: [f64; 5] = [1e-6, 1e-4, 1e-3, 1e-2, 5e-2];
 
 /// How much farther than that no element at all reaches, where it is convex; tried in turn.
@@ -47,7 +52,8 @@ const FAR_FACTORS: [f64; 3] = [1.5, 2.0, 3.0];
 /// How often a range is halved until the curve is seen to be convex there.
 const HALVINGS: u32 = 4;
 
-/// A tangent that jumps by more than this, as a sine, makes a corner: the curve is not taken for convex there.
+/// A tangent that jumps by more than this, as a sine, makes a corner: the curve is not taken for convex
+/// there.
 const CORNER_SINE: f64 = 1e-9;
 
 /// Elements between two looks at the budget.
@@ -59,11 +65,13 @@ const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 /// Points among which the three that rule out a line are looked for.
 const LINE_POINTS: usize = 17;
 
-/// Ranges grow by this factor until an element is ruled out, and the growth is then refined by halving it so often.
+/// Ranges grow by this factor until an element is ruled out, and the growth is then refined by halving it so
+/// often.
 const GROWTH: f64 = 1.04;
 const REFINEMENTS: usize = 8;
 
-/// A bound for the number of elements over the range of `guide`: elements that are each as long as they can be.
+/// A bound for the number of elements over the range of `guide`: elements that are each as long as they can
+/// be.
 ///
 /// # Errors
 /// When the budget ends.
@@ -91,8 +99,8 @@ pub fn lower_bound(
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// A bound for where elements end that start between `before` and `start`, which lies in `own`; `next` is the element
-    /// behind that.
+    /// A bound for where elements end that start between `before` and `start`, which lies in `own`; `next` is
+    /// the element behind that.
     fn reach_at_most(&self, [before, start, to]: [f64; 3], own: [f64; 2], next: Option<[f64; 2]>) -> f64 {
         let Some(next) = next else { return to };
         // As far into the next element as the start is into its own.
@@ -119,7 +127,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         matches!(judge(self.curve, &element, [from, to], Ends::OnCurve, &self.band), Verdict::Outside { .. })
     }
 
-    /// Whether the curve turns to one side only over a range, and by the normal measure by less than a right angle.
+    /// Whether the curve turns to one side only over a range, and by the normal measure by less than a right
+    /// angle.
     fn is_convex(&self, [from, to]: [f64; 2]) -> bool {
         let breaks = self.curve.breaks();
         let along = (self.curve.point(to) - self.curve.point(from)).normalize();
@@ -145,8 +154,9 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         (left || right) && !breaks.iter().any(|t| self.curve.has_corner(*t, CORNER_SINE))
     }
 
-    /// Whether the curve turns to the left, and to the right, over a range without breaks; a straight one does both. `None`
-    /// where it cannot be told, or by the normal measure where its tangents are not within half a right angle of `along`.
+    /// Whether the curve turns to the left, and to the right, over a range without breaks; a straight one
+    /// does both. `None` where it cannot be told, or by the normal measure where its tangents are not within
+    /// half a right angle of `along`.
     fn turns(&self, [from, to]: [f64; 2], along: Vector2<f64>) -> Option<[bool; 2]> {
         let Enclosure { first, second, .. } = self.curve.enclose(from, to);
         if self.band.measure == Measure::Normal {
@@ -212,8 +222,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     /// Whether no quadratic function passes near enough to four points of a graph.
     ///
-    /// An element that lies within w of the curve lies above or below it by at most w sqrt(1 + m^2), with m the largest
-    /// slope of the curve within w of there.
+    /// An element that lies within w of the curve lies above or below it by at most w sqrt(1 + m^2), with m
+    /// the largest slope of the curve within w of there.
     fn no_parabola(&self, x: [f64; 4]) -> bool {
         let [first, last] = self.curve.domain();
         let (below, above) = (self.band.below_mm + 2.0 * GUARD_MM, self.band.above_mm + 2.0 * GUARD_MM);
@@ -238,7 +248,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// All triples of neighbours at equal distances and those with an end moved: enough to see how thick a bent strip is.
+/// All triples of neighbours at equal distances and those with an end moved: enough to see how thick a bent
+/// strip is.
 fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).flat_map(move |b| {
         let last = count - 1;
@@ -250,7 +261,8 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
 
 /// The width of the thinnest ring, or strip, that holds four points.
 ///
-/// It has two of them on each of its circles, or three on one and one on the other; a strip has two on one of its lines.
+/// It has two of them on each of its circles, or three on one and one on the other; a strip has two on one of
+/// its lines.
 fn ring(p: [Point2<f64>; 4]) -> f64 {
     let mut thinnest = strip(p);
     let mut try_center = |center: Option<Point2<f64>>| {

@@ -19,7 +19,8 @@ use crate::toolpath::{Move, PathError, Role, Toolpath};
 /// What the cutter leaves is worth a word from here on, mm: less is lost in the program's decimals.
 const UNCUT_MM: f64 = 1e-3;
 
-/// At corners that are hardly any the path may be this far away from where it should be, in steps of the last decimal.
+/// At corners that are hardly any the path may be this far away from where it should be, in steps of the last
+/// decimal.
 const MITRE_STEPS: f64 = 0.1;
 
 /// Moves between two looks at the budget.
@@ -86,8 +87,8 @@ pub fn path(
     Ok(Path { toolpath, length_mm, cutting_time_s: seconds, deviation_written_mm, cutting, warnings })
 }
 
-/// The elements as the control runs them: arcs, else lines, within the same band instead of parabolas that it does not
-/// know.
+/// The elements as the control runs them: arcs, else lines, within the same band instead of parabolas that it
+/// does not know.
 fn runnable(
     curve: &impl PlaneCurve,
     elements: &[ReportedElement],

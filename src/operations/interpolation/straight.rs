@@ -1,7 +1,8 @@
 //! Lines in the place of arcs that are hardly bent, where that takes no more elements.
 //!
-//! An arc of several metres along a flank that is straight, or as good as straight, is a move that no machinist expects and that rounding
-//! of its centre bends. Where the band holds a line from the arc's start on, and the arcs after it reach as far as before, the line stays.
+//! An arc of several metres along a flank that is straight, or as good as straight, is a move that no
+//! machinist expects and that rounding of its centre bends. Where the band holds a line from the arc's start
+//! on, and the arcs after it reach as far as before, the line stays.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
@@ -45,7 +46,8 @@ fn bulge_mm(start: nalgebra::Point2<f64>, end: nalgebra::Point2<f64>, turn: f64)
     0.5 * (end - start).norm() * (turn / 4.0).tan().abs()
 }
 
-/// A line at the place of the first element, and new ones for those after it up to a joint that stays; `None` where there are none.
+/// A line at the place of the first element, and new ones for those after it up to a joint that stays; `None`
+/// where there are none.
 fn from_line(fitter: &Fitter<impl PlaneCurve>, rest: &[Fitted]) -> Option<Vec<Fitted>> {
     let [from, to] = rest[0].range;
     let lines = Fitter { method: Method::Linear, ..*fitter };

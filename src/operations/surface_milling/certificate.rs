@@ -64,7 +64,8 @@ impl<'a, P: Patch> Search<'a, P> {
         Self { proof, job, gap, enough, done: AtomicUsize::new(0), total, budget }
     }
 
-    /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if it is deeper.
+    /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if
+    /// it is deeper.
     pub(super) fn deepest(&self, known: Penetration, moves: &[Curve]) -> Result<Penetration, Error> {
         let rows: Vec<&[Curve]> = moves.chunks(MOVES_IN_A_ROW).collect();
         match self.budget.in_order(rows.len(), |k| self.of_row(known, rows[k])) {

@@ -24,16 +24,17 @@ use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;
 
-/// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger ones arcs, whose number
-/// falls only with the cube root of what is left. Points of direct contact are dearer.
+/// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger
+/// ones arcs, whose number falls only with the cube root of what is left. Points of direct contact are
+/// dearer.
 const SECTION_HEIGHT_SHARE: f64 = 0.03;
 const CONTACT_HEIGHT_SHARE: f64 = 0.06;
 
 /// The outline that a cutter stays inside of is known to this part of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
 
-/// A rim reaches up to the root of 2 farther below the surface than its path deviates: passes that it takes too deep are cut again with
-/// this part of the tolerance.
+/// A rim reaches up to the root of 2 farther below the surface than its path deviates: passes that it takes
+/// too deep are cut again with this part of the tolerance.
 const RIM_SHARE: f64 = 0.65;
 
 /// What an engine knows of a job.
@@ -80,8 +81,9 @@ fn by_offset_section<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Bu
     by_sections(&surface, &offset, None, job, budget)
 }
 
-/// By the contacts of the cutter. Where a ball is proved to fit the surface everywhere, it touches with its tangent plane, and passes
-/// are sections of the offset, unless the certificate finds that something else is in their way.
+/// By the contacts of the cutter. Where a ball is proved to fit the surface everywhere, it touches with its
+/// tangent plane, and passes are sections of the offset, unless the certificate finds that something else is
+/// in their way.
 fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let joints = match joints::examine(&surface, &job.surface.loose_joints(), budget) {
         Err(NotSmooth::Stopped(stopped)) => return Err(stopped.into()),
@@ -94,7 +96,8 @@ fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -
         let offset = Offset { regularity: proof, seam: seam(&joints, job, proof.slopes()) };
         if CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= offset.seam.bend * job.tool.radius_mm {
             match by_sections(&surface, &offset, Some(&contacts), job, budget) {
-                // The ball fits near each place, and yet something is in its way, or a wall as good as upright has sections without end.
+                // The ball fits near each place, and yet something is in its way, or a wall as good as
+                // upright has sections without end.
                 Err(
                     Error::ToleranceNotReached { .. } | Error::SectionLost { .. } | Error::TooMuchWork { .. },
                 ) => regularity = None,
@@ -279,8 +282,8 @@ fn inside(
     }
 }
 
-/// Proves how deep the cutter cuts into the surface on any move, as computed and as written: within the tolerance, and within
-/// `depth_mm` on the passes.
+/// Proves how deep the cutter cuts into the surface on any move, as computed and as written: within the
+/// tolerance, and within `depth_mm` on the passes.
 fn certify(
     toolpath: &Toolpath,
     job: &Job,

@@ -21,7 +21,8 @@ const SHARP: [f64; 2] = [2.0, 1.5];
 pub(super) struct Seam {
     /// It jumps by this at most, mm.
     pub(super) jump: f64,
-    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which it bends.
+    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which
+    /// it bends.
     pub(super) bend: f64,
 }
 
@@ -65,11 +66,12 @@ impl Deviation {
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
 /// written.
 ///
-/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam` adds. A
-/// point of the chord is as far from a line as its ends, and from an arc, which lies as far away as the tips at
-/// most, by the height of the chord under that arc more. Ends correspond to ends, and arcs go round their centres
-/// as the tips do, so the nearest points of a path that stays in so narrow a band run over all of the other: the
-/// bound holds both ways. What is written in several pieces is bounded by its displacement from `curve`.
+/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam`
+/// adds. A point of the chord is as far from a line as its ends, and from an arc, which lies as far away as
+/// the tips at most, by the height of the chord under that arc more. Ends correspond to ends, and arcs go
+/// round their centres as the tips do, so the nearest points of a path that stays in so narrow a band run
+/// over all of the other: the bound holds both ways. What is written in several pieces is bounded by its
+/// displacement from `curve`.
 pub(super) fn of(
     job: &Job,
     curve: &Curve,

@@ -1,10 +1,10 @@
 //! How the cutter comes down to a pass, and how it leaves one.
 //!
 //! # Method
-//! Rapids end [`APPROACH_MM`] above the stock. The top of a block is one height. The height over stock that follows the surface is found by
-//! halving an interval: the cutter, larger by the stock all around and lower by that distance, is proved to stay off the surface
-//! ([`gouge`](crate::machining::gouge)). From there the cutter plunges, or enters by a ramp or along an arc where that is asked for and
-//! proved clear.
+//! Rapids end [`APPROACH_MM`] above the stock. The top of a block is one height. The height over stock that
+//! follows the surface is found by halving an interval: the cutter, larger by the stock all around and lower
+//! by that distance, is proved to stay off the surface ([`gouge`](crate::machining::gouge)). From there the
+//! cutter plunges, or enters by a ramp or along an arc where that is asked for and proved clear.
 
 use nalgebra::{Point3, Vector3};
 
@@ -58,7 +58,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(self.lead_in(pass)?.first().map_or(pass.start(), Curve::start))
     }
 
-    /// From the height of rapids, where the builder is, to the start of a pass. Whether by the entry that was asked for.
+    /// From the height of rapids, where the builder is, to the start of a pass. Whether by the entry that was
+    /// asked for.
     pub(super) fn enter(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
         let lead = self.lead_in(pass)?;
         let (from, low) = match lead.first() {
@@ -115,8 +116,8 @@ impl<P: Patch> Entries<'_, P> {
         z + APPROACH_MM + self.job.stock.map_or(0.0, Stock::thickness_mm)
     }
 
-    /// The lowest height to which the cutter may come down over a place by rapid, mm. It is not below `low`, and not above the higher of
-    /// `low` and the retract plane.
+    /// The lowest height to which the cutter may come down over a place by rapid, mm. It is not below `low`,
+    /// and not above the higher of `low` and the retract plane.
     fn free_height(&self, place: Point3<f64>, low: f64) -> Result<f64, Error> {
         let high = self.cutting.retract_z_mm.max(low);
         if let Some(Stock::Block { top_z_mm }) = self.job.stock {
@@ -129,7 +130,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(free)
     }
 
-    /// Whether nothing is to be cut up to [`APPROACH_MM`] below the cutter on its way down from `high` to `low` over a place.
+    /// Whether nothing is to be cut up to [`APPROACH_MM`] below the cutter on its way down from `high` to
+    /// `low` over a place.
     fn is_free(&self, place: Point3<f64>, [low, high]: [f64; 2]) -> Result<bool, Error> {
         let way = Line { start: at_height(place, high), end: at_height(place, low - APPROACH_MM) };
         self.is_clear(&Curve::Line(way), &self.proofs.stocked)
@@ -177,8 +179,8 @@ impl<P: Patch> Entries<'_, P> {
         }
     }
 
-    /// Down to `end` in legs between it and a place one `leg` away, at most, which fall by `slope` mm a millimetre. None where that takes
-    /// too many.
+    /// Down to `end` in legs between it and a place one `leg` away, at most, which fall by `slope` mm a
+    /// millimetre. None where that takes too many.
     fn ramp(&self, end: Point3<f64>, leg: Vector3<f64>, slope: f64) -> Result<Vec<Curve>, Error> {
         let rise = self.free_height(end, self.above_stock(end.z))? - end.z;
         let way = rise / slope;
@@ -195,8 +197,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(down.map(|k| Curve::Line(Line { start: place(k + 1), end: place(k) })).collect())
     }
 
-    /// The quarter of a circle that goes on from `place` along `tangent` and bends up; none where it ends below the place, or above the
-    /// retract plane.
+    /// The quarter of a circle that goes on from `place` along `tangent` and bends up; none where it ends
+    /// below the place, or above the retract plane.
     fn quarter(&self, place: Point3<f64>, tangent: Vector3<f64>, radius_mm: f64) -> Option<Quarter> {
         let mut along = tangent;
         along[self.job.plane.normal_axis()] = 0.0;

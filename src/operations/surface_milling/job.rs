@@ -50,8 +50,8 @@ pub enum Spacing {
     Stepover(f64),
     /// The largest height that may be left between passes, along the surface normal, mm.
     ScallopHeight(f64),
-    /// The largest distance of the wires of `wire_union`, mm: a method of its own, to which engine, plane, boundary, direction and
-    /// interpolation say nothing.
+    /// The largest distance of the wires of `wire_union`, mm: a method of its own, to which engine, plane,
+    /// boundary, direction and interpolation say nothing.
     WirePitch(f64),
 }
 
@@ -86,7 +86,8 @@ pub enum Interpolation {
 /// What stands over the surface before the path is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stock {
-    /// A layer on the surface, as roughing leaves it, at most this thick along the normal, mm. The surface counts with its allowance.
+    /// A layer on the surface, as roughing leaves it, at most this thick along the normal, mm. The surface
+    /// counts with its allowance.
     OnSurface { thickness_mm: f64 },
     /// Everything up to a height.
     Block { top_z_mm: f64 },
@@ -134,8 +135,8 @@ pub struct Job {
     pub tolerance: Tolerance,
     /// Stock to be left on the surface, mm; zero or more.
     pub allowance_mm: f64,
-    /// `None` where the caller does not say: rapids then come down as if there were no stock, and the answer warns. Wire unions take
-    /// it for a block as high as the part.
+    /// `None` where the caller does not say: rapids then come down as if there were no stock, and the answer
+    /// warns. Wire unions take it for a block as high as the part.
     pub stock: Option<Stock>,
     pub entry: Entry,
     pub exit: Exit,

@@ -1,8 +1,9 @@
-//! Joins passes to one toolpath: links where they are clear and quicker, else the cutter leaves one pass and enters the next (`entries`).
+//! Joins passes to one toolpath: links where they are clear and quicker, else the cutter leaves one pass and
+//! enters the next (`entries`).
 //!
 //! # Method
-//! A link is straight, or two lines over a place above its middle, as low as doubled heights find it clear: what bulges between two
-//! passes is climbed over.
+//! A link is straight, or two lines over a place above its middle, as low as doubled heights find it clear:
+//! what bulges between two passes is climbed over.
 
 use nalgebra::{Point3, center};
 
@@ -16,7 +17,8 @@ use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
 use crate::toolpath::{Role, Toolpath};
 
-/// A link that is not clear is lifted in its middle by this part of its length first, and by twice as much each time after that.
+/// A link that is not clear is lifted in its middle by this part of its length first, and by twice as much
+/// each time after that.
 const FIRST_LIFT: f64 = 1.0 / 64.0;
 
 /// The passes as a toolpath, with the entries and exits that were asked for and are not clear.

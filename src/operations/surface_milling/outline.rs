@@ -125,7 +125,8 @@ impl Outline {
         Ok(parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect())
     }
 
-    /// Whether some of the line at the coordinate `at` along `axis` lies at least `margin` mm inside the sides.
+    /// Whether some of the line at the coordinate `at` along `axis` lies at least `margin` mm inside the
+    /// sides.
     pub(super) fn is_inside(&self, axis: usize, at: f64, margin: f64) -> bool {
         let end = |along: f64| {
             let mut end = Vector2::repeat(at);
@@ -138,8 +139,9 @@ impl Outline {
         !self.free(end(low), end(high), margin + self.chord_height_mm).is_empty()
     }
 
-    /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm from every
-    /// chord. What lies nearer to one chord is an interval, because that chord's neighbourhood is convex.
+    /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm
+    /// from every chord. What lies nearer to one chord is an interval, because that chord's neighbourhood is
+    /// convex.
     fn free(&self, a: Vector2<f64>, b: Vector2<f64>, margin: f64) -> Vec<[f64; 2]> {
         let mut blocked: Vec<[f64; 2]> =
             self.chords().filter_map(|chord| near(chord, a, b - a, margin)).collect();
@@ -163,8 +165,8 @@ impl Outline {
     }
 }
 
-/// The fractions of the way from `start` along `way` that lie nearer than `reach` mm to a chord, where there are any in
-/// 0..=1: near one of its ends, or beside it.
+/// The fractions of the way from `start` along `way` that lie nearer than `reach` mm to a chord, where there
+/// are any in 0..=1: near one of its ends, or beside it.
 fn near([p, q]: [Vector2<f64>; 2], start: Vector2<f64>, way: Vector2<f64>, reach: f64) -> Option<[f64; 2]> {
     let along = q - p;
     let length = along.norm();

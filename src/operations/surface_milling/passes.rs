@@ -21,14 +21,16 @@ const CURVE_LIMIT: usize = 1_000_000;
 /// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
 const ROUNDING_STEPS: f64 = 0.8;
 
-/// What is nearly straight deviates by less than is stated of it: its chords are made shorter so many times, by so much.
+/// What is nearly straight deviates by less than is stated of it: its chords are made shorter so many times,
+/// by so much.
 const SHARPENINGS: usize = 3;
 const SHARPENED_BY: f64 = 0.3;
 
 /// Arcs that leave a chord by so many times as much as the section does are none of the section.
 const BULGE: f64 = 20.0;
 
-/// Pieces of a section that are shorter than this part of the cutter's radius are left out, where it has longer ones.
+/// Pieces of a section that are shorter than this part of the cutter's radius are left out, where it has
+/// longer ones.
 const SHORT_SHARE: f64 = 0.1;
 
 /// Refinements of one section before the tolerance counts as not reachable.
@@ -83,8 +85,8 @@ pub(super) struct Allowed {
     pub(super) tolerance: f64,
     /// What the rounding of the data makes of joints.
     pub(super) seam: Seam,
-    /// The part of the tolerance that the section may take between its points. Smaller parts cost points, larger ones arcs, whose
-    /// number falls only with the cube root of what is left.
+    /// The part of the tolerance that the section may take between its points. Smaller parts cost points,
+    /// larger ones arcs, whose number falls only with the cube root of what is left.
     pub(super) chord_height_share: f64,
 }
 
@@ -184,7 +186,8 @@ fn leave_out_short(chains: &mut Vec<Chain>, shortest: f64) -> LeftOut {
     left_out
 }
 
-/// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they start.
+/// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they
+/// start.
 fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
     let first = |chain: &Chain| chain.points[0][axis];
     let last = |chain: &Chain| chain.points[chain.points.len() - 1][axis];
@@ -221,7 +224,8 @@ fn fit(
         on
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
-    // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a search for the fewest.
+    // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a
+    // search for the fewest.
     let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
     let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation: Deviation::NONE };
     // Ranges of points that are open, the first on top.
@@ -251,8 +255,8 @@ fn fit(
     if pass.curves.is_empty() { Err(Error::NothingToCut) } else { Ok(pass) }
 }
 
-/// The longest chord of the tips, where an arc leaves it by more than the section may: an upright wall, or as good as one, that knows no
-/// points between its ends.
+/// The longest chord of the tips, where an arc leaves it by more than the section may: an upright wall, or as
+/// good as one, that knows no points between its ends.
 fn wall_under_arc(curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Option<usize> {
     let Curve::Arc(arc) = curve else { return None };
     let chord = |k: &usize| (tips[k + 1] - tips[*k]).norm();

@@ -8,15 +8,15 @@ use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::TipSections;
 use crate::machining::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
 
-/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far inside
-/// instead, half a hundredth of a millimetre, to have a section.
+/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far
+/// inside instead, half a hundredth of a millimetre, to have a section.
 const TOUCH_MM: f64 = 5e-3;
 
 /// An edge is straight where the section next to it has this part of the length of that a little inside.
 const STRAIGHT_SHARE: f64 = 0.9;
 
-/// Places at which the first and the last section inside an outline are looked for; a part narrower than the distance of two is
-/// left out.
+/// Places at which the first and the last section inside an outline are looked for; a part narrower than the
+/// distance of two is left out.
 const PROBES: usize = 64;
 
 /// Halvings between a plane with sections and one without: to a ten-millionth of the distance of two probes.
@@ -152,7 +152,8 @@ impl<'a> Slicer<'a> {
         Ok(inside)
     }
 
-    /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL points.
+    /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL
+    /// points.
     pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
         let reach = self.reach()?;
         let spaces = spaces(reach, stepover);
@@ -176,7 +177,8 @@ impl<'a> Slicer<'a> {
     /// Between which planes there may be sections that count, mm.
     fn reach(&self) -> Result<[f64; 2], Error> {
         let [low, high] = self.engine.reach();
-        // A surface that is a point or an upright line has no tangent plane to touch: nothing bounds its planes.
+        // A surface that is a point or an upright line has no tangent plane to touch: nothing bounds its
+        // planes.
         if !(low <= high && (high - low).is_finite()) {
             return Err(Error::NothingToCut);
         }
@@ -185,8 +187,8 @@ impl<'a> Slicer<'a> {
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)
     }
 
-    /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent itself
-    /// along a straight edge, else as far inside as [`TOUCH_MM`].
+    /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent
+    /// itself along a straight edge, else as far inside as [`TOUCH_MM`].
     fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<PlaneAt, Error> {
         let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
         let inside = extent + inward * TOUCH_MM.min(1e-3 * width);

@@ -1,9 +1,10 @@
 //! What a cutter cannot reach.
 //!
 //! # Method
-//! At places of the surface the cutter is put where its lower side would touch with the tangent plane there. Where other places lift it
-//! by then, its axis is put around the place, nearer and farther, and moved about from the best of these, for as long as its lower side
-//! comes nearer to the place from above. The stock left at the place is the least height found times the z coordinate of the unit normal.
+//! At places of the surface the cutter is put where its lower side would touch with the tangent plane there.
+//! Where other places lift it by then, its axis is put around the place, nearer and farther, and moved about
+//! from the best of these, for as long as its lower side comes nearer to the place from above. The stock left
+//! at the place is the least height found times the z coordinate of the unit normal.
 //!
 //! # Guarantees
 //! None between the places: the figure is sampled. At them it is too low by `TIP_ACCURACY_MM` at most.
@@ -57,8 +58,8 @@ pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Resu
     Ok(largest)
 }
 
-/// How high over a point of the surface the lower side of the cutter stays, mm, wherever it goes from an axis on; what is below
-/// `enough` is not looked at closer.
+/// How high over a point of the surface the lower side of the cutter stays, mm, wherever it goes from an axis
+/// on; what is below `enough` is not looked at closer.
 fn left_over<P: Patch>(
     contacts: &Contacts<P>,
     point: &Point3<f64>,

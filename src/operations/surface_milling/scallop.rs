@@ -1,15 +1,16 @@
 //! The height of what a ball leaves between parallel passes.
 //!
 //! # Method
-//! A point P of the surface with unit normal n has its ball centre O = P + R n on the offset. In the offset, the way from O to
-//! the nearest of two sections whose planes are s apart is no longer than l = s / (2 share), straight up or down the
-//! slope across the planes (`share`: [`Slope`]). At its end lies a centre C of a pass, with |C - O| <= l and
-//! n . (C - O) <= k l^2 / 2, where k is the largest concave curvature of the offset. The ball about C reaches down to the height h
-//! over P for which (R - h)^2 + k l^2 (R - h) + l^2 = R^2.
+//! A point P of the surface with unit normal n has its ball centre O = P + R n on the offset. In the offset,
+//! the way from O to the nearest of two sections whose planes are s apart is no longer than l = s / (2
+//! share), straight up or down the slope across the planes (`share`: [`Slope`]). At its end lies a centre C
+//! of a pass, with |C - O| <= l and n . (C - O) <= k l^2 / 2, where k is the largest concave curvature of the
+//! offset. The ball about C reaches down to the height h over P for which (R - h)^2 + k l^2 (R - h) + l^2 =
+//! R^2.
 //!
 //! # Guarantees
-//! An upper bound, but for places so near to an edge of the surface that the way to the pass would leave it. On a plane it is the
-//! height itself.
+//! An upper bound, but for places so near to an edge of the surface that the way to the pass would leave it.
+//! On a plane it is the height itself.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;
@@ -19,7 +20,8 @@ use crate::machining::regularity::Slope;
 /// Places of a patch, each way, at which slopes are looked at.
 const SAMPLES: usize = 5;
 
-/// Slopes of the surface steeper than this across the planes are left out of what is sampled: no spacing of planes serves walls.
+/// Slopes of the surface steeper than this across the planes are left out of what is sampled: no spacing of
+/// planes serves walls.
 const LEAST_SHARE: f64 = 0.05;
 
 /// Passes of flat ends over level ground are this part of the diameter apart.
@@ -28,8 +30,8 @@ const FLAT_SHARE: f64 = 0.9;
 /// Halvings in the search for a spacing: to the last bit.
 const HALVINGS: usize = 60;
 
-/// The largest height left between passes in planes `spacing` mm apart by a ball of `radius` mm, mm; `None` where the
-/// passes are too far apart to meet.
+/// The largest height left between passes in planes `spacing` mm apart by a ball of `radius` mm, mm; `None`
+/// where the passes are too far apart to meet.
 pub(super) fn height(radius: f64, spacing: f64, slopes: &[Slope]) -> Option<f64> {
     slopes.iter().try_fold(0.0f64, |highest, slope| Some(highest.max(height_at(radius, spacing, slope)?)))
 }
@@ -40,16 +42,17 @@ pub(super) fn spacing(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
     bisect([0.0, 2.0 * radius], HALVINGS, is_low)[0]
 }
 
-/// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm` on slopes across the planes, mm: at a slope
-/// whose normal has the sine n across the planes, stairs of width s are n s high. On level ground it is most of the diameter.
+/// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm` on slopes
+/// across the planes, mm: at a slope whose normal has the sine n across the planes, stairs of width s are n s
+/// high. On level ground it is most of the diameter.
 pub(super) fn spacing_of_flat_ends(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
     let steepest =
         slopes.iter().map(|slope| (1.0 - slope.share * slope.share).max(0.0).sqrt()).fold(0.0, f64::max);
     (height_mm / steepest).min(FLAT_SHARE * 2.0 * radius)
 }
 
-/// Slopes and concavities at places of a surface, where a proof of them all cannot be had; where a ball of `radius` mm does not fit, as if
-/// it just did not.
+/// Slopes and concavities at places of a surface, where a proof of them all cannot be had; where a ball of
+/// `radius` mm does not fit, as if it just did not.
 pub(super) fn sampled_slopes(
     surface: &BezierSurface<impl Patch>,
     radius: f64,

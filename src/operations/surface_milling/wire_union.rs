@@ -1,21 +1,24 @@
 //! Roughing along the union of a wire model with itself shifted by the radius of the cutter.
 //!
 //! # Method
-//! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch apart, the first
-//!    and the last on the extent of the surface. Of a surface that overhangs they are its highest sheet
-//!    ([`envelope`](crate::machining::upper_envelope)).
-//! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path passes at the
-//!    largest z that wire k or one of its neighbours has at the same x.
-//! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by lines.
-//! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the retract plane, plunge.
+//! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch
+//!    apart, the first and the last on the extent of the surface. Of a surface that overhangs they are its
+//!    highest sheet ([`envelope`](crate::machining::upper_envelope)).
+//! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path
+//!    passes at the largest z that wire k or one of its neighbours has at the same x.
+//! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by
+//!    lines.
+//! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the
+//!    retract plane, plunge.
 //! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported
 //!    ([`gouge`](crate::machining::gouge)).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the exact union, as far as
-//!   the envelope guarantees; it is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it has no offset in its own plane. On a slope of angle a along the wires a ball cuts
-//!   R (1 - cos a) deep. It is a roughing path, and answered with a warning.
+//! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the
+//!   exact union, as far as the envelope guarantees; it is at most the tolerance.
+//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it has no
+//!   offset in its own plane. On a slope of angle a along the wires a ball cuts R (1 - cos a) deep. It is a
+//!   roughing path, and answered with a warning.
 //!
 //! # Degenerate input
 //! Unions shorter than two steps of the resolution are left out: they would vanish in rounding.
@@ -24,17 +27,19 @@
 //! O(n log n) for n stretches of wires, and the certificate.
 //!
 //! # Differences from the paper
-//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that this protects from the wires on either
-//!   side while the diameter is at most twice the pitch. Here every wire nearer than or at the radius counts, and always one on
-//!   each side: that is the same for such diameters, and goes on for larger ones. Lengths count in the equal pitch that
-//!   is cut, which may be a little less than the one asked for.
-//! * For stock the paper calculates with a larger cutter. Here the shift is the radius and the stock, and the path is lifted by the
-//!   stock as well, so that level places keep it.
-//! * The points follow from the tolerance instead of a raster of 5 mm, and the path does not run in and out beside the part.
+//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that this protects
+//!   from the wires on either side while the diameter is at most twice the pitch. Here every wire nearer than
+//!   or at the radius counts, and always one on each side: that is the same for such diameters, and goes on
+//!   for larger ones. Lengths count in the equal pitch that is cut, which may be a little less than the one
+//!   asked for.
+//! * For stock the paper calculates with a larger cutter. Here the shift is the radius and the stock, and the
+//!   path is lifted by the stock as well, so that level places keep it.
+//! * The points follow from the tolerance instead of a raster of 5 mm, and the path does not run in and out
+//!   beside the part.
 //!
 //! # Reference
-//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining of
-//! Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4.
+//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
+//! of Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4.
 
 mod wires;
 
@@ -58,7 +63,8 @@ use crate::toolpath::quantize::{Parabolas, round};
 use crate::toolpath::{Role, Toolpath};
 use wires::WireModel;
 
-/// The part of the tolerance that wires may take between their points: points are many and cheap, lines are few and dear.
+/// The part of the tolerance that wires may take between their points: points are many and cheap, lines are
+/// few and dear.
 const HEIGHT_SHARE: f64 = 0.1;
 
 /// The part of the tolerance that upright walls may be out of place.
@@ -70,7 +76,8 @@ const LINE_LIMIT: usize = 1_000_000;
 /// Looks at each point that the fewest lines are worth.
 const EFFORT: usize = 600;
 
-/// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is none.
+/// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is
+/// none.
 const LEAST_DEPTH_MM: f64 = 1e-8;
 
 /// How exactly a envelope is made of its stretches, mm.

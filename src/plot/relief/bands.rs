@@ -9,13 +9,15 @@ use crate::plot::view::View;
 
 /// A range of heights is cut into at most so many steps, and into two fifths of them at least.
 const STEPS: f64 = 12.0;
-/// A surface is level when its heights differ by less than this share of its coordinates: rounding would be drawn.
+/// A surface is level when its heights differ by less than this share of its coordinates: rounding would be
+/// drawn.
 const LEVEL: f64 = 1e-9;
-/// A height so near to a level, as a share of a step, is at the level: a plateau there has no contours of its rounding.
+/// A height so near to a level, as a share of a step, is at the level: a plateau there has no contours of its
+/// rounding.
 const AT_LEVEL: f64 = 1e-6;
 
-/// Colours of the lowest, a middle and the highest band. They are light, so that paths are read on them, and grow
-/// lighter upward, so that a print without colours shows them.
+/// Colours of the lowest, a middle and the highest band. They are light, so that paths are read on them, and
+/// grow lighter upward, so that a print without colours shows them.
 const RAMP: [[f64; 3]; 3] = [[133.0, 172.0, 178.0], [203.0, 214.0, 184.0], [254.0, 246.0, 226.0]];
 
 /// Of the height of a level surface, mm.
@@ -129,8 +131,8 @@ impl Bands {
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 
-    /// The numbers below a bar `width` mm of paper wide on which all bands are as wide, with their places along it: every
-    /// level's, every second's, every third's ... as there is room.
+    /// The numbers below a bar `width` mm of paper wide on which all bands are as wide, with their places
+    /// along it: every level's, every second's, every third's ... as there is room.
     fn numbers(&self, width: f64) -> Vec<(f64, String)> {
         if self.levels.is_empty() {
             return vec![(0.5 * width, with_decimals(self.low, LEVEL_DECIMALS))];
@@ -146,7 +148,8 @@ impl Bands {
     }
 }
 
-/// The bar of the bands of `points` in the legend, by its left, top and width, mm of paper; and its height with numbers.
+/// The bar of the bands of `points` in the legend, by its left, top and width, mm of paper; and its height
+/// with numbers.
 pub fn legend(points: &[Point3<f64>], [left, top, width]: [f64; 3]) -> (String, f64) {
     let bands = Bands::of(points);
     let height = BAR_MM + SIZE_MM + 0.6;

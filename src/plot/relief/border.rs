@@ -1,9 +1,9 @@
 //! The border of an area that is made of many pieces.
 //!
 //! # Method
-//! Every piece is a closed chain of edges in one sense. Where two pieces meet, their edges run against each other and
-//! cancel; what is left is closed again, and winds about every place of the area as often as pieces lie over it. Joined in
-//! any way, it fills the area by the rule `nonzero`.
+//! Every piece is a closed chain of edges in one sense. Where two pieces meet, their edges run against each
+//! other and cancel; what is left is closed again, and winds about every place of the area as often as pieces
+//! lie over it. Joined in any way, it fills the area by the rule `nonzero`.
 
 use nalgebra::Point2;
 

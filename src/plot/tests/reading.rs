@@ -1,5 +1,5 @@
-//! Reads a sheet as its reader does: the scale as stated, places by the numbers at the axes, paths by the rules of
-//! SVG. It shares nothing with what draws.
+//! Reads a sheet as its reader does: the scale as stated, places by the numbers at the axes, paths by the
+//! rules of SVG. It shares nothing with what draws.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -83,8 +83,8 @@ impl Drawing {
         self.paths.get(&(view.to_owned(), class.to_owned())).map(String::as_str)
     }
 
-    /// Where the values lie in a view; to a hundredth, as all is written. The numbers of x stand at the plan, those
-    /// of y too, those of z at the front and below the side.
+    /// Where the values lie in a view; to a hundredth, as all is written. The numbers of x stand at the plan,
+    /// those of y too, those of z at the front and below the side.
     pub fn at(&self, view: &str, values: [f64; 2]) -> [f64; 2] {
         let below = if view == "front" { "plan" } else { view };
         let beside = if view == "left-side" { "plan" } else { view };

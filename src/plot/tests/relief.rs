@@ -1,4 +1,5 @@
-//! The relief of surfaces, read back: which band a place of the plan has, and what any surface may do to the sheet.
+//! The relief of surfaces, read back: which band a place of the plan has, and what any surface may do to the
+//! sheet.
 
 use nalgebra::Vector3;
 use roxmltree::Document;

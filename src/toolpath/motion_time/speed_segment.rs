@@ -47,8 +47,9 @@ enum ParabolaPart {
     Corner(Parabola),
 }
 
-/// The parts of a parabola, in order. From the place of largest curvature on, each is twice as long in its parameter as
-/// the one before, for there the speed by the parameter no more than doubles, and the curvature goes with its cube.
+/// The parts of a parabola, in order. From the place of largest curvature on, each is twice as long in its
+/// parameter as the one before, for there the speed by the parameter no more than doubles, and the curvature
+/// goes with its cube.
 fn parts(parabola: &Parabola) -> Vec<ParabolaPart> {
     let slowest = parabola.slowest();
     let mut parts = Vec::new();

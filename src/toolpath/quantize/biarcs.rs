@@ -1,22 +1,23 @@
 //! What a control makes of a quadratic spline block, and how far that is from the parabola.
 //!
-//! LinuxCNC, whose blocks these are, runs none: it divides the parameter into twelve equal parts and runs each as two
-//! arcs that touch each other and the tangents at its ends (`NURBS_FEED` and `biarc` in its `emccanon.cc`). The
-//! tangents it takes from differences over 1e-5 of the parameter, which at the ends of a block are one-sided.
+//! LinuxCNC, whose blocks these are, runs none: it divides the parameter into twelve equal parts and runs
+//! each as two arcs that touch each other and the tangents at its ends (`NURBS_FEED` and `biarc` in its
+//! `emccanon.cc`). The tangents it takes from differences over 1e-5 of the parameter, which at the ends of a
+//! block are one-sided.
 //!
 //! # Method
 //! 1. The same arcs are computed here, without the cancellation that the control's own formulas have.
-//! 2. The normal at the point where two arcs meet divides their part of the parabola. So each arc and its share have
-//!    common normals at both ends, and are compared along the normals of the arc.
-//! 3. With x the parabola seen from the arc's start, and n the way from there to its centre, the distance to the circle of
-//!    radius r is (|x|^2 - 2 x . n) / (|x - n| + r). Numerator and x are polynomials in the parameter, and bounded by
-//!    their Bernstein coefficients.
-//! 4. For what the control's rounding does is added: half an ulp a thousand times over in its differences, and the
-//!    cancellation in its quadratic equation.
+//! 2. The normal at the point where two arcs meet divides their part of the parabola. So each arc and its
+//!    share have common normals at both ends, and are compared along the normals of the arc.
+//! 3. With x the parabola seen from the arc's start, and n the way from there to its centre, the distance to
+//!    the circle of radius r is (|x|^2 - 2 x . n) / (|x - n| + r). Numerator and x are polynomials in the
+//!    parameter, and bounded by their Bernstein coefficients.
+//! 4. For what the control's rounding does is added: half an ulp a thousand times over in its differences,
+//!    and the cancellation in its quadratic equation.
 //!
 //! # Guarantees
-//! An upper bound, both ways and in order. A part that hardly turns is refused: the control divides by the square of the
-//! turn, and at zero it moves to no number.
+//! An upper bound, both ways and in order. A part that hardly turns is refused: the control divides by the
+//! square of the turn, and at zero it moves to no number.
 //!
 //! # Reference
 //! K. M. Bolton, *Biarc curves*, Computer-Aided Design 7, 1975.
@@ -29,8 +30,8 @@ const PARTS: u32 = 12;
 /// The difference of parameters over which the control takes tangents.
 const DIFFERENCE: f64 = 1e-5;
 
-/// The control runs an arc as a line where twice its chord times the sine of its angle at the start is below this, in
-/// units of the program. That is eight times the height of the arc.
+/// The control runs an arc as a line where twice its chord times the sine of its angle at the start is below
+/// this, in units of the program. That is eight times the height of the arc.
 const STRAIGHT_UNITS: f64 = 1e-6;
 
 /// A part turns by at least this, radians: ten thousand roundings fit in its square.
@@ -39,7 +40,8 @@ const LEAST_TURN: f64 = 1e-6;
 /// A part turns by at most this, radians, so that arcs and parabola run along each other.
 const LARGEST_TURN: f64 = 1.0;
 
-/// The rounding of a coordinate in the control, as a part of the largest, with that of the few products it is made of.
+/// The rounding of a coordinate in the control, as a part of the largest, with that of the few products it is
+/// made of.
 const ROUNDING: f64 = 1e-15;
 
 /// Why a bound cannot be told.
@@ -49,8 +51,8 @@ pub enum NotRun {
     TurnsTooFar,
 }
 
-/// An upper bound for the distance between the parabola from the origin through the control point `control` to `end`,
-/// mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
+/// An upper bound for the distance between the parabola from the origin through the control point `control`
+/// to `end`, mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
 pub fn distance(control: &Vector2<f64>, end: &Vector2<f64>, reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
     let parabola = Quadratic { b: *control, a: end - control * 2.0 };
     let mut farthest: f64 = 0.0;
@@ -100,7 +102,8 @@ impl Quadratic {
         }
         let (start, end) = (self.at(from), self.at(to));
         let chord = end - start;
-        // The way along both tangents: the positive root of -|t1 - t0|^2 s^2 - 2 chord . (t0 + t1) s + |chord|^2.
+        // The way along both tangents: the positive root of -|t1 - t0|^2 s^2 - 2 chord . (t0 + t1) s +
+        // |chord|^2.
         let (square, half, rest) = ((t1 - t0).norm_squared(), chord.dot(&(t0 + t1)), chord.norm_squared());
         let reach_along = rest / (half + (half * half + square * rest).sqrt());
         let meet = (start + t0 * reach_along + end - t1 * reach_along) / 2.0;
@@ -161,7 +164,8 @@ mod tests {
 
     use super::*;
 
-    /// The points of LinuxCNC's own biarcs for a block, by its own formulas: `emccanon.cc`, `biarc` and `arc`.
+    /// The points of LinuxCNC's own biarcs for a block, by its own formulas: `emccanon.cc`, `biarc` and
+    /// `arc`.
     fn run(control: &Vector2<f64>, end: &Vector2<f64>) -> Vec<Vector2<f64>> {
         let point = |u: f64| control * (2.0 * u * (1.0 - u)) + end * (u * u);
         let tangent = |u: f64| {

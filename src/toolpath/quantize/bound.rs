@@ -3,11 +3,12 @@
 //! # Method
 //! A control turns about the written centre W, at a radius somewhere between those of the block's two ends.
 //! Against the circle of centre C and radius R two matchings are tried, and the better bound is returned:
-//! * by angle about C: the distance from C of a point at radius r is |r e + W - C|, which grows with r and with
-//!   the part of e along W - C; both have closed extremes over the sweep. At the ends the rest of the turn
-//!   counts as a chord. For a helix the height differs by the rise of the angle between the two fractions.
-//! * by fraction of the sweep, for helices: the difference of the two points at 33 fractions, plus the largest
-//!   it can grow between them by its second derivative.
+//! * by angle about C: the distance from C of a point at radius r is |r e + W - C|, which grows with r and
+//!   with the part of e along W - C; both have closed extremes over the sweep. At the ends the rest of the
+//!   turn counts as a chord. For a helix the height differs by the rise of the angle between the two
+//!   fractions.
+//! * by fraction of the sweep, for helices: the difference of the two points at 33 fractions, plus the
+//!   largest it can grow between them by its second derivative.
 //!
 //! # Guarantees
 //! An upper bound, both ways and in order, but for the rounding of the computation itself, for which 64 units

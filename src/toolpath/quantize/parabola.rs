@@ -1,9 +1,10 @@
-//! What is written for a parabola: one block or several, lines where it is flat or the control knows no such blocks.
+//! What is written for a parabola: one block or several, lines where it is flat or the control knows no such
+//! blocks.
 //!
 //! # Method
-//! The three control points are rounded each on its own: a quadratic Bezier curve moves nowhere by more than the one of
-//! them that moves most. What a control adds by running the block as arcs is bounded by `biarcs`; a parabola for which
-//! both together are too much is divided in two.
+//! The three control points are rounded each on its own: a quadratic Bezier curve moves nowhere by more than
+//! the one of them that moves most. What a control adds by running the block as arcs is bounded by `biarcs`;
+//! a parabola for which both together are too much is divided in two.
 
 use nalgebra::Vector2;
 

@@ -13,7 +13,8 @@ const DROP: &str = "/v1/surfaces/drop";
 /// How far tips may be from closed forms, and contacts from surface and cutter, mm.
 const ACCURACY_MM: f64 = 1e-7;
 
-/// A cutter by what its underside is: a disc of radius `flat`, and a quarter of a circle of radius `corner` around it.
+/// A cutter by what its underside is: a disc of radius `flat`, and a quarter of a circle of radius `corner`
+/// around it.
 #[derive(Debug, Clone, Copy)]
 struct Cutter {
     flat: f64,
@@ -56,7 +57,8 @@ impl Cutter {
         ((r - self.flat).hypot(rise) - self.corner).abs()
     }
 
-    /// Tip over a round crest of radius `rho` at height zero less its own, `beside` mm from the axis of the cutter.
+    /// Tip over a round crest of radius `rho` at height zero less its own, `beside` mm from the axis of the
+    /// cutter.
     fn over_crest(self, rho: f64, beside: f64) -> f64 {
         let beyond = (beside.abs() - self.flat).max(0.0);
         ((rho + self.corner).powi(2) - beyond * beyond).sqrt() - self.corner
@@ -93,7 +95,8 @@ async fn dropped(app: &Arc<App>, surface: &Value, cutter: Cutter, points: &[[f64
     tips.into_iter().zip(contacts).map(both).collect()
 }
 
-/// Drops cutters of radius 5 at `points`: tips are at `height`, contacts on the cutter and `off` by nothing from the surface.
+/// Drops cutters of radius 5 at `points`: tips are at `height`, contacts on the cutter and `off` by nothing
+/// from the surface.
 async fn hold(
     surface: &Value,
     points: &[[f64; 2]],
@@ -136,7 +139,8 @@ fn biquadratic(u: [[f64; 3]; 3], v: [[f64; 3]; 3], point: impl Fn([f64; 3], [f64
     })
 }
 
-/// The bicubic patch of c0 + c1 x + c2 y + c3 x² + c4 xy + c5 y² over the square of half a side about the origin.
+/// The bicubic patch of c0 + c1 x + c2 y + c3 x² + c4 xy + c5 y² over the square of half a side about the
+/// origin.
 fn quadric(c: [f64; 6], half: f64) -> Value {
     let (node, square) = ([-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0], [1.0, -1.0 / 3.0, -1.0 / 3.0, 1.0]);
     let net = [0, 1, 2, 3].map(|a| {
@@ -189,7 +193,8 @@ async fn planes_of_any_slope_and_azimuth_are_touched_by_ball_corner_and_rim() {
     }
 }
 
-/// The least upper bound of `f` near its best sample over an interval: a scan, then golden sections around the best.
+/// The least upper bound of `f` near its best sample over an interval: a scan, then golden sections around
+/// the best.
 fn highest(f: &dyn Fn(f64) -> f64, [from, to]: [f64; 2], samples: u32) -> f64 {
     let step = (to - from) / f64::from(samples);
     let at = |k: u32| from + step * f64::from(k);

@@ -51,7 +51,8 @@ fn examples() -> Vec<Example> {
     examples
 }
 
-/// The example of each endpoint with the shortest body: what does not depend on the job is tested with these alone.
+/// The example of each endpoint with the shortest body: what does not depend on the job is tested with these
+/// alone.
 fn short_examples() -> Vec<Example> {
     let mut shortest: BTreeMap<String, Example> = BTreeMap::new();
     let length = |example: &Example| example.body.to_string().len();

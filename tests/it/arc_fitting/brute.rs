@@ -1,5 +1,6 @@
-//! The least number of elements by brute force: every pair of points, arcs over its chord by their sweep at dense samples and
-//! by golden sections between them, and dynamic programming. [`Fit`] with joints on the points must reach the same number.
+//! The least number of elements by brute force: every pair of points, arcs over its chord by their sweep at
+//! dense samples and by golden sections between them, and dynamic programming. [`Fit`] with joints on the
+//! points must reach the same number.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Measure};
@@ -87,7 +88,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Whether an element passes the points within the tolerance and in order, and is near their lines if these are the measure.
+    /// Whether an element passes the points within the tolerance and in order, and is near their lines if
+    /// these are the measure.
     fn verdict(&self, tolerance: f64, measure: Measure) -> Verdict {
         if self.points.len() == 2 {
             return Verdict::Possible;
@@ -123,7 +125,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The stretches of sweeps whose arcs have every point within `tolerance`, by the samples and by halving between them.
+    /// The stretches of sweeps whose arcs have every point within `tolerance`, by the samples and by halving
+    /// between them.
     fn ranges(&self, side: &[(f64, f64)], tolerance: f64) -> Vec<[f64; 2]> {
         let border = |mut out: f64, mut within: f64| {
             for _ in 0..50 {

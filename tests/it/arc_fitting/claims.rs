@@ -1,5 +1,5 @@
-//! Fits of small whole numbers and of points near their resolution: no job ends in a fault, and no stated deviation is below what a
-//! dense check in order finds.
+//! Fits of small whole numbers and of points near their resolution: no job ends in a fault, and no stated
+//! deviation is below what a dense check in order finds.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -61,8 +61,8 @@ fn way(plan: &Plan) -> (Vec<Point3<f64>>, f64) {
     (way, step)
 }
 
-/// The least distance within which places of the way follow each other for points that follow each other; by lines those places
-/// run from its first to its last, one after the other.
+/// The least distance within which places of the way follow each other for points that follow each other; by
+/// lines those places run from its first to its last, one after the other.
 fn in_order(points: &[Point3<f64>], way: &[Point3<f64>], by_lines: bool) -> f64 {
     let mut row = vec![if by_lines { f64::INFINITY } else { 0.0 }; way.len()];
     for (k, p) in points.iter().enumerate() {

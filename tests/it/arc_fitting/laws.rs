@@ -1,5 +1,5 @@
-//! What holds of every fit: moved points take as many elements, planes are alike, lines between points are near where they are the
-//! shape, and what is degenerate has one answer.
+//! What holds of every fit: moved points take as many elements, planes are alike, lines between points are
+//! near where they are the shape, and what is degenerate has one answer.
 
 use std::f64::consts::TAU;
 
@@ -32,8 +32,8 @@ fn in_space(points: &[Point3<f64>], request: &Fit) -> Vec<FittedCurve> {
     fit_in_space(points, None, request, &Budget::unlimited()).unwrap()
 }
 
-/// Fails unless the curves are one chain from the first point to the last, near every point and in order by the fitting's own
-/// measure.
+/// Fails unless the curves are one chain from the first point to the last, near every point and in order by
+/// the fitting's own measure.
 fn judge_in_space(points: &[Point3<f64>], pieces: &[FittedCurve], tolerance: f64) {
     let (mut at, mut first) = (points[0], 0);
     for piece in pieces {
@@ -147,7 +147,8 @@ proptest! {
     }
 }
 
-/// A smooth chain whose joints lie beside the points once went round the fold at the end, by an arc of 327 degrees.
+/// A smooth chain whose joints lie beside the points once went round the fold at the end, by an arc of 327
+/// degrees.
 #[test]
 fn a_fold_is_no_loop() {
     let points = [[0.957, 0.088], [0.945, 0.002], [1.702, -0.018], [2.384, -0.029], [1.702, -0.018]];
@@ -308,7 +309,8 @@ fn points_in_one_place_are_refused() {
     }
 }
 
-/// With more noise than tolerance, points that lie in the gap of an arc are near its ends, in order; the arc is not theirs.
+/// With more noise than tolerance, points that lie in the gap of an arc are near its ends, in order; the arc
+/// is not theirs.
 #[test]
 fn noise_makes_no_loops() {
     for tolerance in [0.03, 0.05] {

@@ -1,4 +1,5 @@
-//! Points with errors of their own, where growing as far as possible is not best: a circle with noise, and a rounded sine.
+//! Points with errors of their own, where growing as far as possible is not best: a circle with noise, and a
+//! rounded sine.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
-//! The least number of elements over many points by a plain second implementation: the arcs near a point end at those that touch
-//! the circle about it, which are the roots of a quadratic equation, and every pair of points is tried. What the fitting leaves
-//! out by bounds, fans and witnesses must not have mattered.
+//! The least number of elements over many points by a plain second implementation: the arcs near a point end
+//! at those that touch the circle about it, which are the roots of a quadratic equation, and every pair of
+//! points is tried. What the fitting leaves out by bounds, fans and witnesses must not have mattered.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};
@@ -73,7 +73,8 @@ fn touching([from, to]: [Vector2<f64>; 2], p: Vector2<f64>, e: f64) -> [f64; 4] 
     let half = 0.5 * (to - from);
     let (l, d) = (half.norm(), p - from - half);
     let (x, y) = (d.dot(&half) / l, half.perp(&d) / l);
-    // With the centre c above the chord, |p - c| = r +- e and r^2 = l^2 + c^2: (k - 2 y c)^2 = 4 e^2 (l^2 + c^2).
+    // With the centre c above the chord, |p - c| = r +- e and r^2 = l^2 + c^2: (k - 2 y c)^2 = 4 e^2 (l^2 +
+    // c^2).
     let k = x * x + y * y - l * l - e * e;
     let [a, b, rest] = [4.0 * (y * y - e * e), -4.0 * k * y, k * k - 4.0 * e * e * l * l];
     let root = (b * b - 4.0 * a * rest).max(0.0).sqrt();

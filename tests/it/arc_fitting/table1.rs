@@ -1,11 +1,12 @@
-//! The shape of the paper's Table 1: numbers of arcs over step lengths and tolerances, on one section of the offset of a free-form
-//! surface of 5 by 5 points.
+//! The shape of the paper's Table 1: numbers of arcs over step lengths and tolerances, on one section of the
+//! offset of a free-form surface of 5 by 5 points.
 //!
-//! The paper's own experiment fits points of a section at fixed steps, and says that the step hardly matters. That holds from
-//! some eight points an arc on. Below, the fit follows its points alone: with half as many arcs as spans every arc passes through
-//! three points, whatever the tolerance, and the curve between them is not looked at. At a step of 1.0 and a tolerance of 1e-5
-//! the arcs leave the curve by thousands of tolerances. The operation therefore measures against the curve: a step length is the
-//! largest it may take, and the points come as close as the tolerance asks.
+//! The paper's own experiment fits points of a section at fixed steps, and says that the step hardly matters.
+//! That holds from some eight points an arc on. Below, the fit follows its points alone: with half as many
+//! arcs as spans every arc passes through three points, whatever the tolerance, and the curve between them is
+//! not looked at. At a step of 1.0 and a tolerance of 1e-5 the arcs leave the curve by thousands of
+//! tolerances. The operation therefore measures against the curve: a step length is the largest it may take,
+//! and the points come as close as the tolerance asks.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 5, Table 1.
@@ -95,7 +96,8 @@ fn at_steps(dense: &[Vector2<f64>], step: f64) -> Vec<Vector2<f64>> {
     (0..count).map(|k| dense[nearest(k)]).chain([dense[dense.len() - 1]]).collect()
 }
 
-/// The growth law: the integral of (|k'| / (72 sqrt 3 tolerance))^(1/3) over the length, k' the rate of change of curvature.
+/// The growth law: the integral of (|k'| / (72 sqrt 3 tolerance))^(1/3) over the length, k' the rate of
+/// change of curvature.
 fn law(dense: &[Vector2<f64>], tolerance: f64) -> f64 {
     let points = at_steps(dense, 0.03);
     let curvature = |k: usize| {

@@ -1,4 +1,5 @@
-//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. Nothing of it is how the fitting computes.
+//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. Nothing of it is how the fitting
+//! computes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -139,7 +140,8 @@ impl Way {
     }
 }
 
-/// The least distance within which the way passes all points in order, infinite where it leads round the other way, to some 1e-10 of the points' extent.
+/// The least distance within which the way passes all points in order, infinite where it leads round the
+/// other way, to some 1e-10 of the points' extent.
 pub fn order_deviation(way: &Way, points: &[Vector2<f64>]) -> f64 {
     if !way.winds(points) {
         return f64::INFINITY;

@@ -128,7 +128,8 @@ impl Curl {
         Ok(Self { method: method.into(), target: target.into(), headers, body, saved_as })
     }
 
-    /// Sends the request. A file is one of `files`, which earlier commands of the document wrote, or one of the package.
+    /// Sends the request. A file is one of `files`, which earlier commands of the document wrote, or one of
+    /// the package.
     pub fn send(&self, address: SocketAddr, files: &HashMap<String, Vec<u8>>) -> Answer {
         let bytes = |name: &String| match files.get(name) {
             Some(bytes) => bytes.clone(),

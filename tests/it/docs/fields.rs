@@ -1,7 +1,7 @@
 //! The tables of fields in `docs/api.md` are those of the committed contract.
 //!
-//! A line `<!-- request fields of Tool at tool -->` begins a table and `<!-- end -->` ends it. `UPDATE_DOCS=1 cargo test docs`
-//! writes the tables instead of comparing them.
+//! A line `<!-- request fields of Tool at tool -->` begins a table and `<!-- end -->` ends it.
+//! `UPDATE_DOCS=1 cargo test docs` writes the tables instead of comparing them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

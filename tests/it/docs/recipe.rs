@@ -1,6 +1,7 @@
 //! The README's recipe for points of the reader: the body that its few lines of Python make of its CSV.
 //!
-//! No Python is needed here. The lines that group the points are repeated below; the body around them is read as it is shown.
+//! No Python is needed here. The lines that group the points are repeated below; the body around them is read
+//! as it is shown.
 
 use serde_json::{Value, json};
 

@@ -180,7 +180,8 @@ fn plural(name: &str) -> String {
     }
 }
 
-/// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without it.
+/// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without
+/// it.
 fn split_default(words: &str) -> (Option<String>, String) {
     let found = ["Default: ", "Default in a request: "].iter().find_map(|mark| words.split_once(mark));
     let Some((before, after)) = found else { return (None, words.to_owned()) };

@@ -1,4 +1,5 @@
-//! Over random expressions and splines: bounds are never below what is found by brute force, and at most twice as much.
+//! Over random expressions and splines: bounds are never below what is found by brute force, and at most
+//! twice as much.
 
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;

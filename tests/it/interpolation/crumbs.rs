@@ -1,4 +1,5 @@
-//! Paths beside contours without moves that are shorter than anybody wants, and without arcs that are straight.
+//! Paths beside contours without moves that are shorter than anybody wants, and without arcs that are
+//! straight.
 
 use serde_json::Value;
 

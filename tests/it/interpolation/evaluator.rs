@@ -59,7 +59,8 @@ fn along(step: &Value, from: [f64; 2], to: [f64; 2], s: f64) -> [f64; 2] {
 }
 
 impl Curve<'_> {
-    /// The distance from `p` to the curve between two parameters, by a fine grid and then grids of what is left.
+    /// The distance from `p` to the curve between two parameters, by a fine grid and then grids of what is
+    /// left.
     pub fn distance(&self, p: [f64; 2], [from, to]: [f64; 2]) -> f64 {
         let distance = |t: f64| {
             let [x, y] = (self.point)(t);

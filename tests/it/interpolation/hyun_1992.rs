@@ -1,10 +1,10 @@
 //! Tables 1 to 3 of C. H. Hyun, 1992: y = sin x over [0, 6.5] within 0.1, from 1 to 8 initial elements.
 //!
-//! Every legible cell is held beside ours, under the normal band. Misprints: table 3, n = 3 prints the shapes 2 1 3 (2 1 2
-//! is meant: there is no shape 3), n = 4 prints three of four shapes; table 2, n = 1 prints "1 2" for the subdivisions of
-//! its one initial element, and table 3, n = 1 prints 1 subdivision where its two shapes show 2. A 0 in tables 2 and 3 means
-//! "not bisected", what table 1 prints as 1. The machining times are those of an interpreter: for n = 1, 2, 4 and 8 table 1
-//! has the same mesh and three different times.
+//! Every legible cell is held beside ours, under the normal band. Misprints: table 3, n = 3 prints the shapes
+//! 2 1 3 (2 1 2 is meant: there is no shape 3), n = 4 prints three of four shapes; table 2, n = 1 prints "1
+//! 2" for the subdivisions of its one initial element, and table 3, n = 1 prints 1 subdivision where its two
+//! shapes show 2. A 0 in tables 2 and 3 means "not bisected", what table 1 prints as 1. The machining times
+//! are those of an interpreter: for n = 1, 2, 4 and 8 table 1 has the same mesh and three different times.
 
 use serde_json::{Value, json};
 
@@ -21,7 +21,8 @@ async fn sine(method: &str, initial_elements: usize) -> Value {
     .await
 }
 
-/// The elements of each initial element, and the shapes in order: 1 a line, 2 a parabola, as the paper counts.
+/// The elements of each initial element, and the shapes in order: 1 a line, 2 a parabola, as the paper
+/// counts.
 fn cells(answer: &Value) -> (Vec<u64>, Vec<u64>) {
     let report = &answer["report"];
     let per_initial = report["elements_per_initial"].as_array().expect("counts");

@@ -46,8 +46,8 @@ async fn lines_with_joints_on_the_curve_are_as_long_as_the_band_allows() {
     for (mm, most) in [(0.1, 5), (0.01, 17), (0.001, 54)] {
         let answer = sine("linear", mm, "on_curve", "vertical").await;
         assert!(verified(&answer, mm, "vertical") <= most, "{mm}");
-        // Each ends as far on as it can: a millionth farther is outside. Only about inflections a joint may lie earlier, so that
-        // the next reaches farther. The last ends with the curve.
+        // Each ends as far on as it can: a millionth farther is outside. Only about inflections a joint may
+        // lie earlier, so that the next reaches farther. The last ends with the curve.
         let elements = answer["report"]["elements"].as_array().expect("elements");
         let is_longest = |element: &&Value| {
             let [a, b] = domain(element);

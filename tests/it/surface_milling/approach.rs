@@ -76,7 +76,8 @@ fn in_a_block_rapids_stay_above_it_and_so_do_the_heights() {
 
 #[test]
 fn a_rapid_that_would_meet_the_stock_beside_its_place_ends_above_it() {
-    // A wall 10 mm high beside a floor, 2 mm of stock on both: over the floor beside the wall the ball is beside the stock of the wall.
+    // A wall 10 mm high beside a floor, 2 mm of stock on both: over the floor beside the wall the ball is
+    // beside the stock of the wall.
     let surface = heights(41, [0.0, 40.0], Ends::NotAKnot, |x, _| 5.0 * ((x - 20.0) * 1.2).tanh());
     let stock = Some(Stock::OnSurface { thickness_mm: 2.0 });
     let base = Job { stock, direction: CutDirection::OneWay, ..job(surface, 8.0, 4.0, 0.01, 3) };

@@ -1,5 +1,5 @@
-//! The most ordinary parts: plain, stepped and drafted blocks on round numbers, planes exactly one radius apart, by every cutter, over both
-//! planes, to each boundary. Every pass has to run from end to end.
+//! The most ordinary parts: plain, stepped and drafted blocks on round numbers, planes exactly one radius
+//! apart, by every cutter, over both planes, to each boundary. Every pass has to run from end to end.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;

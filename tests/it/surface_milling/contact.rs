@@ -1,4 +1,5 @@
-//! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense points of closed forms.
+//! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense
+//! points of closed forms.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -27,7 +28,8 @@ fn cutters(radius_mm: f64) -> [Tool; 3] {
         .map(|shape| Tool { shape, ..Tool::ball(radius_mm) })
 }
 
-/// How deep a point is in a cutter with its shank, by its distance from the axis and its height over the tip; negative outside.
+/// How deep a point is in a cutter with its shank, by its distance from the axis and its height over the tip;
+/// negative outside.
 pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
     let corner = match tool.shape {
         Shape::Ball => tool.radius_mm,
@@ -121,7 +123,8 @@ impl Dense {
     }
 }
 
-/// Plans a job, and holds its path against the points: it cuts nowhere deeper than it says, and its cuts are never off the surface.
+/// Plans a job, and holds its path against the points: it cuts nowhere deeper than it says, and its cuts are
+/// never off the surface.
 fn follow(job: &Job, dense: &Dense) -> Plan {
     let plan = plan(job, &Budget::unlimited()).unwrap();
     let report = &plan.report;
@@ -157,7 +160,8 @@ fn a_trough_that_is_too_tight_is_cut_without_a_gouge_in_both_planes() {
                 Shape::Flat | Shape::BullNose { .. } => assert_eq!(refused, Err(Error::NoBall)),
             }
             let plan = follow(&job, &dense);
-            // In the middle the cutter hangs on both sides: at 0.625 a ball, at 2.5 a flat end. No plane of constant x need be there.
+            // In the middle the cutter hangs on both sides: at 0.625 a ball, at 2.5 a flat end. No plane of
+            // constant x need be there.
             let lowest = planned(&plan)
                 .into_iter()
                 .flatten()

@@ -1,8 +1,8 @@
-//! A certificate that can fail: good paths over blocks, steps, trays and ribs are corrupted move by move, and what the gouge proof says is
-//! held against dense points in the plane of the pass.
+//! A certificate that can fail: good paths over blocks, steps, trays and ribs are corrupted move by move, and
+//! what the gouge proof says is held against dense points in the plane of the pass.
 //!
-//! Every part is a profile of straight lines, extruded along y. The section of the cutter through its axis reaches deeper into such a part
-//! than any other, so that depths in that plane are depths in space.
+//! Every part is a profile of straight lines, extruded along y. The section of the cutter through its axis
+//! reaches deeper into such a part than any other, so that depths in that plane are depths in space.
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::budget::Budget;
@@ -42,8 +42,8 @@ const POINTS_MM: f64 = 0.04;
 const PLACES_MM: f64 = 0.15;
 const MOST_PLACES: f64 = 300.0;
 
-/// A sharp rim reaches farther below a slope than any point of it is deep in the cutter, by up to the root of 2, and points that are
-/// sampled are less deep than the deepest by the distance of two.
+/// A sharp rim reaches farther below a slope than any point of it is deep in the cutter, by up to the root of
+/// 2, and points that are sampled are less deep than the deepest by the distance of two.
 const SURELY_FINE: f64 = 0.6;
 
 /// Ledges joined by walls of 0 to 10 degrees of draft; every other part on round numbers.

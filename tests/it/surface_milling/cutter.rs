@@ -1,9 +1,9 @@
 //! How deep a ball cutter with its shank enters a surface, by dense samples and local minimisation.
 //!
-//! The depth at a tip is the radius less the distance from the axis (the ray upward from the ball's centre) to
-//! the surface. At least every quarter of a millimetre all local minima of the distance over a grid of surface
-//! points are collected; from each, the distance is minimised at every sample of the path. Local minima are
-//! found to 1e-9 mm, the largest depth between samples to about 1e-6 mm.
+//! The depth at a tip is the radius less the distance from the axis (the ray upward from the ball's centre)
+//! to the surface. At least every quarter of a millimetre all local minima of the distance over a grid of
+//! surface points are collected; from each, the distance is minimised at every sample of the path. Local
+//! minima are found to 1e-9 mm, the largest depth between samples to about 1e-6 mm.
 
 use nalgebra::{Point3, Vector3};
 

@@ -19,8 +19,8 @@ fn job(surface: Source, plane: SectionPlane, stepover_mm: f64) -> Job {
     Job { plane, ..Job::new(surface, Tool::ball(BALL), stepover_mm, tolerance, feed) }
 }
 
-/// The control points and weights of arcs, each a quarter or less, of a circle of radius 1 about the origin, from angle to
-/// angle; a control point more than twice their number.
+/// The control points and weights of arcs, each a quarter or less, of a circle of radius 1 about the origin,
+/// from angle to angle; a control point more than twice their number.
 fn arcs(angles: &[f64]) -> Vec<[f64; 3]> {
     let mut points = vec![[angles[0].cos(), angles[0].sin(), 1.0]];
     for pair in angles.windows(2) {
@@ -38,7 +38,8 @@ fn arc_knots(arcs: usize) -> Vec<f64> {
     [0.0; 3].into_iter().chain(inner).chain(ends).collect()
 }
 
-/// A part of a cylinder about the y axis, 30 mm long, from 60 degrees to the left to 50 to the right, in two pieces.
+/// A part of a cylinder about the y axis, 30 mm long, from 60 degrees to the left to 50 to the right, in two
+/// pieces.
 fn cylinder() -> Source {
     let at = |degrees: f64| (90.0 - degrees).to_radians();
     let profile = arcs(&[at(-60.0), at(10.0), at(50.0)]);

@@ -1,4 +1,5 @@
-//! The exact CL curves of a ball cutter in a family of parallel planes, by root finding along parameter lines.
+//! The exact CL curves of a ball cutter in a family of parallel planes, by root finding along parameter
+//! lines.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! The stated figures are no less than what is found on dense places of the path, and not much more: of every cutter, computed and
-//! written. Positions of the tip are those of drops, one by one.
+//! The stated figures are no less than what is found on dense places of the path, and not much more: of every
+//! cutter, computed and written. Positions of the tip are those of drops, one by one.
 
 use std::f64::consts::PI;
 
@@ -21,7 +21,8 @@ const APART_MM: f64 = 0.02;
 /// Rounding of the search for tips, mm.
 const ROUNDING_MM: f64 = 1e-7;
 
-/// The largest distance of a path from the tips, across it, and how far it presses the cutter into the surface where it touched.
+/// The largest distance of a path from the tips, across it, and how far it presses the cutter into the
+/// surface where it touched.
 #[derive(Debug, Default, Clone, Copy)]
 struct Found {
     deviation_mm: f64,
@@ -49,7 +50,8 @@ fn found(job: &Job, grid: &PointGrid, motions: impl Iterator<Item = (Kind, Motio
             let share = if way.norm() > 0.0 { way.xy().norm() / way.norm() } else { 0.0 };
             let Some(contact) = contacts.drop(pair[0].xy().coords, None, &budget).unwrap() else { continue };
             let below = (contact.tip.z - pair[0].z) * share;
-            // A contact on a sharp rim has slope zero; the slope of the surface there turns the height into a depth.
+            // A contact on a sharp rim has slope zero; the slope of the surface there turns the height into a
+            // depth.
             let slope = surface.jet(contact.place[0], contact.place[1]).gradient().norm().max(contact.slope);
             let depth = (contact.tip.z - pair[0].z) / 1f64.hypot(slope);
             if kind == Kind::Cut {

@@ -109,7 +109,8 @@ fn counts_are_true(plan: &Plan, passes: &[Vec<(Kind, Motion)>]) {
     assert!(report.n_cl_points >= cuts + report.n_passes);
 }
 
-/// One way, every pass runs alike, with no links; zigzag, passes of neighbouring planes run against each other.
+/// One way, every pass runs alike, with no links; zigzag, passes of neighbouring planes run against each
+/// other.
 fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
     let runs: Vec<_> = passes
         .iter()
@@ -213,7 +214,8 @@ fn path_to_curves(section: &Section, path: &[Motion]) -> f64 {
 fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
     assert!(!path.is_empty(), "nothing is cut at {}", section.offset);
     let mut largest: f64 = 0.0;
-    // The motion that was nearest last is as a rule nearest again; what cannot be the largest is not looked at.
+    // The motion that was nearest last is as a rule nearest again; what cannot be the largest is not looked
+    // at.
     let mut last = 0;
     for p in section.points() {
         let mut nearest = path[last].distance(p);

@@ -83,7 +83,8 @@ fn rewritten(program: &str, method: Method) -> Result<(String, f64), String> {
     Ok((text, rewriter.figures().deviation_max_mm))
 }
 
-/// The largest distance of what is cut by either program from what is cut by the other between the same rapids, mm.
+/// The largest distance of what is cut by either program from what is cut by the other between the same
+/// rapids, mm.
 fn compare(before: &[Motion], after: &[Motion]) -> Result<f64, String> {
     if after.len() >= before.len() {
         return Err(format!("{} motions became {}", before.len(), after.len()));
@@ -201,8 +202,8 @@ impl Cut {
     }
 }
 
-/// An arc about a centre that is not quite as far from one end as from the other: its radius grows with its angle, as does
-/// its height.
+/// An arc about a centre that is not quite as far from one end as from the other: its radius grows with its
+/// angle, as does its height.
 struct Turn {
     plane: Plane,
     ends: [Point3<f64>; 2],

@@ -120,8 +120,8 @@ fn splines(home: &Path) -> Result<Vec<Parabola>, String> {
     String::from_utf8_lossy(&output.stdout).lines().map(spline).collect()
 }
 
-/// The parabola through points at equal steps of its parameter, the last at its end; at height zero, for the preview
-/// loses its height in arcs of other planes, and the control's own call has none.
+/// The parabola through points at equal steps of its parameter, the last at its end; at height zero, for the
+/// preview loses its height in arcs of other planes, and the control's own call has none.
 fn spline(line: &str) -> Result<Parabola, String> {
     let numbers: Result<Vec<f64>, _> = line.split(' ').map(str::parse).collect();
     let numbers = numbers.map_err(|error| format!("the preview: {error}"))?;
@@ -191,7 +191,8 @@ fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
             "DWELL" => motions.push(Motion::Dwell { seconds: numbers()?[0] }),
             "NURBS_FEED" => {
                 let curve = splines.next().ok_or("a spline without its points")?;
-                // The end as it would be printed: the next motion starts there, and a full circle ends there too.
+                // The end as it would be printed: the next motion starts there, and a full circle ends there
+                // too.
                 let end = curve.end().map(|x| (x / unit * 1e4).round() / 1e4 * unit);
                 let curve = Parabola::new(curve.start(), curve.control(), end).map_err(|e| e.to_string())?;
                 let curve = curve.translated(&Vector3::new(0.0, 0.0, height));

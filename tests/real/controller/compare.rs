@@ -288,8 +288,8 @@ pub fn with_toolpath(
     Ok(Figures { to_path_mm, to_path_inch_mm, lengths, times, ..Figures::default() })
 }
 
-/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`; but
-/// no less than `enough`, below which it is not looked for.
+/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`;
+/// but no less than `enough`, below which it is not looked for.
 fn nearest(p: &Point3<f64>, guess: f64, width: f64, enough: f64, at: impl Fn(f64) -> Point3<f64>) -> f64 {
     let off = |t: f64| (p - at(t)).norm();
     let mut least = off(guess.clamp(0.0, 1.0));

@@ -38,7 +38,8 @@ fn distance(p: Point2<f64>) -> f64 {
     to(low)
 }
 
-/// Interprets the program of a curve and answers how many parabolas it has and how far its points lie from the curve.
+/// Interprets the program of a curve and answers how many parabolas it has and how far its points lie from
+/// the curve.
 pub fn check(directory: &Path) -> Result<String, String> {
     let linuxcnc = dialect("linuxcnc").ok_or("no dialect")?;
     let feed = FeedRate::from_mm_per_min(600.0).ok_or("no feed")?;

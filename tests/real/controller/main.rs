@@ -1,13 +1,16 @@
 //! Written programs against LinuxCNC's interpreter: what it would do is what the toolpath says.
 //!
-//! * 1,000 random toolpaths in three planes, in mm and inch, in each dialect in turn: the control's path lies within 1.5 units of the
-//!   last decimal of the toolpath and vice versa, in order; lengths and times agree with `measure`.
-//! * A curve interpolated by parabolas: every point the control runs lies within the band, and rounding, of it.
-//! * Programs of G1 blocks, rewritten with arcs: the control's path before and after lies within the tolerance, both ways.
+//! * 1,000 random toolpaths in three planes, in mm and inch, in each dialect in turn: the control's path lies
+//!   within 1.5 units of the last decimal of the toolpath and vice versa, in order; lengths and times agree
+//!   with `measure`.
+//! * A curve interpolated by parabolas: every point the control runs lies within the band, and rounding, of
+//!   it.
+//! * Programs of G1 blocks, rewritten with arcs: the control's path before and after lies within the
+//!   tolerance, both ways.
 //! * Every program of the directories given as arguments: the control's motions are those of our own reader.
 //!
-//! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control then runs
-//! for it are bounded in `toolpath/quantize/biarcs`.
+//! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control
+//! then runs for it are bounded in `toolpath/quantize/biarcs`.
 //!
 //! A dialect of another control is translated where this interpreter reads the same words in another way.
 

@@ -1,4 +1,5 @@
-//! Random toolpaths: arcs of every size, sweep and sense in three planes, helices, parabolas, lines, rapids and dwells.
+//! Random toolpaths: arcs of every size, sweep and sense in three planes, helices, parabolas, lines, rapids
+//! and dwells.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! The real program under more load than it can take: what is refused is refused at once, and what is taken is
-//! answered as fast as when nobody was refused. Prints the figures; fails beyond generous limits.
+//! The real program under more load than it can take: what is refused is refused at once, and what is taken
+//! is answered as fast as when nobody was refused. Prints the figures; fails beyond generous limits.
 
 mod client;
 mod program;
@@ -26,8 +26,8 @@ const ROUNDS: usize = 4;
 const MEASURED: Duration = Duration::from_secs(2);
 const WARM_UP: Duration = Duration::from_millis(300);
 
-/// What a client that was refused waits before it asks again: a twentieth of what it is told. Clients run on the same processors
-/// as the service, so that those who do not wait at all measure themselves.
+/// What a client that was refused waits before it asks again: a twentieth of what it is told. Clients run on
+/// the same processors as the service, so that those who do not wait at all measure themselves.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Below what is aimed at, which is 0.9 and 50 ms on two processors for the service alone.

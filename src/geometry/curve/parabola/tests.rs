@@ -84,8 +84,8 @@ fn straight_ones_are_lengths_and_distances_of_their_way() {
     assert_eq!(point.largest_curvature(), 0.0);
 }
 
-/// The nearly straight ones against the series 1 + 8 s^2 / 3 + .. of the sagitta s, and the turning ones against the
-/// way to the turn and back.
+/// The nearly straight ones against the series 1 + 8 s^2 / 3 + .. of the sagitta s, and the turning ones
+/// against the way to the turn and back.
 #[test]
 fn lengths_are_stable_where_they_hardly_bend_or_turn_sharply() {
     for k in 0..16 {

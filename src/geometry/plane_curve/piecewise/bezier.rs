@@ -44,7 +44,8 @@ impl Bezier {
         Ok(Self { degree: points.len() - 1, points: room, weights: None })
     }
 
-    /// The rational curve of these control points, not multiplied by their weights. Equal weights make it polynomial.
+    /// The rational curve of these control points, not multiplied by their weights. Equal weights make it
+    /// polynomial.
     ///
     /// # Errors
     /// Those of [`Bezier::polynomial`]; when the weights are not as many, not above zero, or far apart.

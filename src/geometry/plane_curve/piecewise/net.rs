@@ -1,13 +1,14 @@
 //! Bezier control nets over a part of their range, with bounds of all rounding.
 //!
 //! # Method
-//! The control points of the part [u, v] of a polynomial of degree n are the values of its blossom at n - k times u and k
-//! times v. Every one takes n steps a + (b - a) t, with t in [0, 1].
+//! The control points of the part [u, v] of a polynomial of degree n are the values of its blossom at n - k
+//! times u and k times v. Every one takes n steps a + (b - a) t, with t in [0, 1].
 //!
 //! # Guarantees
-//! With e the unit of rounding, M the largest value of the net and L its largest step, a step of the recursion errs by at
-//! most e (M + 2 L), and what it is given wrong is not enlarged. The parameters, wrong by 3 e, move a value by 3 e L a
-//! step. So all n steps together err by at most n e (M + 5 L), beside what the net errs from the start.
+//! With e the unit of rounding, M the largest value of the net and L its largest step, a step of the
+//! recursion errs by at most e (M + 2 L), and what it is given wrong is not enlarged. The parameters, wrong
+//! by 3 e, move a value by 3 e L a step. So all n steps together err by at most n e (M + 5 L), beside what
+//! the net errs from the start.
 
 use crate::geometry::interval::{Interval, outward};
 
@@ -38,14 +39,16 @@ impl<const N: usize, const D: usize> Net<N, D> {
         Self { points, len: N, error: [0.0; D] }
     }
 
-    /// The net of these control points, each coordinate of which is wrong by at most so many units of rounding of itself.
+    /// The net of these control points, each coordinate of which is wrong by at most so many units of
+    /// rounding of itself.
     #[inline(always)]
     pub(super) fn rounded(points: [[f64; D]; N], units: f64) -> Self {
         let net = Self::new(points);
         Self { error: net.magnitude().map(|most| units * UNIT * most), ..net }
     }
 
-    /// The derivative, one degree lower, by a parameter that grows by `span` over the net; the difference of two numbers.
+    /// The derivative, one degree lower, by a parameter that grows by `span` over the net; the difference of
+    /// two numbers.
     #[inline(always)]
     pub(super) fn derived(&self, span: f64) -> Self {
         let len = self.len.saturating_sub(1);

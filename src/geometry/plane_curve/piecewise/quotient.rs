@@ -1,12 +1,14 @@
 //! Rational Bezier pieces: points, derivatives and enclosures by the quotient rule.
 //!
 //! # Method
-//! About an origin near the range the curve is C = A / W, with A of the control points times their weights and W of the
-//! weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. What cancels in them is as small as C, so the origin
-//! is the point in the middle of the range.
-//! 1. Over the range: C in the hull of its own control points A_k / W_k; C' and C'' from hulls of A, W and derivatives.
+//! About an origin near the range the curve is C = A / W, with A of the control points times their weights
+//! and W of the weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. What cancels in them is
+//! as small as C, so the origin is the point in the middle of the range.
+//! 1. Over the range: C in the hull of its own control points A_k / W_k; C' and C'' from hulls of A, W and
+//!    derivatives.
 //! 2. In the middle: the same over a range without length.
-//! 3. By the mean value theorem C' is within C'' times half the range of its middle, and C within C' times it.
+//! 3. By the mean value theorem C' is within C'' times half the range of its middle, and C within C' times
+//!    it.
 //!
 //! # Guarantees
 //! The excess shrinks with the square of the range for C and C', and with the range for C''.
@@ -34,7 +36,8 @@ pub(super) fn derivative<const N: usize>(
     [(dx - x / w * dw) / w, (dy - y / w * dw) / w]
 }
 
-/// The curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span` over the piece.
+/// The curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span` over the
+/// piece.
 pub(super) fn enclose<const N: usize>(
     points: &[[f64; 2]; N],
     weights: &[f64; N],

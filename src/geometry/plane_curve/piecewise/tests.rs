@@ -66,7 +66,8 @@ mod exact {
     }
 }
 
-/// The point, first and second derivative of one piece at `t`, by differences of the net and Bernstein's sums.
+/// The point, first and second derivative of one piece at `t`, by differences of the net and Bernstein's
+/// sums.
 fn exact_jet(bezier: &Bezier, [t0, t1]: [f64; 2], t: f64) -> [[Exact; 2]; 3] {
     let number = |x: f64| Exact(x, 0.0);
     let span = number(t1) - number(t0);

@@ -24,8 +24,8 @@ fn star(center: [f64; 2], corners: &[(f64, f64)]) -> Option<Region> {
     Outline::new(&elements(&points), &Budget::unlimited()).ok().map(region)
 }
 
-/// The angle that the boundary turns about the place, by chords that leave their arcs by less than the place's distance:
-/// independent of boxes, trees and snaps.
+/// The angle that the boundary turns about the place, by chords that leave their arcs by less than the
+/// place's distance: independent of boxes, trees and snaps.
 fn is_inside(region: &Region, p: Point2<f64>) -> bool {
     let mut turned = 0.0;
     for element in region.outlines().flat_map(Outline::elements) {
@@ -142,7 +142,8 @@ fn offsets_agree(region: &Region, distance: f64, places: &[[f64; 2]]) -> Result<
         if (apart - distance).abs() < 1e-5 {
             continue;
         }
-        // Beside the boundary a place is in no inner offset and in every outer offset, whichever side it is on.
+        // Beside the boundary a place is in no inner offset and in every outer offset, whichever side it is
+        // on.
         let is_in = apart > 1e-5 && is_inside(region, p);
         prop_assert_eq!(inner.place(p, 0.0) == Place::Inside, is_in && apart > distance, "{}", p);
         prop_assert_eq!(outer.place(p, 0.0) == Place::Inside, is_in || apart < distance, "{}", p);

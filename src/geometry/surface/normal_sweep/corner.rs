@@ -1,22 +1,22 @@
 //! Normals at the ends of the pieces of a plane curve, and the mitres of its sharp corners.
 //!
-//! With the unit normals a and b of two lines that meet, both offsets at the distance x pass the point m x from the corner,
-//! m = (a + b) / (1 + a b): it lies on the plane that halves the corner, and m a = m b = 1.
+//! With the unit normals a and b of two lines that meet, both offsets at the distance x pass the point m x
+//! from the corner, m = (a + b) / (1 + a b): it lies on the plane that halves the corner, and m a = m b = 1.
 
 use nalgebra::Vector2;
 
 use super::NormalSweepError;
 use crate::geometry::profile::{Piece, Profile, Shape};
 
-/// Where the ends of two neighbours, at the farthest reach of the drive curve, are closer than this, their joint is
-/// smooth, mm.
+/// Where the ends of two neighbours, at the farthest reach of the drive curve, are closer than this, their
+/// joint is smooth, mm.
 const SMOOTH_MM: f64 = 1e-7;
 
 /// The longest mitre in parts of the reach: turns up to 174 degrees.
 const LONGEST_MITRE: f64 = 20.0;
 
-/// The normals to the left at both ends of each piece, of unit length but for those of mitres; `reach` is what they will
-/// be multiplied by.
+/// The normals to the left at both ends of each piece, of unit length but for those of mitres; `reach` is
+/// what they will be multiplied by.
 ///
 /// # Errors
 /// When a cubic stops at an end, or a corner can have no mitre.

@@ -1,11 +1,12 @@
 //! The unit normal along a plane cubic, by cubics that agree with it and its derivative where they meet.
 //!
 //! # Guarantees
-//! With c' the derivative, t its direction, n the unit normal and q the cubic in its place: q - n has the coordinate
-//! q c' / |c'| along t and, as long as q n is above zero, at most | |q|^2 - 1 | plus the square of the former along n. Both are
-//! bounded by the Bernstein coefficients of q c', |q|^2 - 1 and |c'|^2. The first two vanish twice at both ends, so these
-//! bounds fall with the fourth power of the length, as the error does. That the surface does not run backward is that (c' + q' x) c',
-//! linear in x, has coefficients above zero at both ends of the drive curve's reach.
+//! With c' the derivative, t its direction, n the unit normal and q the cubic in its place: q - n has the
+//! coordinate q c' / |c'| along t and, as long as q n is above zero, at most | |q|^2 - 1 | plus the square of
+//! the former along n. Both are bounded by the Bernstein coefficients of q c', |q|^2 - 1 and |c'|^2. The
+//! first two vanish twice at both ends, so these bounds fall with the fourth power of the length, as the
+//! error does. That the surface does not run backward is that (c' + q' x) c', linear in x, has coefficients
+//! above zero at both ends of the drive curve's reach.
 
 use nalgebra::{Point2, Vector2};
 
@@ -32,8 +33,8 @@ pub(super) enum NormalFault {
     TooMany,
 }
 
-/// Parts from the start to the end of the cubic, for a drive curve that reaches from `reach[0]` to `reach[1]` mm to the
-/// left; `room` at most.
+/// Parts from the start to the end of the cubic, for a drive curve that reaches from `reach[0]` to `reach[1]`
+/// mm to the left; `room` at most.
 pub(super) fn parts(
     cubic: [Point2<f64>; 4],
     reach: [f64; 2],

@@ -6,8 +6,8 @@ use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::vector_ball::VectorBall;
 
-/// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten ulps,
-/// and that of at most nine times four terms.
+/// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten
+/// ulps, and that of at most nine times four terms.
 const ROUNDING: f64 = 1e-14;
 
 /// A control net `net[a][b]`, a along u, over the unit square; mm.
@@ -152,7 +152,8 @@ impl Patch for BicubicPatch {
     }
 }
 
-/// Adds `weight` times the square of a bicubic, as Bernstein coefficients of degree (6, 6) times their binomials.
+/// Adds `weight` times the square of a bicubic, as Bernstein coefficients of degree (6, 6) times their
+/// binomials.
 fn add_square(sum: &mut [[f64; 7]; 7], mut scaled: Net, weight: f64) {
     for (row, cu) in scaled.iter_mut().zip(BINOMIAL_3) {
         for (x, cv) in row.iter_mut().zip(BINOMIAL_3) {

@@ -1,8 +1,8 @@
 //! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] each way.
 //!
-//! Control points are kept multiplied by their weights, (w x, w y, w z, w). Every weight is above zero, so a point of the
-//! patch is a convex combination of the points in space, and a quotient of two polynomials of the patch's degree lies
-//! between the least and the largest quotient of their Bernstein coefficients.
+//! Control points are kept multiplied by their weights, (w x, w y, w z, w). Every weight is above zero, so a
+//! point of the patch is a convex combination of the points in space, and a quotient of two polynomials of
+//! the patch's degree lies between the least and the largest quotient of their Bernstein coefficients.
 
 mod product;
 mod swept;
@@ -17,15 +17,15 @@ use product::{BINOMIALS, PRODUCT_SIZE, Product};
 
 const SIZE: usize = MAX_DEGREE + 1;
 
-/// Rounding of a difference in parts of the coordinates' magnitude: halvings, a quotient, and at most 49 times four
-/// terms.
+/// Rounding of a difference in parts of the coordinates' magnitude: halvings, a quotient, and at most 49
+/// times four terms.
 const ROUNDING: f64 = 1e-13;
 
 /// A continued patch keeps its weights above this part of the largest: it does not come near infinity.
 const LEAST_WEIGHT: f64 = 1e-6;
 
-/// A homogeneous control net over the unit square, with room for N control points each way; mm. Entries beyond the degree
-/// are zero. Patches are copied much: those of low degree are better off with little room.
+/// A homogeneous control net over the unit square, with room for N control points each way; mm. Entries
+/// beyond the degree are zero. Patches are copied much: those of low degree are better off with little room.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RationalPatch<const N: usize = SIZE> {
     degree: [usize; 2],
@@ -33,8 +33,8 @@ pub struct RationalPatch<const N: usize = SIZE> {
 }
 
 impl<const N: usize> RationalPatch<N> {
-    /// The patch with the control points `point(a, b)`, a along u, multiplied by their weights, which come last and are
-    /// above zero. Degrees are 1 to N - 1.
+    /// The patch with the control points `point(a, b)`, a along u, multiplied by their weights, which come
+    /// last and are above zero. Degrees are 1 to N - 1.
     pub fn from_fn(degree: [usize; 2], point: impl Fn(usize, usize) -> Vector4<f64>) -> Self {
         let mut net = [[Vector4::zeros(); N]; N];
         for (a, row) in net.iter_mut().enumerate().take(degree[0] + 1) {
@@ -91,8 +91,9 @@ impl<const N: usize> RationalPatch<N> {
         CenteredInterval::around(self.entries().map(|h| h.w), rounding)
     }
 
-    /// A set that holds A' w - A w', with A and w the vectors and weights of the net and A', w' those of `derived`, one
-    /// of its derivatives. As a polynomial of its own: what cancels in it must not count twice.
+    /// A set that holds A' w - A w', with A and w the vectors and weights of the net and A', w' those of
+    /// `derived`, one of its derivatives. As a polynomial of its own: what cancels in it must not count
+    /// twice.
     fn numerator(&self, derived: &Self, rounding: f64) -> VectorBall {
         let ([m, n], [p, q]) = (derived.degree, self.degree);
         let mut sums = [[Vector3::zeros(); PRODUCT_SIZE]; PRODUCT_SIZE];
@@ -175,8 +176,9 @@ impl<const N: usize> Patch for RationalPatch<N> {
     fn continued(&self, reach: f64) -> Option<Self> {
         let p = self.degree[0];
         let side = (0..=self.degree[1]).map(|b| (self.net[p][b], self.net[p - 1][b]));
-        // Straight on in space as well: a combination of two points and their weights lies on their line. As many more of the points
-        // of the side leave the direction as it is, and let no weight grow: it would shorten the way.
+        // Straight on in space as well: a combination of two points and their weights lies on their line. As
+        // many more of the points of the side leave the direction as it is, and let no weight grow: it would
+        // shorten the way.
         let growth = side.map(|(last, before)| 1.0 - before.w / last.w).fold(f64::NEG_INFINITY, f64::max);
         let patch = Self::from_fn(self.degree, |a, b| {
             let last = self.net[p][b];
@@ -204,7 +206,8 @@ impl<const N: usize> Patch for RationalPatch<N> {
         let (by_u, by_v) = (moved.derived_u(), moved.derived_v());
         let (du, dv) = (quotient(&by_u), quotient(&by_v));
         let (wu, wv) = (by_u.weights(rounding), by_v.weights(rounding));
-        // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of it.
+        // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of
+        // it.
         let less = |second: VectorBall, first: VectorBall, weight: CenteredInterval| {
             second.minus(first.times(weight).times(inverse))
         };
@@ -248,7 +251,8 @@ fn in_space(h: &Vector4<f64>) -> Vector3<f64> {
     h.xyz() / h.w
 }
 
-/// Value, first and second derivative at `t` of the Bezier curve of degree `n`, at least 1, by de Casteljau's steps.
+/// Value, first and second derivative at `t` of the Bezier curve of degree `n`, at least 1, by de Casteljau's
+/// steps.
 fn curve_jet<const N: usize>(points: &[Vector4<f64>; N], n: usize, t: f64) -> [Vector4<f64>; 3] {
     let mut p = *points;
     let between = |a: Vector4<f64>, b: Vector4<f64>| a * (1.0 - t) + b * t;

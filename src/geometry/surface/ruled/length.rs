@@ -1,8 +1,8 @@
 //! Lengths of cubics, and places by length.
 //!
 //! # Method
-//! The speed is integrated by Gauss and Legendre's rule of eight points, over halves until both agree with the whole.
-//! Places are found by Newton's method, kept between bounds by halving.
+//! The speed is integrated by Gauss and Legendre's rule of eight points, over halves until both agree with
+//! the whole. Places are found by Newton's method, kept between bounds by halving.
 
 use nalgebra::{Point3, Vector3};
 

@@ -6,7 +6,8 @@ use super::length;
 use crate::geometry::bernstein::{derived, dot, lowest};
 use crate::geometry::profile::{ControlPoint, Piece, Shape};
 
-/// Half sweeps of arcs that differ by less are equal, radians: a thousand kilometres of an arc differ by a micrometre.
+/// Half sweeps of arcs that differ by less are equal, radians: a thousand kilometres of an arc differ by a
+/// micrometre.
 const SAME_SWEEP: f64 = 1e-12;
 
 /// The part, how long it is (mm), and the place of the piece that it is of.
@@ -94,7 +95,8 @@ impl Part {
         }
     }
 
-    /// A bound for the distance of that cubic from the part at equal lengths, mm; infinite where none is found.
+    /// A bound for the distance of that cubic from the part at equal lengths, mm; infinite where none is
+    /// found.
     pub(super) fn cubic_error(&self) -> f64 {
         match &self.path {
             Path::Line(_) => 0.0,
@@ -118,8 +120,9 @@ impl Part {
     }
 }
 
-/// The arc at the fraction of its sweep. With A before the place and B after it, halves of sweeps, its point has the shares
-/// sin^2 B, 2 cos (A + B) sin A sin B and sin^2 A of the control points, which add up to sin^2 (A + B).
+/// The arc at the fraction of its sweep. With A before the place and B after it, halves of sweeps, its point
+/// has the shares sin^2 B, 2 cos (A + B) sin A sin B and sin^2 A of the control points, which add up to sin^2
+/// (A + B).
 fn cut_arc([start, corner, end]: &[Point3<f64>; 3], half_sweep: f64, fraction: f64) -> [Path; 2] {
     let [before, after] = [half_sweep * fraction, half_sweep * (1.0 - fraction)];
     let whole = half_sweep.sin();

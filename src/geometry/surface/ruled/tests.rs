@@ -15,7 +15,8 @@ fn ring(radius: f64, z: f64) -> Profile<3> {
     chain([quarter([[radius, 0.0, z], [radius, radius, z], [0.0, radius, z]])])
 }
 
-/// The largest distance from `exact(fraction)` along the side v of a surface whose patches cover equal lengths.
+/// The largest distance from `exact(fraction)` along the side v of a surface whose patches cover equal
+/// lengths.
 fn deviation(surface: &AnySurface, v: f64, exact: impl Fn(f64) -> Point3<f64>) -> f64 {
     let n = surface.spans()[0];
     let places = (0..=20 * n).map(|k| k as f64 / 20.0);

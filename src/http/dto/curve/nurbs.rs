@@ -17,8 +17,8 @@ use crate::http::pointer::Pointer;
 /// Degrees that can be read.
 const DEGREES: (u32, u32) = (1, 7);
 
-/// A rational B-spline curve. The knot vector has as many knots as there are control points, plus the degree, plus 1. The knot
-/// vector need not be clamped.
+/// A rational B-spline curve. The knot vector has as many knots as there are control points, plus the degree,
+/// plus 1. The knot vector need not be clamped.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = NurbsCurve)]
@@ -35,8 +35,8 @@ pub struct Nurbs {
     /// Control points `[x, y]` in mm. The coordinates are not multiplied by the weights.
     #[schema(value_type = CurvePoints)]
     control_points: Vec<PlanePoint>,
-    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight pulls the curve
-    /// towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight
+    /// pulls the curve towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
     #[schema(value_type = Option<CurveWeights>)]
     weights: Option<Vec<f64>>,
 }

@@ -16,15 +16,16 @@ use crate::http::pointer::Pointer;
 /// Control points of one patch.
 const POINTS: usize = 16;
 
-/// Bicubic Bezier patches side by side. Neighbouring patches share the control points of their common boundary.
+/// Bicubic Bezier patches side by side. Neighbouring patches share the control points of their common
+/// boundary.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BezierPatches {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Control points in mm: `patches[i][j][a][b]` is point a, b of the 4 x 4 control net of patch i, j. Indices i and a
-    /// run along u, indices j and b along v. Every row has as many patches as the first row.
+    /// Control points in mm: `patches[i][j][a][b]` is point a, b of the 4 x 4 control net of patch i, j.
+    /// Indices i and a run along u, indices j and b along v. Every row has as many patches as the first row.
     #[schema(value_type = BezierNets)]
     patches: Vec<Vec<[[Point; 4]; 4]>>,
 }

@@ -11,23 +11,24 @@ use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
 use crate::http::pointer::Pointer;
 
-/// Points with given tangents: Ferguson's composite surface. `tangents_u`, `tangents_v` and `twists` have as many rows, and
-/// rows as long, as `points`.
+/// Points with given tangents: Ferguson's composite surface. `tangents_u`, `tangents_v` and `twists` have as
+/// many rows, and rows as long, as `points`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ferguson {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2 rows of at least
-    /// 2 points.
+    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2
+    /// rows of at least 2 points.
     #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
-    /// Tangent vectors along u at the points, in mm: the derivative by a parameter that grows by 1 from point to point. A
-    /// longer vector holds the direction for longer.
+    /// Tangent vectors along u at the points, in mm: the derivative by a parameter that grows by 1 from point
+    /// to point. A longer vector holds the direction for longer.
     #[schema(value_type = PointRows)]
     tangents_u: Vec<Vec<Point>>,
-    /// Tangent vectors along v at the points, in mm: the derivative by a parameter that grows by 1 from point to point.
+    /// Tangent vectors along v at the points, in mm: the derivative by a parameter that grows by 1 from point
+    /// to point.
     #[schema(value_type = PointRows)]
     tangents_v: Vec<Vec<Point>>,
     /// Twist vectors at the points, in mm: the mixed derivatives along u and v. Default: zero everywhere.

@@ -18,8 +18,8 @@ schema_of!(
     }
 );
 
-/// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing where there are
-/// too many to look at.
+/// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing
+/// where there are too many to look at.
 pub fn check_points(
     at: &Pointer,
     points: &[Vec<Point>],

@@ -1,4 +1,5 @@
-//! Faults of a grid's points that make no surface, or one that nobody meant: named before anything is computed.
+//! Faults of a grid's points that make no surface, or one that nobody meant: named before anything is
+//! computed.
 
 use nalgebra::Point3;
 
@@ -10,18 +11,20 @@ use crate::http::pointer::Pointer;
 /// Points that are nearer than this are the same, mm.
 const SAME_MM: f64 = 1e-9;
 
-/// A row runs the other way if its points in reverse lie nearer to the row before: their distances in sum are less than this part of
-/// the sum in the given order.
+/// A row runs the other way if its points in reverse lie nearer to the row before: their distances in sum are
+/// less than this part of the sum in the given order.
 const REVERSED_PART: f64 = 0.5;
 
-/// A point is an outlier whose every neighbour is this many times as far away as that neighbour is from any other.
+/// A point is an outlier whose every neighbour is this many times as far away as that neighbour is from any
+/// other.
 const OUTLIER_FACTOR: f64 = 5.0;
 
 /// Points each way of the smallest grid in which an outlier can be told from the corner of a part.
 const LEAST_ROWS: usize = 3;
 
-/// Blames the first row or column that repeats the one before it, and the first row that runs the other way; a grid whose
-/// points are all the same as a whole; and, where outliers are refused, the first of them. Rows are as long as the first.
+/// Blames the first row or column that repeats the one before it, and the first row that runs the other way;
+/// a grid whose points are all the same as a whole; and, where outliers are refused, the first of them. Rows
+/// are as long as the first.
 pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violations: &mut Violations) {
     let rows: Vec<Vec<Point3<f64>>> =
         points.iter().map(|row| row.iter().copied().map(Point3::from).collect()).collect();

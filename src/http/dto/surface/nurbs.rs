@@ -17,8 +17,8 @@ use crate::http::pointer::Pointer;
 /// Weights; only their ratios matter.
 pub const WEIGHTS: Range = Range { min: 1e-6, max: 1e6 };
 
-/// A rational B-spline surface. Each knot vector has as many knots as there are control points along its direction, plus the
-/// degree, plus 1. The knot vectors need not be clamped.
+/// A rational B-spline surface. Each knot vector has as many knots as there are control points along its
+/// direction, plus the degree, plus 1. The knot vectors need not be clamped.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Nurbs {
@@ -31,18 +31,20 @@ pub struct Nurbs {
     /// Degree along v: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree_v: u32,
-    /// Knots along u: plain numbers that never fall. Inside the domain no knot is repeated more often than the degree.
+    /// Knots along u: plain numbers that never fall. Inside the domain no knot is repeated more often than
+    /// the degree.
     #[schema(value_type = SurfaceKnots)]
     knots_u: Vec<f64>,
-    /// Knots along v: plain numbers that never fall. Inside the domain no knot is repeated more often than the degree.
+    /// Knots along v: plain numbers that never fall. Inside the domain no knot is repeated more often than
+    /// the degree.
     #[schema(value_type = SurfaceKnots)]
     knots_v: Vec<f64>,
-    /// Control points in mm: `control_points[i][j]`, i along u and j along v. The coordinates are not multiplied by the
-    /// weights.
+    /// Control points in mm: `control_points[i][j]`, i along u and j along v. The coordinates are not
+    /// multiplied by the weights.
     #[schema(value_type = PointRows)]
     control_points: Vec<Vec<Point>>,
-    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight pulls the surface
-    /// towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight
+    /// pulls the surface towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
     #[schema(value_type = Option<SurfaceWeights>)]
     weights: Option<Vec<Vec<f64>>>,
 }

@@ -12,18 +12,20 @@ use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-/// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). The surface starts at the start
-/// of the basic curve, wherever the drive curve lies. The surface is exact. A sharp corner of either curve is an edge of the
-/// surface.
+/// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). The surface
+/// starts at the start of the basic curve, wherever the drive curve lies. The surface is exact. A sharp
+/// corner of either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParallelSweep {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// The basic curve, along u: points `x,y,z` in mm. A curve of points with two coordinates lies in the xz plane.
+    /// The basic curve, along u: points `x,y,z` in mm. A curve of points with two coordinates lies in the xz
+    /// plane.
     basic: SectionText,
-    /// The drive curve, along v: points `x,y,z` in mm. A curve of points with two coordinates lies in the yz plane.
+    /// The drive curve, along v: points `x,y,z` in mm. A curve of points with two coordinates lies in the yz
+    /// plane.
     drive: SectionText,
 }
 

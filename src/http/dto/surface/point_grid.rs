@@ -25,21 +25,24 @@ pub struct PointGrid {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2 rows of at least
-    /// 2 points, every row as long as the first row.
+    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2
+    /// rows of at least 2 points, every row as long as the first row.
     #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
-    /// The mixed derivatives at the points: `spline` takes the derivatives of the cubic spline, `zero` takes zero.
+    /// The mixed derivatives at the points: `spline` takes the derivatives of the cubic spline, `zero` takes
+    /// zero.
     #[serde(default)]
     #[schema(default = "spline")]
     twist: Twist,
-    /// The end conditions of the splines. `not_a_knot` makes the first two and the last two spans one cubic each. `natural` has
-    /// no curvature at the edges, which bends the rim of a measured part. `clamped` takes the tangents of `end_tangents`.
-    /// `bessel` takes the slope of the parabola through the three points nearest the edge. Without `ends` the surface is that of
-    /// `not_a_knot`, and no warning tells of fewer than 4 points.
+    /// The end conditions of the splines. `not_a_knot` makes the first two and the last two spans one cubic
+    /// each. `natural` has no curvature at the edges, which bends the rim of a measured part. `clamped` takes
+    /// the tangents of `end_tangents`. `bessel` takes the slope of the parabola through the three points
+    /// nearest the edge. Without `ends` the surface is that of `not_a_knot`, and no warning tells of fewer
+    /// than 4 points.
     ends: Option<Ends>,
-    /// What to do with a point that is five times as far from its neighbours as the neighbours are from each other. Such a
-    /// point is mostly a mistake and takes long to mill. `refuse` answers an error, `accept` mills the point.
+    /// What to do with a point that is five times as far from its neighbours as the neighbours are from each
+    /// other. Such a point is mostly a mistake and takes long to mill. `refuse` answers an error, `accept`
+    /// mills the point.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,
@@ -73,8 +76,8 @@ pub enum Outliers {
     Accept,
 }
 
-/// Tangents across the boundaries, in mm, one vector for each boundary point: the derivative by a parameter that grows by 1
-/// from point to point.
+/// Tangents across the boundaries, in mm, one vector for each boundary point: the derivative by a parameter
+/// that grows by 1 from point to point.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EndTangents {

@@ -12,19 +12,20 @@ use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-/// Two curves joined by straight lines, which join points at equal fractions of the lengths of the curves. The surface is exact
-/// between two lines and between two arcs that turn equally, and within 1e-6 mm between other curves. A sharp corner of
-/// either curve is an edge of the surface.
+/// Two curves joined by straight lines, which join points at equal fractions of the lengths of the curves.
+/// The surface is exact between two lines and between two arcs that turn equally, and within 1e-6 mm between
+/// other curves. A sharp corner of either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ruled {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// The first curve, along u at v = 0: points `x,y,z` in mm. A curve of points with two coordinates lies in the xy plane.
+    /// The first curve, along u at v = 0: points `x,y,z` in mm. A curve of points with two coordinates lies
+    /// in the xy plane.
     first: SectionText,
-    /// The second curve, along u at the largest v: points `x,y,z` in mm. A curve of points with two coordinates lies in the
-    /// xy plane.
+    /// The second curve, along u at the largest v: points `x,y,z` in mm. A curve of points with two
+    /// coordinates lies in the xy plane.
     second: SectionText,
 }
 

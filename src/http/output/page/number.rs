@@ -23,7 +23,8 @@ fn round(value: f64, upward: bool) -> String {
     let decimals = if magnitude < 0 { DIGITS - 1 - magnitude } else { DECIMALS };
     let unit = 10f64.powi(decimals);
     let rounded = if upward { (value * unit).ceil() } else { (value * unit).round() } / unit;
-    // Adding zero takes the sign from a negative zero. The shortest text that reads as the number has no zeros left.
+    // Adding zero takes the sign from a negative zero. The shortest text that reads as the number has no
+    // zeros left.
     format!("{}", rounded + 0.0)
 }
 

@@ -1,9 +1,9 @@
 //! Powers of intervals with two derivatives.
 //!
 //! # Method
-//! A constant whole exponent takes any base, a constant other one takes bases of at least zero. With x in the exponent
-//! a^b is exp(b ln a), for positive a; its value, which is extreme at corners of the ranges of a and b, is also
-//! defined where a is zero and b positive.
+//! A constant whole exponent takes any base, a constant other one takes bases of at least zero. With x in the
+//! exponent a^b is exp(b ln a), for positive a; its value, which is extreme at corners of the ranges of a and
+//! b, is also defined where a is zero and b positive.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;

@@ -4,11 +4,12 @@
 //! The line is cut into intervals with the contact known at both ends:
 //! * Neither counts: nothing is near, or the interval is shorter than a section may be; else it is halved.
 //! * One counts: the section ends on the way, at a place that bisection finds to 1e-8 mm.
-//! * Both count: the tips between are proved to keep to the chord, or the interval is a millionth of a millimetre long and its ends are
-//!   foot and head of a wall; else it is halved.
+//! * Both count: the tips between are proved to keep to the chord, or the interval is a millionth of a
+//!   millimetre long and its ends are foot and head of a wall; else it is halved.
 //!
-//! In the middle of an interval Newton's method starts from the contact at one end. It may find a contact that is not the highest; then
-//! the proof of the chord fails. Contacts are proved to be the highest where that happens, and where a section ends.
+//! In the middle of an interval Newton's method starts from the contact at one end. It may find a contact
+//! that is not the highest; then the proof of the chord fails. Contacts are proved to be the highest where
+//! that happens, and where a section ends.
 
 use nalgebra::{Point3, Vector2};
 
@@ -25,8 +26,9 @@ pub(super) const WALL_MM: f64 = 1e-6;
 /// How exactly the ends of a section are known, mm.
 const END_MM: f64 = 1e-8;
 
-/// The longest interval between two positions that do not count which is not halved again, in parts of the cutter's radius or a tenth of
-/// the surface, whichever is smaller. A shorter section is found only between two crossings of the line with sides of the surface.
+/// The longest interval between two positions that do not count which is not halved again, in parts of the
+/// cutter's radius or a tenth of the surface, whichever is smaller. A shorter section is found only between
+/// two crossings of the line with sides of the surface.
 const SEARCH_STEP: f64 = 0.05;
 
 /// Points of one section.
@@ -47,18 +49,20 @@ const STEEPEST_RISE: f64 = 10.0;
 /// Shorter intervals, in parts of [`Contacts::scale`], have ends that are proved before they are halved.
 const TRUSTED_LENGTH: f64 = 0.01;
 
-/// When a contact that Newton's method found turns out not to be the highest, this many of the next ones are found by drops.
+/// When a contact that Newton's method found turns out not to be the highest, this many of the next ones are
+/// found by drops.
 const DISTRUSTED: usize = 32;
 
-/// An interval of this length, mm, is halved only at walls and at ends of sections, some seven times each. A line on which more than
-/// `SHORT_LIMIT` of them are halved grazes a wall.
+/// An interval of this length, mm, is halved only at walls and at ends of sections, some seven times each. A
+/// line on which more than `SHORT_LIMIT` of them are halved grazes a wall.
 const SHORT_MM: f64 = 1e-4;
 const SHORT_LIMIT: usize = 1000;
 
 /// Tips outside of sections are looked for to this part of what they may leave their chord by.
 const ROUGH_SHARE: f64 = 0.05;
 
-/// Contacts this near to the border of the flat, in parts of its radius, are its own: how steep they are is not known to the arithmetic.
+/// Contacts this near to the border of the flat, in parts of its radius, are its own: how steep they are is
+/// not known to the arithmetic.
 const ON_RIM: f64 = 1e-6;
 
 /// A position along the line, with the contact there if it counts.
@@ -109,7 +113,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         }
     }
 
-    /// Finds every section; `false` where the line only grazes something, and jumps more often than there are walls.
+    /// Finds every section; `false` where the line only grazes something, and jumps more often than there are
+    /// walls.
     pub(super) fn all(&mut self) -> Result<bool, SectionError> {
         self.until(|trace| trace.n_short > SHORT_LIMIT)?;
         Ok(self.n_short <= SHORT_LIMIT)
@@ -206,7 +211,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(())
     }
 
-    /// Opens an interval again with contacts that are proved to be the highest; a step leads from one that was not to it.
+    /// Opens an interval again with contacts that are proved to be the highest; a step leads from one that
+    /// was not to it.
     fn prove(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
         let proved = |probe: Probe| match probe.contact {
             Some(contact) if !is_proved(&contact) => self.probe(probe.at, Some(contact.place)),
@@ -234,8 +240,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(())
     }
 
-    /// The range of the line, cut where it meets sides of the surface and between these places: sections that are shorter than a step
-    /// lie between two sides.
+    /// The range of the line, cut where it meets sides of the surface and between these places: sections that
+    /// are shorter than a step lie between two sides.
     fn first_intervals(&mut self) -> Result<Vec<[Probe; 2]>, SectionError> {
         let [low, high] = self.sections.range();
         let crossings = self.sections.sides.crossings(self.sections.axis, self.plane.traced_at);
@@ -280,7 +286,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         }
         let (across, rise) = (way.xy().norm(), way.z);
         let height = self.spacing.chord_height_mm;
-        // Vertical heights are larger than distances where the chord is steep and long enough, if its ends are no lower than the section.
+        // Vertical heights are larger than distances where the chord is steep and long enough, if its ends
+        // are no lower than the section.
         let steep = height * (1.0 + (rise / across).powi(2)).sqrt();
         let below = if steep <= 0.25 * way.norm() { steep } else { height };
         let above = if is_proved(from) && is_proved(to) { below } else { height };
@@ -321,7 +328,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(Probe { at, contact: contact.filter(|contact| self.counts(contact)) })
     }
 
-    /// The same, where mostly none counts: a contact that does not is known to a part of what tips may leave their chord by.
+    /// The same, where mostly none counts: a contact that does not is known to a part of what tips may leave
+    /// their chord by.
     fn probe_roughly(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
         let accuracy = ROUGH_SHARE * self.spacing.chord_height_mm;
         match self.sections.contacts.drop_within(accuracy, self.position(at), near, self.budget)? {
@@ -336,8 +344,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         self.counts(&contact).then_some(contact)
     }
 
-    /// Whether a section runs through a contact: not where the cutter hangs on an edge at which the surface ends, and where it stands
-    /// level only while its axis is over the surface.
+    /// Whether a section runs through a contact: not where the cutter hangs on an edge at which the surface
+    /// ends, and where it stands level only while its axis is over the surface.
     fn counts(&self, contact: &Contact) -> bool {
         let contacts = self.sections.contacts;
         if contact.is_rolling {

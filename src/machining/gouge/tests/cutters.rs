@@ -91,7 +91,8 @@ fn stock_to_be_left_counts_as_a_larger_cutter() {
     }
 }
 
-/// How deep the deepest of dense points of the surface lies in the cutter on the way, as far as places of the way show.
+/// How deep the deepest of dense points of the surface lies in the cutter on the way, as far as places of the
+/// way show.
 fn sampled(surface: &BezierSurface, cutter: &Cutter, tip: &Curve) -> f64 {
     let solid = Solid { flat: cutter.flat_radius(), corner: cutter.corner_radius() };
     let (n, m) = (80, 60);

@@ -7,7 +7,8 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Band, Measure};
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
-/// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord between gates.
+/// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord
+/// between gates.
 const GATES_AN_ELEMENT: usize = 64;
 
 /// More gates are not made: all of them are held at once.
@@ -93,8 +94,8 @@ fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
             if turn.mag() * widest >= ahead.lo().powi(3) {
                 return f64::INFINITY;
             }
-            // The tangent leaves the middle one by this sine at most; normals turn as much, which moves the edge along
-            // itself by the sine times the offset and across itself by its square.
+            // The tangent leaves the middle one by this sine at most; normals turn as much, which moves the
+            // edge along itself by the sine times the offset and across itself by its square.
             let sine = aside.mag() / ahead.lo();
             let speed = ahead.hi().hypot(aside.mag());
             let chord = (0.5 * speed * sine * width)

@@ -1,10 +1,11 @@
 //! Elements over two points that one number bends more or less: their bow.
 //!
 //! # Method
-//! Through every point beside the chord goes one element, which has that point's bow; at the ends of a curve it is the
-//! element along the curve's tangent. The distances of a curve from the elements over its ends all fall as the bow grows,
-//! so the best bow, whose deviations use both sides of the band alike, is a root; where one side has no room at all it is
-//! the least or the largest of the bows that the points of the curve have.
+//! Through every point beside the chord goes one element, which has that point's bow; at the ends of a curve
+//! it is the element along the curve's tangent. The distances of a curve from the elements over its ends all
+//! fall as the bow grows, so the best bow, whose deviations use both sides of the band alike, is a root;
+//! where one side has no room at all it is the least or the largest of the bows that the points of the curve
+//! have.
 
 use nalgebra::{Point2, Vector2};
 
@@ -15,8 +16,8 @@ use crate::geometry::element::{Element, PlaneArc};
 pub enum Bow {
     /// Arcs; the bow is the bulge, tan(turn / 4).
     Arcs { start: Point2<f64>, end: Point2<f64> },
-    /// Parabolas with this axis, a unit vector to the left of the chord; the bow is how far the control point lies from the
-    /// middle of the chord, mm.
+    /// Parabolas with this axis, a unit vector to the left of the chord; the bow is how far the control point
+    /// lies from the middle of the chord, mm.
     Parabolas { start: Point2<f64>, end: Point2<f64>, axis: Vector2<f64> },
 }
 
@@ -32,8 +33,8 @@ impl Bow {
         }
     }
 
-    /// How far a point lies to the left of the element with a bow, mm; from parabolas up to a small part of itself, for a
-    /// point that lies a small part of the chord away.
+    /// How far a point lies to the left of the element with a bow, mm; from parabolas up to a small part of
+    /// itself, for a point that lies a small part of the chord away.
     pub fn distance(&self, bow: f64) -> impl Fn(Point2<f64>) -> f64 + use<> {
         let bows = *self;
         let arc = self.element(bow);
@@ -59,7 +60,8 @@ impl Bow {
         }
     }
 
-    /// The bow of the element through `p`; of several arcs the one that turns least. Not finite where there is none.
+    /// The bow of the element through `p`; of several arcs the one that turns least. Not finite where there
+    /// is none.
     pub fn through(&self, p: Point2<f64>) -> f64 {
         match *self {
             Self::Arcs { start, end } => bulge_through(p, start, end),
@@ -102,7 +104,8 @@ fn bulge_through(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
     let from = p - start;
     let (x, y) = (from.dot(&along) - half, along.perp(&from));
     let from_end = (x - half).hypot(y);
-    // tan(turn / 4) from tan(turn / 2): the chord is seen from the arc under half a turn less half of the arc's.
+    // tan(turn / 4) from tan(turn / 2): the chord is seen from the arc under half a turn less half of the
+    // arc's.
     let k = x * x + y * y - half * half;
     2.0 * half * y / ((from.norm() * from_end) - k)
 }

@@ -11,7 +11,8 @@ use crate::machining::upper_envelope::{Accuracy, Profiles, Segment};
 /// How exactly the extent of the surface is known, mm: less than what its outermost wires are inside.
 const EXTENT_ACCURACY_MM: f64 = 1e-7;
 
-/// Where an edge is not straight, the outermost plane would touch the surface in a point; it lies this far inside instead, mm.
+/// Where an edge is not straight, the outermost plane would touch the surface in a point; it lies this far
+/// inside instead, mm.
 const TOUCH_MM: f64 = 5e-3;
 
 /// An edge is straight where the section next to it has this part of the width of that a little inside.
@@ -74,8 +75,8 @@ impl WireModel {
     }
 }
 
-/// The outermost wire at `extent` mm, from which `inward` (1 or -1) leads into the part: on the extent itself along a
-/// straight edge, else as far inside as [`TOUCH_MM`].
+/// The outermost wire at `extent` mm, from which `inward` (1 or -1) leads into the part: on the extent itself
+/// along a straight edge, else as far inside as [`TOUCH_MM`].
 fn outermost<P: Patch>(
     profiles: &Profiles<P>,
     extent: f64,

@@ -16,7 +16,8 @@ impl Product {
         Self { degree: factor_degree, coefficients: [[0.0; PRODUCT_SIZE]; PRODUCT_SIZE] }
     }
 
-    /// Adds `weight` times the square of the polynomial with these coefficients, each result times its binomials.
+    /// Adds `weight` times the square of the polynomial with these coefficients, each result times its
+    /// binomials.
     pub(super) fn add_square(&mut self, factor: &dyn Fn(usize, usize) -> f64, weight: f64) {
         let [p, q] = self.degree;
         let (along_u, along_v) = (BINOMIALS[p], BINOMIALS[q]);

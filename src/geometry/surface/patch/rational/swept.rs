@@ -1,4 +1,5 @@
-//! Derivatives of patches whose weights do not change one way: swept surfaces, and arcs that are ruled or turned.
+//! Derivatives of patches whose weights do not change one way: swept surfaces, and arcs that are ruled or
+//! turned.
 
 use nalgebra::Vector3;
 
@@ -14,8 +15,8 @@ pub(super) struct Swept {
 }
 
 impl<const N: usize> RationalPatch<N> {
-    /// Where the weights do not change along v, the derivatives along v are combinations of differences of control points, without a
-    /// quotient that hides that they hardly vary: on swept surfaces not at all.
+    /// Where the weights do not change along v, the derivatives along v are combinations of differences of
+    /// control points, without a quotient that hides that they hardly vary: on swept surfaces not at all.
     pub(super) fn swept(&self) -> Option<Swept> {
         let [p, q] = self.degree;
         let rows = &self.net[..=p];
@@ -27,8 +28,8 @@ impl<const N: usize> RationalPatch<N> {
         let first = |a: usize, b: usize| (points(a, b + 1) - points(a, b)) * q as f64;
         let second = |a: usize, b: usize| (first(a, b + 1) - first(a, b)) * (q - 1) as f64;
         let places = |n: usize| (0..=p).flat_map(move |a| (0..n).map(move |b| (a, b)));
-        // How much the first differences change along u: by that times the change of the weighted basis, of which no more than twice
-        // the degree comes and goes.
+        // How much the first differences change along u: by that times the change of the weighted basis, of
+        // which no more than twice the degree comes and goes.
         let apart = places(q).map(|(a, b)| (first(a, b) - first(0, b)).norm()).fold(0.0, f64::max);
         let weights = rows.iter().map(|row| row[0].w);
         let [least, most] =

@@ -24,39 +24,42 @@ pub struct Decimal {
 }
 
 impl Decimal {
-    /// The value of `number`, the text of a number as the lexer cuts it. None where the text is empty, the
-    /// number has more than twelve digits before the point, or is no multiple of a millionth.
+    /// Reads the number at the start of `bytes`: a sign, digits, a point, digits. Returns the length of its text,
+    /// which is zero where there is no digit, and its value. The value is `None` without a digit, with more than
+    /// twelve digits before the point, or where the number is no multiple of a millionth.
     #[inline]
-    pub fn read(number: &[u8]) -> Option<Self> {
-        let (is_negative, digits) = match number {
-            [] => return None,
-            [sign @ (b'-' | b'+'), digits @ ..] => (*sign == b'-', digits),
-            digits => (false, digits),
-        };
-        let (mut value, mut whole, mut behind, mut has_point) = (0i64, 0, 0, false);
-        for &c in digits {
-            if c == b'.' {
-                (has_point, whole) = (true, behind);
-                behind = 0;
-            } else if !has_point || behind < usize::from(DECIMALS) {
-                value = value.wrapping_mul(10).wrapping_add(i64::from(c - b'0'));
-                behind += 1;
-            } else if c != b'0' {
-                return None;
+    pub fn at_start(bytes: &[u8]) -> (usize, Option<Self>) {
+        let digit = |at: usize| bytes.get(at).filter(|c| c.is_ascii_digit()).map(|c| i64::from(c - b'0'));
+        let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+        let (mut at, mut value) = (sign, 0i64);
+        while let Some(digit) = digit(at) {
+            value = value.wrapping_mul(10).wrapping_add(digit);
+            at += 1;
+        }
+        let (whole, has_point, mut is_exact) = (at - sign, bytes.get(at) == Some(&b'.'), true);
+        let point = at;
+        at += usize::from(has_point);
+        if has_point {
+            while let Some(digit) = digit(at) {
+                if at - point <= usize::from(DECIMALS) {
+                    value = value.wrapping_mul(10).wrapping_add(digit);
+                } else {
+                    is_exact &= digit == 0;
+                }
+                at += 1;
             }
         }
-        if !has_point {
-            (whole, behind) = (behind, 0);
+        let behind = at - point - usize::from(has_point);
+        if whole + behind == 0 {
+            return (0, None);
         }
-        if whole > MAX_WHOLE_DIGITS {
-            return None;
+        if whole > MAX_WHOLE_DIGITS || !is_exact {
+            return (at, None);
         }
-        let millionths = value * SCALES[behind];
-        Some(Self {
-            millionths: if is_negative { -millionths } else { millionths },
-            decimals: behind as u8,
-            has_point,
-        })
+        let decimals = behind.min(usize::from(DECIMALS));
+        let millionths = value * SCALES[decimals];
+        let millionths = if bytes[0] == b'-' { -millionths } else { millionths };
+        (at, Some(Self { millionths, decimals: decimals as u8, has_point }))
     }
 
     /// As a coordinate in millionths of a unit of the program, and its decimals. Where `increment` is given,
@@ -85,6 +88,12 @@ pub fn is_coordinate(millionths: i64) -> bool {
 mod tests {
     use super::*;
 
+    fn read(text: &str) -> Option<Decimal> {
+        let (length, value) = Decimal::at_start(text.as_bytes());
+        assert_eq!(length, text.len(), "{text}");
+        value
+    }
+
     #[test]
     fn every_usual_spelling_is_read() {
         let cases = [
@@ -98,7 +107,7 @@ mod tests {
             ("999999999999.999999", 999_999_999_999_999_999, 6),
         ];
         for (text, millionths, decimals) in cases {
-            let number = Decimal::read(text.as_bytes()).unwrap();
+            let number = read(text).unwrap();
             assert_eq!((number.millionths, number.decimals), (millionths, decimals), "{text}");
             assert_eq!(number.has_point, text.contains('.'), "{text}");
         }
@@ -107,23 +116,35 @@ mod tests {
     #[test]
     fn a_number_that_millionths_cannot_hold_is_none() {
         for text in ["", "1.0000001", "1234567890123", "0000000000001", ".00000010"] {
-            assert_eq!(Decimal::read(text.as_bytes()), None, "{text}");
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_has_one_sign_one_point_and_a_digit() {
+        for (text, length) in
+            [("10", 2), ("10.", 3), (".5", 2), ("-0Y", 2), ("+3.20 ", 5), ("1.2.3", 3), ("1-2", 1)]
+        {
+            assert_eq!(Decimal::at_start(text.as_bytes()).0, length, "{text}");
+        }
+        for text in ["", "-", ".", "-.", "#1", "[1]", "- 5", "--1", "X"] {
+            assert_eq!(Decimal::at_start(text.as_bytes()), (0, None), "{text}");
         }
     }
 
     #[test]
     fn a_number_without_a_point_counts_least_increments_where_the_control_does() {
-        let read = |text: &str| Decimal::read(text.as_bytes()).unwrap().coordinate(Some(3));
-        assert_eq!(read("10"), Some((10_000, 3)));
-        assert_eq!(read("10."), Some((10_000_000, 0)));
-        let huge = Decimal::read(b"999999999999").unwrap();
+        let coordinate = |text: &str| read(text).unwrap().coordinate(Some(3));
+        assert_eq!(coordinate("10"), Some((10_000, 3)));
+        assert_eq!(coordinate("10."), Some((10_000_000, 0)));
+        let huge = read("999999999999").unwrap();
         assert_eq!(huge.coordinate(None), None);
         assert!(huge.coordinate(Some(3)).is_none());
     }
 
     #[test]
     fn codes_are_whole_tenths_from_zero() {
-        let tenths = |text: &str| Decimal::read(text.as_bytes()).unwrap().tenths();
+        let tenths = |text: &str| read(text).unwrap().tenths();
         assert_eq!((tenths("01"), tenths("59.1"), tenths("-0")), (Some(10), Some(591), Some(0)));
         assert_eq!((tenths("1.05"), tenths("-1"), tenths("999999999")), (None, None, None));
     }

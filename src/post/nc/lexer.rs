@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
+use super::decimal::Decimal;
+
 /// What stands at one place of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Token<'a> {
-    /// An address letter in upper case, and the text of its number: a sign, digits, a point, digits. The text
-    /// is empty where no number follows the letter.
-    Word { letter: u8, number: &'a [u8] },
+    /// An address letter in upper case, with the text and the value of its number ([`Decimal::at_start`]).
+    /// The text is empty where no number follows the letter.
+    Word { letter: u8, number: &'a [u8], value: Option<Decimal> },
     /// Text in parentheses, or from a semicolon to the end of the line.
     Comment { is_closed: bool },
     /// A slash, and the digits of its switch.
@@ -42,8 +44,9 @@ impl<'a> Iterator for Lexer<'a> {
         let (token, length) = match first {
             b'A'..=b'Z' | b'a'..=b'z' => {
                 let gap = blanks(rest);
-                let number = &rest[gap..gap + number(&rest[gap..])];
-                (Token::Word { letter: first.to_ascii_uppercase(), number }, gap + number.len())
+                let (length, value) = Decimal::at_start(&rest[gap..]);
+                let number = &rest[gap..gap + length];
+                (Token::Word { letter: first.to_ascii_uppercase(), number, value }, gap + length)
             }
             b'(' => match rest.iter().position(|&c| c == b')') {
                 Some(inside) => (Token::Comment { is_closed: true }, inside + 1),
@@ -71,20 +74,6 @@ fn digits(bytes: &[u8]) -> usize {
     bytes.iter().position(|c| !c.is_ascii_digit()).unwrap_or(bytes.len())
 }
 
-/// How many bytes at the start of `bytes` are a number; 0 without any digit.
-#[inline]
-fn number(bytes: &[u8]) -> usize {
-    let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
-    let mut end = sign + digits(&bytes[sign..]);
-    let mut count = end - sign;
-    if bytes.get(end) == Some(&b'.') {
-        let fraction = digits(&bytes[end + 1..]);
-        count += fraction;
-        end += 1 + fraction;
-    }
-    if count > 0 { end } else { 0 }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -97,7 +86,10 @@ mod tests {
 
     #[test]
     fn a_line_is_words_comments_and_marks_where_they_stand() {
-        let word = |letter, number: &'static str| Token::Word { letter, number: number.as_bytes() };
+        let word = |letter, number: &'static str| {
+            let number = number.as_bytes();
+            Token::Word { letter, number, value: Decimal::at_start(number).1 }
+        };
         let closed = Token::Comment { is_closed: true };
         assert_eq!(
             tokens("/2 g01X\t-.5 (a;b) #Y ;c"),
@@ -112,18 +104,6 @@ mod tests {
             ]
         );
         assert_eq!(tokens("%(a"), [("%", Token::TapeMark), ("(a", Token::Comment { is_closed: false })]);
-    }
-
-    #[test]
-    fn a_number_has_one_sign_one_point_and_a_digit() {
-        for (text, length) in
-            [("10", 2), ("10.", 3), (".5", 2), ("-0Y", 2), ("+3.20 ", 5), ("1.2.3", 3), ("1-2", 1)]
-        {
-            assert_eq!(number(text.as_bytes()), length, "{text}");
-        }
-        for text in ["", "-", ".", "-.", "#1", "[1]", "- 5", "--1", "X"] {
-            assert_eq!(number(text.as_bytes()), 0, "{text}");
-        }
     }
 
     proptest! {

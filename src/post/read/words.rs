@@ -24,7 +24,7 @@ impl<'a> Words<'a> {
         let mut words = Self { values: [""; 26], g: Codes::default(), m: Codes::default() };
         for (place, token) in Lexer::new(line.as_bytes()) {
             match token {
-                Token::Word { letter, number } => {
+                Token::Word { letter, number, .. } => {
                     let number = &line[place.end - number.len()..place.end];
                     words.take(letter.into(), number, &line[place.end..])?;
                 }

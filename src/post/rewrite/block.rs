@@ -98,7 +98,7 @@ impl Block {
             self.is_spaced |= self.end > 0 && place.start > self.end;
             self.end = place.end;
             match token {
-                Token::Word { letter, number } => self.word(letter, Decimal::read(number)?, place)?,
+                Token::Word { letter, value, .. } => self.word(letter, value?, place)?,
                 Token::Comment { is_closed: true } => self.has_comment = true,
                 Token::TapeMark => self.has_tape_mark = true,
                 Token::Comment { is_closed: false } | Token::BlockDelete | Token::Unknown => return None,
@@ -126,7 +126,7 @@ impl Block {
 
 /// Whether the token is N with digits alone.
 fn is_block_number(token: &Token) -> bool {
-    let Token::Word { letter: b'N', number } = token else { return false };
+    let Token::Word { letter: b'N', number, .. } = token else { return false };
     !number.is_empty() && number.iter().all(u8::is_ascii_digit)
 }
 

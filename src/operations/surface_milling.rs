@@ -181,6 +181,14 @@ pub enum Error {
     Path(#[from] PathError),
 }
 
+impl Error {
+    /// Whether a path along sections of the offset may fail so where another part of the surface is in the
+    /// way of the cutter, or where a wall is so steep that its sections have no end.
+    fn is_obstacle(&self) -> bool {
+        matches!(self, Self::ToleranceNotReached { .. } | Self::SectionLost { .. } | Self::TooMuchWork { .. })
+    }
+}
+
 impl From<NotSmooth> for Error {
     fn from(error: NotSmooth) -> Self {
         match error {

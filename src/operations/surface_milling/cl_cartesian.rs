@@ -1,25 +1,25 @@
-//! Passes along parallel planes, by either engine.
+//! Passes along parallel planes, by sections of the offset or by the contact of the cutter.
 
 use super::deviation::{Deviation, Seam};
 use super::entries::{APPROACH_MM, Proofs};
 use super::links::{self, Joined};
 use super::outline::Outline;
 use super::passes::{self, Allowed, CutPass, LeftOut, Passes};
-use super::planes::{self, ContactEngine, OffsetEngine, Slicer};
+use super::planes::{ClCurves, ContactCurves, OffsetCurves, Slicer};
 use super::{
     Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, Spacing, TOP_ACCURACY_MM, Warning,
     certificate, data_warnings, rest, scallop,
 };
-use crate::budget::{Budget, Stopped};
+use crate::budget::Budget;
 use crate::geometry::curve::Curve;
-use crate::geometry::surface::joints::{self, Joints, NotSmooth};
+use crate::geometry::surface::joints::{self, Joints};
 use crate::geometry::surface::patch::Bounds;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contacts, TipSections};
 use crate::machining::gouge::{GougeProof, Penetration};
 use crate::machining::offset_section::PlaneAt;
 use crate::machining::offset_section::Sections;
-use crate::machining::regularity::{self, Irregular, Regularity, Slope};
+use crate::machining::regularity::{self, Regularity, Slope};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;
@@ -37,9 +37,9 @@ const OUTLINE_SHARE: f64 = 0.1;
 /// too deep are cut again with this part of the tolerance.
 const RIM_SHARE: f64 = 0.65;
 
-/// What an engine knows of a job.
+/// What the passes of a job are cut from.
 struct Found<'a, P> {
-    engine: &'a dyn planes::Engine,
+    curves: &'a dyn ClCurves,
     /// Where the cutter touches; `None` by sections of the offset, which need no such search.
     contacts: Option<&'a Contacts<'a, P>>,
     slopes: Vec<Slope>,
@@ -53,10 +53,29 @@ struct Found<'a, P> {
 /// How deep passes may cut into the surface.
 #[derive(Clone, Copy, PartialEq)]
 enum Depth {
-    /// The tolerance.
+    /// By the tolerance.
     Tolerance,
-    /// As they deviate, and no deeper: or else something is in their way that they know nothing of.
+    /// By the deviation of the passes. A pass that cuts deeper meets a part of the surface that its CL curve
+    /// does not know of.
     Deviation,
+}
+
+/// How the CL curves of a surface are found.
+enum Choice {
+    /// As sections of the offset, because the request asks for them.
+    Offset(Offset),
+    /// As sections of the offset, because the ball cutter fits the surface at every place; as tips of the
+    /// cutter in contact if another part of the surface is in its way ([`Error::is_obstacle`]).
+    OffsetIfClear(Offset),
+    /// As tips of the cutter in contact, with the proof that the cutter can follow the surface, if there is
+    /// one.
+    Contact(Option<Regularity>),
+}
+
+/// The offset of a surface that a ball cutter can follow everywhere.
+struct Offset {
+    regularity: Regularity,
+    seam: Seam,
 }
 
 /// Plans the passes.
@@ -64,72 +83,65 @@ enum Depth {
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
 pub(super) fn plan<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
-    match job.engine {
-        Engine::OffsetSection => by_offset_section(surface, job, budget),
-        Engine::Contact => by_contact(surface, job, budget),
-    }
-}
-
-fn by_offset_section<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
-    if job.tool.shape != Shape::Ball {
-        return Err(Error::NoBall);
-    }
-    let joints = joints::examine(&surface, &job.surface.loose_joints(), budget)?;
-    let surface = prepared(surface, job)?;
-    let regularity = regularity::prove(&surface, job.offset_mm(), job.plane.normal_axis(), budget)?;
-    let offset = Offset { regularity: &regularity, seam: seam(&joints, job, regularity.slopes()) };
-    by_sections(&surface, &offset, None, job, budget)
-}
-
-/// By the contacts of the cutter. Where a ball is proved to fit the surface everywhere, it touches with its
-/// tangent plane, and passes are sections of the offset, unless the certificate finds that something else is
-/// in their way.
-fn by_contact<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
-    let joints = match joints::examine(&surface, &job.surface.loose_joints(), budget) {
-        Err(NotSmooth::Stopped(stopped)) => return Err(stopped.into()),
-        joints => joints.ok(),
-    };
-    let surface = prepared(surface, job)?;
-    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
-    let mut regularity = regularity(&surface, job, budget)?;
-    if let (Some(proof), Some(joints)) = (&regularity, joints) {
-        let offset = Offset { regularity: proof, seam: seam(&joints, job, proof.slopes()) };
-        if CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= offset.seam.bend * job.tool.radius_mm {
+    let (surface, choice) = choose_engine(surface, job, budget)?;
+    match choice {
+        Choice::Offset(offset) => by_sections(&surface, &offset, None, job, budget),
+        Choice::OffsetIfClear(offset) => {
+            let contacts = Contacts::new(&surface, job.cutter(), budget)?;
             match by_sections(&surface, &offset, Some(&contacts), job, budget) {
-                // The ball fits near each place, and yet something is in its way, or a wall as good as
-                // upright has sections without end.
-                Err(
-                    Error::ToleranceNotReached { .. } | Error::SectionLost { .. } | Error::TooMuchWork { .. },
-                ) => regularity = None,
-                planned => return planned,
+                Err(error) if error.is_obstacle() => by_contact(&surface, &contacts, None, job, budget),
+                planned => planned,
             }
         }
+        Choice::Contact(regularity) => {
+            let contacts = Contacts::new(&surface, job.cutter(), budget)?;
+            by_contact(&surface, &contacts, regularity, job, budget)
+        }
     }
-    let axis = job.plane.normal_axis();
-    let sections = TipSections::new(&contacts, axis, budget)?;
-    let found = Found {
-        engine: &ContactEngine { sections, stock: job.allowance_mm },
-        contacts: Some(&contacts),
-        is_followed: regularity.is_some(),
-        slopes: match regularity {
-            Some(regularity) => regularity.slopes().to_vec(),
-            None => scallop::sampled_slopes(&surface, job.cutter().corner_radius(), axis, budget)?,
-        },
-        // Edges and gaps are touched like everything else.
-        seam: Seam::NONE,
-        chord_height_share: CONTACT_HEIGHT_SHARE,
-        depth: Depth::Tolerance,
+}
+
+/// Turns the normal of the surface up, and chooses how its CL curves are found.
+fn choose_engine<P: Patch>(
+    surface: BezierSurface<P>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<(BezierSurface<P>, Choice), Error> {
+    let (is_ball, by_name) = (job.tool.shape == Shape::Ball, job.engine == Engine::OffsetSection);
+    if by_name && !is_ball {
+        return Err(Error::NoBall);
+    }
+    let joints = joints::examine(&surface, &job.surface.loose_joints(), budget);
+    let joints = proved(joints.map_err(Error::from), by_name)?;
+    let surface = prepared(surface, job)?;
+    if !is_ball {
+        return Ok((surface, Choice::Contact(None)));
+    }
+    let regularity = regularity::prove(&surface, job.offset_mm(), job.plane.normal_axis(), budget);
+    let regularity = proved(regularity.map_err(Error::from), by_name)?;
+    let (joints, regularity) = match (joints, regularity) {
+        (Some(joints), Some(regularity)) => (joints, regularity),
+        (_, regularity) => return Ok((surface, Choice::Contact(regularity))),
     };
-    plan_with(&surface, &found, job, budget)
+    let seam = seam(&joints, job, regularity.slopes());
+    let is_smooth = CONTACT_HEIGHT_SHARE * job.tolerance.mm() >= seam.bend * job.tool.radius_mm;
+    let choice = match (by_name, is_smooth) {
+        (true, _) => Choice::Offset(Offset { regularity, seam }),
+        (false, true) => Choice::OffsetIfClear(Offset { regularity, seam }),
+        (false, false) => Choice::Contact(Some(regularity)),
+    };
+    Ok((surface, choice))
 }
 
-/// The offset of a surface that a ball can follow everywhere.
-struct Offset<'a> {
-    regularity: &'a Regularity,
-    seam: Seam,
+/// What a proof found; `None` where it failed and is not needed.
+fn proved<T>(proof: Result<T, Error>, is_needed: bool) -> Result<Option<T>, Error> {
+    match proof {
+        Err(error) if is_needed || matches!(error, Error::Stopped(_)) => Err(error),
+        proof => Ok(proof.ok()),
+    }
 }
 
-/// By sections of the offset; with `contacts`, these are what they stand for.
+/// Plans by sections of the offset. With `contacts`, the sections stand for the tips of the cutter in contact,
+/// and passes may cut no deeper than they deviate.
 fn by_sections<P: Patch>(
     surface: &BezierSurface<P>,
     offset: &Offset,
@@ -137,16 +149,42 @@ fn by_sections<P: Patch>(
     job: &Job,
     budget: &Budget,
 ) -> Result<Plan, Error> {
-    let Offset { regularity, seam } = *offset;
+    let Offset { regularity, seam } = offset;
     let sections = Sections::new(surface, job.offset_mm(), job.plane.normal_axis(), regularity, budget)?;
     let found = Found {
-        engine: &OffsetEngine { sections, rise: job.tool.radius_mm },
+        curves: &OffsetCurves { sections, rise: job.tool.radius_mm },
         contacts,
         slopes: regularity.slopes().to_vec(),
         is_followed: true,
-        seam,
+        seam: *seam,
         chord_height_share: SECTION_HEIGHT_SHARE,
         depth: if contacts.is_some() { Depth::Deviation } else { Depth::Tolerance },
+    };
+    plan_with(surface, &found, job, budget)
+}
+
+/// Plans by the tips of the cutter in contact. The slopes are those of `regularity`, and sampled without it.
+fn by_contact<P: Patch>(
+    surface: &BezierSurface<P>,
+    contacts: &Contacts<P>,
+    regularity: Option<Regularity>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Plan, Error> {
+    let axis = job.plane.normal_axis();
+    let sections = TipSections::new(contacts, axis, budget)?;
+    let found = Found {
+        curves: &ContactCurves { sections, stock: job.allowance_mm },
+        contacts: Some(contacts),
+        is_followed: regularity.is_some(),
+        slopes: match regularity {
+            Some(regularity) => regularity.slopes().to_vec(),
+            None => scallop::sampled_slopes(surface, job.cutter().corner_radius(), axis, budget)?,
+        },
+        // The cutter touches edges and gaps as it touches everything else.
+        seam: Seam::NONE,
+        chord_height_share: CONTACT_HEIGHT_SHARE,
+        depth: Depth::Tolerance,
     };
     plan_with(surface, &found, job, budget)
 }
@@ -157,22 +195,6 @@ fn prepared<P: Patch>(surface: BezierSurface<P>, job: &Job) -> Result<BezierSurf
     match job.boundary {
         Boundary::Past => surface.continued(job.tool.radius_mm).ok_or(Error::NoWayPast),
         Boundary::Inside | Boundary::On => Ok(surface),
-    }
-}
-
-/// The proof that the cutter can follow the surface everywhere, where it is a ball and there is one.
-fn regularity(
-    surface: &BezierSurface<impl Patch>,
-    job: &Job,
-    budget: &Budget,
-) -> Result<Option<Regularity>, Stopped> {
-    if job.tool.shape != Shape::Ball {
-        return Ok(None);
-    }
-    match regularity::prove(surface, job.offset_mm(), job.plane.normal_axis(), budget) {
-        Ok(regularity) => Ok(Some(regularity)),
-        Err(Irregular::Stopped(stopped)) => Err(stopped),
-        Err(Irregular::Overhang { .. } | Irregular::Folds { .. }) => Ok(None),
     }
 }
 
@@ -226,7 +248,7 @@ fn plan_with<P: Patch>(
     budget: &Budget,
 ) -> Result<Plan, Error> {
     let cutting = job.cutting.above(job.top(surface.top(TOP_ACCURACY_MM, budget)?))?;
-    let slicer = Slicer::new(found.engine, job.plane.normal_axis(), inside(surface, job, budget)?);
+    let slicer = Slicer::new(found.curves, job.plane.normal_axis(), inside(surface, job, budget)?);
     let stepover = match job.spacing {
         Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
         Spacing::ScallopHeight(mm) => match job.cutter().corner_radius() {

@@ -25,8 +25,8 @@ const HALVINGS: usize = 24;
 /// Enough to know how long a section is.
 const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
 
-/// What finds the CL curves in a plane.
-pub(super) trait Engine: Sync {
+/// A way to find the CL curves in a plane.
+pub(super) trait ClCurves: Sync {
     /// Between which planes there may be some, mm.
     fn reach(&self) -> [f64; 2];
 
@@ -38,12 +38,12 @@ pub(super) trait Engine: Sync {
 }
 
 /// Sections of the offset of a surface, whose points lie `rise` mm over the tip.
-pub(super) struct OffsetEngine<'a> {
+pub(super) struct OffsetCurves<'a> {
     pub(super) sections: Sections<'a>,
     pub(super) rise: f64,
 }
 
-impl Engine for OffsetEngine<'_> {
+impl ClCurves for OffsetCurves<'_> {
     fn reach(&self) -> [f64; 2] {
         self.sections.extent()
     }
@@ -58,12 +58,12 @@ impl Engine for OffsetEngine<'_> {
 }
 
 /// Direct contact of a cutter that is larger than the real one by the stock to be left, `stock` mm.
-pub(super) struct ContactEngine<'a, P> {
+pub(super) struct ContactCurves<'a, P> {
     pub(super) sections: TipSections<'a, P>,
     pub(super) stock: f64,
 }
 
-impl<P: Patch> Engine for ContactEngine<'_, P> {
+impl<P: Patch> ClCurves for ContactCurves<'_, P> {
     fn reach(&self) -> [f64; 2] {
         self.sections.extent()
     }
@@ -125,7 +125,7 @@ fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
 
 /// The sections of a job, as far as the cutter is to follow them.
 pub(super) struct Slicer<'a> {
-    engine: &'a dyn Engine,
+    curves: &'a dyn ClCurves,
     /// The index of the coordinate that is constant on a plane.
     axis: usize,
     /// The outline with the distance that is to be kept from it, mm.
@@ -133,8 +133,8 @@ pub(super) struct Slicer<'a> {
 }
 
 impl<'a> Slicer<'a> {
-    pub(super) fn new(engine: &'a dyn Engine, axis: usize, inside: Option<(Outline, f64)>) -> Self {
-        Self { engine, axis, inside }
+    pub(super) fn new(curves: &'a dyn ClCurves, axis: usize, inside: Option<(Outline, f64)>) -> Self {
+        Self { curves, axis, inside }
     }
 
     pub(super) fn chains(
@@ -143,7 +143,7 @@ impl<'a> Slicer<'a> {
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let chains = self.engine.chains(plane, spacing, budget)?;
+        let chains = self.curves.chains(plane, spacing, budget)?;
         let Some((outline, margin)) = &self.inside else { return Ok(chains) };
         let mut inside = Vec::new();
         for chain in &chains {
@@ -164,7 +164,7 @@ impl<'a> Slicer<'a> {
         }
         let [low, high] = match self.inside {
             Some(_) => reach,
-            None => self.engine.extent(reach, budget)?,
+            None => self.curves.extent(reach, budget)?,
         };
         let (width, n) = (high - low, self::spaces([low, high], stepover) as usize);
         let first = self.outermost(low, 1.0, width, budget)?;
@@ -176,7 +176,7 @@ impl<'a> Slicer<'a> {
 
     /// Between which planes there may be sections that count, mm.
     fn reach(&self) -> Result<[f64; 2], Error> {
-        let [low, high] = self.engine.reach();
+        let [low, high] = self.curves.reach();
         // A surface that is a point or an upright line has no tangent plane to touch: nothing bounds its
         // planes.
         if !(low <= high && (high - low).is_finite()) {

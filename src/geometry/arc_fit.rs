@@ -1,43 +1,47 @@
 //! Arcs and lines through a sequence of points in a plane.
 //!
 //! # Method
-//! 1. Whether an element can stand for a stretch of points is decided in closed form: the arcs over a chord
-//!    are a family with one parameter, and "within the tolerance of this point" is an interval of it
-//!    (`chord`, `span`).
-//! 2. `greedy`: Ju's method, each element grows as far as it can. `biarc`: two arcs a span through every
-//!    point. `optimal`: the least number of elements between the points, by breadth first search with bounds
-//!    (`bounds`) that leave out what cannot be better.
-//! 3. Where the points have errors of their own, so that growing is not best, elements may also meet beside
-//!    the points (`joints`) if that saves some.
-//! 4. `tangent`: a chain in which each element begins in the direction in which the one before ended.
-//! 5. `space`: points in space are divided where the plane of their arcs changes.
+//! 1. A closed form decides whether one element can replace a run of points. The arcs over a chord are a
+//!    family with one parameter. The arcs within the tolerance of a point are an interval of this parameter
+//!    (`chord`, `candidate`).
+//! 2. `greedy` is Ju's method: each element grows as far as it can. `biarc` puts two arcs between each two
+//!    neighbouring points. `optimal` finds the least number of elements that meet on points: a breadth first
+//!    search, with bounds (`bounds`) that skip elements which cannot shorten the chain.
+//! 3. If `optimal` beats `greedy`, the points have errors of their own. Elements may then also meet beside
+//!    the points (`joints`), if that saves elements.
+//! 4. `tangent` makes a chain in which each element starts in the direction in which the element before it
+//!    ends.
+//! 5. `space` divides points in space where the plane of their arcs changes.
 //!
 //! # Guarantees
-//! Of all but biarcs, which know no tolerance:
-//! * Every point is within the tolerance of its element, and the elements pass the points in order: a
-//!   reversal is not swallowed. The last point is reached. Arcs go round their centres as the lines between
-//!   the points do.
-//! * By [`Measure::Polyline`] the lines between the points are as near, both ways. By [`Measure::Points`]
-//!   nothing is promised between the points: the caller knows how far the true curve leaves its chords.
+//! For all methods but biarcs, which do not use the tolerance:
+//! * Every point is within the tolerance of its element. The elements pass the points in order, so a reversal
+//!   of the points is kept. The last point is reached. Arcs turn about their centres in the same sense as the
+//!   lines between the points.
+//! * With [`Measure::Polyline`] the lines between the points are within the tolerance of the elements, and
+//!   the elements within the tolerance of these lines. [`Measure::Points`] promises nothing between the
+//!   points: the caller has to know how far the true curve leaves its chords.
 //! * In a plane, with joints on points, no chain of elements within the tolerance is shorter than that of
-//!   [`Method::Optimal`], within windows of [`WINDOW`] points; but of the bulges that keep the tolerance,
-//!   order and lines are tried at nineteen places, which can miss one. In space it is no longer than the
-//!   greedy one.
+//!   [`Method::Optimal`], within windows of [`WINDOW`] points. There are two exceptions. The search tries the
+//!   order of the points and the lines between them at nineteen bulges only, and can miss a bulge that would
+//!   do. A search that exceeds its effort ends with the best chain found. In space the chain is no longer
+//!   than the greedy chain.
 //!
 //! # Degenerate input
-//! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ; one full turn stands only
-//! for a closed way whose points are no farther apart than 30 degrees. An arc flatter than [`FLATTEST_MM`] is
-//! a line where a line fits; no arc has a radius above [`LARGEST_RADIUS_MM`], but in smooth chains, where a
-//! line would be a kink.
+//! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ. A full circle is made only
+//! of closed points, the first equal to the last, that are no farther apart than 30 degrees. An arc flatter
+//! than [`FLATTEST_MM`] becomes a line if a line fits. No arc has a radius above [`LARGEST_RADIUS_MM`],
+//! except in smooth chains, where a line would make a kink.
 //!
 //! # Cost
-//! O(n m) for n points, m an element, at some 10 ns; what would take much longer, on points in space and on
-//! noise of the order of the tolerance, ends with the best that is known. See `benches/arc_fitting.rs`.
+//! O(n m) for n points with m points an element, at some 10 ns each. Points in space, and noise as large as
+//! the tolerance, would take much longer: there the search ends with the best chain found. See
+//! `benches/arc_fitting.rs`.
 //!
 //! # Differences from the paper
-//! As printed the algorithm drops a tail of two points; here it becomes a line. Eq. 4 measures to the whole
-//! circle, this to the arc. The arc with the least largest error, which the paper asks for, leaves the
-//! farthest points to its left and right equally far.
+//! The printed algorithm drops a tail of two points; here the tail becomes a line. Eq. 4 measures the
+//! distance from the whole circle; here it is measured from the arc. The paper asks for the arc with the
+//! least largest error: it leaves the farthest points to its left and to its right equally far.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.
@@ -66,36 +70,41 @@ pub use candidate::Points;
 use candidate::{Rule, Span, Witnesses};
 pub use space::{FitError, FittedCurve, fit_in_space};
 
-/// Controls have run whole circles where an arc's height was lost in rounding.
+/// The least height of an arc above its chord, mm. Some controls run a full circle if rounding removes the
+/// height.
 pub const FLATTEST_MM: f64 = 1e-3;
 
-/// Controls refuse, or run badly, arcs of larger radius.
+/// The largest radius of an arc, mm. Controls refuse larger radii, or run them badly.
 pub const LARGEST_RADIUS_MM: f64 = 1e4;
 
-/// More points than this are fitted window by window: what ends in the first three quarters stands, and the
-/// next window begins there.
+/// Points fitted at once. Longer inputs are fitted window by window: the elements that end in the first three
+/// quarters of a window are kept, and the next window begins where they end.
 pub const WINDOW: usize = 10_000;
 
-/// Elements with fewer points each follow the points' errors wherever they meet.
+/// Elements may meet beside the points only if there are at least this many points for each element. With
+/// fewer points an element follows the errors of its points wherever elements meet.
 const POINTS_FOR_FREE_JOINTS: usize = 8;
 
-/// Nodes on each side of a point where elements may meet beside it.
+/// Nodes on each side of a point, when elements may meet beside the points.
 const NODES_BESIDE: i32 = 6;
 
-/// Looks at points, for each of them, that a search may take, unless it is told otherwise; in space, where
-/// the closed form tells little; and for all windows together. A second is some hundred million.
+/// Search budget: evaluations for each point, unless the request sets another. A second takes some hundred
+/// million evaluations. `EFFORT_IN_SPACE` replaces it for points in space, where the closed form excludes
+/// little. `MOST_LOOKS_IN_ALL` bounds the evaluations of all windows together.
 pub const EFFORT: usize = 40_000;
 const EFFORT_IN_SPACE: usize = 500;
 const MOST_LOOKS_IN_ALL: usize = 1_000_000_000;
 
-/// Looks at each point that are worth knowing exactly how far elements reach; of a little effort a third.
+/// Evaluations for each point that may be spent on exact bounds. With a small search budget, the bounds take
+/// one part in `PART_FOR_BOUNDS` of it.
 const LOOKS_FOR_BOUNDS: usize = 2000;
 const PART_FOR_BOUNDS: usize = 3;
 
-/// Nodes that are left where all of them are too many.
+/// Nodes kept for a second search, after a search over all nodes exceeded its budget.
 const THINNED: usize = 1_500;
 
-/// An element that ends for the point with index `end`, at `to`, and starts where the one before ended.
+/// One element. It ends at `to`, which stands for the point with index `end`, and starts where the element
+/// before it ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     pub end: usize,
@@ -106,18 +115,18 @@ pub struct Element {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     Line,
-    /// tan(sweep / 4), positive where the arc lies to the left of its chord (it then turns clockwise).
+    /// tan(sweep / 4), positive if the arc lies to the left of its chord; such an arc turns clockwise.
     Arc {
         bulge: f64,
     },
-    /// Once round, to where it started.
+    /// One full turn, back to the start.
     FullCircle {
         center: Vector2<f64>,
         is_ccw: bool,
     },
 }
 
-/// What elements may be.
+/// The kinds of elements that a fit may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shapes {
     LinesOnly,
@@ -143,18 +152,19 @@ pub enum Continuity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Joints {
     OnPoints,
-    /// Also beside them, within the tolerance, where that saves elements.
+    /// Also beside the points, within the tolerance, if that saves elements.
     #[default]
     Free,
 }
 
-/// What the points stand for.
+/// What the points represent, and so what the tolerance applies to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
-    /// Samples of a smooth curve: the points are near the elements.
+    /// Samples of a smooth curve: the points are within the tolerance of the elements.
     #[default]
     Points,
-    /// The lines between them: these are near the elements, and the elements near them.
+    /// The corners of a polyline: its lines are within the tolerance of the elements, and the elements within
+    /// the tolerance of its lines.
     Polyline,
 }
 
@@ -167,15 +177,15 @@ pub struct Fit {
     pub continuity: Continuity,
     pub joints: Joints,
     pub measure: Measure,
-    /// The last point is the first again: it may be one full turn.
+    /// The last point equals the first, so that one full circle may replace all points.
     pub is_closed: bool,
-    /// Looks at points, for each of them, after which a search ends with the best that is known: what has
-    /// grown, if it is zero.
+    /// Evaluations for each point after which a search ends with the best chain found. With zero there is no
+    /// search, and the greedy chain stays.
     pub effort: usize,
 }
 
 impl Fit {
-    /// The fit with the default of everything else.
+    /// A fit within a tolerance, with defaults for all other fields.
     pub fn within(tolerance_mm: f64) -> Self {
         Self {
             tolerance_mm,
@@ -201,10 +211,8 @@ pub struct Fitted {
     pub elements: Vec<Element>,
 }
 
-/// Fits elements to at least two points, each different from the one before, at least in height.
-///
-/// # Errors
-/// When the budget runs out.
+/// Fits elements to at least two points. Each point must differ from the one before it, in the plane or in
+/// height.
 pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
     let flat = points.flat;
@@ -226,7 +234,7 @@ pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Sto
     Ok(shaped(points, &nodes, &rule))
 }
 
-/// Where elements meet, window by window.
+/// The nodes at which elements meet, found window by window.
 fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>, Stopped> {
     let flat = points.flat;
     let mut nodes: Vec<Node> = Vec::new();
@@ -244,7 +252,8 @@ fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>,
         }
         let fresh = usize::from(!nodes.is_empty());
         let mut found = found[fresh..].iter().map(|node| Node { index: begin + node.index, ..*node });
-        // What ended with the window may go on.
+        // The last element kept from the window before ended at the border; it may reach on to the first node
+        // of this window.
         if let [.., before, _] = nodes[..]
             && let Some(next) = found.next()
         {
@@ -268,7 +277,8 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
         match span.best(rule) {
             Some(0.0) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Line }),
             Some(bulge) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Arc { bulge } }),
-            // What was found once is found again; should it not be, the points themselves are safe.
+            // The search found an element over this span. Should rounding prevent that now, lines from point
+            // to point still keep the tolerance.
             None => {
                 let inner = (from.index + 1..to.index).map(|k| Node { index: k, at: points.flat[k] });
                 elements.extend(inner.chain([to]).map(|node| Element {
@@ -282,7 +292,8 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
     Fitted { start: nodes[0].at, elements }
 }
 
-/// Where the elements meet, from the first point, or from `start` near it; the window is one of `n_points`.
+/// The nodes at which the elements of one window meet, from its first point or from `start` near it. All
+/// windows together have `n_points` points.
 fn joined(
     points: Points,
     start: Option<Vector2<f64>>,
@@ -317,7 +328,7 @@ fn joined(
         outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
     }
     let Outcome::Fewer(best) = outcome else { return Ok(greedy) };
-    // Growing was not the best: the points have errors of their own.
+    // The search beat the greedy chain: the points have errors of their own.
     let count = best.len() - 1;
     let is_free = request.joints == Joints::Free && points.heights.is_empty();
     if is_free && n >= POINTS_FOR_FREE_JOINTS * count {
@@ -332,13 +343,13 @@ fn joined(
     Ok(best)
 }
 
-/// Looks at points after which the search over some of `n_points` is given up.
+/// Evaluations after which the search over `points` is given up. All windows together have `n_points` points.
 fn looks(points: Points, n_points: usize, request: &Fit) -> usize {
     let usual = if points.heights.is_empty() { EFFORT } else { EFFORT_IN_SPACE };
     points.flat.len() * request.effort.min(usual).min(MOST_LOOKS_IN_ALL / n_points)
 }
 
-/// The part of the looks of a search over `n` points that its bounds may take.
+/// The evaluations that bounds may take, of the `most` evaluations of a search over `n` points.
 fn for_bounds(most: usize, n: usize) -> usize {
     (most / PART_FOR_BOUNDS).min(LOOKS_FOR_BOUNDS * n)
 }
@@ -350,7 +361,7 @@ fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {
     Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, to: start, shape }] })
 }
 
-/// The centre of the arc from `from` to `to` with this bulge.
+/// The centre of the arc from `from` to `to` with this bulge, mm.
 pub fn center(from: Vector2<f64>, to: Vector2<f64>, bulge: f64) -> Vector2<f64> {
     let half = (to - from) * 0.5;
     let left = Vector2::new(-half.y, half.x);

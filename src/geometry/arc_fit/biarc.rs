@@ -1,17 +1,16 @@
-//! Biarcs through every point: two arcs a span that meet with a common tangent.
+//! Biarcs through every point: between each two neighbouring points, two arcs that meet with a common
+//! tangent.
 //!
-//! The tangent at a point is that of the circle through it and its neighbours (at an end, through the three
-//! points there). Between two points with their tangents the joint is the one with equal tangent lengths. The
-//! arcs follow the tangents and know no tolerance; they are what Ju compares with.
-//!
-//! # Reference
-//! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.
+//! The tangent at a point is that of the circle through it and its neighbours; at an end, of the circle
+//! through the three points there. Between two points with their tangents, the joint is chosen so that both
+//! tangent lengths are equal. The arcs follow the tangents and do not use the tolerance. Ju compares his
+//! method with biarcs.
 
 use nalgebra::Vector2;
 
 use super::{Element, Shape};
 
-/// A sine below which directions count as the same.
+/// Directions whose angle has a smaller sine count as parallel, and arcs with a smaller bulge as lines.
 const STRAIGHT: f64 = 1e-9;
 
 pub fn elements(points: &[Vector2<f64>], is_closed: bool) -> Vec<Element> {
@@ -23,7 +22,7 @@ pub fn elements(points: &[Vector2<f64>], is_closed: bool) -> Vec<Element> {
         match joint([from, to], [start, end]) {
             Some(joint) => {
                 elements.push(Element { end: k, to: joint, shape: shape(bulge_along([from, joint], start)) });
-                // The second arc seen from its end runs along the end's tangent backwards.
+                // Run backwards, the second arc starts against the tangent at its end.
                 elements.push(Element { end: k + 1, to, shape: shape(-bulge_along([to, joint], -end)) });
             }
             None => elements.push(Element { end: k + 1, to, shape: Shape::Line }),
@@ -48,17 +47,18 @@ fn tangent(points: &[Vector2<f64>], k: usize, is_closed: bool) -> Vector2<f64> {
     .map(|k| points[k]);
     let ([u, v], [lu, lv]) = ([b - a, c - b], [(b - a).norm(), (c - b).norm()]);
     let [u, v] = [u / lu, v / lv];
-    // The chords' directions differ from the tangent in the middle by parts of the turn between them.
+    // The sines of the angles between the tangent and the chords are in the ratio of the chords' lengths.
     let middle = (u * lv + v * lu).try_normalize(0.0).unwrap_or(u);
     if !at_ends || is_closed {
         return middle;
     }
-    // At an end of a chord the tangent is the other end's, mirrored in the chord.
+    // At an end of the points the tangent is that at the chord's other end, mirrored in the chord.
     let chord = if k == 0 { u } else { v };
     chord * (2.0 * chord.dot(&middle)) - middle
 }
 
-/// Where the two arcs meet.
+/// The place where the two arcs meet; `None` if the points and tangents lie on one line, or rounding leaves
+/// no such place.
 fn joint([from, to]: [Vector2<f64>; 2], [start, end]: [Vector2<f64>; 2]) -> Option<Vector2<f64>> {
     let chord = to - from;
     let sum = start + end;
@@ -78,7 +78,8 @@ fn joint([from, to]: [Vector2<f64>; 2], [start, end]: [Vector2<f64>; 2]) -> Opti
 /// The bulge of the arc between two points that begins along `start`.
 fn bulge_along([from, to]: [Vector2<f64>; 2], start: Vector2<f64>) -> f64 {
     let chord = to - from;
-    // The start turns from the chord by half the sweep; to the left of it is a positive bulge.
+    // The tangent at the start leaves the chord by half the sweep; to the left of the chord the bulge is
+    // positive.
     (0.5 * chord.perp(&start).atan2(chord.dot(&start))).tan()
 }
 

@@ -1,50 +1,51 @@
-//! How far elements can reach at most, and how few can be left at least: what the search need not look at.
+//! Bounds for the search: how far an element can reach at most, and how few elements can be left at least.
 //!
 //! # Method
-//! 1. Let an arc pass within e of the points i to j, and i <= i' < j' <= j. Its part between the places near
-//!    i' and j' ends within e of these two; a similarity moves these ends onto them, and every point of the
-//!    part by at most e (|w| + |1 - w|), where w is its place with the ends at 0 and 1. That is at most
-//!    sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees and 23 e up to 350 (e on a line). So if no
-//!    arc over the chord from i' to j' passes within the tolerance enlarged accordingly, none within the
-//!    tolerance passes any longer stretch.
-//! 2. From there backwards, ends are tried one by one, as long as that is worth it.
-//! 3. The counts follow from the last point. On clean data the first of them is the number of elements that
-//!    grew as far as they could, which is thereby proved to be the least.
+//! 1. Let an arc pass within e of the points i to j, and let i <= i' < j' <= j. The part of the arc between
+//!    its places near i' and j' ends within e of these two points. A similarity moves these two ends onto the
+//!    points. It moves every place of the part by at most e (|w| + |1 - w|), where w is the place with the
+//!    ends at 0 and 1. That is at most sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees and 23 e up
+//!    to 350 degrees, and e on a line. So if no arc over the chord from i' to j' passes within the tolerance
+//!    enlarged accordingly, no arc within the tolerance passes any longer run of points.
+//! 2. From the point so bounded backwards, ends are tried one by one until the evaluations for bounds are
+//!    spent.
+//! 3. The least counts of elements follow from the last point to the first. On clean data the count of the
+//!    first point equals the number of greedy elements, which is thereby proved to be the least.
 //!
 //! # Cost
-//! O(n m) for elements of m points; the second step ends after so many looks at points.
+//! O(n m) for elements of m points. Step 2 ends after a fixed number of evaluations.
 
 use super::Shapes;
 use super::candidate::{Points, Rule, Span, Witnesses};
 use super::chord::LARGEST_BULGE;
 use crate::budget::{Budget, Stopped};
 
-/// The factors of the tolerance up to the bulges of half a turn, of 270 degrees and the largest; and for
-/// lines.
+/// Factors of the tolerance, each with the largest bulge to which it applies: that of half a turn, of 270
+/// degrees, and of the largest arc. `LINES` is for lines.
 const ARCS: &[(f64, f64)] = &[(2.4143, 1.0), (3.8285, 2.4143), (23.95, LARGEST_BULGE)];
 const LINES: &[(f64, f64)] = &[(2.0, 0.0)];
 
-/// The part of a reach after which it is bounded again.
+/// The bound for the reach is computed again after one part in `RENEWAL` of the reach.
 const RENEWAL: usize = 32;
 
-/// What no element can do.
+/// Limits of every element.
 #[derive(Debug)]
 pub struct Bounds {
-    /// For each point, one that no element from it reaches.
+    /// For each point the index of a point that no element from it reaches.
     pub beyond: Vec<usize>,
-    /// From each point to the last there are at least so many elements.
+    /// For each point the least number of elements from it to the last point.
     pub left: Vec<usize>,
 }
 
 impl Bounds {
-    /// For elements that meet on the points, after at most so many looks at points where these are worth more
-    /// than a proof in their place.
+    /// Bounds for elements that meet on the points. After `most` evaluations the bounds are looser, but still
+    /// valid.
     pub fn on_points(points: Points, rule: &Rule, most: usize, budget: &Budget) -> Result<Self, Stopped> {
         let n = points.flat.len();
         let (mut beyond, mut left) = (vec![n; n], vec![0; n]);
         let mut longest = Longest::of(points, rule);
         let mut witnesses = Witnesses::default();
-        // The points with fewer left than any between them and `i`, the farthest first.
+        // The points with fewer elements left than any point between them and `i`, the farthest first.
         let mut fewest = vec![n - 1];
         for i in (0..n.saturating_sub(1)).rev() {
             budget.check()?;
@@ -63,13 +64,14 @@ impl Bounds {
         Ok(Self { beyond, left })
     }
 
-    /// For elements that meet anywhere: nothing is known.
+    /// Bounds for elements that meet anywhere: none but that every point before the last needs one element
+    /// more.
     pub fn unknown(n: usize) -> Self {
         Self { beyond: vec![n; n], left: (0..n).map(|k| usize::from(k + 1 < n)).collect() }
     }
 }
 
-/// Bounds for ever earlier points.
+/// Bounds for the reach, asked for from the last point to the first.
 struct Longest<'a> {
     points: Points<'a>,
     tolerance: f64,
@@ -92,7 +94,7 @@ impl<'a> Longest<'a> {
         }
     }
 
-    /// A point that no element from `first`, or one before it, reaches.
+    /// The index of a point that no element from `first`, or from a point before it, reaches.
     fn bound(&mut self, first: usize) -> usize {
         if self.renewed_at - first > (self.bound - first) / RENEWAL {
             self.renewed_at = first;

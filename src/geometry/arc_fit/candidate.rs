@@ -1,10 +1,11 @@
-//! One element over a part of the points: whether there is one, and the best.
+//! One element over a span of the points: whether there is one, and the best one.
 //!
 //! # Method
-//! The bulges of arcs near every point are an intersection in closed form ([`Chord`]). That the points are
-//! passed in their order, that the lines between them stay near (where these are the shape), and that heights
-//! follow, is then checked of single bulges out of that set. An arc passes points in order when places on it,
-//! each near its point, never go back, and the lines between the points turn about its centre as it does.
+//! The bulges of the arcs near every point are an intersection of intervals in closed form ([`Chord`]).
+//! Single bulges out of this set are then checked: that the element passes the points in order, that the
+//! lines between the points stay near (for polylines), and that the heights follow. An arc passes the points
+//! in order if there are places on it, each near its point, that never go back, and if the lines between the
+//! points turn about its centre as the arc does.
 
 use nalgebra::Vector2;
 
@@ -13,14 +14,16 @@ use super::chord_frame::ChordFrame;
 use super::{FLATTEST_MM, Measure, Shapes};
 use crate::geometry::solve;
 
-/// Of an arc with so small a radius, in tolerances, nothing is said about the lines between its points.
+/// Arcs with a smaller radius, in tolerances, are refused for polylines: for such arcs the checks prove
+/// nothing about the lines between the points.
 const LEAST_RADIUS_TOLERANCES: f64 = 2.0;
 
-/// What a span costs beside the looks at its points, and how much more a look at angles and heights costs.
+/// Search costs in evaluations: of a span in addition to its points, and of a point whose angle or height is
+/// checked, as a multiple.
 const LOOKS_A_SPAN: usize = 10;
 const SLOW_LOOKS: usize = 8;
 
-/// What is asked of an element.
+/// The conditions that an element has to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     pub tolerance_mm: f64,
@@ -29,17 +32,17 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// Whether the lines between the points say more of an arc than the points.
+    /// Whether the lines between the points limit arcs more than the points do.
     fn counts_lines(&self) -> bool {
         self.measure == Measure::Polyline && self.shapes == Shapes::ArcsAndLines
     }
 }
 
-/// Points in a plane with their heights over it.
+/// Points in a plane, with their heights over the plane, mm.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
     pub flat: &'a [Vector2<f64>],
-    /// Empty where all are equal.
+    /// Empty if all heights are equal.
     pub heights: &'a [f64],
 }
 
@@ -53,15 +56,15 @@ pub struct Span<'a> {
     pub to: Vector2<f64>,
 }
 
-/// The points that left no bulge the last time, or refused the last one: likely to do so again. And how many
-/// points were looked at in all.
+/// The points that excluded the last bulges, or refused the last element: they are likely to do so again, and
+/// are checked first. Also the number of evaluations so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Witnesses {
     low: usize,
     high: usize,
-    /// Too far from an element.
+    /// A point that was too far from an element.
     far: usize,
-    /// Out of order on an element.
+    /// Two points that were out of order on an element.
     crossed: [usize; 2],
     pub looks: usize,
 }
@@ -81,8 +84,8 @@ impl<'a> Span<'a> {
         &self.points.flat[self.first + 1..self.last]
     }
 
-    /// The bulges of arcs, up to `largest`, that pass within `tolerance` mm of every inner point; `None`
-    /// where there are none.
+    /// The bulges of arcs, up to `largest`, that pass within `tolerance` mm of every inner point; `None` if
+    /// there are none.
     pub fn near(&self, tolerance: f64, largest: f64, witnesses: &mut Witnesses) -> Option<Bulges> {
         let chord = Chord::new(self.from, self.to)?;
         let mut bulges = Bulges::up_to(largest);
@@ -95,7 +98,7 @@ impl<'a> Span<'a> {
         if bulges.is_empty() {
             return None;
         }
-        // From afar first: where there is none, a few points show it.
+        // A coarse pass first: if no bulge is left, a few points show it.
         let inner = self.inner();
         let stride = (inner.len() / 32).max(1);
         let strides: &[usize] = if stride > 1 { &[stride, 1] } else { &[1] };
@@ -118,7 +121,8 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// As [`Self::near`], by the rule.
+    /// The bulges of arcs that keep the rule's tolerance at every inner point and, for polylines, along the
+    /// lines; `None` if there are none.
     pub fn bulges(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<Bulges> {
         let largest = match rule.shapes {
             Shapes::LinesOnly => 0.0,
@@ -128,7 +132,8 @@ impl<'a> Span<'a> {
         if rule.counts_lines() { self.near_lines(bulges, rule) } else { Some(bulges) }
     }
 
-    /// Those of `bulges` that leave no line between the points too far inside.
+    /// Removes from `bulges` the arcs that leave a line between the points too far on their inside; `None` if
+    /// none is left.
     fn near_lines(&self, mut bulges: Bulges, rule: &Rule) -> Option<Bulges> {
         let chord = Chord::new(self.from, self.to)?;
         for [a, b] in self.lines() {
@@ -142,12 +147,13 @@ impl<'a> Span<'a> {
         (!bulges.is_empty()).then_some(bulges)
     }
 
-    /// The lines between neighbouring points; the element may start and end beside them.
+    /// The lines between neighbouring points, from `first` to `last`. The element itself may start and end
+    /// beside these points.
     fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + 'a {
         self.points.flat[self.first..=self.last].windows(2).map(|pair| [pair[0], pair[1]])
     }
 
-    /// Some bulge that keeps the rule, 0 for a line; `None` where none was found.
+    /// A bulge that keeps the rule, 0 for a line; `None` if none was found.
     pub fn find(&self, rule: &Rule, witnesses: &mut Witnesses) -> Option<f64> {
         if self.last == self.first + 1 {
             return Some(0.0);
@@ -156,7 +162,8 @@ impl<'a> Span<'a> {
         let near = self.bulges(&any_measure, witnesses)?;
         let chord = Chord::new(self.from, self.to)?;
         let mut keeps = |bulge: &f64| self.keeps(*bulge, rule, &chord, witnesses);
-        // Mostly the lines say nothing that the points do not.
+        // Mostly the lines exclude nothing that the points allow, so a few candidates are tried without the
+        // lines' limits.
         let most = if rule.counts_lines() { 2 } else { usize::MAX };
         let found = self.candidates(&near, &chord).take(most).find(&mut keeps);
         if found.is_some() || !rule.counts_lines() {
@@ -165,7 +172,7 @@ impl<'a> Span<'a> {
         self.candidates(&self.near_lines(near, rule)?, &chord).find(keeps)
     }
 
-    /// A line, and arcs from all over the set.
+    /// The bulges to try: that of a line, and of arcs from all over the set.
     fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
         const PLACES: [f64; 19] = [
             0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
@@ -179,15 +186,15 @@ impl<'a> Span<'a> {
                 .filter(|part| part[0] <= part[1])
         });
         let arcs = curved.flat_map(|part| {
-            // By angles: of all bulges most are nearly full circles.
+            // Evenly by the arc's angle: evenly by the bulge, most would be nearly full circles.
             let [low, high] = part.map(f64::atan);
             PLACES.into_iter().map(move |place| (low + (high - low) * place).tan())
         });
         line.into_iter().chain(arcs)
     }
 
-    /// Whether the nearest places on the circle of an arc, or on the chord, go from one end to the other and
-    /// never back.
+    /// Whether the points' nearest places on the arc's circle, or on the chord, run from one end to the other
+    /// and never back.
     fn advances(&self, bulge: f64) -> bool {
         let points = [self.from].into_iter().chain(self.inner().iter().copied()).chain([self.to]);
         if bulge == 0.0 {
@@ -197,7 +204,7 @@ impl<'a> Span<'a> {
         let center = super::center(self.from, self.to, bulge);
         // An arc to the left of its chord turns clockwise.
         let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
-        // The first and the last line start and end at points, which may lie beside the ends of the element.
+        // The first and the last line belong to points that may lie beside the element's ends.
         let flat = self.points.flat;
         let is_backward = |k: usize| turned(&(flat[k] - center), &(flat[k + 1] - center)) < 0.0;
         if is_backward(self.first) || is_backward(self.last - 1) {
@@ -209,7 +216,8 @@ impl<'a> Span<'a> {
             let radial = p - center;
             let (step, from_start) = (turned(&before, &radial), turned(&start, &radial));
             let is_forward = step > 0.0 || step == 0.0 && before.dot(&radial) > 0.0;
-            // Who comes to the first half again has been once round.
+            // A point on the first half of the turn, after one on the second half, has gone round more than
+            // once.
             let is_once = !is_past_half || from_start < 0.0;
             is_past_half |= from_start < 0.0;
             before = radial;
@@ -217,8 +225,8 @@ impl<'a> Span<'a> {
         })
     }
 
-    /// Whether the element keeps the rule, but for the distances of points in a plane, of which the closed
-    /// form has said all.
+    /// Whether the element keeps the rule. The distances of points in a plane are not checked again: the
+    /// closed form ensures them.
     pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, witnesses: &mut Witnesses) -> bool {
         let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
         let is_flat = self.points.heights.is_empty();
@@ -253,17 +261,17 @@ impl<'a> Span<'a> {
         self.winds(&track, chord)
     }
 
-    /// Whether it is an inner point.
+    /// Whether the point with index `k` is an inner point of the span.
     fn holds(&self, k: usize) -> bool {
         (self.first + 1..self.last).contains(&k)
     }
 
-    /// Whether no line between the points dips farther into an arc than `tolerance` mm.
+    /// Whether every line between the points stays within `tolerance` mm of the arc on its inside.
     fn keeps_lines(&self, track: &ChordFrame, tolerance: f64, chord: &Chord) -> bool {
         let center = super::center(self.from, self.to, track.bulge);
         let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
-        // The longest line between two points on the innermost circle.
+        // The worst case: the longest line, with both ends on the innermost circle.
         let inside = track.radius.powi(2).min(least) - 0.25 * longest;
         (inside > 0.0 && track.radius - inside.sqrt() <= tolerance) || self.dip(track, chord) <= tolerance
     }
@@ -275,7 +283,7 @@ impl<'a> Span<'a> {
         ChordFrame::new(chord, bulge, high - low)
     }
 
-    /// A point in the frame of the chord, with its height over its middle.
+    /// A point in the frame of the chord, and its height over the middle between the heights of the ends, mm.
     fn seen(&self, k: usize, chord: &Chord) -> (Vector2<f64>, f64) {
         let Points { flat, heights } = self.points;
         let height = if heights.is_empty() {
@@ -292,7 +300,7 @@ impl<'a> Span<'a> {
         track.foot(p, height).distance
     }
 
-    /// How far the lines between the points lie inside an arc at most, or beside a helix, mm.
+    /// The largest distance of the lines between the points inside an arc, or from a helix, mm.
     fn dip(&self, track: &ChordFrame, chord: &Chord) -> f64 {
         if !self.points.heights.is_empty() {
             let lines = (self.first..self.last).map(|k| [self.seen(k, chord), self.seen(k + 1, chord)]);
@@ -301,16 +309,16 @@ impl<'a> Span<'a> {
         self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
     }
 
-    /// Whether the lines between the points turn about the centre of an arc as it does. Otherwise they lead
-    /// past the centre on its other side: the points are near the ends of the arc, in its gap, and the arc is
-    /// near none of them.
+    /// Whether the lines between the points turn about the centre of an arc as the arc does. If not, they
+    /// pass the centre on its other side: the points lie near the ends of the arc, in its gap, and the arc
+    /// runs far from them.
     fn winds(&self, track: &ChordFrame, chord: &Chord) -> bool {
         let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
         track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
     }
 
-    /// Two of `points` for which there are no places on the element, each within `tolerance` mm of its own,
-    /// that do not go back; `None` where there are such places for all.
+    /// Two of `points` that the element does not pass in order: no places within `tolerance` mm of them
+    /// follow each other along the element. `None` if all points are passed in order.
     fn crossing(
         &self,
         track: &ChordFrame,
@@ -329,8 +337,8 @@ impl<'a> Span<'a> {
         None
     }
 
-    /// The shape with the least largest deviation, where there is one that keeps the rule. What is flatter
-    /// than [`FLATTEST_MM`] becomes a line where a line will do.
+    /// The bulge with the least largest deviation, 0 for a line; `None` if no element keeps the rule. An arc
+    /// flatter than [`FLATTEST_MM`] becomes a line if a line keeps the rule.
     pub fn best(&self, rule: &Rule) -> Option<f64> {
         let found = self.find(rule, &mut Witnesses::default())?;
         if self.last == self.first + 1 || rule.shapes == Shapes::LinesOnly {
@@ -346,23 +354,24 @@ impl<'a> Span<'a> {
         Some(if is_kept { best } else { found })
     }
 
-    /// The bulges about one that keeps the rule; `None` where rounding has put it beside the only ones there
-    /// are.
+    /// The chord, and the interval of valid bulges about one that keeps the rule. `None` if rounding has put
+    /// this bulge outside every interval.
     fn part_of(&self, found: f64, rule: &Rule) -> Option<(Chord, [f64; 2])> {
         let bulges = self.bulges(rule, &mut Witnesses::default())?;
         let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
         Some((Chord::new(self.from, self.to)?, part))
     }
 
-    /// The bulge in `part` that leaves the farthest points to its left and right equally far: every signed
-    /// distance falls as the bulge grows.
+    /// The bulge in `part` that leaves the farthest points to its left and to its right equally far. It is a
+    /// root, because every signed distance falls as the bulge grows.
     fn balanced(&self, chord: &Chord, part: [f64; 2]) -> f64 {
         let l = chord.half;
         let unbalance = |b: f64| {
             let (mut least, mut largest) = (0.0f64, 0.0f64);
             for p in self.inner() {
                 let [x, y] = chord.local(*p).into();
-                // |X - C| - r, with both times 2 |b|, so that it holds for a flat arc.
+                // The signed distance |X - C| - r as a quotient, both terms times 2 |b|, so that it also
+                // holds for flat arcs.
                 let power = 2.0 * b * (x * x + y * y - l * l) + 2.0 * y * l * (1.0 - b * b);
                 let distances = l * (1.0 + b * b) + (2.0 * b * x).hypot(2.0 * b * y + l * (1.0 - b * b));
                 least = least.min(power / distances);

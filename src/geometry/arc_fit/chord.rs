@@ -1,22 +1,25 @@
-//! The arcs over one chord: a family with one parameter, and which of them pass near a point or a line.
+//! The arcs over one chord, a family with one parameter: which of them pass near a point or a line.
 //!
 //! # Method
-//! The arcs from P to Q are told apart by the bulge b = tan(sweep / 4), positive to the left of PQ. With L
-//! half the chord, (x, y) a point in the frame of the chord's middle, dP and dQ its distances to the ends, S
-//! = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2, the arcs within e of the point have b in
-//! [2L(y - e)/(S - k), 2L(y + e)/(S - k)]; all have where dP <= e or dQ <= e. Since S^2 - k^2 = 4L^2(y^2 -
-//! e^2), for k > 0 the bounds are (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)) without cancellation; there |y|
-//! < e means that the point lies beyond an end, and the valid bulges are those outside the two bounds. The
-//! bulge 0 is never among them.
+//! The bulge b = tan(sweep / 4) tells the arcs from P to Q apart; it is positive to the left of PQ. Let L be
+//! half the chord, (x, y) a point in the frame of the chord's middle, dP and dQ its distances from P and Q,
+//! and e the tolerance. Let S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2. These arcs
+//! pass within e of the point:
+//! 1. If dP <= e or dQ <= e, all arcs.
+//! 2. Else, if k <= 0, the arcs with b in [2L(y - e)/(S - k), 2L(y + e)/(S - k)].
+//! 3. If k > 0, these two bounds are (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)), because
+//!    S^2 - k^2 = 4L^2(y^2 - e^2). In this form nothing cancels. If |y| < e as well, the point lies beyond
+//!    an end of the chord. Then the valid bulges are outside the two bounds, and the bulge 0 is not valid.
 
 use nalgebra::Vector2;
 
 use super::LARGEST_RADIUS_MM;
 
-/// tan(sweep / 4) for 350 degrees: what turns farther is told from a full turn by rounding alone.
+/// tan(sweep / 4) for 350 degrees, the largest bulge. For larger sweeps rounding alone would decide between
+/// an arc and a full circle.
 pub const LARGEST_BULGE: f64 = 22.903_765_548_431_4;
 
-/// Bulges between `least` and `most` that are not inside `hole`.
+/// The bulges between `least` and `most` that are not inside `hole`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bulges {
     pub least: f64,
@@ -30,8 +33,8 @@ impl Bulges {
         Self { least: -largest, most: largest, hole: [0.0; 2] }
     }
 
-    /// The closed intervals that are left, the negative one first; one of them is all there is where there is
-    /// no hole.
+    /// The closed intervals that the hole leaves, the negative one first. Without a hole there is one
+    /// interval.
     pub fn parts(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let has_hole = self.hole[0] < self.hole[1];
         let whole = [self.least, self.most];
@@ -52,14 +55,15 @@ impl Bulges {
     }
 }
 
-/// A chord with its frame: the origin in the middle, the first axis along it, the second to its left.
+/// A chord with its frame: the origin is the middle of the chord, the first axis runs along it, the second to
+/// its left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
     pub from: Vector2<f64>,
     pub to: Vector2<f64>,
     middle: Vector2<f64>,
     along: Vector2<f64>,
-    /// Half its length, mm.
+    /// Half the length of the chord, mm.
     pub half: f64,
 }
 
@@ -81,7 +85,7 @@ impl Chord {
         self.along.y.atan2(self.along.x)
     }
 
-    /// The place of the centre on the second axis, mm.
+    /// The coordinate of the arc's centre on the second axis, mm.
     pub fn center(&self, bulge: f64) -> f64 {
         0.5 * self.half * (bulge - 1.0 / bulge)
     }
@@ -97,7 +101,7 @@ impl Chord {
         self.half / (r + (r * r - self.half * self.half).max(0.0).sqrt())
     }
 
-    /// Keeps of `bulges` those of arcs within `tolerance` mm of `p`.
+    /// Removes from `bulges` the arcs that do not pass within `tolerance` mm of `p`.
     #[inline]
     pub fn keep_near(&self, p: Vector2<f64>, tolerance: f64, bulges: &mut Bulges) {
         let [x, y] = self.local(p).into();
@@ -117,8 +121,7 @@ impl Chord {
             return;
         }
         let scale = (s + k) / (2.0 * l);
-        // Beyond all bounds, where the point is just so far beside the line that the other bound alone is
-        // left.
+        // If |y| = e, one of the two bounds is infinite and only the other one limits the bulges.
         let (first, second) = (scale / (e + y), -(scale / (e - y)));
         if yy <= ee {
             bulges.hole = [bulges.hole[0].min(second), bulges.hole[1].max(first)];
@@ -128,15 +131,15 @@ impl Chord {
         }
     }
 
-    /// The largest bulge of an arc to the left that is nowhere farther than `tolerance` mm above the line
-    /// through `a` and `b`, where it is the inside of that line, between the two, that is nearest to the
-    /// centre; `None` where no line says so.
+    /// The largest bulge of an arc to the left of the chord that rises at most `tolerance` mm above the line
+    /// from `a` to `b`. The rise is measured at the line's nearest place to the arc's centre. `None` if this
+    /// place is not between `a` and `b`: the line then sets no limit.
     pub fn highest_over(&self, a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) -> Option<f64> {
         let [a, b] = [self.local(a), self.local(b)];
         self.over([a, b], tolerance)
     }
 
-    /// As [`Self::highest_over`], the least bulge of an arc to the right.
+    /// As [`Self::highest_over`], for arcs to the right: the least bulge.
     pub fn lowest_under(&self, a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) -> Option<f64> {
         let mirrored = |p| {
             let [x, y] = self.local(p).into();
@@ -145,8 +148,10 @@ impl Chord {
         self.over([a, b].map(mirrored), tolerance).map(|bulge| -bulge)
     }
 
-    /// The circle of bulge b touches the line at the distance e inside: with n the line's left normal and h
-    /// its height over the origin, h - n_y c = r - e, which is L(1 + n_y) b^2 - 2(h + e) b + L(1 - n_y) = 0.
+    /// The bulge b at which the line touches a circle about the arc's centre that is smaller than the arc by
+    /// e. Let n be the line's left unit normal, h the line's height over the origin along n, c the centre's
+    /// height and r the radius. Then h - n_y c = r - e, which is
+    /// L(1 + n_y) b^2 - 2(h + e) b + L(1 - n_y) = 0.
     fn over(&self, [a, b]: [Vector2<f64>; 2], tolerance: f64) -> Option<f64> {
         let (along, l) = (b - a, self.half);
         let length = along.norm();
@@ -169,7 +174,7 @@ mod tests {
 
     use super::*;
 
-    /// The distance from a point in the chord's frame to the arc, or to the chord, by points of it.
+    /// The distance of a point in the chord's frame from the arc, or from the chord, by samples.
     fn sampled(chord: &Chord, bulge: f64, p: Vector2<f64>) -> f64 {
         let n = 4000;
         let at = |k: usize| {
@@ -188,9 +193,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// Inside the set the distance is below the tolerance, outside above, for points all about.
+        /// Points anywhere: bulges in the set are nearer than the tolerance, bulges outside are farther.
         #[test]
-        fn the_closed_form_is_the_distance(
+        fn the_closed_form_agrees_with_sampled_distances(
             half in 0.2..5.0f64, x in -8.0..8.0f64, y in -8.0..8.0f64, e in 0.01..1.0f64, bulge in -20.0..20.0f64,
         ) {
             let chord = Chord::new(Vector2::new(-half, 0.0), Vector2::new(half, 0.0)).unwrap();
@@ -199,7 +204,7 @@ mod tests {
             chord.keep_near(p, e, &mut bulges);
             for b in [bulge, bulge / 20.0, 1.0 / bulge, 0.0] {
                 let distance = sampled(&chord, b, p);
-                // What the samples may miss.
+                // The error of the sampled distance.
                 let missed = 2.0 * chord.radius(b.abs().max(0.05)) * 3.2 / 4000.0;
                 if (distance - e).abs() > missed {
                     prop_assert_eq!(distance < e, bulges.contains(b), "{} {} {:?}", b, distance, bulges);
@@ -207,7 +212,7 @@ mod tests {
             }
         }
 
-        /// At the bound the inner offset circle touches the line.
+        /// At the bound, the circle that is smaller by the tolerance touches the line.
         #[test]
         fn the_bound_over_a_line_touches_it(
             ax in -0.9..0.0f64, bx in 0.05..0.9f64, ay in -0.2..0.6f64, by in -0.2..0.6f64, e in 0.001..0.1f64,

@@ -1,32 +1,34 @@
-//! One element in the frame of its chord: where it is near a point, and how lines lie to it.
+//! One element in the frame of its chord: the place nearest to a point, and how far lines lie from the
+//! element.
 
 use nalgebra::Vector2;
 
 use super::chord::Chord;
 
-/// What turns by half a turn within this, radians, does so by rounding.
+/// Angles that differ from half a turn by less count as half a turn, radians: rounding explains the
+/// difference.
 const HALF_A_TURN: f64 = 1e-9;
 
 /// The place of an element that is nearest to a point.
 pub struct Foot {
-    /// The fraction of the element's length, also of its continuation.
+    /// The place as a fraction of the element's length; below 0 or above 1 on the element's continuation.
     pub along: f64,
-    /// From the element, mm.
+    /// The point's distance from the element, mm.
     pub distance: f64,
 }
 
 /// An element in the frame of its chord.
 pub struct ChordFrame {
-    /// Half the chord, with its rise for a line.
+    /// Half the length of the chord, mm; for a line, half of its length in space.
     half: f64,
     pub bulge: f64,
-    /// The centre is on the second axis.
+    /// The coordinate of the centre on the second axis, mm; on the first axis it is 0.
     center: f64,
     pub radius: f64,
     pub sweep: f64,
     /// How much higher the end is than the start, mm.
     rise: f64,
-    /// The direction of a line, along the chord and up.
+    /// The direction of a line: its parts along the chord and upward.
     slope: Vector2<f64>,
 }
 
@@ -48,7 +50,8 @@ impl ChordFrame {
         }
     }
 
-    /// A point as it lies to the element in a plane: for a line, that of the line and the point.
+    /// The point in a plane with the element. For a line in space this is the plane through the line and the
+    /// point.
     fn flattened(&self, p: Vector2<f64>, height: f64) -> Vector2<f64> {
         if self.bulge != 0.0 || height == 0.0 && self.rise == 0.0 {
             return p;
@@ -63,14 +66,14 @@ impl ChordFrame {
             (0.5 + 0.5 * flat.x / self.half, flat.y.abs())
         } else {
             let d = Vector2::new(flat.x, flat.y - self.center);
-            // From the middle of the arc, positive towards its end.
+            // The angle from the middle of the arc, positive towards its end.
             let angle = d.x.atan2(self.bulge.signum() * d.y);
             (0.5 + angle / self.sweep, (d.norm() - self.radius).abs())
         };
         let is_beside = (0.0..=1.0).contains(&along);
         let distance =
             if is_beside { beside } else { self.to_ends(flat).into_iter().fold(f64::INFINITY, f64::min) };
-        // The height of an arc there is that of the point's own angle.
+        // The height of a helix counts at the point's own angle.
         let above = if self.bulge == 0.0 { 0.0 } else { height - self.rise * (along.clamp(0.0, 1.0) - 0.5) };
         Foot { along, distance: distance.hypot(above) }
     }
@@ -80,7 +83,7 @@ impl ChordFrame {
     }
 
     /// The first place within `tolerance` mm of a point that is not before `reached`, as a fraction of the
-    /// length.
+    /// length; `None` if there is no such place.
     pub fn first_place(&self, p: Vector2<f64>, height: f64, tolerance: f64, reached: f64) -> Option<f64> {
         let foot = self.foot(p, height);
         let p = self.flattened(p, height);
@@ -92,7 +95,7 @@ impl ChordFrame {
         };
         let mut ranges = [[foot.along - half_width, foot.along + half_width], [1.0, 0.0]];
         let [is_at_start, is_at_end] = self.to_ends(p).map(|distance| distance <= tolerance);
-        // The continuation of an arc that nearly closes is seen from its other end.
+        // The continuation of an arc that is nearly a full circle comes round to the arc's other end.
         if is_at_start && ranges[0][0] > 0.0 {
             ranges[1] = [0.0, ranges[0][1] - self.turn()];
         } else if is_at_end && ranges[0][1] < 1.0 {
@@ -111,32 +114,35 @@ impl ChordFrame {
         std::f64::consts::TAU / self.sweep
     }
 
-    /// Half of the part of the element, or its continuation, that is within `tolerance` mm of a point.
+    /// Half the length, as a fraction of the element's length, of the part of the element or its continuation
+    /// that is within `tolerance` mm of a point.
     fn half_width(&self, p: Vector2<f64>, tolerance: f64) -> f64 {
         if self.bulge == 0.0 {
             return 0.5 * (tolerance * tolerance - p.y * p.y).max(0.0).sqrt() / self.half;
         }
         let (r, distance) = (self.radius, Vector2::new(p.x, p.y - self.center).norm());
-        // The sine of half the angle: its cosine would lose the digits of a flat arc.
+        // Computed from the sine of half the angle: the cosine would lose the digits of a flat arc.
         let beside = distance - r;
         let square = (tolerance - beside) * (tolerance + beside) / (4.0 * r * distance);
         if square.is_nan() { 0.0 } else { 2.0 * square.clamp(0.0, 1.0).sqrt().asin() / self.sweep }
     }
 
-    /// By how much the line from `a` to `b` turns about the centre, radians, positive the way of the arc.
+    /// The angle that the line from `a` to `b` turns about the centre, radians, positive in the sense of the
+    /// arc.
     pub fn turned(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
         let center = Vector2::new(0.0, self.center);
         let [a, b] = [a - center, b - center];
         let turned = -self.bulge.signum() * a.perp(&b).atan2(a.dot(&b));
-        // Just half a turn is one the way of the arc.
+        // Exactly half a turn counts as one in the sense of the arc.
         if turned < HALF_A_TURN - std::f64::consts::PI { turned + std::f64::consts::TAU } else { turned }
     }
 
-    /// Bound of the distance of the line from `a` to `b`, each with its height, from a helix.
+    /// Upper bound of the distance of the line from `a` to `b` from a helix, mm. Each end comes with its
+    /// height.
     ///
-    /// A point at the fraction t of a line that is seen under the angle 2 h stands at the fraction f of that
-    /// angle, and |f - t| <= h^2 / (8 cos^2 h), the error of a chord of the tangent. There the helix is
-    /// higher or lower than the line by at most that part of its rise.
+    /// Let the line be seen from the centre under the angle 2 h. A point at the fraction t of the line is
+    /// seen at the fraction f of that angle, and |f - t| <= h^2 / (8 cos^2 h): the error of a chord of the
+    /// tangent. So there the helix is higher or lower than the line by at most |f - t| of its rise.
     pub fn beside(&self, [a, b]: [(Vector2<f64>, f64); 2]) -> f64 {
         let off = |(p, height): (Vector2<f64>, f64)| {
             let foot = self.foot(p, height);
@@ -151,8 +157,9 @@ impl ChordFrame {
         beside.hypot(above_a.max(above_b) + rise * ahead)
     }
 
-    /// As [`Self::half_width`], on both sides of the foot at least: with the slope s and the height a over
-    /// the foot, a place d farther on is no more than sqrt(b^2 + (a + s d)^2 + d^2) away, b beside.
+    /// As [`Self::half_width`] for a helix, as a lower bound on both sides of the foot. Let s be the slope of
+    /// the helix, a the height of the point over the foot, and b its distance beside the foot. A place d
+    /// farther on is at most sqrt(b^2 + (a + s d)^2 + d^2) away.
     fn half_width_of_helix(&self, foot: &Foot, height: f64, tolerance: f64) -> f64 {
         let length = self.radius * self.sweep;
         let slope = self.rise.abs() / length;
@@ -162,13 +169,13 @@ impl ChordFrame {
         ((lean * lean + steep * room).sqrt() - lean) / (steep * length)
     }
 
-    /// How far the line from `a` to `b` lies inside the arc where it is nearest to its centre, mm.
+    /// How far the line from `a` to `b` lies inside the arc at the line's nearest place to the centre, mm.
     pub fn dip(&self, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
         (self.radius - from_line(Vector2::new(0.0, self.center), a, b)).max(0.0)
     }
 }
 
-/// The distance of `p` from the line between two points, mm; not a number where these coincide.
+/// The distance of `p` from the segment between two points, mm; NaN if the two points coincide.
 pub fn from_line(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     let (along, to_p) = (b - a, p - a);
     let foot = (to_p.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -1,21 +1,22 @@
-//! Points at which a way has a real corner.
+//! Finds the points at which the polyline through the points has a real corner.
 //!
-//! A smooth way turns about as much at one point as at the next; at a corner it turns much more than anywhere
-//! beside it. Where the points are samples, a longer step may turn more by as much as the way is curved
-//! beside it.
+//! A smooth polyline turns about as much at one point as at the next. At a corner it turns much more than at
+//! any point nearby. For samples of a curve the turns are compared for the same length: a longer step turns
+//! more.
 
 use nalgebra::Vector2;
 
 use super::Measure;
 
-/// A corner turns by this, radians, and by this many times what it would if the way were curved as beside it.
+/// A corner turns by at least `LEAST_TURN` radians, and by more than `TIMES` the turn that the points nearby
+/// let expect.
 const LEAST_TURN: f64 = 0.035;
 const TIMES: f64 = 3.0;
 
-/// Points on each side that are looked at.
+/// Points on each side that a turn is compared with.
 const BESIDE: usize = 5;
 
-/// The corners among the inner points, in order.
+/// The indices of the corners among the inner points, in order.
 pub fn corners(points: &[Vector2<f64>], measure: Measure) -> Vec<usize> {
     let vertices: Vec<Vertex> =
         points.windows(3).map(|three| Vertex::of([three[0], three[1], three[2]])).collect();
@@ -35,12 +36,12 @@ pub fn corners(points: &[Vector2<f64>], measure: Measure) -> Vec<usize> {
     (0..vertices.len()).filter(is_corner).map(|k| k + 1).collect()
 }
 
-/// How a way bends at a point.
+/// The turn of the polyline at one point.
 #[derive(Debug, Clone, Copy)]
 struct Vertex {
-    /// Radians.
+    /// The angle between the lines before and after the point, radians, not negative.
     turn: f64,
-    /// Of the way that bends so, half of the lines before and after, mm.
+    /// Half of the lines before and after the point, mm.
     length: f64,
 }
 

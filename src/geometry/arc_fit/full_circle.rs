@@ -1,7 +1,7 @@
-//! One full turn through the points of a closed way.
+//! One full circle through closed points.
 //!
-//! The circle with the least largest deviation is found by weighted least squares (Kasa's equations, which
-//! are linear), where each point's weight grows with its deviation (Lawson).
+//! The method finds the circle with the least largest deviation by weighted least squares. Each round solves
+//! Kasa's equations, which are linear, and then raises the weight of each point with its deviation (Lawson).
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -9,13 +9,14 @@ use super::Measure;
 use super::candidate::Rule;
 use super::chord_frame::from_line;
 
-/// Rounds of weighting; the deviation is within a few percent of the least after some ten.
+/// Rounds of weighting. After some ten rounds the deviation is within a few percent of the least.
 const ROUNDS: usize = 40;
 
-/// The points of a circle are no farther apart than this, radians: what is coarser may as well be a polygon.
+/// The largest angle between neighbouring points of a circle, radians. Points farther apart may as well be
+/// corners of a polygon.
 const WIDEST_GAP: f64 = std::f64::consts::PI / 6.0;
 
-/// A circle and the sense in which it is passed.
+/// A circle and the sense in which the points pass it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FullCircle {
     pub center: Vector2<f64>,
@@ -23,7 +24,7 @@ pub struct FullCircle {
     pub is_ccw: bool,
 }
 
-/// The full turn that keeps the rule on points of which the last is the first again.
+/// The full circle that keeps the rule on points whose last point equals the first; `None` if none was found.
 pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<FullCircle> {
     let tolerance = rule.tolerance_mm;
     let mut weights = vec![1.0; points.len()];
@@ -48,7 +49,8 @@ pub fn full_turn(points: &[Vector2<f64>], rule: &Rule) -> Option<FullCircle> {
     None
 }
 
-/// The largest distance of a point, and by the measure of the polyline of its lines too, from a circle, mm.
+/// The largest distance of a point from a circle, mm. With the measure of a polyline it includes the
+/// distances of the lines between the points.
 pub fn deviation(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, measure: Measure) -> f64 {
     let worst = points.iter().map(|p| ((p - center).norm() - radius).abs()).fold(0.0, f64::max);
     if measure == Measure::Points {
@@ -57,7 +59,7 @@ pub fn deviation(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, mea
     points.windows(2).map(|pair| radius - from_line(center, pair[0], pair[1])).fold(worst, f64::max)
 }
 
-/// The circle of least weighted squares.
+/// The centre and the radius of the circle of least weighted squares.
 fn circle(points: &[Vector2<f64>], weights: &[f64]) -> Option<(Vector2<f64>, f64)> {
     let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
     let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
@@ -73,10 +75,11 @@ fn circle(points: &[Vector2<f64>], weights: &[f64]) -> Option<(Vector2<f64>, f64
     radius.is_finite().then_some((middle + center, radius))
 }
 
-/// Whether the points pass the circle counterclockwise, once and in order; `None` where they do not.
+/// Whether the points pass the circle counterclockwise; `None` if they do not pass it once and in order.
 fn sense(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, tolerance: f64) -> Option<bool> {
     let (mut turned, mut goes_back) = (0.0f64, [false; 2]);
-    // The first place near a point, whichever way round, is never behind the last one near any later point.
+    // For each sense: the first place on the circle within the tolerance of the points so far. A later point
+    // whose places all lie before it goes back.
     let mut first = [f64::NEG_INFINITY; 2];
     for pair in points.windows(2) {
         let [a, b] = [pair[0] - center, pair[1] - center];

@@ -1,8 +1,9 @@
-//! Elements that each grow as far as they can: Ju's method.
+//! Ju's method: each element grows as far as it can.
 //!
-//! An element takes in one point after another until the first that it cannot (along lines, [`STRIDE`] at a
-//! time, then one by one: these are programs, of which there is much); from some number of points on, growth
-//! is tried at doubling lengths, then by halving, which may end later than the first failure, never earlier.
+//! An element takes in one point after another until the first point that it cannot take in. With the measure
+//! of a polyline, where points are many, it first grows by [`STRIDE`] points at a time. Beyond a number of
+//! points the lengths tried double, and halving then finds the end. This may end later than the first
+//! failure, but never earlier.
 
 use nalgebra::Vector2;
 
@@ -10,16 +11,17 @@ use super::Measure;
 use super::candidate::{Points, Rule, Span, Witnesses};
 use crate::budget::{Budget, Stopped};
 
-/// Points that Ju's method takes in one by one, for lengths at which it is usable.
+/// Points that an element of Ju's method takes in one by one before the lengths double. Longer elements would
+/// make growth one by one too slow.
 pub const ONE_BY_ONE: usize = 512;
 
-/// The same where growing is but a way to few elements.
+/// The same limit where the greedy chain only guides the search for a shorter chain.
 pub const FAST: usize = 16;
 
 const STRIDE: usize = 4;
 
-/// The points at which elements meet, from the first to the last; the first element starts at `from`, and
-/// each takes in `one_by_one` points before it grows faster.
+/// The indices of the points at which elements meet, from the first point to the last. The first element
+/// starts at `from`. Each element takes in `one_by_one` points before the lengths double.
 pub fn joints(
     points: Points,
     from: Vector2<f64>,
@@ -39,7 +41,7 @@ pub fn joints(
     Ok(joints)
 }
 
-/// The end of the longest element from `from`, for the point `start`.
+/// The index of the point at which the longest element from `from` ends; `from` stands for the point `start`.
 fn longest(
     points: Points,
     start: usize,

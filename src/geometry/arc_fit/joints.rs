@@ -1,26 +1,28 @@
 //! Places beside the points where elements may meet too.
 //!
-//! On data with noise, or rounded, an element whose ends are pinned to two points has to follow their errors.
-//! Here nodes lie across the way of the points as well, at several distances within the tolerance, at some
-//! points of each element.
+//! On noisy or rounded data, an element whose ends are pinned to two points has to follow the errors of these
+//! points. So at some points of each element there are also nodes to the left and to the right of the point,
+//! at several distances within the tolerance.
 
 use nalgebra::Vector2;
 
 use super::Fit;
 use super::optimal::Node;
 
-/// Points of each element with nodes beside them.
+/// Points with nodes beside them, for each element of the known chain.
 const POINTS_AN_ELEMENT: usize = 24;
 
-/// How far the farthest node is from its point, in tolerances.
+/// The distance of the farthest node from its point, as a part of the tolerance.
 const FARTHEST: f64 = 0.97;
 
-/// The way of the points is seen over so many tolerances, or so many points.
+/// The direction at a point is measured between points at least `SIGHT_TOLERANCES` tolerances apart, or at
+/// most `SIGHT_POINTS` points away on each side: closer points would show their errors.
 const SIGHT_TOLERANCES: f64 = 30.0;
 const SIGHT_POINTS: usize = 64;
 
-/// Nodes at some of the points and beside them, `side` on each side, for elements of which there are `count`.
-/// Where the start is `pinned`, it is the only one of the first point; a closed way ends at its start.
+/// Nodes at some of the points and beside them, `side` on each side. The known chain has `count` elements. If
+/// the start is `pinned`, it is the only node of the first point. Closed points get no node beside the last
+/// point.
 pub fn nodes(
     points: &[Vector2<f64>],
     pinned: Option<Vector2<f64>>,
@@ -53,7 +55,7 @@ pub fn nodes(
     nodes
 }
 
-/// The unit vector to the left of the way at a point.
+/// The unit vector to the left of the polyline at a point; `None` if the points about it coincide.
 fn across(points: &[Vector2<f64>], index: usize, tolerance: f64) -> Option<Vector2<f64>> {
     let (mut before, mut after) = (index, index);
     for _ in 0..SIGHT_POINTS {

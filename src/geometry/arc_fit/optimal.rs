@@ -1,14 +1,15 @@
-//! The least number of elements between given nodes.
+//! Finds the least number of elements between given nodes.
 //!
 //! # Method
-//! Breadth first: what one element reaches from the start, what a second reaches from there, and so on. An
-//! element may be possible where a shorter one is not, so every place is a node, not only the farthest. Nodes
-//! from which the last is too far by [`Bounds`] to beat what is known already are left out, and so are all
-//! that were reached before.
+//! Breadth first search: first the nodes that one element reaches from the start, then the nodes that a
+//! second element reaches from there, and so on. An element to a node may be possible although no shorter
+//! element is, so every node is tried, not the farthest only. The search skips nodes that were reached
+//! before. It also skips nodes from which [`Bounds`] leave too many elements to the end to beat the known
+//! chain.
 //!
 //! # Cost
-//! Each node is reached once, which costs its span; most other pairs fail at the first points that are looked
-//! at.
+//! Each node is reached once, at the cost of testing its span. Most other pairs of nodes fail at the first
+//! points tested.
 
 use nalgebra::Vector2;
 
@@ -17,34 +18,35 @@ use super::candidate::{Points, Rule, Span, Witnesses};
 use super::stabbing_bound::Fan;
 use crate::budget::{Budget, Stopped};
 
-/// Where elements may meet: at `at`, which stands for the point `index`.
+/// A place where elements may meet: at `at`, which stands for the point `index`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     pub index: usize,
     pub at: Vector2<f64>,
 }
 
-/// Failures after which the fan is asked first.
+/// Elements from one node that fail before the search asks the fan first. While most elements are possible,
+/// the fan excludes nothing.
 const PATIENCE: usize = 8;
 
-/// Looks at points that take as long as the fan takes for one.
+/// Evaluations of points that take as long as the fan takes for one point.
 const LOOKS_OF_FAN: usize = 8;
 
 const NOWHERE: usize = usize::MAX;
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// The nodes of a chain of the fewest elements.
     Fewer(Vec<Node>),
-    /// There is none that is shorter than what is known.
+    /// No chain is shorter than the known chain.
     None,
-    /// It took more than `most` looks at points.
+    /// The search took more than `most` evaluations.
     GivenUp,
 }
 
-/// Looks for a chain of less than `known` elements from a node of the first point to one of the last. `nodes`
-/// are in the order of their points.
+/// Searches for a chain of fewer than `known` elements, from a node of the first point to a node of the last
+/// point. `nodes` are in the order of their points. The search gives up after `most` evaluations.
 pub fn fewest(
     points: Points,
     nodes: &[Node],
@@ -81,16 +83,16 @@ struct Search<'a> {
     bounds: &'a Bounds,
     rule: &'a Rule,
     known: usize,
-    /// Where each node was reached from; the first from themselves.
+    /// The node from which each node was reached; a start node is its own parent.
     parents: Vec<usize>,
     fan: Fan,
-    /// At points, so far.
+    /// Evaluations of points so far.
     looks: usize,
 }
 
 impl Search<'_> {
-    /// Adds to `next` what one element from `source` reaches that was not reached before, as the element of
-    /// number `count`; the node of the last point, if it is there.
+    /// Adds to `next` the nodes that one element from `source`, the element of number `count`, reaches for
+    /// the first time. Returns the node of the last point as soon as that is reached.
     fn expand(&mut self, source: usize, count: usize, next: &mut Vec<usize>) -> Option<usize> {
         let mut witnesses = Witnesses::default();
         let end = self.reached(source, count, next, &mut witnesses);
@@ -119,7 +121,7 @@ impl Search<'_> {
             if is_hopeless || self.parents[k] != NOWHERE {
                 continue;
             }
-            // As long as most elements are possible, the fan tells nothing.
+            // While most elements are possible, the fan excludes nothing.
             if n_failures >= PATIENCE {
                 if n_failures == PATIENCE {
                     self.fan.restart(from.at);
@@ -131,7 +133,7 @@ impl Search<'_> {
                     is_open &= self.fan.take(self.points.flat[index]);
                 }
                 if std::mem::take(&mut has_failed) {
-                    // What no element to there passed, none to any later point does.
+                    // Every element to a later node has to pass the points that refused an earlier element.
                     for k in witnesses.points().filter(|k| (from.index + 1..to.index).contains(k)) {
                         self.looks += LOOKS_OF_FAN;
                         is_open &= self.fan.take(self.points.flat[k]);

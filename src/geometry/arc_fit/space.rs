@@ -1,8 +1,8 @@
-//! Points in space: the planes of their arcs, and elements as curves.
+//! Fits points in space: finds the planes of their arcs, and returns elements as curves.
 //!
-//! Arcs lie in a coordinate plane, or are helices about its normal. Unless the plane is given, a way is
-//! divided into stretches that keep one coordinate, which lie in a plane with all their points, and the rest,
-//! whose arcs are helices over the xy plane.
+//! Arcs lie in a coordinate plane, or are helices about the normal of one. If the plane is not given, the
+//! points are divided into stretches. Stretches that keep one coordinate lie in a plane, with arcs in this
+//! plane. The arcs of all other stretches are helices over the xy plane.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -11,13 +11,13 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
 
-/// Coordinates that differ by less, mm, differ by the rounding of whoever computed them.
+/// Coordinates that differ by less count as equal, mm: the program that computed them may have rounded.
 const LEVEL_MM: f64 = 1e-9;
 
-/// Fewer points than these that keep a coordinate may do so by chance.
+/// The least number of points for a stretch that keeps a coordinate. Fewer points may keep it by chance.
 const LEAST_STRETCH: usize = 4;
 
-/// A curve of the result, which ends for the point with index `end`.
+/// One curve of the result. It ends at the place that stands for the point with index `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedCurve {
     pub end: usize,
@@ -32,10 +32,7 @@ pub enum FitError {
     OnePlace,
 }
 
-/// Fits curves to points, all arcs in `plane` if one is given; coincident neighbours count once.
-///
-/// # Errors
-/// When there are no two different points, or the budget runs out.
+/// Fits curves to points. All arcs lie in `plane` if one is given. Neighbours that coincide count once.
 pub fn fit_in_space(
     points: &[Point3<f64>],
     plane: Option<Plane>,
@@ -54,13 +51,14 @@ pub fn fit_in_space(
         None => fit_stretches(&ends, &divided, request, budget)?,
     };
     if plane.is_none() && divided.len() > 1 {
-        // Points of a slow climb keep a height here and there by their rounding.
+        // Rounding lets a few points of a slow climb keep their height, and so divides a helix. One stretch
+        // of helices may need fewer curves.
         let helices = fit_stretches(&ends, &whole(Plane::Xy), request, budget)?;
         if helices.len() < pieces.len() {
             pieces = helices;
         }
     }
-    // What follows a point as its repetition belongs to it.
+    // A point that repeats the point before it belongs to the same curve.
     let last = |end: usize| distinct.get(end + 1).map_or(points.len(), |next| *next) - 1;
     Ok(pieces.into_iter().map(|piece| FittedCurve { end: last(piece.end), ..piece }).collect())
 }
@@ -71,7 +69,7 @@ fn fit_stretches(
     request: &Fit,
     budget: &Budget,
 ) -> Result<Vec<FittedCurve>, FitError> {
-    // Where the plane changes, elements meet on a point.
+    // Elements of different planes meet on points.
     let request = match stretches {
         [_] => *request,
         _ => Fit { joints: Joints::OnPoints, is_closed: false, ..*request },
@@ -86,8 +84,8 @@ fn fit_stretches(
     Ok(pieces)
 }
 
-/// The points up to `end`, from where the stretch before ended, have their arcs in `plane`, and lie in it if
-/// it is level.
+/// A stretch: the points from the end of the stretch before up to `end`. Its arcs lie in `plane`. If it is
+/// level, all its points lie in a plane parallel to `plane`.
 struct PlanarRun {
     plane: Plane,
     is_level: bool,
@@ -125,7 +123,7 @@ fn stretches(points: &[Point3<f64>]) -> Vec<PlanarRun> {
     stretches
 }
 
-/// The elements of one stretch as curves; their ends count from its first point.
+/// The elements of one stretch as curves. The index `end` of each counts from the first point of the stretch.
 fn fit_stretch(
     points: &[Point3<f64>],
     plane: Plane,
@@ -149,8 +147,7 @@ fn fit_stretch(
                 Arc::new(plane, direction, start, end, at(center, height)).map(Curve::Arc)
             };
             let line = Curve::Line(Line { start, end });
-            // An arc whose radii differ by rounding, since it is hardly longer than that, is as good as a
-            // line.
+            // An arc can be so short that rounding makes its two radii differ. A line replaces it.
             let curve = match element.shape {
                 Shape::Line => line,
                 Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)).unwrap_or(line),
@@ -163,8 +160,8 @@ fn fit_stretch(
     Ok(pieces)
 }
 
-/// The height at which an element ends: that of its point, or, where biarcs meet between two points, between
-/// theirs.
+/// The height at which an element ends, mm: that of its point. If a biarc's two arcs meet between two points,
+/// a height between theirs.
 fn height_of(element: &Element, local: &[Vector3<f64>]) -> f64 {
     let at = local[element.end];
     let Some(next) = local.get(element.end + 1).filter(|_| element.to != at.xy()) else { return at.z };

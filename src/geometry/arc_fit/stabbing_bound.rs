@@ -1,39 +1,43 @@
-//! The circles through one place that pass near a growing number of points: when none is left, no element
-//! goes on.
+//! The set of circles through one place that pass within the tolerance of all points taken so far. If the set
+//! is empty, no element from that place reaches beyond these points.
 //!
 //! # Method
-//! Inversion about the place makes its circles lines, and the discs about the points discs, of centre d /
-//! (d^2 - e^2) and radius e / (d^2 - e^2). Two of these far apart for their radii leave lines y = m x + t of
-//! small slope in a frame along them; then "the line meets the disc" is a strip |c_y - m c_x - t| <= rho
-//! sqrt(1 + m^2) of (m, t), and with the largest slope under the root a half-plane on each side. What is kept
-//! is the polygon that these leave: it holds every circle there is, and little else. The frame is chosen anew
-//! as better pairs come.
+//! 1. Inversion about the place turns its circles into lines. A disc about a point, with the distance d and
+//!    the tolerance e as radius, becomes a disc with its centre at d / (d^2 - e^2) and the radius e / (d^2 -
+//!    e^2).
+//! 2. Two discs that are far apart for their radii make a frame along the line of their centres. The lines
+//!    that meet both are y = m x + t with a small slope m.
+//! 3. "The line meets the disc" is the strip |c_y - m c_x - t| <= rho sqrt(1 + m^2) of (m, t). With the
+//!    largest slope under the root, the strip has a half-plane on each side.
+//! 4. The polygon that these half-planes leave is kept. It contains every circle of the set and little else.
+//!    The frame is chosen again when a better pair of discs comes.
 //!
 //! # Cost
-//! O(v) a point for a polygon of v corners; the frame changes O(log n) times.
+//! O(v) for each point, with a polygon of v corners; the frame changes O(log n) times.
 
 use nalgebra::Vector2;
 
 use super::Shapes;
 use super::candidate::Rule;
 
-/// Points that are looked at one by one, before every second, third and so on will do: neighbours cut off
-/// much the same.
+/// Points taken one by one before every second, every third and so on is enough: neighbours exclude much the
+/// same circles.
 const DENSE: usize = 24;
 
-/// A pair of discs whose lines lean by more than this sine is no frame, and one that halves the sine is a
-/// better one.
+/// The largest sine by which the lines of a frame may lean (`WIDEST`). A pair of discs replaces the frame if
+/// its sine is smaller by the factor `BETTER`.
 const WIDEST: f64 = 0.5;
 const BETTER: f64 = 0.5;
 
-/// Points before the first frame is tried; once there is one, another is tried when there are twice as many.
+/// Points before the first frame is tried. Once there is a frame, the next one is tried when the number of
+/// points has doubled.
 const FIRST_FRAME: usize = 4;
 
-/// What a disc cuts off is left where it is no larger than this part of the disc: corners cost more than they
-/// tell.
+/// A disc cuts the polygon only if the cut is deeper than this part of the strip's half width: more corners
+/// cost more time than they exclude.
 const SLIVER: f64 = 0.04;
 
-/// Rounding of the polygon, in parts of what is compared.
+/// Allowance for rounding, as a part of the numbers compared.
 const ROUNDING: f64 = 1e-9;
 
 /// The circles through `from` within the tolerance of all points taken so far.
@@ -44,7 +48,7 @@ pub struct Fan {
     discs: Vec<Disc>,
     next_frame: usize,
     frame: Option<Frame>,
-    /// Corners (m, t) in order.
+    /// The corners (m, t) of the polygon, in order.
     polygon: Vec<Vector2<f64>>,
     spare: Vec<Vector2<f64>>,
 }
@@ -55,19 +59,19 @@ struct Disc {
     radius: f64,
 }
 
-/// By how much the line (m, t) passes above `c`.
+/// How far above `c` the line (m, t) passes.
 fn height_over(line: &Vector2<f64>, c: Vector2<f64>) -> f64 {
     line.x * c.x + line.y - c.y
 }
 
-/// Coordinates along a pair of discs.
+/// Coordinates along the line through the centres of two discs.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     origin: Vector2<f64>,
     along: Vector2<f64>,
-    /// The sine by which lines may lean.
+    /// The largest sine by which lines lean.
     sine: f64,
-    /// The root of 1 + m^2 for the largest slope.
+    /// The square root of 1 + m^2 for the largest slope m.
     stretch: f64,
 }
 
@@ -92,12 +96,12 @@ impl Fan {
         }
     }
 
-    /// The points after `first` that are worth being taken.
+    /// The points after `first` that the fan has to take.
     pub fn worth(first: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(first + 1), move |k| Some(k + 1 + (k - first) / DENSE))
     }
 
-    /// All circles through `from`.
+    /// Starts again with all circles through `from`.
     pub fn restart(&mut self, from: Vector2<f64>) {
         self.from = from;
         self.discs.clear();
@@ -105,7 +109,7 @@ impl Fan {
         self.frame = None;
     }
 
-    /// Whether one of the circles may pass through `p`.
+    /// Whether a circle of the set may pass through `p`.
     pub fn admits(&self, p: Vector2<f64>) -> bool {
         let (Some(frame), d) = (self.frame, p - self.from) else { return true };
         let c = frame.local(d / d.norm_squared());
@@ -114,7 +118,7 @@ impl Fan {
         least <= slack && most >= -slack
     }
 
-    /// The least and the largest height of a line of the polygon over `c`.
+    /// The least and the largest height over `c` of the lines in the polygon.
     fn heights_over(&self, c: Vector2<f64>) -> [f64; 2] {
         let heights = self.polygon.iter().map(|corner| height_over(corner, c));
         heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], height| {
@@ -122,7 +126,7 @@ impl Fan {
         })
     }
 
-    /// Keeps those that pass near `p`; whether there may be any.
+    /// Keeps the circles that pass within the tolerance of `p`; `false` if no circle is left.
     pub fn take(&mut self, p: Vector2<f64>) -> bool {
         let d = p - self.from;
         let power = d.norm_squared() - self.tolerance * self.tolerance;
@@ -135,7 +139,7 @@ impl Fan {
             let is_better = self.turn_frame();
             self.next_frame += if self.frame.is_none() { FIRST_FRAME } else { self.discs.len() };
             if is_better {
-                // Lines go through the image of what is infinitely far.
+                // A line of the plane becomes a line through the origin, which is the image of infinity.
                 let far = Disc { center: Vector2::zeros(), radius: ROUNDING * disc.center.norm() };
                 return (self.shapes == Shapes::ArcsAndLines || self.clip(far))
                     && (0..self.discs.len()).all(|k| self.clip(self.discs[k]));
@@ -144,12 +148,13 @@ impl Fan {
         self.frame.is_none() || self.clip(disc)
     }
 
-    /// Whether the last disc and the one halfway make a better frame; then the polygon begins anew.
+    /// Makes a frame of the last disc and the one halfway, if that frame is better; the polygon then starts
+    /// again. Returns whether it did.
     fn turn_frame(&mut self) -> bool {
         let [a, b] = [self.discs[self.discs.len() / 2], self.discs[self.discs.len() - 1]];
         let apart = b.center - a.center;
         let sine = (a.radius + b.radius) / apart.norm();
-        // Not a number where the discs coincide.
+        // NaN if the discs coincide.
         let is_better = sine < self.frame.map_or(WIDEST, |frame| BETTER * frame.sine);
         if !is_better {
             return false;
@@ -166,7 +171,7 @@ impl Fan {
         true
     }
 
-    /// Cuts off the lines that miss a disc; whether any are left.
+    /// Cuts off the lines that miss a disc; `false` if no line is left.
     fn clip(&mut self, disc: Disc) -> bool {
         let Some(frame) = self.frame else { return true };
         let c = frame.local(disc.center);

@@ -1,20 +1,23 @@
-//! A chain in which each element begins in the direction in which the one before ended.
+//! A chain in which each element starts in the direction in which the element before it ends.
 //!
 //! # Method
-//! Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b and ends in psi
-//! - 2 atan b: one direction is the other mirrored in the chord. The bulges within the tolerance are an
-//! interval, hence so are the directions in which an element may start. So the directions in which a chain
-//! can arrive at a node are intervals too: those of the node before, cut by the element's interval, and
-//! mirrored. They are carried forward over nodes, element by element, from all nodes that the farthest chains
-//! reach; where the last node is reached, one direction there is followed back to the start. At a real corner
-//! ([`corners`]) any direction may follow.
+//! 1. Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b. It ends in
+//!    the direction psi - 2 atan b: the start direction mirrored in the chord.
+//! 2. The bulges within the tolerance form an interval. So the directions in which an element may start form
+//!    an interval too.
+//! 3. The directions in which a chain can arrive at a node are the arrival directions at the node before, cut
+//!    by the element's interval and mirrored in the chord.
+//! 4. These intervals are carried forward from node to node, element by element. Only the farthest nodes
+//!    reached so far are continued.
+//! 5. When the last node is reached, one direction there is followed back to the start. At a real corner
+//!    ([`corners`]) any direction may follow.
 //!
 //! # Guarantees
-//! Directions agree to rounding but at corners. If no such chain is found, or only after very long, elements
-//! meet at an angle.
+//! Directions agree to rounding, except at corners. If the search finds no such chain, or exceeds its budget,
+//! elements meet at an angle.
 //!
 //! # Cost
-//! O(c k^2 m) for c elements of m points with k nodes each, k being constant.
+//! O(c k^2 m) for c elements of m points with k nodes each; k is constant.
 
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
@@ -27,46 +30,48 @@ use super::optimal::Node;
 use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, for_bounds, joints, looks, shaped};
 use crate::budget::{Budget, Stopped};
 
-/// Nodes on points for each element of the chain that need not be smooth.
+/// Nodes on points, for each element of the guiding chain, which need not be smooth.
 const NODES_AN_ELEMENT: usize = 40;
 
-/// About a joint of that chain all points are nodes, as far as so many of the others.
+/// On each side of a joint of the guiding chain all points are nodes, over this many of the distances between
+/// other nodes.
 const ABOUT_JOINTS: usize = 3;
 
-/// Nodes that are gone on from, the farthest first.
+/// Nodes that each step continues from, the farthest first.
 const WIDEST: usize = 96;
 
-/// Nodes on each side of a point, for a chain that may pass beside exact points, and beside those with errors
-/// of their own.
+/// Nodes on each side of a point, for a chain that may pass beside the points: beside exact points, and
+/// beside points with errors of their own.
 const BESIDE_EXACT: i32 = 2;
 const BESIDE_NOISY: i32 = 6;
 
-/// Intervals of directions kept at a node.
+/// The most intervals of directions kept at a node.
 const INTERVALS: usize = 3;
 
-/// Between two neighbouring points nothing bounds an arc; it turns by a quarter at most, and by three where
-/// there is no chain otherwise.
+/// The largest bulge of an arc between two neighbouring points, which no point between them limits: a quarter
+/// turn. If that gives no chain, three quarters of a turn.
 const LARGEST_BETWEEN_NEIGHBOURS: [f64; 2] = [0.414, 2.414];
 
-/// An arc of larger radius is a line where that keeps the rule: over half a metre they differ in direction by
-/// 0.01 degrees. mm
+/// Above this radius an arc becomes a line if that keeps the rule, mm. Over half a metre the two differ in
+/// direction by 0.01 degrees.
 const FLAT_RADIUS_MM: f64 = 1e6;
 
-/// The directions between `low` and `high` can be had at a node.
+/// A chain can arrive at a node in the directions between `low` and `high`, radians.
 #[derive(Debug, Clone, Copy)]
 struct Arrival {
     node: usize,
     low: f64,
     high: f64,
-    /// Where the chain comes from, among the arrivals of one element less.
+    /// The arrival that the last element starts from, as an index into the arrivals of one element fewer.
     before: usize,
 }
 
 impl Arrival {
-    /// The directions in which arcs with bulges in `part`, over a chord in `direction`, may go on from here.
+    /// The directions in which arcs may start from here, radians, if their bulges are in `part` and their
+    /// chord runs in `direction`; `None` if there are none.
     fn departures(&self, direction: f64, part: [f64; 2]) -> Option<[f64; 2]> {
         let [low, high] = part.map(|bulge| direction + 2.0 * bulge.atan());
-        // The same direction may be written with whole turns more or less.
+        // The two intervals may be whole turns apart.
         let whole = ((self.low + self.high - low - high) / (2.0 * TAU)).round();
         let turns = if whole.is_finite() { whole * TAU } else { 0.0 };
         let start = [low.max(self.low - turns), high.min(self.high - turns)];
@@ -74,10 +79,11 @@ impl Arrival {
     }
 }
 
-/// Fits a smooth chain, guided by the nodes of one that need not be smooth.
+/// Fits a smooth chain, guided by the nodes of a chain that need not be smooth.
 ///
-/// Where a chain through points needs more than one element more, one that may pass beside them is looked for
-/// as well: between a line and an arc, no point is where both have the same direction.
+/// If a smooth chain through points needs more than one extra element, a chain that may pass beside the
+/// points is searched too: between a line and an arc, there may be no point at which both have the same
+/// direction.
 pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
     let count = guide.len() - 1;
@@ -124,8 +130,9 @@ pub fn chain(points: Points, guide: &[Node], request: &Fit, budget: &Budget) -> 
     Ok(best.unwrap_or_else(|| shaped(points, guide, &rule)))
 }
 
-/// Nodes on some points of each element of the guide, all about its joints, and the corners: where a line
-/// becomes an arc, only one point is where both have the same direction, and it is near a joint of the guide.
+/// Nodes on some points of each element of the guiding chain, on all points about its joints, and on corners.
+/// Where a line becomes an arc, both have the same direction at one point only, and this point is near a
+/// joint of the guiding chain.
 fn on_points(points: Points, guide: &[Node], corners: &[usize]) -> Vec<Node> {
     let last = points.flat.len() - 1;
     let mut indices: Vec<usize> = corners.to_vec();
@@ -150,7 +157,7 @@ struct Search<'a> {
     /// The largest bulge between neighbouring points.
     largest: f64,
     widest: usize,
-    /// At points, so far, and how many there may be.
+    /// Evaluations of points so far, and the most that are allowed.
     looks: Cell<usize>,
     most: usize,
 }
@@ -176,11 +183,11 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// What one more element reaches, as far on as it is worth going on from.
+    /// The arrivals after one more element, at the farthest nodes only.
     fn next(&self, layer: &[Arrival], budget: &Budget) -> Result<Vec<Arrival>, Stopped> {
         let mut next: Vec<Arrival> = Vec::new();
         for from in 0..layer.len() {
-            // The arrivals at one node stand together; each element is looked at once for all of them.
+            // The arrivals at one node are neighbours; each element is examined once for all of them.
             if from > 0 && layer[from - 1].node == layer[from].node {
                 continue;
             }
@@ -202,7 +209,7 @@ impl Search<'_> {
         Ok(self.farthest(next))
     }
 
-    /// The arrivals at the node `to` from those at one node.
+    /// Adds the arrivals at the node `to` from the arrivals at one node.
     fn extend(&self, layer: &[Arrival], here: &[usize], to: usize, next: &mut Vec<Arrival>) {
         let span = self.span(layer[here[0]].node, to);
         let Some((chord, parts)) = self.bulges(&span) else { return };
@@ -217,7 +224,7 @@ impl Search<'_> {
         }
     }
 
-    /// At a corner, any direction may follow.
+    /// The arrival with the directions that may follow it: at a corner, any direction.
     fn departing(&self, arrival: Arrival) -> Arrival {
         let index = self.nodes[arrival.node].index;
         if self.corners.binary_search(&index).is_ok() {
@@ -231,7 +238,7 @@ impl Search<'_> {
         Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at }
     }
 
-    /// The bulges that an element may have.
+    /// The chord of an element, and the intervals of bulges that it may have.
     fn bulges(&self, span: &Span) -> Option<(Chord, Vec<[f64; 2]>)> {
         let chord = Chord::new(span.from, span.to)?;
         let mut witnesses = Witnesses::default();
@@ -265,8 +272,8 @@ impl Search<'_> {
         kept
     }
 
-    /// The chain that arrives at the end in the middle of its directions; `None` if an element of it breaks
-    /// the rule after all.
+    /// The chain that arrives at the end in the middle of its directions; `None` if one of its elements
+    /// breaks the rule.
     fn traced(&self, layers: &[Vec<Arrival>], end: Arrival) -> Option<Fitted> {
         let mut elements = Vec::with_capacity(layers.len());
         let mut arrival = end;
@@ -277,7 +284,7 @@ impl Search<'_> {
             let chord = Chord::new(span.from, span.to)?;
             let bulge = match direction {
                 Some(direction) => Some(ending(&chord, direction)),
-                // Any end will do: the middle of what the start allows.
+                // Any direction at the end is valid: the start is put in the middle of its directions.
                 None => self.middle(&span, &chord, before),
             }?;
             if !span.keeps(bulge, &self.rule, &chord, &mut Witnesses::default()) {
@@ -296,7 +303,7 @@ impl Search<'_> {
         Some(Fitted { start: self.nodes[arrival.node].at, elements })
     }
 
-    /// The bulge in the middle of those that go on from an arrival.
+    /// The bulge in the middle of those that continue an arrival.
     fn middle(&self, span: &Span, chord: &Chord, before: Arrival) -> Option<f64> {
         let (_, parts) = self.bulges(span)?;
         let direction = chord.direction();

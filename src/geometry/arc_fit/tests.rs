@@ -30,7 +30,7 @@ fn fitted(flat: &[Vector2<f64>], request: &Fit) -> Fitted {
     fit(Points { flat, heights: &[] }, request, &Budget::unlimited()).unwrap()
 }
 
-/// The angles at which elements meet, radians, with the point each is for.
+/// The angles at which elements meet, radians, each with the index of its point.
 fn kinks(fitted: &Fitted) -> Vec<(usize, f64)> {
     let mut from = fitted.start;
     let mut directions = Vec::new();
@@ -54,7 +54,7 @@ fn points_of_a_circle_are_one_arc_of_its_radius() {
         let points = circle(40.0, from, to, 200);
         let Fitted { start, elements } = fitted(&points, &Fit::within(1e-3));
         assert_eq!((start, elements.len()), (points[0], 1));
-        let Shape::Arc { bulge } = elements[0].shape else { panic!("a line") };
+        let Shape::Arc { bulge } = elements[0].shape else { panic!("a line instead of an arc") };
         let c = center(points[0], points[199], bulge);
         assert!((c - Vector2::new(3.0, -7.0)).norm() < 1e-9, "{c}");
     }
@@ -69,13 +69,13 @@ fn a_closed_circle_is_one_turn_and_an_open_one_is_not() {
         points[60] = points[0];
         let closed = fitted(&points, &Fit { is_closed: true, ..Fit::within(1e-3) });
         let Shape::FullCircle { center, is_ccw: turns_ccw } = closed.elements[0].shape else {
-            panic!("no turn")
+            panic!("not a full circle")
         };
         assert_eq!((closed.elements.len(), turns_ccw), (1, is_ccw));
         assert!((center - Vector2::new(3.0, -7.0)).norm() < 1e-9);
         assert_eq!(fitted(&points, &Fit::within(1e-3)).elements.len(), 2);
     }
-    // Half of it again, or back again, is no turn.
+    // Half a circle there and back is not a full turn.
     let there_and_back: Vec<_> =
         circle(10.0, 0.0, 3.0, 31).into_iter().chain(circle(10.0, 2.9, 0.0, 30)).collect();
     let closed = fitted(&there_and_back, &Fit { is_closed: true, ..Fit::within(1e-3) });
@@ -109,7 +109,7 @@ fn straight_points_are_one_line() {
 }
 
 #[test]
-fn the_count_follows_the_growth_law() {
+fn the_number_of_elements_follows_the_growth_law() {
     // One period of a sine: the integral of (|k'| / (72 sqrt 3 tol))^(1/3) ds, by the midpoint rule.
     let n = 4000;
     let x = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
@@ -129,7 +129,7 @@ fn the_count_follows_the_growth_law() {
 }
 
 #[test]
-fn smooth_chains_have_no_kink_and_hardly_more_elements() {
+fn smooth_chains_have_no_kink_and_few_extra_elements() {
     for (points, tolerance) in
         [(sine(300), 1e-2), (sine(1000), 1e-3), (ellipse(400), 1e-3), (ellipse(600), 1e-4)]
     {
@@ -138,14 +138,15 @@ fn smooth_chains_have_no_kink_and_hardly_more_elements() {
         let smooth = fitted(&points, &Fit { continuity: Continuity::Tangent, ..request });
         let worst = kinks(&smooth).into_iter().map(|(_, kink)| kink).fold(0.0, f64::max);
         assert!(worst < 1e-9, "{worst}");
-        // The goal is one more; where the curvature's change turns round, an element is shorter.
+        // The goal is one extra element. Elements are shorter where the curvature stops growing and starts to
+        // fall.
         assert!(smooth.elements.len() <= count + 1 + count / 10, "{} {count}", smooth.elements.len());
     }
 }
 
 #[test]
 fn real_corners_stay_corners() {
-    // Along x, up, round by a quarter turn of radius 3, and back.
+    // A line along x, a line upward, a quarter turn of radius 3, and a line back.
     let mut points: Vec<_> = (0..100).map(|i| Vector2::new(0.1 * f64::from(i), 0.0)).collect();
     points.extend((0..100).map(|i| Vector2::new(10.0, 0.1 * f64::from(i))));
     points.extend((0..60).map(|i| {
@@ -161,7 +162,7 @@ fn real_corners_stay_corners() {
 }
 
 #[test]
-fn biarcs_pass_every_point_and_never_bend() {
+fn biarcs_pass_through_every_point_without_kinks() {
     let points = ellipse(80);
     let biarcs = fitted(&points, &Fit { method: Method::Biarc, ..Fit::within(1e-3) });
     assert_eq!(biarcs.elements.len(), 2 * 79);
@@ -173,8 +174,8 @@ fn biarcs_pass_every_point_and_never_bend() {
 }
 
 #[test]
-fn stretches_in_other_planes_meet_on_points() {
-    // A quarter turn in each plane, one after the other, and a spiral stair.
+fn arcs_in_different_planes_meet_on_points() {
+    // A quarter turn in each plane, one after the other, and then a helix.
     let angle = |i: u32| std::f64::consts::FRAC_PI_2 * f64::from(i) / 20.0;
     let mut points: Vec<_> =
         (0..=20).map(|i| Point3::new(5.0 * angle(i).cos(), 5.0 * angle(i).sin(), 0.0)).collect();
@@ -188,7 +189,7 @@ fn stretches_in_other_planes_meet_on_points() {
         .iter()
         .map(|piece| match piece.curve {
             Curve::Arc(arc) => (arc.plane(), piece.end),
-            Curve::Line(_) | Curve::Parabola(_) => panic!("no arc"),
+            Curve::Line(_) | Curve::Parabola(_) => panic!("not an arc"),
         })
         .collect();
     assert_eq!(planes, [(Plane::Xy, 20), (Plane::Yz, 40), (Plane::Zx, 60), (Plane::Xy, 80)]);

@@ -213,6 +213,9 @@ pub struct Fitted {
 
 /// Fits elements to at least two points. Each point must differ from the one before it, in the plane or in
 /// height.
+///
+/// # Errors
+/// When the budget runs out.
 pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
     let flat = points.flat;

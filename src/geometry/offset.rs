@@ -1,32 +1,33 @@
-//! The offset of contours of lines and arcs: the places beside them at a given distance from all of them.
+//! The offset of contours of lines and arcs: the places on one side of the contours at a given distance from
+//! all of them.
 //!
 //! # Method
-//! 1. `pieces`: every element of a contour moves aside by the distance, and arcs are laid about convex
-//!    corners. The offset consists of points of these pieces.
-//! 2. `clip`: of each piece the ranges are taken away that lie too near to some element of a contour.
-//!    Clipping cuts concave corners, cusps and global loops alike, and opens the offset where a neck is too
-//!    narrow.
-//! 3. `link`: the ranges that are left are joined to chains; arcs about nearly straight corners are replaced
-//!    by mitres (`mitre`).
-//! 4. Proof: the least distance of each element of the offset from each element of the contours that is in
-//!    reach has a closed form (`distance`). A distance that is too small refuses the offset.
+//! 1. `pieces`: every element of a contour moves aside by the distance, and convex corners get arcs. The
+//!    offset consists of parts of these pieces.
+//! 2. `clip`: each piece loses the ranges that are too near to an element of a contour. This removes concave
+//!    corners, cusps and global loops alike, and opens the offset where a neck is too narrow.
+//! 3. `link`: the remaining ranges are joined to chains. Mitres replace the arcs about nearly straight
+//!    corners (`mitre`).
+//! 4. Proof: the least distance between two elements has a closed form (`distance`). Each element of the
+//!    offset is compared with each element of the contours in reach. If a distance is too small, the offset
+//!    is refused.
 //!
 //! # Guarantees
-//! No point of the offset is nearer to a contour than the distance less `TOO_NEAR_MM`. The chains follow
-//! the direction of their contours and are connected exactly; their elements are parallel to elements of a
-//! contour or about its corners, within 1e-7 mm at their ends. The offset of an open contour does not run
+//! No point of the offset is nearer to a contour than the distance less `TOO_NEAR_MM`. The chains run in the
+//! direction of their contours and are connected exactly. Their elements are parallel to elements of a
+//! contour or run about its corners, within 1e-7 mm at their ends. The offset of an open contour does not run
 //! around its ends.
 //!
 //! # Degenerate input
-//! Elements shorter than 1e-9 mm are stepped over. Arcs with a radius of the distance or less give no piece
-//! on their inner side. Contours may cross themselves and each other: the ranges of one part's offset that
-//! are too near to another part are cut away. Parabolas are refused. Nothing may be left: the offset is then
-//! empty.
+//! Elements shorter than 1e-9 mm are skipped. Arcs whose radius is not above the distance give no piece on
+//! their inner side. Contours may cross themselves and each other: the ranges of one contour's offset that
+//! are too near to another contour are cut away. Parabolas are refused. The offset is empty if nothing is
+//! left.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements, of which k are as near to a piece as its own contour, with half of its
-//! length to spare: the larger the distance, the larger k. 10 to 40 ms for 2,000 elements, 100 ms with a
-//! distance ten times their size.
+//! O(n (log n + k)) for n elements. Here k is the number of elements near one piece: nearer to its middle
+//! than the distance and half of its length. A larger distance makes k larger. 10 to 40 ms for 2,000
+//! elements, 100 ms with a distance ten times the size of the elements.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in
@@ -48,31 +49,31 @@ use clip::Clip;
 use link::OpenRange;
 use tree::Tree;
 
-/// How much nearer to a contour than the distance an offset may come, mm.
+/// How far the distance of an offset from a contour may fall short, mm.
 const TOO_NEAR_MM: f64 = 1e-6;
 
-/// A contour whose ends are as near as this is closed, mm.
+/// A contour is closed if its ends are no farther apart, mm.
 const CLOSED_MM: f64 = 1e-9;
 
-/// The most elements of all contours, and ranges of pieces: what one machine holds with ease.
+/// The largest number of elements of all contours, and of ranges of pieces: what one machine holds with ease.
 const LIMIT: usize = 1_000_000;
 
-/// Units in the last place of the largest coordinate or radius, within which distances are computed.
+/// The rounding of a computed distance, as a part of the largest coordinate or radius.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Joints are found at least this well, mm.
+/// The largest gap between two ranges that are joined, mm, before the allowance for rounding.
 const JOINT_MM: f64 = 1e-6;
 
-/// Samples of an element by which the farthest place is searched, at least, and at most.
+/// The least and the largest number of samples of an element, in the search for the farthest place.
 const SAMPLES: [f64; 2] = [4.0, 256.0];
 
-/// Samples along a length of the offset's distance.
+/// Samples of an element for each offset distance of its length.
 const SAMPLES_A_DISTANCE: f64 = 4.0;
 
-/// Elements between two looks at the budget.
+/// Elements between two checks of the budget.
 const ELEMENTS_BETWEEN_CHECKS: usize = 64;
 
-/// A side of a contour, seen along its direction.
+/// A side of a contour, seen in its direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     Left,
@@ -92,8 +93,8 @@ pub enum OffsetError {
 }
 
 /// The offset of connected chains of lines and arcs, as chains in the direction of the contours. A contour is
-/// closed if it ends where it starts. Where elements of a contour meet almost smoothly, the offset may be
-/// `mitre_mm` farther away.
+/// closed if it ends where it starts. At joints that are almost smooth, the offset may be up to `mitre_mm`
+/// farther away than the distance.
 ///
 /// # Errors
 /// One of [`OffsetError`].
@@ -138,7 +139,7 @@ pub fn offset(
             return Err(OffsetError::TooMany { limit: LIMIT });
         }
     }
-    // Pieces that overlap by less than this are not as deep in each other as the rounding, and are not cut.
+    // Pieces that overlap by less are no deeper in each other than the rounding, so `clip` does not cut them.
     let joint_mm = JOINT_MM + 4.0 * (8.0 * rounding * distance_mm).sqrt();
     let chains = link::chains(&pieces, &ranges, joint_mm, budget)?;
     let mitred: Vec<_> = chains.iter().map(|chain| mitre::mitred(chain, distance_mm, mitre_mm)).collect();
@@ -153,8 +154,9 @@ pub fn offset(
     }
 }
 
-/// How far the points of a contour are from its offset at most, beyond the offset's distance, at samples, mm:
-/// what a disc of that radius does not reach.
+/// The largest distance of points of a contour from its offset, beyond the offset's distance, mm. The points
+/// are samples. A disc with the distance as radius, whose centre follows the offset, leaves this much of the
+/// contour unreached.
 ///
 /// # Errors
 /// When the budget ends.
@@ -166,8 +168,8 @@ pub fn unreached(
 ) -> Result<f64, Stopped> {
     let offset = Tree::new(offset.iter().flatten().copied().collect());
     let mut farthest: f64 = 0.0;
-    // From one sample to the next the distance changes by no more than the samples are apart: a bound to
-    // start from.
+    // From one sample to the next, the distance grows by no more than the gap between them: this bounds the
+    // next search.
     let mut before: Option<(Point2<f64>, f64)> = None;
     for (k, element) in without_specks(contour).iter().enumerate() {
         if k % ELEMENTS_BETWEEN_CHECKS == 0 {
@@ -186,7 +188,8 @@ pub fn unreached(
     Ok(farthest)
 }
 
-/// The contour without elements that are too short to have a direction: the next one starts where they did.
+/// The contour without elements that are too short to have a direction. The next element starts where the
+/// skipped one did.
 fn without_specks(contour: &[Element]) -> Vec<Element> {
     let mut kept: Vec<Element> = Vec::with_capacity(contour.len());
     for element in contour {

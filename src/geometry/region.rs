@@ -1,34 +1,34 @@
-//! Regions of the plane with outlines of lines and arcs, and islands in them: areas, what is inside, unions,
-//! offsets.
+//! Regions of the plane with outlines of lines and arcs, and with islands: area, containment, union, offset.
 //!
 //! # Method
 //! 1. [`Outline::new`] checks a loop: closed, of finite numbers, and not crossing itself.
-//! 2. Loops are cut at each other into edges (`arrangement`). How often the loops wind about either side of
-//!    an edge (`winding`) tells whether the region is there; edges with the region on one side only are its
-//!    boundary (`trace`). Unions, intersections and differences are different rules for the same windings.
-//! 3. An offset of a region is the [`offset`](crate::geometry::offset) of all its outlines together. Its
-//!    chains go through step 2, which restores what is an island of what, and drops necks that are exactly as
+//! 2. Loops are cut at each other into edges (`arrangement`). The windings of the loops about the two sides
+//!    of an edge (`winding`) tell on which sides the region is. Edges with the region on one side only are
+//!    its boundary (`trace`). Unions, intersections and differences are different rules for the same
+//!    windings.
+//! 3. The offset of a region is the [`offset`](crate::geometry::offset) of all its outlines together. Its
+//!    chains go through step 2 again. That step finds the outline of each island, and drops necks exactly as
 //!    wide as twice the distance.
 //!
 //! # Guarantees
 //! Outer outlines run counterclockwise and islands clockwise: the region is on the left. Outlines of one
-//! region do not cross, and meet in single points at most. Boundaries lie within a few times 1e-6 mm of the
-//! boundaries they come from. Lines stay lines and arcs stay arcs. Offsets keep the proof of the offset
-//! module but for that snap.
+//! region do not cross, and meet at most in single points. A boundary lies within a few times 1e-6 mm of the
+//! boundaries that it comes from. Lines stay lines and arcs stay arcs. Offsets keep the proof of the offset
+//! module, except for this snap.
 //!
 //! # Degenerate input
-//! Places within 1e-6 mm of each other are one place: shared edges, coincident arcs, touching corners and
-//! tangent arcs are met there. Regions narrower than that are dropped. An empty region is a region.
+//! Places within 1e-6 mm of each other count as one place: shared edges, coincident arcs, touching corners
+//! and tangent arcs meet there. Regions narrower than that are dropped. An empty region is valid.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet, and O(log n + r) for each place
-//! where outlines meet, with r boxes on a ray. `benches/regions.rs` measures times over growing sizes.
+//! O(n log n + k) for n elements with k pairs of elements whose boxes meet. Each place where outlines meet
+//! adds O(log n + r), with r boxes on a ray. `benches/regions.rs` measures times over growing sizes.
 //!
 //! # Reference
-//! W. Randolph Franklin's rule that an edge holds its lower end and not its upper one, for places in
-//! polygons; windings of both sides of an edge as in A. Margalit, G. D. Knott, *An algorithm for computing
-//! the union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here for arcs as
-//! well, with vertices snapped.
+//! W. Randolph Franklin's rule for places in polygons: an edge contains its lower end, but not its upper end.
+//! The windings of both sides of an edge are as in A. Margalit, G. D. Knott, *An algorithm for computing the
+//! union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here the method also
+//! covers arcs, and snaps vertices.
 
 mod arrangement;
 mod contacts;
@@ -46,8 +46,8 @@ use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
 pub use outline::{Outline, OutlineError};
 use trace::Wedge;
 
-/// Where edges are as near as the snap for a long way, rounding may tell their sides apart wrongly. The sides
-/// then do not fit, and the snap is made coarser by this factor, up to the largest snap, mm.
+/// Where edges stay as near as the snap for a long way, rounding may put their sides the wrong way round, and
+/// the boundary does not close. The snap is then multiplied by `COARSER`, up to `LARGEST_SNAP_MM`, mm.
 const COARSER: f64 = 4.0;
 const LARGEST_SNAP_MM: f64 = 16.0 * SNAP_MM;
 
@@ -64,11 +64,11 @@ pub struct Face {
 #[derive(Debug, Clone)]
 pub struct Region {
     faces: Vec<Face>,
-    /// The boundary, of elements along which y only rises or only falls.
+    /// The boundary, as elements along which y only rises or only falls.
     boundary: Tree,
 }
 
-/// Where a place is.
+/// Where a place lies relative to a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     Inside,
@@ -91,8 +91,8 @@ pub enum RegionError {
 }
 
 impl Region {
-    /// The region within any of the outlines and within no island. Outlines may overlap, touch and hold each
-    /// other, and so may islands.
+    /// The region inside any of the outlines and outside all islands. Outlines may overlap, touch and contain
+    /// each other, and so may islands.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -101,7 +101,7 @@ impl Region {
         Self::of(loops, |[outlines, islands]| outlines > 0 && islands <= 0, budget)
     }
 
-    /// The region within an odd number of the outlines: an outline within an island is land again.
+    /// The region inside an odd number of the outlines: an outline within an island is filled again.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -109,7 +109,7 @@ impl Region {
         Self::of(loops(outlines, 0).collect(), |[winding, _]| winding % 2 != 0, budget)
     }
 
-    /// What is in any of the regions.
+    /// The places that are in any of the regions.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -118,7 +118,7 @@ impl Region {
         Self::of(loops, |[winding, _]| winding > 0, budget)
     }
 
-    /// What is in both regions.
+    /// The places that are in both regions.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -127,7 +127,7 @@ impl Region {
         Self::of(loops, |[one, other]| one > 0 && other > 0, budget)
     }
 
-    /// What is in this region and not in the other.
+    /// The places that are in this region and not in the other.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -136,7 +136,7 @@ impl Region {
         Self::of(loops, |[one, other]| one > 0 && other <= 0, budget)
     }
 
-    /// The places of the region that are at least `distance_mm` from its boundary; there may be none.
+    /// The places of the region that are at least `distance_mm` from its boundary. The result may be empty.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -165,18 +165,18 @@ impl Region {
         self.faces.iter().flat_map(|face| [&face.outer].into_iter().chain(&face.islands))
     }
 
-    /// mm².
+    /// The area, mm².
     pub fn area(&self) -> f64 {
         self.outlines().map(Outline::area).sum()
     }
 
-    /// The lowest and the highest coordinates, mm; `None` of an empty region.
+    /// The lowest and the highest coordinates, mm; `None` for an empty region.
     pub fn bounding_box(&self) -> Option<[Point2<f64>; 2]> {
         let boxes = self.faces.iter().map(|face| face.outer.bounding_box());
         boxes.reduce(|[low, high], [a, b]| [low.inf(&a), high.sup(&b)])
     }
 
-    /// Where `p` is; on the boundary if it is nearer to it than `tolerance_mm`.
+    /// Where `p` lies; on the boundary if it is nearer to the boundary than `tolerance_mm`.
     pub fn place(&self, p: Point2<f64>, tolerance_mm: f64) -> Place {
         if self.boundary.nearest(p, tolerance_mm) < tolerance_mm {
             return Place::OnBoundary;
@@ -186,7 +186,7 @@ impl Region {
         if winding > 0 { Place::Inside } else { Place::Outside }
     }
 
-    /// How far `p` is from the boundary, mm: infinitely far from that of an empty region.
+    /// The distance of `p` from the boundary, mm; infinite for an empty region.
     pub fn distance_to_boundary(&self, p: Point2<f64>) -> f64 {
         self.boundary.nearest(p, f64::INFINITY)
     }

@@ -33,6 +33,9 @@ pub enum FitError {
 }
 
 /// Fits curves to points. All arcs lie in `plane` if one is given. Neighbours that coincide count once.
+///
+/// # Errors
+/// When there are no two different points, or the budget runs out.
 pub fn fit_in_space(
     points: &[Point3<f64>],
     plane: Option<Plane>,

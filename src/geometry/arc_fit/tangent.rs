@@ -33,8 +33,8 @@ use crate::budget::{Budget, Stopped};
 /// Nodes on points, for each element of the guiding chain, which need not be smooth.
 const NODES_AN_ELEMENT: usize = 40;
 
-/// On each side of a joint of the guiding chain all points are nodes, over this many of the distances between
-/// other nodes.
+/// On each side of a joint of the guiding chain all points are nodes, over this many steps between the other
+/// nodes.
 const ABOUT_JOINTS: usize = 3;
 
 /// Nodes that each step continues from, the farthest first.

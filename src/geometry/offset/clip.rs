@@ -1,20 +1,22 @@
-//! The ranges of a piece that are not too near to any contour.
+//! Clipping: the ranges of a piece that are not too near to any contour.
 //!
 //! # Method
-//! Along a piece the distance to an element of the contour passes through the offset's distance only where
-//! the piece crosses a line, or circle, beside the element, or a circle about one of its ends. These places
-//! and those where it is nearest to one of them, or farthest, divide it. In between one look decides: the two
-//! distances are equal nowhere. What any element forbids is taken away.
+//! Take one element of the contour. Along a piece, the distance to this element passes through the offset's
+//! distance only where the piece crosses a line or circle beside the element, or a circle about one of its
+//! ends. These crossings divide the piece; so do the places where the piece is nearest to such a curve or
+//! farthest from it. Between two neighbouring divisions the two distances are equal nowhere, so one sample in
+//! the middle decides. A range is removed if any element forbids it.
 //!
 //! # Guarantees
-//! The ranges that are left come too near by no more than about the rounding that is allowed.
+//! The ranges that are left are too near by no more than about the rounding allowed.
 //!
 //! # Degenerate input
-//! Where a piece touches such a circle, the two crossings are ill-conditioned; what lies between them is as
-//! deep as the rounding and stays.
+//! Where a piece touches one of these circles, the two crossings are ill-conditioned. The range between them
+//! is too near by no more than the rounding, and stays.
 //!
 //! # Cost
-//! A piece meets the elements that are nearer to its middle than the distance and half of its own length.
+//! A piece is compared with the elements that are nearer to its middle than the distance and half of its
+//! length.
 
 use nalgebra::{Point2, Vector2};
 
@@ -23,14 +25,14 @@ use super::pieces::{self, Piece, SHORTEST_MM};
 use super::tree::Tree;
 use crate::geometry::element::{Element, PlaneArc};
 
-/// Cuts pieces one after the other, with room that is used again.
+/// Clips pieces one after the other, with buffers that are used again.
 pub(super) struct Clip<'a> {
     pub contour: &'a Tree,
     /// The offset's distance, mm.
     pub distance: f64,
-    /// Ranges that come too near by less than this are left alone, mm.
+    /// Ranges that are too near by less than this are kept, mm.
     pub rounding: f64,
-    /// The element that forbade all of a piece last: it is likely to do so again.
+    /// The element that last forbade a whole piece: it is likely to forbid the next piece too.
     blocker: usize,
     blocked: Vec<[f64; 2]>,
     crossings: Vec<f64>,
@@ -41,7 +43,7 @@ impl<'a> Clip<'a> {
         Self { contour, distance, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
     }
 
-    /// Appends the ranges of the piece that are left, in their order.
+    /// Appends the ranges of the piece that are left, in their order. Ranges run from 0 to 1 along the piece.
     pub(super) fn open(&mut self, piece: &Piece, open: &mut Vec<[f64; 2]>) {
         let (middle, reach) = pieces::disc(&piece.element);
         let blocking = self.distance - reach - self.rounding;
@@ -84,7 +86,7 @@ impl<'a> Clip<'a> {
     }
 }
 
-/// Appends where the piece may come nearer to the element than the distance, or leave its neighbourhood.
+/// Appends the places along the piece where its distance to the element may pass through `distance`.
 fn cross(piece: &Element, element: &Element, distance: f64, found: &mut Vec<f64>) {
     match element {
         Element::Arc(arc) => {
@@ -140,7 +142,7 @@ fn cross_circle(piece: &Element, center: Point2<f64>, radius: f64, found: &mut V
     }
 }
 
-/// Where on the arc's way a spoke of its circle is, if it is on the arc.
+/// The fraction of the arc at which its circle meets the spoke; `None` if that is not on the arc.
 fn place_on(arc: &PlaneArc, spoke: Vector2<f64>) -> Option<f64> {
     let start = arc.start - arc.center;
     let angle = arc.turn.signum() * start.perp(&spoke).atan2(start.dot(&spoke));

@@ -1,16 +1,16 @@
-//! Distances of lines and arcs, in closed form.
+//! Distances between lines and arcs, in closed form.
 //!
 //! # Method
-//! The place of the least distance between two elements is an end of one of them, a place where they cross,
-//! or lies on the normal that both have in common: every such place on either element is measured from the
-//! other. Each figure is the distance of some point, so that a place too many does no harm.
+//! The least distance between two elements is at an end of one of them, at a crossing, or on a normal that
+//! both have in common. The distance to the other element is computed at every such place. Each figure is the
+//! distance of some point of an element, so an extra place does no harm.
 //!
 //! # Guarantees
-//! Right to rounding, some 1e-15 of the largest coordinate or radius.
+//! Correct to rounding, some 1e-15 of the largest coordinate or radius.
 //!
 //! # Degenerate input
-//! Elements without length are points. Concentric arcs have normals in common wherever they face each other;
-//! the least distance is then found from their ends.
+//! Elements without length are points. Concentric arcs have common normals wherever they face each other; the
+//! least distance is then found at their ends.
 //!
 //! # Cost
 //! O(1), without trigonometric functions.
@@ -19,7 +19,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::geometry::element::{Element, PlaneArc};
 
-/// Turned to the left by a quarter.
+/// The vector turned to the left by a quarter turn.
 pub(in crate::geometry) fn left(v: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-v.y, v.x)
 }
@@ -36,7 +36,7 @@ pub(in crate::geometry) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
     }
 }
 
-/// From a point to a line or an arc, mm.
+/// The distance from a point to a line or an arc, mm.
 pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
     match element {
         Element::Arc(arc) => {
@@ -56,7 +56,7 @@ pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
     }
 }
 
-/// The least distance between two elements with the place on the first of them, mm.
+/// The least distance between two elements, mm, with the place on the first element.
 pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
     let mut least = (f64::INFINITY, first.start());
     let mut see = |distance: f64, at: Point2<f64>| {
@@ -70,7 +70,7 @@ pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
     for p in [first.start(), first.end()] {
         see(to_point(second, p), p);
     }
-    // Places on the carrier of the first element that are not on the element itself do not count.
+    // Places on the line or circle of the first element that are not on the element itself do not count.
     let mut see_on_carrier = |p: Point2<f64>| {
         let is_on = match first {
             Element::Arc(arc) => covers(arc, p - arc.center),
@@ -101,7 +101,8 @@ pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
             let length = along.norm();
             if length > 0.0 {
                 let along = along / length;
-                // Of the feet on the arc the one that faces the line is the nearer; the other does no harm.
+                // Of the two feet on the arc, the one that faces the line is nearer; the other one does no
+                // harm.
                 see_on_carrier(arc.center + left(along) * arc.radius);
                 see_on_carrier(arc.center - left(along) * arc.radius);
                 for spoke in circle_meets(arc.radius, line.start() - arc.center, along).into_iter().flatten()
@@ -133,7 +134,8 @@ pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
     least
 }
 
-/// Where a circle about the origin meets the line through `from` along a unit vector.
+/// The two places where a circle about the origin meets the line through `from` along a unit vector; `None`
+/// if it does not.
 pub(in crate::geometry) fn circle_meets(
     radius: f64,
     from: Vector2<f64>,
@@ -145,7 +147,8 @@ pub(in crate::geometry) fn circle_meets(
     (square >= 0.0).then(|| [foot - along * square.sqrt(), foot + along * square.sqrt()])
 }
 
-/// Where a circle about the origin meets another that is `apart` from it.
+/// The two places where a circle about the origin meets a circle of radius `other` with its centre at
+/// `apart`; `None` if it does not.
 pub(in crate::geometry) fn circles_meet(
     radius: f64,
     apart: Vector2<f64>,
@@ -155,7 +158,7 @@ pub(in crate::geometry) fn circles_meet(
     let toward = apart / distance;
     let along = 0.5 * (distance + (radius - other) * (radius + other) / distance);
     let square = (radius - along) * (radius + along);
-    // Not a number where the circles are concentric.
+    // NaN if the circles are concentric.
     (square >= 0.0).then(|| {
         [toward * along - left(toward) * square.sqrt(), toward * along + left(toward) * square.sqrt()]
     })

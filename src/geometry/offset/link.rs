@@ -1,16 +1,16 @@
-//! Chains of what is left of the pieces.
+//! Joins the ranges of pieces that are left to chains.
 //!
 //! # Method
-//! Where two pieces are cut by each other, each is cut at the same place to rounding: ends are joined to
-//! starts, the nearest pairs first, of equally near ones those whose pieces follow each other soonest.
+//! Where two pieces clip each other, both end at the same place to rounding. Ends are joined to starts, the
+//! nearest pairs first. Among equally near pairs, the pieces that follow each other soonest come first.
 //!
 //! # Guarantees
-//! Chains are connected exactly. A joint lies off the lines and circles of its pieces by at most
-//! [`BESIDE_MM`]. The chains and their elements are in the contour's order; a closed chain starts at its
-//! first piece.
+//! Chains are connected exactly. A joint is off the lines and circles of its pieces by at most [`BESIDE_MM`].
+//! The chains and their elements are in the contour's order. A closed chain starts at its first piece.
 //!
 //! # Degenerate input
-//! Pieces that meet under a tiny angle are cut at places that differ along them; their joint lies between.
+//! Pieces that meet at a tiny angle may end at places that differ along them; their joint lies between these
+//! places.
 //!
 //! # Cost
 //! O(n log n) for n ranges, unless many ends are nearer to each other than the rounding of joints.
@@ -21,23 +21,24 @@ use super::pieces::{self, Piece};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::{Element, PlaneArc};
 
-/// How far a joint may lie beside its pieces, mm: a tenth of what an offset may come too near.
+/// The largest distance of a joint from the lines and circles of its pieces, mm: a tenth of the distance by
+/// which an offset may be too near.
 const BESIDE_MM: f64 = 1e-7;
 
-/// Pairs of which the distances differ by less are equally near, mm.
+/// Pairs count as equally near if their distances differ by less, mm.
 const EQUALLY_NEAR_MM: f64 = 1e-9;
 
-/// Of arcs with ends nearer to each other rounding decides whether they are short or nearly full turns, mm;
-/// they become lines.
+/// Arcs whose ends are nearer to each other become lines, mm: rounding would decide whether such an arc is
+/// short or nearly a full turn.
 const SHORTEST_ARC_MM: f64 = 2e-6;
 
-/// So that no arc nearly closes, those that turn more are divided, radians.
+/// Arcs that turn more are divided, radians, so that no arc is nearly a full circle.
 const LARGEST_TURN: f64 = 1.5 * std::f64::consts::PI;
 
-/// Ranges between two looks at the budget.
+/// Ranges between two checks of the budget.
 const RANGES_BETWEEN_CHECKS: usize = 256;
 
-/// A range of a piece that is left.
+/// A range of a piece that is left after clipping.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OpenRange {
     /// The index of the piece.
@@ -45,8 +46,8 @@ pub(super) struct OpenRange {
     pub range: [f64; 2],
 }
 
-/// Joins the ranges to chains. Ends farther than `joint_mm` from each other are not joined, and shorter
-/// chains are left out.
+/// Joins the ranges to chains. Ends farther than `joint_mm` from each other are not joined. Chains no longer
+/// than `joint_mm` are left out.
 ///
 /// # Errors
 /// When the budget ends.
@@ -63,7 +64,8 @@ pub(super) fn chains(
     }
     let mut is_used = vec![false; ranges.len()];
     let mut chains = Vec::new();
-    // Open chains start where nothing comes before; every range that is left then is of a closed one.
+    // Open chains start at ranges without a range before them. All ranges left after that belong to closed
+    // chains.
     let starts = (0..ranges.len()).filter(|k| !is_followed[*k]).chain(0..ranges.len());
     for first in starts {
         let mut sequence = Vec::new();
@@ -82,7 +84,7 @@ pub(super) fn chains(
     Ok(chains.into_iter().map(|(_, chain)| chain).collect())
 }
 
-/// For each range the one that continues it.
+/// For each range the range that continues it.
 fn followers(
     pieces: &[Piece],
     ranges: &[OpenRange],
@@ -135,7 +137,7 @@ fn chain(pieces: &[Piece], ranges: &[OpenRange], sequence: &[usize], is_closed: 
     let mut start = begin;
     for (k, range) in sequence.iter().map(|k| &ranges[*k]).enumerate() {
         let end = if k == last { finish } else { joint(k, k + 1) };
-        // What is too short is stepped over: the next element starts where it would have.
+        // A range that is too short is skipped: the next element starts where the skipped one would have.
         if let Some(turn) = pieces::turn_between(&pieces[range.piece].element, range.range, [start, end]) {
             ways.push(Way { start, end, turn });
             start = end;
@@ -151,7 +153,7 @@ fn chain(pieces: &[Piece], ranges: &[OpenRange], sequence: &[usize], is_closed: 
     chain
 }
 
-/// An element that is to be, by its ends and the angle that it turns, radians.
+/// An element to be made, by its ends and the angle that it turns, radians.
 struct Way {
     start: Point2<f64>,
     end: Point2<f64>,
@@ -159,7 +161,8 @@ struct Way {
 }
 
 impl Way {
-    /// Arcs are made of their ends: these then lie on their circles to rounding, wherever the joints are.
+    /// Appends the element. Arcs are made from their ends, so that the ends lie on the circle to rounding,
+    /// wherever the joints are.
     fn append_to(&self, chain: &mut Vec<Element>) {
         let Self { start, end, turn } = *self;
         let bulge = -(turn / 4.0).tan();

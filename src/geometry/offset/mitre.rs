@@ -1,14 +1,14 @@
-//! Corners that are hardly any, mitred: the arc about them would be a crumb of a move.
+//! Mitres at corners that are nearly straight: an arc about such a corner would be a move of a few
+//! micrometres.
 //!
 //! # Method
-//! Where elements of the contour meet under a small angle, the offset has an arc about their joint, a few
-//! micrometres long. The elements before and after it are lengthened instead until they meet. At an angle a
-//! the place where they do lies d (1 / cos(a / 2) - 1) farther from the joint than the distance d: away from
-//! the contour, and by less than rounding.
+//! Where elements of the contour meet at a small angle a, the offset has a short arc about their joint. The
+//! elements before and after this arc are lengthened instead until they meet. They meet d (1 / cos(a / 2) -
+//! 1) farther from the joint than the distance d: a little away from the contour.
 //!
 //! # Guarantees
-//! Chains stay connected exactly; elements stay on their lines and circles, within 1e-9 mm. No mitre comes
-//! too near to another part of a contour: the proof covers mitres like everything else.
+//! Chains stay connected exactly. Elements stay on their lines and circles, within 1e-9 mm. No mitre comes
+//! too near to another part of a contour: the proof of the offset covers mitres too.
 
 use nalgebra::{Point2, Vector2};
 
@@ -16,14 +16,14 @@ use super::distance::left;
 use super::pieces;
 use crate::geometry::element::{Element, PlaneArc};
 
-/// Steps of Newton's method to where two elements meet: each doubles the digits.
+/// Steps of Newton's method to the place where two elements meet. Each step doubles the digits.
 const STEPS: usize = 4;
 
-/// What meets does so to this, mm.
+/// Elements meet if the place found is within this distance of both, mm.
 const MEETS_MM: f64 = 1e-9;
 
-/// The chain with those arcs of radius `distance` mitred that this takes no farther than `most` mm from the
-/// contour.
+/// The chain with mitres for arcs of radius `distance` mm, where the mitre is at most `most` mm farther from
+/// the contour.
 pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element> {
     let mut kept: Vec<Element> = Vec::with_capacity(chain.len());
     let mut k = 0;
@@ -46,7 +46,8 @@ pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element
     kept
 }
 
-/// The elements before and after a corner up to where they meet.
+/// The elements before and after a corner, up to the place where they meet; `None` if the corner keeps its
+/// arc.
 fn mitre(
     before: &Element,
     corner: &PlaneArc,
@@ -67,14 +68,14 @@ fn mitre(
         place = p + along * ((q - p).perp(&across) / along.perp(&across));
     }
     let meets = [before, after].iter().all(|element| pieces::from_carrier(element, place) <= MEETS_MM);
-    // Written so that NaN is no meeting place.
+    // Written so that NaN counts as not meeting.
     if !(meets && (place - first).norm() <= corner.radius * half) {
         return None;
     }
     Some([lengthened(before, [before.start(), place])?, lengthened(after, [place, after.end()])?])
 }
 
-/// The nearest place of the line or circle that an element is a part of, and the direction there.
+/// The place nearest to `p` on the line or circle that an element is a part of, and the direction there.
 fn foot(element: &Element, p: Point2<f64>) -> (Point2<f64>, Vector2<f64>) {
     match element {
         Element::Arc(arc) => {
@@ -88,7 +89,7 @@ fn foot(element: &Element, p: Point2<f64>) -> (Point2<f64>, Vector2<f64>) {
     }
 }
 
-/// An element between other ends on its line or circle, a little farther apart than its own.
+/// The element on the same line or circle between new ends, which are a little farther apart than its own.
 fn lengthened(element: &Element, [start, end]: [Point2<f64>; 2]) -> Option<Element> {
     let Element::Arc(arc) = element else { return Some(Element::Line { start, end }) };
     let angle = |from: Point2<f64>, to: Point2<f64>| {

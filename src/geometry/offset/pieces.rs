@@ -1,43 +1,47 @@
-//! The pieces that the offset can be made of: the elements of the contour moved aside, and arcs about its
+//! The pieces of an offset before clipping: the elements of the contour moved aside, and arcs about its
 //! convex corners.
 //!
 //! # Method
-//! Lines move in parallel, arcs keep their centres; those that would get no radius vanish. The point of the
-//! offset that is nearest to a corner lies on the circle about it, between the normals of the two elements.
+//! Lines move in parallel. Arcs keep their centres; an arc whose radius would not stay above zero gives no
+//! piece. The part of the offset that belongs to a corner lies on the circle about the corner, between the
+//! normals of the two elements.
 //!
 //! # Guarantees
-//! Every point beside the contour at exactly the distance from it, seen from its nearest point on the side,
-//! lies on a piece.
+//! Take any place on the chosen side whose distance from the contour is exactly the offset's distance. That
+//! place lies on a piece.
 //!
 //! # Degenerate input
-//! A contour that turns back on itself is rounded on both sides if it is straight there, else on the side of
-//! the cusp.
+//! If a contour turns back on itself along a straight line, it is rounded on both sides. If it is curved
+//! there, it is rounded on the side of the cusp.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
 use super::distance::left;
 use crate::geometry::element::{Element, PlaneArc};
 
-/// Shorter pieces are left out, mm.
+/// The shortest length of a piece, mm; shorter pieces are left out.
 pub(super) const SHORTEST_MM: f64 = 1e-9;
 
-/// Straight elements with a turn this near to a half turn may turn to either side, radians.
+/// Two lines whose turn is this near to a half turn count as turning back, radians: the turn may go to either
+/// side.
 const TURNED_BACK: f64 = 1e-9;
 
-/// Of bent elements with a turn this near to a half turn the bends tell the side, radians: tangents where
-/// elements touch are known to about 1e-8, and ten times more where an arc is short.
+/// Two elements, at least one an arc, whose turn is this near to a half turn count as turning back, radians.
+/// Their curvature then tells the side. Tangents where elements touch are known to about 1e-8, and ten times
+/// worse if an arc is short.
 const TURNED_BACK_BENT: f64 = 1e-6;
 
 /// A piece of the offset before anything is cut away.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub element: Element,
-    /// The element of all contours that the piece runs beside; `None` about a corner.
+    /// The index of the contour element that the piece runs beside, counted over all contours; `None` for an
+    /// arc about a corner.
     pub beside: Option<usize>,
 }
 
-/// Appends the pieces of a contour in its order, `distance` to its left, or to its right if negative. Its
-/// elements follow `before` elements of other contours.
+/// Appends the pieces of a contour, in its order, at the distance `distance` mm to its left, or to its right
+/// if negative. `before` elements of other contours come before its elements.
 pub(super) fn append(
     contour: &[Element],
     before: usize,
@@ -76,12 +80,13 @@ fn beside(element: &Element, distance: f64) -> Option<Element> {
     }
 }
 
-/// The arc about the corner between two elements, if it is convex.
+/// The arc about the corner between two elements; `None` if the corner is not convex on this side.
 fn about(before: &Element, after: &Element, distance: f64) -> Option<Element> {
     let corner = before.end();
     let tangents = [tangent(before, true), tangent(after, false)];
     let mut turn = tangents[0].perp(&tangents[1]).atan2(tangents[0].dot(&tangents[1]));
-    // The way back lies on the side to which both bend; without a bend the corner is rounded on both sides.
+    // A contour that turns back does so on the side to which its elements curve. Without curvature the corner
+    // is rounded on both sides.
     let bend = curvature(before) + curvature(after);
     let from_back = std::f64::consts::PI - turn.abs();
     if bend != 0.0 && from_back < TURNED_BACK_BENT {
@@ -94,12 +99,12 @@ fn about(before: &Element, after: &Element, distance: f64) -> Option<Element> {
         .then(|| Element::Arc(PlaneArc { start, end, center: corner, radius: distance.abs(), turn }))
 }
 
-/// Signed: positive where the element turns to the left, 1/mm.
+/// The signed curvature, 1/mm: positive if the element turns to the left.
 fn curvature(element: &Element) -> f64 {
     if let Element::Arc(arc) = element { arc.curvature() } else { 0.0 }
 }
 
-/// The unit tangent at the start or the end.
+/// The unit tangent at the start or the end of an element.
 fn tangent(element: &Element, is_at_end: bool) -> Vector2<f64> {
     let along = match element {
         Element::Arc(arc) => {
@@ -111,7 +116,7 @@ fn tangent(element: &Element, is_at_end: bool) -> Vector2<f64> {
     along.try_normalize(0.0).unwrap_or_else(Vector2::x)
 }
 
-/// Length of a line or an arc, mm.
+/// The length of a line or an arc, mm.
 pub(in crate::geometry) fn length(element: &Element) -> f64 {
     match element {
         Element::Arc(arc) => arc.radius * arc.turn.abs(),
@@ -119,7 +124,7 @@ pub(in crate::geometry) fn length(element: &Element) -> f64 {
     }
 }
 
-/// The place at `t`, from 0 at the start to 1 at the end.
+/// The place at the fraction `t` of the length.
 pub(in crate::geometry) fn at(element: &Element, t: f64) -> Point2<f64> {
     match element {
         _ if t <= 0.0 => element.start(),
@@ -135,7 +140,7 @@ pub(super) fn disc(element: &Element) -> (Point2<f64>, f64) {
     (middle, (middle - element.start()).norm().max((middle - element.end()).norm()))
 }
 
-/// How far a place is from the line or circle that the element is a part of, mm.
+/// The distance of a place from the line or circle that the element is a part of, mm.
 pub(super) fn from_carrier(element: &Element, p: Point2<f64>) -> f64 {
     match element {
         Element::Arc(arc) => ((p - arc.center).norm() - arc.radius).abs(),
@@ -143,8 +148,8 @@ pub(super) fn from_carrier(element: &Element, p: Point2<f64>) -> f64 {
     }
 }
 
-/// The angle turned, radians, from one place beside the element to another, near `from` and `to` of its way;
-/// `None` where that is too short or turns back.
+/// The angle in radians that the element turns from `start` to `end`, two places beside it near the fractions
+/// `from` and `to` of its length; 0 for a line. `None` if this part is too short or runs backwards.
 pub(super) fn turn_between(
     element: &Element,
     [from, to]: [f64; 2],

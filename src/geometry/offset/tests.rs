@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// An offset with what is not reached from it.
+/// An offset, and how much of the contour it leaves unreached.
 #[derive(Debug)]
 struct Found {
     chains: Vec<Vec<Element>>,
@@ -14,7 +14,8 @@ struct Found {
 
 const R: f64 = 2.0;
 
-/// A polygonal chain whose parts bulge: positive to the right of the chord, so that they turn to the left.
+/// A chain of lines and arcs through points. A positive bulge puts the arc to the right of its chord, so that
+/// it turns to the left.
 fn contour(points: &[(f64, f64)], bulges: &[f64]) -> Vec<Element> {
     let at = |k: usize| Point2::new(points[k].0, points[k].1);
     let element = |k: usize| {
@@ -29,7 +30,7 @@ fn lines(points: &[(f64, f64)]) -> Vec<Element> {
     contour(points, &[])
 }
 
-/// A circle of two halves, to the left.
+/// A counterclockwise circle of two half circles.
 fn circle(radius: f64) -> Vec<Element> {
     contour(&[(radius, 0.0), (-radius, 0.0), (radius, 0.0)], &[1.0, 1.0])
 }
@@ -66,8 +67,8 @@ fn turned(chain: &[Element], degrees: f64) -> Vec<Element> {
     chain.iter().map(|element| mapped(element, |p| motion * p, 1.0)).collect()
 }
 
-/// Elements that meet under a hundredth of a radian. Without a mitre the offset has an arc about each joint.
-/// With a mitre there is no arc; the offset is connected, and leaves its distance by the mitre at most.
+/// Elements that meet at a hundredth of a radian. Without mitres the offset has an arc about each joint. With
+/// mitres it has no such arc, is connected, and leaves its distance by at most the mitre.
 #[test]
 fn small_angles_are_mitred_and_large_ones_rounded() {
     let arc_and_lines =
@@ -104,7 +105,7 @@ fn length(chain: &[Element]) -> f64 {
     chain.iter().map(pieces::length).sum()
 }
 
-/// The offset, after it has been sampled: connected, nowhere too near, and with every point beside the
+/// The offset, after checks by samples: it is connected, nowhere too near, and misses no place beside the
 /// contour that is far enough from it.
 fn run(contour: &[Element], side: Side, radius: f64) -> Found {
     let chains = offset(&[contour], side, radius, 0.0, &Budget::unlimited()).unwrap();
@@ -120,7 +121,7 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Found {
         for k in 0..=20 {
             let p = pieces::at(element, f64::from(k) / 20.0);
             let apart = to_chain(contour, p);
-            assert!((apart - radius).abs() < 1.1e-6, "{p} is {apart} from the contour");
+            assert!((apart - radius).abs() < 1.1e-6, "{p} is {apart} mm from the contour");
         }
         if let Element::Arc(arc) = element {
             assert!(((arc.end - arc.center).norm() - arc.radius).abs() < 1e-9);
@@ -142,7 +143,7 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Found {
     found
 }
 
-/// As `run`, and the same again for the contour moved, mirrored and run backwards.
+/// As `run`, and again for the contour reversed, mirrored, and turned: all give the same offset.
 fn run_all_ways(contour: &[Element], side: Side, radius: f64) -> Found {
     let found = run(contour, side, radius);
     let total = |found: &Found| found.chains.iter().map(|chain| length(chain)).sum::<f64>();
@@ -199,7 +200,7 @@ fn a_convex_corner_is_rounded() {
 }
 
 #[test]
-fn a_concave_corner_is_cut() {
+fn a_concave_corner_is_cut_off() {
     let found = run_all_ways(&lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 7.0)]), Side::Left, R);
     let chain = one(&found);
     assert_eq!(chain.len(), 2);
@@ -210,14 +211,14 @@ fn a_concave_corner_is_cut() {
 }
 
 #[test]
-fn a_circle_from_outside_and_from_inside() {
+fn a_circle_has_concentric_circles_as_offsets() {
     let found = run_all_ways(&circle(5.0), Side::Right, R);
     assert_near(length(one(&found)), TAU * (5.0 + R));
     assert_at(found.chains[0][0].start(), 5.0 + R, 0.0);
     let found = run_all_ways(&circle(5.0), Side::Left, R);
     assert_near(length(one(&found)), TAU * (5.0 - R));
     assert_eq!(one(&found)[0].start(), one(&found)[1].end());
-    // The distance may be far larger outside; inside nothing is left.
+    // Outside, the distance may be far larger; inside, nothing is left.
     let found = run_all_ways(&circle(5.0), Side::Right, 50.0);
     assert_near(length(one(&found)), TAU * 55.0);
     for radius in [5.0, 6.0, 50.0] {
@@ -227,7 +228,7 @@ fn a_circle_from_outside_and_from_inside() {
 }
 
 #[test]
-fn a_closed_square() {
+fn a_square_shrinks_inside_and_is_rounded_outside() {
     let square = lines(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)]);
     let inside = run_all_ways(&square, Side::Left, R);
     assert_near(length(one(&inside)), 4.0 * (10.0 - 2.0 * R));
@@ -240,14 +241,14 @@ fn a_closed_square() {
 }
 
 #[test]
-fn an_s_of_arcs() {
-    // Two half circles of radius 5: tangents are continuous, so that the lengths are those of half circles.
+fn the_offset_of_an_s_consists_of_concentric_arcs() {
+    // Two half circles of radius 5, tangent to each other: the offset consists of half circles too.
     let s = contour(&[(0.0, 0.0), (10.0, 0.0), (20.0, 0.0)], &[1.0, -1.0]);
     let found = run_all_ways(&s, Side::Left, R);
     assert_eq!(one(&found).len(), 2);
     assert_near(length(one(&found)), PI * (5.0 - R + 5.0 + R));
-    // Too large a distance leaves the first half circle out, and what is too near to the first beside the
-    // second.
+    // A distance above the radius removes the first half circle, and the part of the second that is too near
+    // to the first.
     let found = run_all_ways(&s, Side::Left, 6.0);
     let chain = one(&found);
     assert_eq!(chain.len(), 1);
@@ -256,7 +257,7 @@ fn an_s_of_arcs() {
 }
 
 #[test]
-fn a_v_narrower_than_the_distance() {
+fn the_offset_of_a_v_turns_at_twice_the_distance_from_the_tip() {
     let v = |leg: f64| {
         lines(&[
             (-leg * FRAC_PI_3.cos(), leg * FRAC_PI_3.sin()),
@@ -264,19 +265,19 @@ fn a_v_narrower_than_the_distance() {
             (leg * 0.5, leg * 0.75f64.sqrt()),
         ])
     };
-    // The offset turns where both legs are at the distance, at twice the distance from the tip.
+    // The offset turns at twice the distance from the tip, where both legs are at the distance.
     let found = run_all_ways(&v(10.0), Side::Left, R);
     let chain = one(&found);
     assert_at(chain[0].end(), 0.0, 2.0 * R);
     assert_near(length(chain), 2.0 * (10.0 - R * 3f64.sqrt()));
     assert_near(found.unreached_mm, R);
-    // Legs so short that no place between them is at the distance from their insides.
+    // The legs are so short that no place between them is at the distance.
     let none = offset(&[&v(3.0)], Side::Left, R, 0.0, &Budget::unlimited());
     assert_eq!(none, Ok(vec![]));
 }
 
 #[test]
-fn a_hairpin_with_a_bulb() {
+fn a_narrow_neck_parts_the_offset_of_the_bulb_behind_it() {
     let neck = |y: f64| {
         let points = [
             (0.0, 0.0),
@@ -290,18 +291,18 @@ fn a_hairpin_with_a_bulb() {
         ];
         lines(&points)
     };
-    // Wide enough, all of it is one chain.
+    // A neck wide enough gives one chain.
     assert_eq!(run_all_ways(&neck(4.5), Side::Left, R).chains.len(), 1);
-    // Too narrow, the bulb has a closed offset of its own, that touches the two corners of the neck.
+    // A neck too narrow gives the bulb a closed offset of its own, which touches the two corners of the neck.
     let found = run_all_ways(&neck(3.0), Side::Left, R);
     let bulb = one(&found);
     assert_eq!(bulb[0].start(), bulb[bulb.len() - 1].end());
     let sides = 2.0 * (12.0 - 2.0 * R) + (13.0 - 2.0 * R);
-    // The opening of 3 is seen from the offset as its walls of 5, and the arcs about its corners up to the
-    // middle.
+    // On the opening's side the offset follows the walls, 5 long each, and the arcs about the neck's corners
+    // up to the middle.
     let walls = 10.0 - 2.0 * R;
     assert_near(length(bulb), sides + walls + 2.0 * R * (1.5f64 / R).asin());
-    // Around the outside nothing is in the way.
+    // Outside, nothing is in the way.
     assert_eq!(run_all_ways(&neck(3.0), Side::Right, 1.0).chains.len(), 1);
 }
 
@@ -318,9 +319,10 @@ fn a_loop_of_the_contour_is_cut_off() {
 }
 
 #[test]
-fn pieces_that_touch_what_they_pass() {
-    // The last line crosses the half circle, and its neighbourhood ends where the offset beside the circle
-    // touches it: half way between the places where the offset crosses the near edge of that neighbourhood.
+fn a_piece_that_touches_a_forbidden_range_is_clipped() {
+    // The last line crosses the half circle. The offset beside the half circle touches an edge of the strip
+    // of places that are too near to this line. It does so halfway between the places where it crosses the
+    // strip's near edge.
     let crossing = [(0.0, 0.0), (-3.0, 0.0), (-3.0, 3.0), (-3.0, 4.0), (0.0, 0.0)];
     let crossing = contour(&crossing, &[0.0, 1.0, -1.0]);
     for side in [Side::Left, Side::Right] {
@@ -344,13 +346,13 @@ fn cusps_of_a_sine_are_removed() {
             assert_eq!(run_all_ways(&wave, side, radius).chains.len(), 1, "{radius} {side:?}");
         }
     }
-    // In the trough at 3 pi / 2 the disc rests on two points at equal heights.
+    // In the trough at 3 pi / 2 the disc rests on two points of equal height.
     let found = run(&wave, Side::Left, 1.5);
     assert!(found.unreached_mm > 0.05 && found.unreached_mm < 0.2, "{}", found.unreached_mm);
 }
 
 #[test]
-fn tiny_elements_and_doubled_points() {
+fn tiny_elements_and_doubled_points_do_not_change_the_offset() {
     let step = 1e-10;
     let rough = [(0.0, 0.0), (5.0, 0.0), (5.0, step), (5.0, 0.0), (5.0 + step, 0.0), (9.0, 1e-7), (9.0, 4.0)];
     let smooth = lines(&[(0.0, 0.0), (9.0, 0.0), (9.0, 4.0)]);
@@ -376,7 +378,7 @@ fn an_offset_that_comes_too_near_is_refused() {
     assert_eq!(prove(&line, &beside(R - 5e-7), R, &Budget::unlimited()), Ok(()));
     let refused = prove(&line, &beside(R - 2e-6), R, &Budget::unlimited());
     assert!(matches!(refused, Err(OffsetError::Unproved { .. })), "{refused:?}");
-    // An arc that dips below its ends.
+    // An arc that is lower than its ends.
     let dip = vec![contour(&[(4.0, 2.5), (6.0, 2.5)], &[1.0])];
     let refused = prove(&line, &dip, R, &Budget::unlimited());
     let Err(OffsetError::Unproved { at }) = refused else { panic!("{refused:?}") };
@@ -387,7 +389,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_contours(
+    fn offsets_of_random_contours_keep_their_distance(
         steps in prop::collection::vec((0.05..3.0f64, -1.2..1.2f64, -0.7..0.7f64, any::<bool>()), 2..40),
         radius in 0.1..3.0f64,
     ) {

@@ -1,21 +1,21 @@
-//! Loops of lines and arcs cut at each other: edges between vertices, which meet at vertices only.
+//! An arrangement: loops of lines and arcs, cut at each other into edges that meet at vertices only.
 //!
 //! # Method
-//! 1. Arcs are divided where they are highest and lowest, so that y rises or falls along every element.
-//! 2. Every place where two elements cross or nearly touch becomes a vertex; so do all ends. Places within
-//!    the snap of a vertex are that vertex.
-//! 3. Every element is cut at the vertices within the snap of it. The cuts leave edges, which lie on the
-//!    lines and circles of their elements.
-//! 4. Edges between the same vertices that nowhere leave each other are one edge, which counts how often each
-//!    group of loops runs along it. Edges along which a group runs as often forth as back are no edges of
-//!    that group.
+//! 1. Arcs are divided at their highest and lowest points, so that y only rises or only falls along every
+//!    element.
+//! 2. Every place where two elements cross or nearly touch becomes a vertex, and so do all ends. Places
+//!    within the snap of a vertex are that vertex.
+//! 3. Every element is cut at the vertices within the snap of it. The parts are edges. An edge lies on the
+//!    line or circle of its element.
+//! 4. Edges between the same vertices that stay together all along are one edge. It counts how often each
+//!    group of loops runs along it. An edge along which the loops run as often forward as backward is
+//!    dropped.
 //!
 //! # Guarantees
-//! Every vertex has as many edges of a group coming in as going out. Edges lie within a few snaps of their
-//! elements.
+//! At every vertex as many edges of a group arrive as leave. Edges lie within a few snaps of their elements.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet.
+//! O(n log n + k) for n elements with k pairs of elements whose boxes meet.
 
 use std::collections::HashMap;
 
@@ -27,45 +27,45 @@ use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::{Tree, bounds};
 
-/// Arcs are not divided nearer to their ends than this, mm.
+/// The least distance from an arc's end at which the arc is divided, mm.
 const SHORTEST_MM: f64 = 1e-9;
 
-/// Places nearer to each other than this are one, mm: ten times what the ends of offsets lie beside their
-/// circles. With a smaller value edges that were meant to coincide would leave slivers between them; a larger
-/// value would show in programs.
+/// Places nearer to each other than this are one place, mm. The value is ten times the distance by which ends
+/// of offsets may lie beside their circles. With a smaller value, edges that should coincide would leave
+/// slivers between them. A larger value would show in programs.
 pub(super) const SNAP_MM: f64 = 1e-6;
 
-/// Edges between the same vertices are one edge where their middles are as near as this many snaps: both ends
-/// of both may have moved by the snap.
+/// Edges between the same vertices are one edge if their middles are no farther apart than this many snaps:
+/// both ends of both edges may have moved by the snap.
 const SNAPS_OF_AN_EDGE: f64 = 4.0;
 
-/// The most elements, and cuts of elements: what one machine holds with ease.
+/// The largest number of elements, and of cuts of elements: what one machine holds with ease.
 pub(super) const LIMIT: usize = 1_000_000;
 
-/// Elements between two looks at the budget.
+/// Elements between two checks of the budget.
 const ELEMENTS_BETWEEN_CHECKS: usize = 64;
 
-/// A closed loop; the area to its left belongs to the group.
+/// A closed loop. The area to its left belongs to the group.
 pub(super) struct Loop<'a> {
     pub group: usize,
     pub elements: &'a [Element],
 }
 
-/// Where two elements are cut, or are the same.
+/// A part of an element between two vertices; it stands for all elements that run along it.
 pub(super) struct Edge {
     pub element: Element,
     pub from: usize,
     pub to: usize,
-    /// How often the loops of each group run along the edge, less how often they run back.
+    /// How often the loops of each group run along the edge, less how often they run back along it.
     pub count: [i32; 2],
-    /// The element of the loops, counted from the first, that the edge lies on.
+    /// The index of the element that the edge lies on, counted over all loops.
     pub origin: usize,
 }
 
 pub(super) struct Arrangement {
     pub vertices: Vec<Point2<f64>>,
     pub edges: Vec<Edge>,
-    /// A place where elements run along each other, if there is one.
+    /// A place where two elements run along each other, if there is one.
     pub overlap: Option<Point2<f64>>,
 }
 
@@ -77,7 +77,7 @@ pub(super) enum ArrangementError {
     TooMany { limit: usize },
 }
 
-/// A part of an element along which y rises or falls.
+/// A part of an element along which y only rises or only falls.
 struct Strand {
     origin: usize,
     group: usize,
@@ -134,7 +134,7 @@ impl Arrangement {
     }
 }
 
-/// For each element its vertices in their order, with the places along it.
+/// For each element the vertices at which it is cut, in order, with their places along it.
 fn cuts(
     strands: &[Strand],
     tree: &Tree,
@@ -191,7 +191,7 @@ fn cuts(
     Ok(cuts)
 }
 
-/// How far along an element a place beside it is, by a measure that rises along it.
+/// A measure, which grows along the element, of how far along it a place beside it is.
 fn along(element: &Element, p: Point2<f64>) -> f64 {
     match element {
         Element::Arc(arc) => arc.turn.signum() * from_middle(arc, p),
@@ -206,8 +206,8 @@ fn from_middle(arc: &PlaneArc, p: Point2<f64>) -> f64 {
     middle.perp(&spoke).atan2(middle.dot(&spoke))
 }
 
-/// The part of an element between two vertices beside it. Arcs are made of their ends: an arc that misses its
-/// vertex by the snap would be on the wrong side of places nearer than that.
+/// The part of an element between two vertices beside it. Arcs are made from their ends: an arc that missed
+/// its vertex by the snap would have nearby places on the wrong side.
 fn between(element: &Element, start: Point2<f64>, end: Point2<f64>) -> Element {
     let turn = match element {
         Element::Arc(arc) => from_middle(arc, end) - from_middle(arc, start),
@@ -216,12 +216,12 @@ fn between(element: &Element, start: Point2<f64>, end: Point2<f64>) -> Element {
     arc_or_line(start, end, turn)
 }
 
-/// The arc of a turn between two places, radians; without a turn, the line.
+/// The arc between two places that turns by `turn` radians; without a turn, the line.
 pub(super) fn arc_or_line(start: Point2<f64>, end: Point2<f64>, turn: f64) -> Element {
     PlaneArc::with_bulge(start, end, -(turn / 4.0).tan()).map_or(Element::Line { start, end }, Element::Arc)
 }
 
-/// The edges without repetition, and a place where some were repeated.
+/// The edges without repetitions, and a place where an edge was repeated.
 fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
     let mut order: Vec<usize> = (0..edges.len()).collect();
     let key = |k: usize| {
@@ -235,7 +235,7 @@ fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
         let middle = pieces::at(&edges[k].element, 0.5);
         let same_ends = |other: &&usize| (key(**other).0, key(**other).1) == (key(k).0, key(k).1);
         let before = order[..place].iter().rev().take_while(same_ends);
-        // The first of equal edges stands for all of them.
+        // The first of equal edges replaces all of them.
         let first = before.copied().filter(|other| {
             count[*other] != [0; 2] && (pieces::at(&edges[*other].element, 0.5) - middle).norm() <= same_mm
         });
@@ -251,7 +251,7 @@ fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
     (kept.map(|(edge, count)| Edge { count, ..edge }).collect(), overlap)
 }
 
-/// Places that are nearer to each other than the snap are one.
+/// The vertices. Places that are nearer to each other than the snap are one vertex.
 struct Vertices {
     snap_mm: f64,
     places: Vec<Point2<f64>>,
@@ -263,7 +263,7 @@ impl Vertices {
         Self { snap_mm, places: Vec::new(), cells: HashMap::new() }
     }
 
-    /// The vertex nearest to a place within the snap, else a vertex there.
+    /// The index of the vertex nearest to a place, within the snap; a new vertex if there is none.
     fn at(&mut self, p: Point2<f64>) -> usize {
         let cell = |x: f64| (x / self.snap_mm).floor() as i64;
         let [i, j] = [cell(p.x), cell(p.y)];
@@ -287,8 +287,8 @@ impl Vertices {
     }
 }
 
-/// Appends the parts of an element along which y only rises or only falls: lines are such, arcs are divided
-/// at their highest and lowest points.
+/// Appends the parts of an element along which y only rises or only falls. A line is one part; arcs are
+/// divided at their highest and lowest points.
 pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
     let Element::Arc(arc) = element else {
         parts.push(*element);
@@ -299,7 +299,8 @@ pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
     for pole in [nalgebra::Vector2::y(), -nalgebra::Vector2::y()] {
         let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
         let angle = angle.rem_euclid(std::f64::consts::TAU);
-        // Nearer to an end than this, the arc rises or falls all along to rounding.
+        // If the highest or lowest point is nearer to an end than this, y only rises or only falls along the
+        // arc, to rounding.
         let shortest = SHORTEST_MM / arc.radius;
         if angle > shortest && angle < arc.turn.abs() - shortest {
             cuts.push((angle, arc.center + pole * arc.radius));

@@ -5,8 +5,9 @@ use nalgebra::Point2;
 use crate::geometry::element::Element;
 use crate::geometry::offset::distance::{circle_meets, circles_meet, to_point};
 
-/// Appends places that are within `within` mm of both elements: where their lines or circles cross, and where
-/// they have a normal in common. Ends of an element on the other element are not among them.
+/// Appends places that are within `within` mm of both elements: crossings of their lines or circles, and the
+/// places where the two have a common normal. Ends of one element that lie on the other element are not
+/// appended.
 pub(super) fn append(a: &Element, b: &Element, within: f64, found: &mut Vec<Point2<f64>>) {
     let mut see = |p: Point2<f64>| {
         if to_point(a, p) <= within && to_point(b, p) <= within {

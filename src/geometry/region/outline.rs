@@ -11,15 +11,15 @@ use crate::geometry::offset::tree::bounds;
 /// The largest coordinate or radius, mm: its rounding is a hundredth of [`SNAP_MM`].
 const LARGEST_MM: f64 = 1e8;
 
-/// An arc that rises less above its chord is a line, mm.
+/// An arc that rises less above its chord becomes a line, mm.
 const FLAT_MM: f64 = 1e-9;
 
-/// Below this turn, radians, `turn - sin(turn)` is computed by its series: the difference would lose digits.
-/// The first neglected term is below 1e-13 of the result.
+/// Below this turn, radians, `turn - sin(turn)` is computed by its series, because the difference would lose
+/// digits. The first neglected term is below 1e-13 of the result.
 const SMALL_TURN: f64 = 0.05;
 
-/// A closed loop of lines and arcs. Its elements follow each other exactly. Loops may touch themselves in
-/// single points.
+/// A closed loop of lines and arcs. Each element starts exactly where the one before it ends. A loop may
+/// touch itself in single points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     elements: Vec<Element>,
@@ -46,8 +46,8 @@ pub enum OutlineError {
 }
 
 impl Outline {
-    /// The outline of elements that follow each other within 1e-6 mm, the last of them to the first. The
-    /// outline runs counterclockwise, whichever way its elements run.
+    /// The outline of elements that follow each other within 1e-6 mm, also the last to the first. The outline
+    /// runs counterclockwise, whatever the direction of its elements.
     ///
     /// # Errors
     /// One of [`OutlineError`]. Indices count elements from 0.
@@ -72,7 +72,7 @@ impl Outline {
         Ok(outline)
     }
 
-    /// An outline of elements that are known to be one.
+    /// An outline of elements that need no check.
     pub(super) fn unchecked(elements: Vec<Element>) -> Self {
         Self { elements }
     }
@@ -81,7 +81,7 @@ impl Outline {
         &self.elements
     }
 
-    /// The area to the left of the outline, mm²: negative where it runs clockwise.
+    /// The area to the left of the outline, mm²; negative if the outline runs clockwise.
     pub fn area(&self) -> f64 {
         area(&self.elements)
     }
@@ -95,14 +95,14 @@ impl Outline {
             .fold([start, start], |[low, high], [a, b]| [low.inf(&a), high.sup(&b)])
     }
 
-    /// The same loop, run the other way.
+    /// The same loop in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { elements: self.elements.iter().rev().map(back).collect() }
     }
 }
 
-/// The element run the other way.
+/// The element in the other direction.
 pub(super) fn back(element: &Element) -> Element {
     match element {
         Element::Arc(arc) => {
@@ -112,8 +112,8 @@ pub(super) fn back(element: &Element) -> Element {
     }
 }
 
-/// The elements with gaps closed: each starts where the one before ends. Arcs are made anew of their ends and
-/// turns.
+/// The elements with gaps closed: each starts where the one before it ends. Arcs are made again from their
+/// ends and turns.
 fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
     if let Some(index) = elements.iter().position(|element| !is_small(element)) {
         return Err(OutlineError::TooLarge { index });
@@ -144,15 +144,16 @@ fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
     if joined.is_empty() { Err(OutlineError::NoArea) } else { Ok(joined) }
 }
 
-/// Whether all numbers of an element are finite, and its lengths below the largest.
+/// Whether all numbers of an element are finite, and its coordinates and radius at most [`LARGEST_MM`].
 fn is_small(element: &Element) -> bool {
-    // The magnitude passes over NaN in places.
+    // The magnitude does not show every NaN.
     let is_finite = [element.start(), element.end()].iter().flat_map(|p| p.iter()).all(|x| x.is_finite());
     let turns = if let Element::Arc(arc) = element { arc.turn.is_finite() } else { true };
     is_finite && turns && element.magnitude() <= LARGEST_MM
 }
 
-/// The area to the left of a closed chain, mm²: that of its chords' polygon and of the segments of its arcs.
+/// The area to the left of a closed chain, mm²: that of the polygon of its chords, with the segments between
+/// arcs and chords.
 pub(super) fn area(chain: &[Element]) -> f64 {
     let Some(origin) = chain.first().map(Element::start) else { return 0.0 };
     let twice = |element: &Element| {
@@ -173,7 +174,7 @@ fn turn_less_sine(turn: f64) -> f64 {
     turn * square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
 }
 
-/// Length of a chain, mm.
+/// The length of a chain, mm.
 pub(super) fn length(chain: &[Element]) -> f64 {
     chain.iter().map(crate::geometry::offset::pieces::length).sum()
 }

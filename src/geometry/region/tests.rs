@@ -5,7 +5,7 @@ use crate::geometry::element::PlaneArc;
 
 mod laws;
 
-/// The loop through points, with bulges as machinists write them: tan(turn / 4), positive to the left.
+/// The loop through points (x, y, bulge). Bulges are tan(turn / 4), positive for arcs that turn to the left.
 fn elements(points: &[[f64; 3]]) -> Vec<Element> {
     let at = |k: usize| Point2::new(points[k % points.len()][0], points[k % points.len()][1]);
     let element = |k: usize| {
@@ -64,38 +64,38 @@ fn assert_near(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} instead of {expected}");
 }
 
-/// The counts of islands of each face.
+/// The number of islands of each face.
 fn islands(region: &Region) -> Vec<usize> {
     region.faces().iter().map(|face| face.islands.len()).collect()
 }
 
 #[test]
-fn areas_and_boxes_of_outlines_with_arcs() {
+fn areas_and_boxes_of_outlines_include_their_arcs() {
     assert_near(rectangle([1.0, 2.0], [3.0, 4.0]).area(), 12.0);
     assert_near(circle(5.0, -3.0, 2.0).area(), 4.0 * PI);
-    // A slot, and the same run the other way.
+    // A slot, and the same slot run in the other direction.
     let slot = [[0.0, 0.0, 0.0], [10.0, 0.0, 1.0], [10.0, 4.0, 0.0], [0.0, 4.0, 1.0]];
     assert_near(outline(&slot).area(), 40.0 + 4.0 * PI);
     let back = [[0.0, 4.0, 0.0], [10.0, 4.0, -1.0], [10.0, 0.0, 0.0], [0.0, 0.0, -1.0]];
     assert_near(outline(&back).area(), 40.0 + 4.0 * PI);
     let [low, high] = outline(&back).bounding_box();
     assert!((low - Point2::new(-2.0, 0.0)).norm() < 1e-12 && (high - Point2::new(12.0, 4.0)).norm() < 1e-12);
-    // A flat arc over 100 mm of 1e7 mm radius: its segment has 2/3 of chord by rise.
+    // A flat arc of 1e7 mm radius over 100 mm: the area between arc and chord is 2/3 of chord times rise.
     let rise = 1.25e-4;
     let flat = [[0.0, 0.0, 2.0 * rise / 100.0], [100.0, 0.0, 0.0], [100.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     assert!((outline(&flat).area() - 100.0 - 200.0 / 3.0 * rise).abs() < 1e-10);
 }
 
 #[test]
-fn outlines_that_are_none_are_refused_with_the_place() {
+fn loops_that_are_no_outlines_are_refused_with_the_place() {
     let refused = |points: &[[f64; 3]]| Outline::new(&elements(points), &Budget::unlimited()).unwrap_err();
     let eight = refused(&[[0.0, 0.0, 0.0], [10.0, 10.0, 0.0], [10.0, 0.0, 0.0], [0.0, 8.0, 0.0]]);
     let OutlineError::Crosses { at } = eight else { panic!("{eight}") };
     assert!((at - Point2::new(40.0 / 9.0, 40.0 / 9.0)).norm() < 1e-9, "{at}");
-    // Twice around, and with a loop of its own.
+    // A path twice around.
     let twice = refused(&[[5.0, 0.0, 1.0], [-5.0, 0.0, 1.0], [4.0, 0.0, 1.0], [-4.0, 0.0, 1.0]]);
     assert!(matches!(twice, OutlineError::Crosses { .. }), "{twice}");
-    // Out and back along the same line.
+    // A spike: out and back along the same line.
     let spike =
         refused(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [20.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 9.0, 0.0]]);
     assert!(matches!(spike, OutlineError::Crosses { .. }), "{spike}");
@@ -156,7 +156,7 @@ fn squares_that_touch_at_a_corner_stay_two() {
     let both = union(&square(0.0, 0.0, 10.0), &square(10.0, 10.0, 10.0));
     assert_eq!(islands(&both), [0, 0]);
     assert_near(both.area(), 200.0);
-    // Four around a hole that touches at its corners.
+    // Four squares around a hole, which touch at their corners.
     let ring: Vec<Region> = [[10.0, 0.0], [0.0, 10.0], [20.0, 10.0], [10.0, 20.0]]
         .iter()
         .map(|[x, y]| square(*x, *y, 10.0))
@@ -167,33 +167,33 @@ fn squares_that_touch_at_a_corner_stay_two() {
 }
 
 #[test]
-fn circles_that_touch_stay_two_and_one_in_another_is_an_island() {
+fn circles_that_touch_stay_two_and_a_circle_cut_out_is_an_island() {
     assert_eq!(islands(&union(&disc(0.0, 0.0, 5.0), &disc(10.0, 0.0, 5.0))), [0, 0]);
     let washer = difference(&disc(0.0, 0.0, 5.0), &disc(0.0, 0.0, 3.0));
     assert_eq!(islands(&washer), [1]);
     assert_near(washer.area(), 16.0 * PI);
     assert!(washer.faces()[0].islands[0].area() < 0.0);
-    // Touching from inside.
+    // Circles that touch from inside.
     let crescent = difference(&disc(0.0, 0.0, 5.0), &disc(2.0, 0.0, 3.0));
     assert_near(crescent.area(), 16.0 * PI);
     assert_near(union(&crescent, &disc(2.0, 0.0, 3.0)).area(), 25.0 * PI);
 }
 
 #[test]
-fn islands_may_overlap_touch_the_wall_and_hold_land() {
+fn islands_may_overlap_touch_the_wall_and_contain_outlines() {
     let budget = Budget::unlimited();
     let pocket = [rectangle([0.0, 0.0], [100.0, 60.0])];
     let overlapping = [rectangle([20.0, 20.0], [20.0, 20.0]), rectangle([30.0, 30.0], [20.0, 20.0])];
     let region = Region::new(&pocket, &overlapping, &budget).unwrap();
     assert_eq!(islands(&region), [1]);
     assert_near(region.area(), 6000.0 - 700.0);
-    // On the wall, the island becomes a part of the wall; across the pocket it divides the pocket.
+    // An island on the wall becomes a part of the wall. An island across the pocket divides the pocket.
     let region = Region::new(&pocket, &[rectangle([20.0, 0.0], [20.0, 20.0])], &budget).unwrap();
     assert_eq!(islands(&region), [0]);
     assert_near(region.area(), 6000.0 - 400.0);
     let region = Region::new(&pocket, &[rectangle([40.0, -5.0], [10.0, 70.0])], &budget).unwrap();
     assert_eq!(islands(&region), [0, 0]);
-    // A round island that touches the wall, one that is the pocket, and land in an island.
+    // A round island that touches the wall, an island equal to the pocket, and an outline in an island.
     let region = Region::new(&pocket, &[circle(50.0, 10.0, 10.0)], &budget).unwrap();
     assert_near(region.area(), 6000.0 - 100.0 * PI);
     assert!(Region::new(&pocket, &pocket, &budget).unwrap().is_empty());
@@ -204,12 +204,12 @@ fn islands_may_overlap_touch_the_wall_and_hold_land() {
 }
 
 #[test]
-fn arcs_that_coincide_are_shared() {
+fn arcs_that_coincide_become_one_edge() {
     let half = |sense: f64| region(outline(&[[5.0, 0.0, sense], [-5.0, 0.0, 0.0]]));
     let whole = union(&half(1.0), &half(-1.0));
     assert_near(whole.area(), 25.0 * PI);
     assert_eq!(whole.faces()[0].outer.elements().len(), 2);
-    // A disc and a square hole that is rounded by the disc's own circle.
+    // A disc and a quarter of the same disc.
     let sector = region(outline(&[[0.0, 0.0, 0.0], [5.0, 0.0, (PI / 8.0).tan()], [0.0, 5.0, 0.0]]));
     assert_near(difference(&disc(0.0, 0.0, 5.0), &sector).area(), 25.0 * PI * 0.75);
     assert_near(union(&disc(0.0, 0.0, 5.0), &sector).area(), 25.0 * PI);
@@ -217,7 +217,7 @@ fn arcs_that_coincide_are_shared() {
 }
 
 #[test]
-fn places_at_the_heights_of_vertices_and_tangents() {
+fn places_at_the_heights_of_vertices_and_tangents_are_told_apart() {
     let washer = difference(&disc(0.0, 0.0, 5.0), &disc(0.0, 0.0, 3.0));
     for (x, y, expected) in [
         (-4.0, 0.0, Place::Inside),
@@ -236,7 +236,7 @@ fn places_at_the_heights_of_vertices_and_tangents() {
     assert_near(washer.distance_to_boundary(Point2::new(0.0, 3.5)), 0.5);
     let [low, high] = washer.bounding_box().unwrap();
     assert!((low - Point2::new(-5.0, -5.0)).norm() < 1e-12 && (high - Point2::new(5.0, 5.0)).norm() < 1e-12);
-    // Diamonds and stairs: every ray of a place on the grid meets vertices.
+    // Stairs: every ray from a place on the grid meets vertices.
     let stairs = outline(&[
         [0.0, 0.0, 0.0],
         [3.0, 0.0, 0.0],
@@ -264,7 +264,7 @@ fn places_at_the_heights_of_vertices_and_tangents() {
 }
 
 #[test]
-fn offsets_of_plain_shapes() {
+fn offsets_of_plain_shapes_have_known_areas() {
     let budget = Budget::unlimited();
     let plate = square(0.0, 0.0, 20.0);
     assert_near(inward(&plate, 3.0).area(), 14.0 * 14.0);
@@ -286,7 +286,7 @@ fn offsets_of_plain_shapes() {
 
 #[test]
 fn a_neck_of_twice_the_distance_parts_the_offset() {
-    // Two rooms of 20 by 20 with a corridor 4 wide between them.
+    // Two rooms of 20 by 20 mm with a corridor 4 mm wide between them.
     let rooms = Region::union(
         &[&square(0.0, 0.0, 20.0), &square(30.0, 0.0, 20.0), &region(rectangle([15.0, 8.0], [20.0, 4.0]))],
         &Budget::unlimited(),
@@ -296,14 +296,14 @@ fn a_neck_of_twice_the_distance_parts_the_offset() {
     assert_eq!(islands(&inward(&rooms, 1.9)), [0]);
     let parted = inward(&rooms, 2.0);
     assert_eq!(islands(&parted), [0, 0]);
-    // Towards the corridor, whose corners are 2 away, each room ends in a cusp of two arcs.
+    // The corners of the corridor are 2 mm away: towards the corridor, each room ends in a cusp of two arcs.
     assert_near(parted.area(), 2.0 * (256.0 + 8.0 - 2.0 * PI));
     assert_eq!(islands(&inward(&rooms, 2.1)), [0, 0]);
 }
 
 #[test]
-fn a_radius_of_the_distance_leaves_a_corner() {
-    // A plate with corners rounded by 3: its offset by 3 has sharp corners.
+fn a_corner_radius_equal_to_the_distance_leaves_a_sharp_corner() {
+    // A plate with corners of radius 3 mm: its offset by 3 mm has sharp corners.
     let quarter = (PI / 8.0).tan();
     let rounded = outline(&[
         [3.0, 0.0, 0.0],

@@ -1,13 +1,13 @@
-//! The outlines of an area, of the edges that bound it.
+//! Traces the outlines of an area from the edges that bound it.
 //!
 //! # Method
-//! 1. The edges with the area on one side only are its boundary, run with the area on their left.
-//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge it came by: about the
-//!    same corner of the area. Loops that come back to a vertex are divided there, so that no outline visits
-//!    a vertex twice.
-//! 3. Edges in a row on one line or circle become one element.
+//! 1. The boundary consists of the edges with the area on one side only, run with the area on their left.
+//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge that it arrived by: it
+//!    stays about the same corner of the area. A loop that returns to a vertex is divided there, so that no
+//!    outline visits a vertex twice.
+//! 3. Successive edges on one line or circle become one element.
 //! 4. Outlines that run clockwise are islands. A ray from an island finds the outlines about it; the smallest
-//!    of them is its own.
+//!    of them is the outline of the island.
 
 use std::collections::HashMap;
 
@@ -22,16 +22,16 @@ use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::Tree;
 
-/// Lines and circles this near to each other are the same, mm: rounding, and no more.
+/// Lines and circles that differ by less are the same, mm: the difference is rounding.
 const SAME_CARRIER_MM: f64 = 1e-9;
 
-/// Arcs of one circle are joined up to this turn, so that none nearly closes, radians.
+/// The largest turn of an arc that is joined from several, radians, so that no arc is nearly a full circle.
 const LARGEST_TURN: f64 = 1.5 * std::f64::consts::PI;
 
-/// Steps between two looks at the budget.
+/// Steps between two checks of the budget.
 const STEPS_BETWEEN_CHECKS: usize = 256;
 
-/// The area on either side of a boundary.
+/// The side of a boundary that an offset needs: inside the area or outside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wedge {
     Inside,
@@ -47,7 +47,7 @@ struct Side {
     origin: usize,
 }
 
-/// The faces of the area of which `is_inside` tells, from the windings of both groups about a place.
+/// The faces of the area in which `is_inside` holds for the windings of both groups.
 ///
 /// # Errors
 /// [`RegionError::Tangled`] where the boundary is not closed, [`RegionError::Stopped`].
@@ -67,7 +67,7 @@ pub(super) fn faces(
         return Err(RegionError::Tangled { at });
     }
     let ways = loops(&arrangement.vertices, &boundary, Wedge::Inside, budget)?;
-    // Where outlines touch, elements end.
+    // Elements end where outlines touch.
     let mut leaving = vec![0; arrangement.vertices.len()];
     for side in &boundary {
         leaving[side.from] += 1;
@@ -76,7 +76,7 @@ pub(super) fn faces(
     for sides in ways.iter().flat_map(|way| simple(way)) {
         let elements = joined(&sides, |vertex| leaving[vertex] > 1);
         let area = outline::area(&elements);
-        // What is narrower than the snap is nothing.
+        // Loops narrower than the snap are dropped.
         if area.abs() > SNAP_MM * outline::length(&elements) {
             let on_it = pieces::at(&sides[0].element, 0.5);
             found.push((Outline::unchecked(elements), area, on_it));
@@ -85,7 +85,7 @@ pub(super) fn faces(
     nested(found, budget)
 }
 
-/// A vertex where not as many sides leave as arrive.
+/// A vertex at which the numbers of arriving and leaving sides differ; `None` if there is none.
 fn unbalanced(vertices: &[Point2<f64>], boundary: &[Side]) -> Option<Point2<f64>> {
     let mut excess = vec![0_i32; vertices.len()];
     for side in boundary {
@@ -104,8 +104,8 @@ fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) ->
     }
 }
 
-/// The contours of the boundary of faces. Where outlines touch, a contour goes on about the same corner of
-/// the wedge: so the contours' corners are the corners of the places beside them.
+/// The boundary of faces as contours. Where outlines touch, a contour stays about one corner of the wedge. So
+/// the corners of a contour are corners of the places beside it.
 ///
 /// # Errors
 /// [`RegionError::Tangled`], [`RegionError::Stopped`].
@@ -131,7 +131,7 @@ pub(super) fn contours<'a>(
     Ok(loops.iter().map(|way| way.iter().map(|side| side.element).collect()).collect())
 }
 
-/// The boundary as loops, about the corners of the area, or of what is not of the area.
+/// The boundary as loops about the corners of the area, or about the corners of the places outside it.
 fn loops(
     vertices: &[Point2<f64>],
     boundary: &[Side],
@@ -169,10 +169,10 @@ fn loops(
     Ok(loops)
 }
 
-/// A loop as loops that visit no vertex twice.
+/// Divides a loop into loops that visit no vertex twice.
 fn simple(way: &[Side]) -> Vec<Vec<Side>> {
     let (mut loops, mut open): (Vec<Vec<Side>>, Vec<Side>) = (Vec::new(), Vec::new());
-    // For each vertex on the open way, how many sides lead to it.
+    // For each vertex on the loop so far, how many sides lead to it.
     let mut visited = HashMap::new();
     for side in way {
         visited.insert(side.from, open.len());
@@ -187,13 +187,14 @@ fn simple(way: &[Side]) -> Vec<Vec<Side>> {
     loops
 }
 
-/// Of the sides `leaving` the vertex where side `k` arrives, the other side of the wedge.
+/// The side that goes on from side `k` about the same corner of the wedge, among the sides `leaving` the
+/// vertex where `k` arrives.
 fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Option<usize> {
     if leaving.len() < 2 {
         return leaving.first().copied();
     }
-    // Directions are told where the sides are as far from the vertex as the shortest of them allows, since
-    // sides may be tangent to each other.
+    // Sides may be tangent to each other at the vertex. So directions are measured as far from the vertex as
+    // the shortest side allows.
     let arrived = outline::back(&boundary[k].element);
     let chord = |element: &Element| (element.end() - element.start()).norm();
     let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
@@ -211,11 +212,11 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
     leaving.iter().copied().min_by(|a, b| turn(a).total_cmp(&turn(b)))
 }
 
-/// The elements of a loop: sides in a row on one line or circle are one, unless the vertex between them
-/// `is_end`.
+/// The elements of a loop: successive sides on one line or circle are one element, unless `is_end` holds for
+/// the vertex between them.
 fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Element> {
     let joint = |before: &Side, after: &Side| if is_end(after.from) { None } else { joint([before, after]) };
-    // Where the loop begins amid an element, that element comes last.
+    // If the loop begins in the middle of an element, that element comes last.
     let start = (1..sides.len()).find(|k| joint(&sides[k - 1], &sides[*k]).is_none()).unwrap_or(0);
     let mut elements: Vec<Side> = Vec::with_capacity(sides.len());
     for side in sides[start..].iter().chain(&sides[..start]) {
@@ -255,7 +256,8 @@ fn joint([before, after]: [&Side; 2]) -> Option<Element> {
     }
 }
 
-/// Islands in their outlines. Of each loop: its area, and a place on it that is on no other loop.
+/// The faces: every island is put into its outline. Each loop comes with its area, and with a place that is
+/// on no other loop.
 fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Vec<Face>, RegionError> {
     let (mut elements, mut owners) = (Vec::new(), Vec::new());
     for (k, (outline, ..)) in loops.iter().enumerate() {
@@ -265,7 +267,7 @@ fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Ve
         owners.resize(elements.len(), k);
     }
     let tree = Tree::new(elements);
-    // For each island its outline.
+    // For each island the index of its outline.
     let mut homes: Vec<Option<usize>> = vec![None; loops.len()];
     let mut windings = vec![0; loops.len()];
     for (k, (_, area, place)) in loops.iter().enumerate().filter(|(_, (_, area, _))| *area < 0.0) {

@@ -1,14 +1,16 @@
-//! How often loops wind about a place, and about the two sides of an edge.
+//! Windings: how often loops turn about a place, and about the two sides of an edge.
 //!
 //! # Method
-//! A ray runs from the place toward larger x. Every element that passes it upward winds once about the place,
-//! every element that passes it downward winds back. An element holds its lower end and not its upper one, so
-//! that a vertex on the ray counts once, and a horizontal line never. Along an edge, and on through vertices
-//! where only two edges meet, the windings of both sides stay: one ray serves a whole chain of edges.
+//! A ray runs from the place toward larger x. Every element that passes the ray upward adds one to the
+//! winding, and every element that passes it downward takes one away. An element contains its lower end but
+//! not its upper end. So a vertex on the ray counts once, and a horizontal line never. The windings of both
+//! sides stay the same along an edge, and on through vertices where only two edges meet. So one ray serves a
+//! whole chain of edges.
 //!
 //! # Guarantees
-//! A place is on the same side of an element as by its cross product with the line, or its distance from the
-//! centre of the arc, to rounding. Nothing else is computed; tangent rays need no care.
+//! The side of an element on which a place lies is right to rounding. It comes from the cross product with a
+//! line, or from the distance from an arc's centre. Nothing else is computed, so rays tangent to an arc need
+//! no special case.
 
 use nalgebra::Point2;
 
@@ -18,17 +20,17 @@ use crate::geometry::element::Element;
 use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::Tree;
 
-/// Edges between two looks at the budget.
+/// Edges between two checks of the budget.
 const EDGES_BETWEEN_CHECKS: usize = 64;
 
-/// The windings of each group about places beside an edge.
+/// The windings of each group about the places on either side of an edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sides {
     pub left: [i32; 2],
     pub right: [i32; 2],
 }
 
-/// 1 where an element passes the ray from `p` toward larger x upward, -1 downward, else 0. Along the element
+/// 1 if the element passes the ray from `p` toward larger x upward, -1 if downward, else 0. Along the element
 /// y must only rise or only fall.
 pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
     let (start, end) = (element.start(), element.end());
@@ -52,8 +54,8 @@ pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
     if is_ahead { sense } else { 0 }
 }
 
-/// Shows the elements, along each of which y only rises or only falls, that the ray from `p` passes, with 1
-/// or -1.
+/// Calls `see` for each element that the ray from `p` passes, with the element's index and with 1 or -1 as in
+/// [`passes`]. Along each element of the tree y must only rise or only fall.
 pub(super) fn along_ray(tree: &Tree, p: Point2<f64>, mut see: impl FnMut(usize, i32)) {
     tree.meeting(p, Point2::new(f64::INFINITY, p.y), |k, element| {
         let sense = passes(element, p);
@@ -84,7 +86,7 @@ pub(super) fn sides(arrangement: &Arrangement, budget: &Budget) -> Result<Vec<Si
         let Edge { from, to, .. } = edges[first];
         let mirrored = Sides { left: known.right, right: known.left };
         for (mut at, here, mut edge) in [(to, known, first), (from, mirrored, first)] {
-            // Onward, until edges meet or the chain is closed.
+            // Follows the chain until more than two edges meet, or the chain is closed.
             while let [a, b] = edges_at[at][..] {
                 let next = if a == edge { b } else { a };
                 if sides[next].is_some() {
@@ -114,9 +116,9 @@ fn by_ray(edges: &[Edge], tree: &Tree, k: usize) -> Sides {
     let less = [ahead[0] - count[0], ahead[1] - count[1]];
     let more = [ahead[0] + count[0], ahead[1] + count[1]];
     let (start, end) = (element.start(), element.end());
-    // Beside an edge that rises the ray runs on its right. A place at the height of the upper end, as all on
-    // a horizontal edge are, counts as above the edge, and at a lower height than both ends, where these are
-    // snapped, as below.
+    // The ray runs on the right of an edge that rises. A place at the height of the edge's upper end, as
+    // every place of a horizontal edge, counts as above the edge. Snapping can put a place below both ends;
+    // such a place counts as below the edge.
     let is_ahead_left = match (start.y <= middle.y, end.y <= middle.y) {
         (true, false) => false,
         (false, true) => true,
@@ -126,8 +128,8 @@ fn by_ray(edges: &[Edge], tree: &Tree, k: usize) -> Sides {
     if is_ahead_left { Sides { left: ahead, right: less } } else { Sides { left: more, right: ahead } }
 }
 
-/// A vertex where a chain of edges ends of which one is `such`: more than two edges meet there. Without such
-/// vertices, the start of the edge.
+/// A vertex where more than two edges meet, at an end of an edge whose windings are `such`. If there is no
+/// such vertex, the start of the first such edge; `None` if there is no such edge.
 pub(super) fn first_junction(
     arrangement: &Arrangement,
     sides: &[Sides],

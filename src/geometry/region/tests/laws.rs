@@ -1,4 +1,4 @@
-//! Laws of regions at random, against sampled windings and distances.
+//! Laws of random regions, checked against sampled windings and distances.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,7 +9,7 @@ use super::*;
 use crate::geometry::offset::distance::to_point;
 use crate::geometry::offset::pieces;
 
-/// A loop about a place whose corners are seen from it one after the other, with arcs that cannot cross their
+/// A star: a loop about a place that sees its corners one after the other, with arcs that cannot cross their
 /// neighbours.
 fn star(center: [f64; 2], corners: &[(f64, f64)]) -> Option<Region> {
     let count = corners.len() as f64;
@@ -24,8 +24,8 @@ fn star(center: [f64; 2], corners: &[(f64, f64)]) -> Option<Region> {
     Outline::new(&elements(&points), &Budget::unlimited()).ok().map(region)
 }
 
-/// The angle that the boundary turns about the place, by chords that leave their arcs by less than the
-/// place's distance: independent of boxes, trees and snaps.
+/// Whether the boundary turns about the place, by the sum of the angles of chords. The chords leave their
+/// arcs by less than the place's distance. This check is independent of boxes, trees and snaps.
 fn is_inside(region: &Region, p: Point2<f64>) -> bool {
     let mut turned = 0.0;
     for element in region.outlines().flat_map(Outline::elements) {
@@ -49,7 +49,7 @@ fn from_boundary(region: &Region, p: Point2<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// On round numbers many things coincide.
+/// Unions of blocks on round numbers, where many edges and vertices coincide.
 fn blocks() -> impl Strategy<Value = Region> {
     let block = (0..8_i32, 0..8_i32, 1..5_i32, 1..5_i32, 0..3_i32);
     prop::collection::vec(block, 1..6).prop_map(|blocks| {
@@ -72,9 +72,9 @@ fn stars() -> impl Strategy<Value = Region> {
     shape.prop_filter_map("crosses itself", |(center, corners)| star(center, &corners))
 }
 
-/// Cusps, tips and tangents: where a corner's arc could lie on the wrong side.
+/// Shapes with cusps, tips and tangents, where the arc about a corner could lie on the wrong side.
 #[test]
-fn offsets_of_shapes_that_touch() {
+fn offsets_of_shapes_that_touch_keep_their_distance() {
     let quarter = (PI / 8.0).tan();
     let slot = |x: f64, y: f64, length: f64, width: f64| {
         outline(&[[x, y, 0.0], [x + length, y, 1.0], [x + length, y + width, 0.0], [x, y + width, 1.0]])
@@ -101,7 +101,7 @@ fn offsets_of_shapes_that_touch() {
     }
 }
 
-/// The laws of sets for two regions, at places and by areas.
+/// Checks the laws of sets for two regions, by areas and at places.
 fn sets_agree(a: &Region, b: &Region, places: &[[f64; 2]]) -> Result<(), TestCaseError> {
     let [all, both, left, right] = [union(a, b), intersection(a, b), difference(a, b), difference(b, a)];
     let length: f64 = [a, b].iter().flat_map(|r| r.outlines()).map(|o| outline::length(o.elements())).sum();
@@ -124,8 +124,8 @@ fn sets_agree(a: &Region, b: &Region, places: &[[f64; 2]]) -> Result<(), TestCas
     Ok(())
 }
 
-/// Places are in an offset exactly where they are in the region and far enough from its boundary, or the same
-/// outside.
+/// Checks that a place is in an inner offset exactly if it is in the region and farther from the boundary
+/// than the distance, and in an outer offset exactly if it is in the region or nearer than the distance.
 fn offsets_agree(region: &Region, distance: f64, places: &[[f64; 2]]) -> Result<(), TestCaseError> {
     let (inner, outer) = (inward(region, distance), outward(region, distance));
     for offset in [&inner, &outer] {
@@ -142,8 +142,8 @@ fn offsets_agree(region: &Region, distance: f64, places: &[[f64; 2]]) -> Result<
         if (apart - distance).abs() < 1e-5 {
             continue;
         }
-        // Beside the boundary a place is in no inner offset and in every outer offset, whichever side it is
-        // on.
+        // A place beside the boundary is in no inner offset and in every outer offset, on whichever side it
+        // lies.
         let is_in = apart > 1e-5 && is_inside(region, p);
         prop_assert_eq!(inner.place(p, 0.0) == Place::Inside, is_in && apart > distance, "{}", p);
         prop_assert_eq!(outer.place(p, 0.0) == Place::Inside, is_in || apart < distance, "{}", p);
@@ -155,7 +155,7 @@ fn places() -> impl Strategy<Value = Vec<[f64; 2]>> {
     prop::collection::vec(prop::array::uniform2(-4.0..16.0_f64), 40)
 }
 
-/// On the grid of the round numbers, where rays run through vertices.
+/// Places on the grid of round numbers, where rays run through vertices.
 fn round_places() -> impl Strategy<Value = Vec<[f64; 2]>> {
     let halves = (-8..32_i32).prop_map(|k| 0.5 * f64::from(k));
     prop::collection::vec(prop::array::uniform2(halves), 40)
@@ -165,28 +165,28 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn sets_of_blocks_on_round_numbers(a in blocks(), b in blocks(), places in round_places()) {
+    fn blocks_on_round_numbers_keep_the_laws_of_sets(a in blocks(), b in blocks(), places in round_places()) {
         sets_agree(&a, &b, &places)?;
     }
 
     #[test]
-    fn sets_of_stars_with_arcs(a in stars(), b in stars(), places in places()) {
+    fn stars_with_arcs_keep_the_laws_of_sets(a in stars(), b in stars(), places in places()) {
         sets_agree(&a, &b, &places)?;
     }
 
     #[test]
-    fn offsets_of_blocks_on_round_numbers(a in blocks(), quarters in 1..12_i32, places in round_places()) {
+    fn offsets_of_blocks_on_round_numbers_keep_their_distance(a in blocks(), quarters in 1..12_i32, places in round_places()) {
         offsets_agree(&a, 0.25 * f64::from(quarters), &places)?;
     }
 
     #[test]
-    fn offsets_of_stars_with_arcs(a in stars(), distance in 0.05..3.0_f64, places in places()) {
+    fn offsets_of_stars_with_arcs_keep_their_distance(a in stars(), distance in 0.05..3.0_f64, places in places()) {
         offsets_agree(&a, distance, &places)?;
     }
 
-    /// Ring after ring until nothing is left: areas only shrink.
+    /// Inner offsets are repeated until nothing is left: the area only shrinks.
     #[test]
-    fn repeated_offsets_end(a in stars(), distance in 0.1..1.0_f64) {
+    fn repeated_inner_offsets_end(a in stars(), distance in 0.1..1.0_f64) {
         let mut rings = vec![a];
         while !rings[rings.len() - 1].is_empty() {
             let next = inward(&rings[rings.len() - 1], distance);

@@ -3,8 +3,8 @@
 
 use nalgebra::SVector;
 
-/// The Bernstein coefficients of the scalar product of two vector polynomials over the unit interval; each
-/// has one coefficient at least.
+/// The Bernstein coefficients of the scalar product of two vector polynomials over the unit interval. Each
+/// has at least one coefficient.
 pub fn dot<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> Vec<f64> {
     let [m, n] = [a.len() - 1, b.len() - 1];
     let mut product = vec![0.0; m + n + 1];
@@ -19,7 +19,7 @@ pub fn dot<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> Vec<
     product
 }
 
-/// The Bernstein coefficients of the derivative, one fewer.
+/// The Bernstein coefficients of the derivative: one fewer than those of the polynomial.
 pub fn derived<const D: usize>(a: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
     let degree = (a.len() - 1) as f64;
     a.windows(2).map(|pair| (pair[1] - pair[0]) * degree).collect()
@@ -35,7 +35,7 @@ pub fn magnitude(coefficients: &[f64]) -> f64 {
     coefficients.iter().map(|c| c.abs()).fold(0.0, f64::max)
 }
 
-/// n over k; exact for the small degrees of curves.
+/// The binomial coefficient n over k; exact for the small degrees of curves.
 fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |value, i| value * (n - i) as f64 / (i + 1) as f64)
 }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_those_of_the_polynomials() {
+    fn a_product_of_coefficients_is_that_of_the_polynomials() {
         // (t, 1) . (t^2, 1 - t) = t^3 + 1 - t, of degree 1 + 2.
         let a = [Vector2::new(0.0, 1.0), Vector2::new(1.0, 1.0)];
         let b = [Vector2::new(0.0, 1.0), Vector2::new(0.0, 0.5), Vector2::new(1.0, 0.0)];

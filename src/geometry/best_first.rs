@@ -1,4 +1,4 @@
-//! What is still open in a branch and bound, the largest bound first.
+//! The queue of a branch and bound: items with bounds, the largest bound first.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -8,7 +8,7 @@ use std::collections::BinaryHeap;
 pub struct BestFirst<T> {
     heap: BinaryHeap<Entry>,
     items: Vec<T>,
-    /// Places in `items` that are done with.
+    /// Indices in `items` whose items were taken.
     free: Vec<usize>,
 }
 

@@ -1,29 +1,30 @@
 //! How far an element lies from a curve, proved over the whole of both.
 //!
 //! # Method
-//! 1. The deviation is read at parameters of the curve: there the point of the curve is enclosed, and its
-//!    signed distance from the element (`gauge`). By the normal measure that is the distance to the foot on
-//!    the element. It is largest where the two run parallel, and there the distance from curve to element is
-//!    that from element to curve.
-//! 2. Between two readings the second derivative of the distance is enclosed, from those of the curve and the
-//!    curvature of the element. So the distance lies within a parabola of the line through the readings.
-//! 3. Where that does not decide, or says more than 5/4 of what has been read, the range is halved. Where no
-//!    derivatives are bounded, as at a kink, what is read at an end holds as far as the curve goes.
+//! 1. The deviation is read at parameters of the curve (`gauge`): a reading encloses the point of the curve
+//!    and its signed distance from the element. With the normal measure this is the distance to the foot on
+//!    the element. It is largest where curve and element run parallel. There the distance from the curve to
+//!    the element equals that from the element to the curve.
+//! 2. Between two readings the second derivative of the distance is enclosed, from the derivatives of the
+//!    curve and the curvature of the element. So the distance lies within a parabola of the line through the
+//!    readings.
+//! 3. If this bound does not decide, or exceeds 5/4 of the largest reading, the range is halved. Where no
+//!    derivatives are bounded, as at a kink, the distance changes from a reading by no more than the curve
+//!    moves.
 //!
 //! # Guarantees
-//! * [`Verdict::Within`] is a proof: every point of the curve over the range lies within the band about the
-//!   element, its foot runs from one end of the element to the other, and so every point of the element is as
-//!   near to the curve. All is rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
-//! * The spread is never below what readings show, and at most 5/4 of it and a quarter of a micrometre's
-//!   thousandth.
-//! * [`Verdict::Outside`] is certain: a point is named at which the band is left.
+//! * [`Verdict::Within`] is a proof. Every point of the curve over the range lies within the band about the
+//!   element. Its foot runs from one end of the element to the other, so every point of the element is as
+//!   near to the curve. All numbers are rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
+//! * The spread is never below the readings. It exceeds them by at most a quarter plus 2.5e-7 mm.
+//! * [`Verdict::Outside`] is certain: it names a point at which the curve leaves the band.
 //!
 //! # Degenerate input
-//! What cannot be decided within some thousands of cells is [`Verdict::Unproved`].
+//! A case that some thousands of cells do not decide is [`Verdict::Unproved`].
 //!
 //! # Cost
-//! O(1) for a smooth piece that the element fits; O(log(1 / g)) where the deviation is within the part g of
-//! the band.
+//! O(1) for a smooth piece that the element fits; O(log(1 / g)) if the deviation differs from the band by the
+//! part g of it.
 
 mod gauge;
 
@@ -32,35 +33,36 @@ use super::interval::Interval;
 use super::plane_curve::PlaneCurve;
 use gauge::{Gauge, Normal, Reading, Vertical};
 
-/// Bands are kept up to rounding: this, mm, and a part of the largest coordinate. A straight line must pass a
-/// band that has no room on one side.
+/// The allowance by which every band is widened for rounding: `GUARD_MM`, mm, plus `GUARD_PART` of the
+/// largest coordinate. With less, a straight line might not pass a band that has no room on one side.
 pub const GUARD_MM: f64 = 1e-12;
 pub const GUARD_PART: f64 = 256.0 * f64::EPSILON;
 
-/// A bound may exceed what was read by a part of it, and by this, mm.
+/// A bound may exceed the largest reading by `LOOSE_PART` of it plus `LOOSE_MM`, mm.
 const LOOSE_PART: f64 = 0.25;
 const LOOSE_MM: f64 = 2.5e-7;
 
-/// Cells that one proof may look at, and more for each break of the curve in its range.
+/// The most cells of one proof, and the extra cells for each break of the curve in its range.
 const MOST_CELLS: usize = 4096;
 const CELLS_A_BREAK: usize = 64;
 
-/// With more breaks than this in the range a few places are looked at first: the element will hardly fit.
+/// If the range has more breaks than `BREAKS_TO_PROBE`, a few parameters are read first, because the element
+/// will hardly fit. `PROBES` is the number of parts that these parameters divide the range into.
 const BREAKS_TO_PROBE: usize = 4;
 const PROBES: u32 = 9;
 
 /// How a deviation is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
-    /// Along the normal: the distance.
+    /// Along the normal of the element.
     #[default]
     Normal,
     /// Along y, for graphs of functions.
     Vertical,
 }
 
-/// How far elements may lie to the right (below) and to the left (above) of the curve, mm; both are zero or
-/// more.
+/// How far elements may lie to the right of the curve (below) and to the left of it (above), mm. Both are
+/// zero or more.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     pub below_mm: f64,
@@ -68,8 +70,8 @@ pub struct Band {
     pub measure: Measure,
 }
 
-/// The signed deviations of an element from its curve: positive where the element lies to the left, or above.
-/// mm.
+/// The signed deviations of an element from its curve, mm: positive where the element lies to the left of the
+/// curve, or above.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
     pub least_mm: f64,
@@ -87,29 +89,29 @@ impl Spread {
     }
 }
 
-/// Where the ends of an element are.
+/// Where the ends of an element lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ends {
     /// On the curve, at the ends of the range.
     OnCurve,
-    /// Beside the curve, on its normals at the ends of the range, or straight above and below.
+    /// Beside the curve: on its normals at the ends of the range, or straight above or below.
     Beside,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     Within(Spread),
-    /// The band is left at this parameter of the curve.
+    /// The curve leaves the band at this parameter.
     Outside {
         at: f64,
     },
-    /// It could not be decided, near this parameter.
+    /// The proof failed near this parameter.
     Unproved {
         at: f64,
     },
 }
 
-/// Whether `element` stays within `band` of `curve` over the parameters `[from, to]`.
+/// Decides whether `element` stays within `band` of `curve` over the parameters `[from, to]`.
 pub fn judge(
     curve: &impl PlaneCurve,
     element: &Element,
@@ -124,7 +126,7 @@ pub fn judge(
     }
 }
 
-/// What a point of the curve may be to the left and right of the element.
+/// The least and the largest signed distance that a point of the curve may have from the element, mm.
 #[derive(Clone, Copy)]
 struct Limits {
     least: f64,
@@ -132,7 +134,8 @@ struct Limits {
 }
 
 impl Limits {
-    /// The curve is to the right of an element that is to its left.
+    /// Where the element lies to the left of the curve, the curve lies to the right of the element: the sides
+    /// change.
     fn of(band: &Band, element: &Element) -> Self {
         let guard = GUARD_MM + GUARD_PART * element.magnitude();
         Self { least: -(band.above_mm + guard), most: band.below_mm + guard }
@@ -181,24 +184,24 @@ fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], lim
 
 struct Search {
     limits: Limits,
-    /// The largest distance that was read.
+    /// The largest distance read so far, mm.
     found: f64,
-    /// What is proved of the cells behind.
+    /// Encloses the distances over the cells that are finished.
     proved: Interval,
     cells: usize,
     open: Vec<[Reading; 2]>,
 }
 
 impl Search {
-    /// Goes through a range without breaks; a verdict where it ends the search.
+    /// Examines a range without breaks. Returns a verdict if it ends the search.
     fn piece(&mut self, gauge: &impl Gauge, before: Reading, after: Reading) -> Option<Verdict> {
         for reading in [before, after] {
             if let Some(verdict) = self.note(&reading) {
                 return Some(verdict);
             }
         }
-        // At both ends there is nothing to read where they are joints: the first halving comes before the
-        // first bound.
+        // If both ends are joints, the readings there are zero: so the first halving comes before the first
+        // bound.
         self.halve(gauge, before, after).err().or_else(|| {
             while let Some([a, b]) = self.open.pop() {
                 let bound = bound(gauge, &a, &b);
@@ -246,7 +249,7 @@ fn bound(gauge: &impl Gauge, a: &Reading, b: &Reading) -> Interval {
     }
 }
 
-/// Encloses a function between its ends from its second derivative.
+/// Encloses a function between its ends, from its values there and its second derivative.
 fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
     let square = width * width * (1.0 + 1e-14);
     let above = bulge(b.hi() - a.hi(), (-bend.lo()).max(0.0) * square);
@@ -256,10 +259,11 @@ fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
     Interval::between(least.next_down(), most.next_up())
 }
 
-/// How far the parabola with the second difference `bend` >= 0 over ends that differ by `rise` goes above the
-/// higher.
+/// How far a parabola rises above the higher of its ends. The ends differ by `rise`; the second difference of
+/// the parabola is -`bend`, with `bend` >= 0.
 ///
-/// With s from 0 to 1 it is rise s + bend s (1 - s) / 2 above the one; largest at s = 1/2 + rise / bend.
+/// With s from 0 to 1 the parabola is rise s + bend s (1 - s) / 2 above one end; this is largest at s = 1/2 +
+/// rise / bend.
 fn bulge(rise: f64, bend: f64) -> f64 {
     let rise = rise.abs();
     if 2.0 * rise >= bend {

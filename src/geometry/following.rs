@@ -1,22 +1,22 @@
-//! How far a line or an arc is from points, and from the lines between them, in order: the Frechet distance,
-//! bounded.
+//! Bounds for the Frechet distance: how far a line or an arc is from points, and from the lines between them,
+//! taken in order.
 //!
 //! # Method
-//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. Where they do not, the
-//!    least distance within which places in order exist is bisected; each point takes the first place that is
-//!    near enough.
-//! 2. Between the places of two neighbours curve and line run side by side. Where both places are feet on an
-//!    arc in a plane, the distance there is known in closed form. Elsewhere the line is halved, each time
-//!    with a place for its middle, until the bound is close to what was found: two points that move evenly,
-//!    one on a line and one round an arc of radius r by the angle a, are no farther apart than at the ends
-//!    and r a^2 / 8.
+//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. If they do not,
+//!    bisection finds the least distance within which places in order exist. Each point then takes the first
+//!    place that is near enough.
+//! 2. Between the places of two neighbouring points, the curve and the line run side by side. If both places
+//!    are feet on an arc in a plane, the distance there has a closed form. Otherwise the line is halved, each
+//!    time with a place for its middle, until the bound is close to the largest distance found. The bound:
+//!    one point moves evenly on a line, another evenly round an arc of radius r by the angle a. They are no
+//!    farther apart than the larger of their distances at the ends plus r a^2 / 8.
 //!
 //! # Guarantees
-//! The result bounds the distance for places in order from the first to the last, whatever they are: wrong
-//! places make it larger, never smaller. It shares nothing with the fit whose curves it judges.
+//! The result is an upper bound for any places in order from the first to the last. Badly chosen places make
+//! it larger, never smaller. The computation shares nothing with the fit whose curves it judges.
 //!
 //! # Cost
-//! O(n) for n points whose feet follow each other, O(n log(1 / rounding)) where they do not.
+//! O(n) for n points whose feet follow each other, O(n log(1 / rounding)) if they do not.
 
 use std::f64::consts::{PI, TAU};
 
@@ -25,28 +25,29 @@ use nalgebra::{Point3, Vector3};
 use super::curve::{Arc, Curve, Direction};
 use super::solve::bisect;
 
-/// A bound may exceed what was found by this part of it, and by this, mm.
+/// A bound may exceed the largest distance found by `LOOSE_PART` of it plus `LOOSE_MM`, mm.
 const LOOSE_PART: f64 = 1e-7;
 const LOOSE_MM: f64 = 1e-11;
 
-/// Parts into which one line may be divided.
+/// The most parts into which one line is divided.
 const MOST_PARTS: usize = 400;
 
-/// Steps by which a least distance and a first place are found.
+/// Bisection steps for the least distance, and for the first place within a distance.
 const DISTANCE_STEPS: usize = 40;
 const PLACE_STEPS: usize = 40;
 
-/// A turn that is halved whatever the feet, radians.
+/// Turns above this are halved at the middle place if the middle of the line has no foot inside, radians.
 const LONG_WAY: f64 = PI / 4.0;
 
-/// What turns by half a turn does so up to rounding, radians.
+/// The largest turn that counts as half a turn, radians: the excess allows for rounding.
 const HALF_A_TURN: f64 = PI + 1e-7;
 
 /// Steps of Newton's method to a foot on a helix.
 const FOOT_STEPS: usize = 6;
 
-/// Bound of the least distance within which the curve passes the points in order, mm; infinite where it turns
-/// by more than half a turn between two of them, for which they are no reason.
+/// Upper bound of the least distance within which the curve passes the points in order, mm. Infinite if the
+/// curve turns by more than half a turn between two neighbouring points: the points do not justify such a
+/// turn.
 pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
@@ -57,8 +58,8 @@ pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     if steps.into_iter().all(is_half_a_turn) { track.largest(&points, &places) } else { f64::INFINITY }
 }
 
-/// Bound of the distance within which the curve, from its start to its end, and the lines between the points
-/// run side by side, mm.
+/// Upper bound of the distance within which the curve, from its start to its end, and the lines between the
+/// points run side by side, mm.
 pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
@@ -73,11 +74,11 @@ pub fn from_lines(curve: &Curve, points: &[Point3<f64>]) -> f64 {
     most
 }
 
-/// A curve in a frame of its own; places on it count from 0 to 1.
+/// A curve in a frame of its own. Places on it run from 0 at the start to 1 at the end.
 enum FramedCurve<'a> {
-    /// Along the first axis, from 0.
+    /// The line runs along the first axis, from 0.
     Line { length: f64, start: Point3<f64>, along: Vector3<f64> },
-    /// About the third axis, from the first axis to the left.
+    /// The arc runs about the third axis, from the first axis to the left.
     Arc {
         arc: &'a Arc,
         center: Vector3<f64>,
@@ -110,14 +111,14 @@ impl<'a> FramedCurve<'a> {
         }
     }
 
-    /// A point in the frame: along, and away from, a line; about an arc, so that the arc begins at the angle
-    /// zero and turns to the left.
+    /// A point in the frame. For a line: along it and away from it. For an arc: about its centre, such that
+    /// the arc begins at the angle zero and turns to the left.
     fn local(&self, p: &Point3<f64>) -> Vector3<f64> {
         match self {
             Self::Line { start, along, .. } => {
                 let from = p - start;
                 let x = along.dot(&from);
-                // The direction beside the line counts too, between points on different sides.
+                // The direction away from the line counts too: two points may lie on different sides of it.
                 let beside = from - along * x;
                 let u = across(along);
                 Vector3::new(x, u.dot(&beside), along.cross(&u).dot(&beside))
@@ -129,7 +130,7 @@ impl<'a> FramedCurve<'a> {
         }
     }
 
-    /// The angle turned, radians.
+    /// The angle that the curve turns, radians.
     fn turn(&self) -> f64 {
         match self {
             Self::Line { .. } => 0.0,
@@ -139,7 +140,7 @@ impl<'a> FramedCurve<'a> {
 
     fn distance(&self, p: &Vector3<f64>, place: f64) -> f64 {
         match self {
-            // Without the cancellation of nearly equal coordinates.
+            // This form avoids the cancellation of nearly equal coordinates.
             Self::Arc { radius, sweep, rise, .. } => {
                 let out = p.xy().norm();
                 let half = 0.5 * (p.y.atan2(p.x) - sweep * place);
@@ -150,14 +151,14 @@ impl<'a> FramedCurve<'a> {
         }
     }
 
-    /// The place that is nearest to a point; on a helix nearly so.
+    /// The place nearest to a point; on a helix approximately.
     fn foot(&self, p: &Vector3<f64>) -> f64 {
         match self {
             Self::Line { length, .. } if *length > 0.0 => (p.x / length).clamp(0.0, 1.0),
             Self::Line { .. } => 0.0,
             Self::Arc { radius, sweep, rise, .. } => {
                 let angle = p.y.atan2(p.x).rem_euclid(TAU);
-                // A point beyond the end that is nearer to the start has a negative angle.
+                // A point beyond the end that is nearer to the start gets a negative angle.
                 let mut at = if angle - sweep > TAU - angle { angle - TAU } else { angle };
                 if *rise != 0.0 {
                     let (climb, size) = (rise / sweep, p.xy().norm() * radius);
@@ -179,7 +180,8 @@ impl<'a> FramedCurve<'a> {
         points.iter().zip(places).map(|(p, place)| self.distance(p, *place)).fold(0.0, f64::max)
     }
 
-    /// Places in order from which the points are no farther away than they must be.
+    /// Places in order, chosen such that the largest distance of a point from its place is as small as
+    /// possible.
     fn places(&self, points: &[Vector3<f64>]) -> Vec<f64> {
         let feet: Vec<f64> = points.iter().map(|p| self.foot(p)).collect();
         let mut reached = 0.0f64;
@@ -205,7 +207,8 @@ impl<'a> FramedCurve<'a> {
         places
     }
 
-    /// For each point the first place within a distance that is not before the place of the point before it.
+    /// For each point the first place within `mm` of it that is not before the place of the point before.
+    /// `None` if a point has no such place.
     fn places_within(&self, points: &[Vector3<f64>], feet: &[f64], mm: f64) -> Option<Vec<f64>> {
         let mut reached = 0.0;
         let mut places = Vec::with_capacity(points.len());
@@ -220,16 +223,17 @@ impl<'a> FramedCurve<'a> {
         Some(places)
     }
 
-    /// A place within a distance of a point, found by halving between one that is not and one that is.
+    /// The first place within `mm` of a point, found by bisection between a place that is too far and a place
+    /// that is not.
     fn first(&self, p: &Vector3<f64>, [out, within]: [f64; 2], mm: f64) -> f64 {
         bisect([within, out], PLACE_STEPS, |place| self.distance(p, place) <= mm)[0]
     }
 
-    /// Bound of how far the line between two points runs from the curve between their places, if more than
-    /// `most`.
+    /// Upper bound of the distance between the line from one point to the next and the curve between their
+    /// places, mm; at least `most`.
     fn beside(&self, ends: [Vector3<f64>; 2], places: [f64; 2], most: f64) -> f64 {
         let Self::Arc { radius, sweep, .. } = self else {
-            // Between points that move evenly on two lines the distance is convex.
+            // The distance of two points that move evenly on two lines is convex, so it is largest at an end.
             return most;
         };
         let mut found = most;
@@ -253,8 +257,8 @@ impl<'a> FramedCurve<'a> {
             let middle = (ends[0] + ends[1]) * 0.5;
             let foot = self.foot(&middle);
             let is_inside = places[0] < foot && foot < places[1];
-            // A middle beyond an end has its place at that end. On a long way round it takes the middle
-            // place, else the other half would keep all of the turn.
+            // A middle beyond an end takes that end as its place. If the turn is long, it takes the middle
+            // place: otherwise one half would keep all of the turn.
             let place = if is_inside || turn < LONG_WAY {
                 foot.clamp(places[0], places[1])
             } else {
@@ -266,8 +270,9 @@ impl<'a> FramedCurve<'a> {
         bounded
     }
 
-    /// The largest distance in closed form of a line from an arc in a plane, where its ends stand at their
-    /// feet and it turns by less than half a turn about the centre: at an end, or where it passes the centre.
+    /// The largest distance of a line from an arc in a plane, in closed form, mm: at an end, or where the
+    /// line passes the centre. `None` unless the places are the feet of the line's ends, and the line turns
+    /// by less than half a turn about the centre.
     fn between_feet(&self, [a, b]: [Vector3<f64>; 2], places: [f64; 2]) -> Option<f64> {
         let Self::Arc { radius, sweep, rise, .. } = self else { return None };
         let is_foot = |p: &Vector3<f64>, place: f64| {
@@ -290,7 +295,7 @@ impl<'a> FramedCurve<'a> {
     }
 }
 
-/// A unit vector across another.
+/// A unit vector at right angles to another.
 fn across(along: &Vector3<f64>) -> Vector3<f64> {
     let least = along.iamin();
     let mut axis = Vector3::zeros();

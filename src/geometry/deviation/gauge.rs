@@ -1,5 +1,5 @@
-//! Reads the distance of a curve from an element, along the normal or along y, and encloses it between
-//! readings.
+//! Gauges: they read the distance of a curve from an element, along the normal or along y, and enclose it
+//! between readings.
 
 use nalgebra::{Point2, Vector2};
 
@@ -8,45 +8,45 @@ use crate::geometry::element::Element;
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
-/// Rounding of a foot and its distance, in parts of the largest coordinate: a few dozen operations.
+/// Rounding of a foot and its distance, as a part of the largest coordinate: a few dozen operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Feet at the ends of an element are there up to this.
+/// Feet this far beyond an end of the element count as at the end, in units of `u`.
 const END_ROUNDING: f64 = 1e-12;
 
-/// What is known at one parameter.
+/// The distance at one parameter of the curve.
 #[derive(Debug, Clone, Copy)]
 pub struct Reading {
     pub t: f64,
     /// How far the curve lies to the left of the element, or above, mm.
     pub distance: Interval,
-    /// How far it lies from the element at least, its ends included, mm.
+    /// Lower bound of the distance from the element, ends included, mm.
     pub away: f64,
-    /// Where the foot is.
+    /// The place of the foot on the element, from 0 to 1.
     pub u: f64,
-    /// Whether it is a foot, to rounding.
+    /// Whether the search for the foot converged, to rounding.
     is_foot: bool,
-    /// The element's tangent there.
+    /// The element's unit tangent at the foot.
     tangent: Vector2<f64>,
 }
 
-/// A way to measure.
+/// A way to measure the deviation.
 pub trait Gauge {
     fn read(&self, t: f64) -> Reading {
         self.read_near(t, 0.5)
     }
 
-    /// The reading at `t`, whose foot is somewhere about `u`.
+    /// The reading at `t`. The search for the foot starts at `u`.
     fn read_near(&self, t: f64, u: f64) -> Reading;
 
-    /// Encloses the second derivative of the distance between two readings; `None` where there is none.
+    /// Encloses the second derivative of the distance between two readings; `None` if it has no bound.
     fn bend(&self, a: &Reading, b: &Reading) -> Option<Interval>;
 
     /// Encloses the distance between two readings without any derivatives.
     fn reach(&self, a: &Reading, b: &Reading) -> Interval;
 }
 
-/// Distances to the foot.
+/// Measures the distance to the foot.
 pub struct Normal<'a, C> {
     pub curve: &'a C,
     pub element: &'a Element,
@@ -78,10 +78,10 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         Reading { t, distance, away, u: foot.u, is_foot, tangent: foot.tangent }
     }
 
-    /// With the unit normal N and tangent T at the foot, and the signed curvature k of the element there, the
-    /// distance d of a moving point C has d' = N C' and d'' = N C'' - k / (1 - k d) (T C')^2. The foot moves
-    /// on while T C' > 0 and k d < 1; then it stays between those of the two readings, and N, T and k are
-    /// enclosed by what they are there.
+    /// Let N and T be the unit normal and tangent at the foot, k the signed curvature of the element there,
+    /// and d the distance of a moving point C. Then d' = N C' and d'' = N C'' - k / (1 - k d) (T C')^2. The
+    /// foot moves forward while T C' > 0 and k d < 1. So it stays between the feet of the two readings, and
+    /// N, T and k are enclosed by their values between these feet.
     fn bend(&self, a: &Reading, b: &Reading) -> Option<Interval> {
         if self.ends == Ends::OnCurve && beyond(a.u).max(beyond(b.u)) > END_ROUNDING {
             return None;
@@ -92,7 +92,7 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let Enclosure { first, second, .. } = self.curve.enclose(a.t, b.t);
         let sum = a.tangent + b.tangent;
         let length = sum.norm();
-        // Beyond a right angle between the two, the cone is not worth the trouble.
+        // If the tangents are too far apart, the cone of directions is too wide to be of use.
         if length < 1.5 || !second[0].is_bounded() || !second[1].is_bounded() {
             return None;
         }
@@ -108,7 +108,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
             _ if b.u < a.u => return None,
             element => element.curvature(a.u, b.u),
         };
-        // While the foot runs between the two it is no farther away than the readings and the way between.
+        // While the foot runs between the two feet, the distance is at most that of the readings plus the way
+        // that the curve's point moves.
         let way = (speed.hi() + cone.across(first).mag()) * (b.t - a.t);
         let distance = a.distance.hull(b.distance) + Interval::around(0.0, way);
         let room = Interval::point(1.0) - curvature * distance;
@@ -118,8 +119,9 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         Some(bend - curvature.div(room) * speed.sqr())
     }
 
-    /// The distance changes no faster than the point moves; near an end the foot may run out of the element
-    /// by as much, and on a bent element it may jump: what lies between the feet counts from one of them.
+    /// The distance changes no faster than the point moves. Near an end the foot may leave the element by as
+    /// much as the point moves. On a curved element the foot may jump: the length between the two feet is
+    /// then added.
     fn reach(&self, a: &Reading, b: &Reading) -> Interval {
         let Enclosure { point: [x, y], .. } = self.curve.enclose(a.t, b.t);
         if !x.is_bounded() || !y.is_bounded() {
@@ -141,12 +143,12 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
     }
 }
 
-/// How far a foot lies out of its element.
+/// How far a foot lies beyond the ends of its element, in units of `u`.
 fn beyond(u: f64) -> f64 {
     (-u).max(u - 1.0).max(0.0)
 }
 
-/// Differences of heights.
+/// Measures the difference of heights.
 pub struct Vertical<'a, C> {
     pub curve: &'a C,
     pub element: &'a Element,
@@ -157,7 +159,7 @@ impl<C: PlaneCurve> Gauge for Vertical<'_, C> {
         let y = self.curve.enclose(t, t).point[1];
         let distance = match self.element.graph_at(t) {
             Some(height) => y - Interval::around(height, ROUNDING * self.element.magnitude()),
-            // Nothing is near an element that is not there.
+            // Where the element has no height, the distance is infinite.
             None => Interval::point(f64::INFINITY),
         };
         Reading { t, distance, away: distance.mig(), u, is_foot: true, tangent: Vector2::x() }
@@ -180,20 +182,20 @@ impl<C: PlaneCurve> Gauge for Vertical<'_, C> {
     }
 }
 
-/// Directions near one: those whose angle with it has at most this sine.
+/// The directions whose angle with `along` has at most the sine `sine`.
 struct Cone {
     along: Vector2<f64>,
     sine: f64,
 }
 
 impl Cone {
-    /// Encloses the product of a direction in the cone and a vector in the box.
+    /// Encloses the scalar product of a direction in the cone and a vector in the box.
     fn along(&self, v: [Interval; 2]) -> Interval {
         let (t, n) = self.turned(v);
         t * self.cosine() + n * Interval::between(-self.sine, self.sine)
     }
 
-    /// As `along`, of the direction a quarter turn to the left of it.
+    /// As [`Self::along`], with the direction turned to the left by a quarter turn.
     fn across(&self, v: [Interval; 2]) -> Interval {
         let (t, n) = self.turned(v);
         n * self.cosine() + t * Interval::between(-self.sine, self.sine)

@@ -1,4 +1,4 @@
-//! Bounds against closed forms and against dense points; spoilt curves are told from good ones.
+//! Compares bounds with closed forms and with dense samples. Wrong curves get large bounds.
 
 use nalgebra::Point3;
 use proptest::prelude::*;
@@ -16,8 +16,7 @@ fn arc(center: [f64; 2], radius: f64, from: f64, turn: f64, rise: f64) -> Curve 
     Curve::Arc(Arc::new(Plane::Xy, direction, start, end, Point3::new(center[0], center[1], 1.0)).unwrap())
 }
 
-/// The least distance for places in order among many, for many points of the lines: a Frechet distance of two
-/// sequences.
+/// The Frechet distance of two sequences: many points of the lines, and many points of the curve.
 fn dense(curve: &Curve, points: &[Point3<f64>], on_line: usize, on_curve: usize) -> f64 {
     let mut way = vec![points[0]];
     for pair in points.windows(2) {
@@ -43,7 +42,7 @@ fn dense(curve: &Curve, points: &[Point3<f64>], on_line: usize, on_curve: usize)
 }
 
 #[test]
-fn a_chord_is_as_far_from_its_arc_as_it_is_high() {
+fn a_chord_is_as_far_from_its_arc_as_the_arc_is_high() {
     for rise in [0.0, 2.0] {
         for turn in [-3.0, -1.0, 0.01, 0.5, 3.1] {
             let curve = arc([3.0, -2.0], 10.0, 0.3, turn, rise);
@@ -57,7 +56,7 @@ fn a_chord_is_as_far_from_its_arc_as_it_is_high() {
 }
 
 #[test]
-fn going_back_counts() {
+fn points_that_go_back_are_far_by_half_of_the_way_back() {
     let line = Curve::Line(Line { start: Point3::origin(), end: Point3::new(10.0, 0.0, 0.0) });
     let points = [0.0, 6.0, 4.0, 10.0].map(|x| Point3::new(x, 0.0, 0.0));
     assert!((from_points(&line, &points) - 1.0).abs() < 1e-6);
@@ -65,13 +64,13 @@ fn going_back_counts() {
 }
 
 #[test]
-fn the_wrong_way_round_is_far() {
+fn an_arc_the_wrong_way_round_is_far() {
     let good = arc([0.0, 0.0], 5.0, 0.0, 1.5, 0.0);
     let points: Vec<_> = (0..=10).map(|k| good.point_at(f64::from(k) / 10.0)).collect();
     let wrong = arc([0.0, 0.0], 5.0, 0.0, 1.5 - TAU, 0.0);
     assert!(from_points(&good, &points) < 1e-12 && from_points(&wrong, &points) > 1.0);
     assert!(from_lines(&wrong, &points) > 5.0);
-    // Two points are no reason to go round by more than half a turn.
+    // Two points do not justify more than half a turn.
     assert_eq!(from_points(&wrong, &[wrong.start(), wrong.end()]), f64::INFINITY);
 }
 
@@ -88,10 +87,10 @@ fn a_full_turn_is_followed() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Never below dense points, little above them where the points go on, and larger when the curve is
-    /// spoilt.
+    /// A bound is never below the sampled distance and little above it. It is large for moved and for
+    /// reversed points.
     #[test]
-    fn bounds_hold_and_see_what_is_spoilt(
+    fn bounds_hold_and_detect_wrong_curves(
         radius in 0.5..20.0f64, from in 0.0..6.0f64, turn in 0.1..5.5f64, left in any::<bool>(),
         rise in prop_oneof![Just(0.0), -4.0..4.0f64], noise in 0.0..0.3f64,
         offsets in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64), 2..9),
@@ -111,7 +110,7 @@ proptest! {
         let found = dense(&curve, &points, 60, 400);
         let bound = from_lines(&curve, &points);
         prop_assert!(bound >= found - step, "{bound} {found}");
-        // Places in order from which the points are near need not be those from which the lines are.
+        // Places that are best for the points need not be best for the lines.
         prop_assert!(bound <= 1.5 * found + step, "{bound} {found}");
         let near = from_points(&curve, &points);
         prop_assert!(near <= bound + 1e-9 || near.is_infinite() && turn.abs() > PI);

@@ -1,12 +1,13 @@
-//! What B-spline curves and surfaces share: the rules for their knots, and their Bezier control points.
+//! Knot rules and Bezier control points for B-spline curves and surfaces.
 //!
 //! # Method
-//! The Bezier control points of a span [a, b] of a B-spline are the values of its blossom at p - k times a
-//! and k times b. They are linear in the control points of the span, so they are found for a knot vector, as
-//! matrices ([`spans`]), by de Boor's recursion with one argument a step.
+//! Let p be the degree. The Bezier control points of a span [a, b] are values of the span's blossom: for k
+//! from 0 to p, a is an argument p - k times and b is an argument k times. These values are linear in the
+//! control points of the span. So they are computed from the knots alone, as matrices ([`spans`]), by de
+//! Boor's recursion with one argument at each step.
 //!
 //! # Guarantees
-//! Every step is a convex combination, whatever the spacing and multiplicity of the knots, clamped or not.
+//! Every step is a convex combination, for any spacing and multiplicity of the knots, clamped or not.
 //!
 //! # Degenerate input
 //! Knot spans without length are left out.
@@ -22,19 +23,19 @@ use nalgebra::DMatrix;
 /// The highest degree of a curve, and of a surface along one direction.
 pub const MAX_DEGREE: usize = 7;
 
-/// The largest quotient of two weights: beyond it the smaller ones do nothing but harm.
+/// The largest quotient of two weights: with a larger one the smaller weights do nothing but harm.
 pub const MAX_WEIGHT_RATIO: f64 = 1e6;
 
-/// What a knot vector of its use may hold.
+/// The rules for a knot vector, which depend on its use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnotRules {
-    /// How often a knot may be repeated inside the domain.
+    /// The highest multiplicity of a knot inside the domain.
     pub multiplicity: usize,
-    /// The shortest span, in parts of the domain.
+    /// The shortest span, as a part of the domain.
     pub shortest_span: f64,
 }
 
-/// Why numbers are no knot vector.
+/// Why numbers are not a valid knot vector.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum KnotError {
     #[error("there are {found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
@@ -53,16 +54,16 @@ pub enum KnotError {
     SpanTooShort { index: usize, shortest: f64 },
 }
 
-/// A knot span: its Bezier control points are `extraction` times the control points from `first` on.
+/// A knot span. Its Bezier control points are `extraction` times the curve's control points from `first` on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Span {
     pub first: usize,
-    /// The knots it lies between, rising.
+    /// The knots at its ends, growing.
     pub ends: [f64; 2],
     pub extraction: DMatrix<f64>,
 }
 
-/// The spans that have a length, of a knot vector that [`check_knots`] accepts.
+/// The spans with a length, of a knot vector that [`check_knots`] accepts.
 pub fn spans(knots: &[f64], degree: usize, points: usize) -> impl Iterator<Item = Span> + '_ {
     let has_length = |i: &usize| knots[i + 1] > knots[*i];
     (degree..points).filter(has_length).map(move |i| Span {
@@ -74,7 +75,8 @@ pub fn spans(knots: &[f64], degree: usize, points: usize) -> impl Iterator<Item 
     })
 }
 
-/// Whether `knots` are those of so many control points, more than `degree`, which is 1 to [`MAX_DEGREE`].
+/// Checks that `knots` are a valid knot vector for `points` control points, more than `degree`. The degree is
+/// from 1 to [`MAX_DEGREE`].
 ///
 /// # Errors
 /// The first of [`KnotError`] that applies.
@@ -103,7 +105,7 @@ pub fn check_knots(knots: &[f64], degree: usize, points: usize, rules: KnotRules
     Ok(())
 }
 
-/// The distinct knots inside the domain, by the index of the first of each, with their multiplicities.
+/// The distinct knots inside the domain: for each the index of its first occurrence and its multiplicity.
 pub fn inner_knots(knots: &[f64], degree: usize, points: usize) -> Vec<(usize, usize)> {
     let mut inner: Vec<(usize, usize)> = Vec::new();
     for (index, knot) in knots.iter().enumerate() {
@@ -118,8 +120,8 @@ pub fn inner_knots(knots: &[f64], degree: usize, points: usize) -> Vec<(usize, u
     inner
 }
 
-/// The share of control point `span - degree + column` in the blossom of the span at `row` times its end and
-/// `degree - row` times its start.
+/// The share of control point `span - degree + column` in the blossom's value with the span's end as an
+/// argument `row` times, and its start `degree - row` times.
 fn blossom(knots: &[f64], degree: usize, span: usize, row: usize, column: usize) -> f64 {
     let mut values = [0.0; MAX_DEGREE + 1];
     values[column] = 1.0;

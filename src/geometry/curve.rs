@@ -35,7 +35,7 @@ impl Curve {
         }
     }
 
-    /// Length in mm; that of the helix for an arc whose ends differ along its normal.
+    /// The length, mm; for an arc whose ends differ along its normal, that of the helix.
     pub fn length(&self) -> f64 {
         match self {
             Curve::Line(line) => line.length(),
@@ -44,7 +44,7 @@ impl Curve {
         }
     }
 
-    /// Vectors along the curve at its start and its end; zero where it goes nowhere.
+    /// Vectors along the curve at its start and its end, of any length; zero if the curve has no length.
     pub fn tangents(&self) -> [Vector3<f64>; 2] {
         match self {
             Curve::Line(line) => line.tangents(),
@@ -53,7 +53,7 @@ impl Curve {
         }
     }
 
-    /// The point at the fraction `t` in 0..=1 of the length.
+    /// The point at the fraction `t` of the length, from 0 to 1.
     pub fn point_at(&self, t: f64) -> Point3<f64> {
         match self {
             Curve::Line(line) => line.point_at(t),
@@ -62,7 +62,7 @@ impl Curve {
         }
     }
 
-    /// Distance in mm from `p` to the nearest point of the curve; for a helix an upper bound.
+    /// The distance from `p` to the nearest point of the curve, mm; for a helix an upper bound.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
         match self {
             Curve::Line(line) => line.distance_to(p),
@@ -71,8 +71,8 @@ impl Curve {
         }
     }
 
-    /// The point of the curve that is nearest to `p`; for a helix one as near as
-    /// [`distance_to`](Self::distance_to) says.
+    /// The point of the curve nearest to `p`; for a helix a point whose distance is the one that
+    /// [`distance_to`](Self::distance_to) returns.
     pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
         match self {
             Curve::Line(line) => line.nearest_to(p),
@@ -81,7 +81,8 @@ impl Curve {
         }
     }
 
-    /// The largest value over the curve of the coordinate along `direction` (a vector of any length), mm.
+    /// The largest scalar product of `direction`, a vector of any length, with a point of the curve; mm for a
+    /// unit vector.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         match self {
             Curve::Line(line) => line.support(direction),

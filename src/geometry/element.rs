@@ -1,7 +1,7 @@
 //! Elements of an interpolation: a line, an arc or a parabola between two points of the plane.
 //!
-//! An element is seen by its feet: the foot of a point is the nearest place on the element, and its signed
-//! distance is positive where the point lies to the left of the element's direction.
+//! The foot of a point is its nearest place on an element. The signed distance of the point from its foot is
+//! positive if the point lies to the left of the element's direction.
 
 use std::f64::consts::PI;
 
@@ -10,10 +10,10 @@ use nalgebra::{Point2, Vector2};
 use super::arc_fit;
 use super::interval::Interval;
 
-/// Steps of Newton's method to a foot on a parabola; from a guess at hand it takes two to five.
+/// Steps of Newton's method to a foot on a parabola. With a good guess it takes two to five.
 const FOOT_STEPS: usize = 30;
 
-/// One element, with both ends, mm.
+/// One element with both ends; mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Element {
     Line {
@@ -36,26 +36,28 @@ pub struct PlaneArc {
     pub end: Point2<f64>,
     pub center: Point2<f64>,
     pub radius: f64,
-    /// The angle turned, positive to the left, radians.
+    /// The angle that the arc turns, positive to the left, radians.
     pub turn: f64,
 }
 
-/// Where a point meets an element.
+/// The foot of a point on an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
-    /// From 0 at the start to 1 at the end; outside of it on the line, circle or parabola continued.
+    /// The place of the foot: 0 at the start, 1 at the end, and beyond these on the line, circle or parabola
+    /// continued.
     pub u: f64,
-    /// Positive to the left of the element, mm.
+    /// The signed distance of the point, positive to the left of the element, mm.
     pub distance: f64,
-    /// The unit tangent there.
+    /// The unit tangent at the foot.
     pub tangent: Vector2<f64>,
-    /// How far the point lies ahead of the foot, where the search for it was not over, mm.
+    /// How far the point lies ahead of the foot along the tangent, mm: zero unless the search for the foot
+    /// did not converge.
     pub slip: f64,
 }
 
 impl PlaneArc {
-    /// The arc with this bulge, tan(turn / 4) and positive where the arc lies to the left of its chord, so
-    /// that it turns to the right; `None` when there is no such arc.
+    /// The arc with this bulge: tan(|turn| / 4), positive if the arc lies to the left of its chord, and so
+    /// turns to the right. `None` if there is no such arc.
     pub fn with_bulge(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> Option<Self> {
         let center = Point2::from(arc_fit::center(start.coords, end.coords, bulge));
         let radius = (start - center).norm();
@@ -63,7 +65,7 @@ impl PlaneArc {
         is_arc.then(|| Self { start, end, center, radius, turn: -4.0 * bulge.atan() })
     }
 
-    /// Signed: positive where the arc turns to the left, 1/mm.
+    /// The signed curvature, 1/mm: positive if the arc turns to the left.
     pub fn curvature(&self) -> f64 {
         self.turn.signum() / self.radius
     }
@@ -73,7 +75,7 @@ impl PlaneArc {
         let length = spoke.norm();
         let sense = self.turn.signum();
         let out = if length > 0.0 { spoke / length } else { Vector2::x() };
-        // Angles are counted from the middle of the arc, so that those behind it are farthest away.
+        // Angles are measured from the middle of the arc, so that they jump as far from the arc as possible.
         let middle = nalgebra::Rotation2::new(self.turn / 2.0) * (self.start - self.center);
         let angle = middle.perp(&spoke).atan2(middle.dot(&spoke));
         Foot {
@@ -100,13 +102,13 @@ impl Element {
         }
     }
 
-    /// The parabola through three points, the middle one at half of its parameter.
+    /// The parabola through three points, with the middle point at the parameter 1/2.
     pub fn parabola_through([start, middle, end]: [Point2<f64>; 3]) -> Self {
         let control = middle + ((middle - start) + (middle - end)) * 0.5;
         Self::Parabola { start, control, end }
     }
 
-    /// The foot of `p`; on a parabola the one that is found from the guess `near`, from 0 to 1.
+    /// The foot of `p`; on a parabola the foot that the search finds from the guess `near`, from 0 to 1.
     pub fn foot(&self, p: Point2<f64>, near: f64) -> Foot {
         match self {
             Self::Line { start, end } => {
@@ -130,7 +132,8 @@ impl Element {
             Self::Parabola { start, control, end } => {
                 let (first, second) = (2.0 * (control - start), 2.0 * ((start - control) + (end - control)));
                 let cross = first.perp(&second);
-                // The speed is the distance from a point to a line, so it is least at its foot or at an end.
+                // The speed is the distance of a fixed point from a point on a line, so it is least at the
+                // fixed point's foot or at an end.
                 let speed = |u: f64| (first + second * u).norm();
                 let slowest = -first.dot(&second) / second.norm_squared();
                 let slowest = if slowest.is_finite() { slowest.clamp(from, to) } else { from };
@@ -145,19 +148,20 @@ impl Element {
         }
     }
 
-    /// Encloses the length of the way of a foot by its `u`, also a little beyond the ends, mm.
+    /// Encloses the length of the element for each unit of a foot's `u`, also a little beyond the ends, mm.
     pub fn speed(&self) -> Interval {
         match self {
             Self::Line { start, end } => Interval::point((end - start).norm()),
             Self::Arc(arc) => Interval::point(arc.radius * arc.turn.abs()),
-            // It may stand still in a hairpin; beyond the ends it runs on faster, hardly ever so much.
+            // The speed of a parabola may fall to zero in a hairpin. Beyond the ends it grows: twice the
+            // largest speed between the ends is enough for `u` from -0.5 to 1.5.
             Self::Parabola { start, control, end } => {
                 Interval::between(0.0, 4.0 * (control - start).norm().max((end - control).norm()))
             }
         }
     }
 
-    /// y at x, for an element that is the graph of a function there; `None` where it is none.
+    /// y at x; `None` if the element is not the graph of a function there.
     pub fn graph_at(&self, x: f64) -> Option<f64> {
         match self {
             Self::Line { start, end } => {
@@ -177,7 +181,7 @@ impl Element {
         }
     }
 
-    /// Encloses the second derivative by x between two places, for an element that is the graph of a
+    /// Encloses the second derivative of y by x between two places; the element has to be the graph of a
     /// function.
     pub fn graph_bend(&self, from: f64, to: f64) -> Interval {
         match self {
@@ -194,19 +198,20 @@ impl Element {
             Self::Parabola { start, control, end } => {
                 let width = end.x - start.x;
                 let bend = 2.0 * ((start.y - control.y) + (end.y - control.y)) / (width * width);
-                // The control's height, an ordinate of the curve, is known to its rounding.
+                // The heights of the control points are exact up to their rounding.
                 let height = start.y.abs().max(control.y.abs()).max(end.y.abs());
                 Interval::around(bend, 16.0 * f64::EPSILON * height / (width * width))
             }
         }
     }
 
-    /// Whether x rises all along the element.
+    /// Whether x grows all along the element.
     fn is_graph(&self) -> bool {
         match self {
             Self::Line { start, end } | Self::Parabola { start, end, .. } => start.x < end.x,
             Self::Arc(arc) => {
-                // The tangent points to the right at both ends, and turns by less than half a turn between.
+                // The tangent points to the right at both ends, and turns by less than half a turn in
+                // between.
                 let sense = arc.turn.signum();
                 let heads_right = |p: Point2<f64>| (arc.center.y - p.y) * sense > 0.0;
                 arc.turn.abs() < PI && heads_right(arc.start) && heads_right(arc.end)
@@ -214,7 +219,7 @@ impl Element {
         }
     }
 
-    /// The largest magnitude in its data, by which its rounding is counted, mm.
+    /// The size of the element's coordinates, mm, which its rounding is proportional to.
     pub fn magnitude(&self) -> f64 {
         let of = |p: &Point2<f64>| p.x.abs().max(p.y.abs());
         match self {
@@ -225,7 +230,7 @@ impl Element {
     }
 }
 
-/// The foot on a parabola by Newton's method on the squared distance.
+/// The foot on a parabola, by Newton's method on the squared distance.
 fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: f64) -> Foot {
     let (first, second) = (2.0 * (control - start), (start - control) + (end - control));
     let at = |u: f64| start + first * u + second * (u * u);
@@ -234,7 +239,7 @@ fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: 
     for _ in 0..FOOT_STEPS {
         let (away, along) = (at(u) - p, speed(u));
         let slope = along.norm_squared() + 2.0 * away.dot(&second);
-        // Where the distance is not convex the step of Gauss and Newton still descends.
+        // If the distance is not convex, the step of the Gauss-Newton method still descends.
         let slope = if slope > 0.0 { slope } else { along.norm_squared() };
         let step = away.dot(&along) / slope;
         if !step.is_finite() {

@@ -1,11 +1,11 @@
-//! A surface as triangles between points over a grid of parameters: what pictures shade.
+//! A surface as triangles between points on a grid of parameters, for pictures.
 //!
 //! # Guarantees
-//! The grid takes the joints of patches in, where there are no more of them than cells. There are as many
-//! points for a large surface as for a small one.
+//! The grid includes the joints of patches if there are no more joints than cells. The number of points does
+//! not depend on the size of the surface.
 //!
 //! # Degenerate input
-//! At a pole triangles have no extent; a point whose triangles have none has no normal.
+//! At a pole, triangles have no area. A point has no normal if none of its triangles has an area.
 //!
 //! # Cost
 //! O(cells).
@@ -17,13 +17,13 @@ use super::surface::Surface;
 /// Points on a surface, row after row, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Numbers of cells along u and v.
+    /// The numbers of cells along u and v.
     cells: [usize; 2],
     points: Vec<Point3<f64>>,
 }
 
 impl Mesh {
-    /// The mesh of `surface` with at most `most` cells each way, which is at least 1.
+    /// The mesh of `surface` with at most `most` cells in each direction. `most` is at least 1.
     pub fn of(surface: &dyn Surface, most: usize) -> Self {
         let spans = surface.spans();
         let cells = spans.map(|n| if n < most { n * (most / n) } else { most });
@@ -32,7 +32,8 @@ impl Mesh {
         Self { cells, points: (0..=cells[0]).flat_map(row).collect() }
     }
 
-    /// The mesh through some of the points, with at most `most` cells each way; the sides stay.
+    /// The mesh through some of the points, with at most `most` cells in each direction. The first and the
+    /// last rows and columns stay.
     pub fn thinned(&self, most: usize) -> Self {
         let cells = self.cells.map(|n| n.min(most));
         let at = |side: usize, k: usize| k * self.cells[side] / cells[side];
@@ -45,7 +46,7 @@ impl Mesh {
         &self.points
     }
 
-    /// Triangles as indices of points, all in the sense of u and v.
+    /// Triangles as indices of points, all turning in the sense from u to v.
     pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> {
         let [nu, nv] = self.cells;
         (0..nu).flat_map(move |i| (0..nv).map(move |j| i * (nv + 1) + j)).flat_map(move |low| {
@@ -54,7 +55,7 @@ impl Mesh {
         })
     }
 
-    /// The unit normals at the points, turned upward; zero where there is none.
+    /// The unit normals at the points, with the upward sign; zero at a point without a normal.
     pub fn normals(&self) -> Vec<Vector3<f64>> {
         let mut normals = vec![Vector3::zeros(); self.points.len()];
         for triangle in self.triangles() {
@@ -87,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_are_taken_in_and_cells_are_bounded() {
+    fn the_grid_includes_joints_and_the_number_of_cells_is_bounded() {
         let mesh = Mesh::of(&slope(5), 12);
         assert_eq!(mesh.cells, [10, 12]);
         assert_eq!(mesh.triangles().count(), 240);
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_point_up_and_a_point_without_one_is_no_trap() {
+    fn normals_point_up_and_are_zero_where_there_are_none() {
         let up = Vector3::new(-0.5, 0.0, 1.0).normalize();
         for surface in [slope(2), slope(2).transposed()] {
             let normals = Mesh::of(&surface, 8).normals();

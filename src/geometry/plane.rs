@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A coordinate plane, named in the order that makes (first, second, normal) right-handed:
-/// `Zx` has first axis z, second axis x, normal +y. Counterclockwise is seen from the positive end of the
-/// normal, as G3 in G17, G18 and G19.
+/// A coordinate plane, named in the order that makes (first, second, normal) right-handed: `Zx` has the first
+/// axis z, the second axis x and the normal +y. Counterclockwise is as seen from the positive side of the
+/// normal, like G3 in G17, G18 and G19.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Plane {
     Xy,
@@ -15,7 +15,7 @@ pub enum Plane {
 impl Plane {
     pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Zx, Plane::Yz];
 
-    /// Indices of the first axis, the second axis and the normal in x, y, z.
+    /// The indices in (x, y, z) of the first axis, the second axis and the normal.
     pub const fn axes(self) -> [usize; 3] {
         match self {
             Plane::Xy => [0, 1, 2],
@@ -24,7 +24,7 @@ impl Plane {
         }
     }
 
-    /// Coordinates (first, second, normal) of a workpiece point, mm.
+    /// The coordinates (first, second, normal) of a workpiece point, mm.
     pub fn to_local(self, p: &Point3<f64>) -> Vector3<f64> {
         let [a, b, n] = self.axes();
         Vector3::new(p[a], p[b], p[n])
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_right_handed_and_invert() {
+    fn frames_are_right_handed_and_invertible() {
         for plane in Plane::ALL {
             let unit = |k: usize| {
                 let mut v = Vector3::zeros();

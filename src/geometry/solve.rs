@@ -1,13 +1,12 @@
-//! Roots, largest values and limits of what holds, for functions of one number.
+//! Roots, largest values and bisection, for functions of one number.
 
 use std::convert::Infallible;
 
-/// Halvings after which no range of numbers can be halved again.
+/// Halvings after which no range of floating point numbers can be halved again.
 pub const TO_ROUNDING: usize = 2_200;
 
-/// A range between a place where something holds and one where it fails, halved `halvings` times or until it
-/// cannot be halved. The first place of the range that is returned is one where it was found to hold, or the
-/// first one given.
+/// Bisects a range: `holds` is true at its first place and false at its last place. Returns a part of the
+/// range with the same property, after `halvings` halvings, or earlier if the range cannot be halved again.
 ///
 /// # Errors
 /// Those of `holds`.
@@ -26,17 +25,17 @@ pub fn try_bisect<E>(
     Ok([inside, outside])
 }
 
-/// As [`try_bisect`], where nothing can fail.
+/// As [`try_bisect`], for a `holds` that cannot fail.
 pub fn bisect(range: [f64; 2], halvings: usize, mut holds: impl FnMut(f64) -> bool) -> [f64; 2] {
     let Ok(halved) = try_bisect(range, halvings, |x| Ok::<_, Infallible>(holds(x)));
     halved
 }
 
-/// Steps in the search for a root; it takes five to ten.
+/// The most steps in the search for a root; it takes five to ten.
 const STEPS: usize = 60;
 
-/// The root in `range` of a function that falls, or the end of the range that is nearest to it, by regula
-/// falsi (the Illinois variant), to rounding.
+/// The root in `range` of a function that falls, to rounding. Without a root, the end of the range that is
+/// nearest to it. The method is regula falsi, in the Illinois variant.
 pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     let (mut above, mut below) = (f(low), f(high));
     if above <= 0.0 {
@@ -55,7 +54,7 @@ pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f6
         if value == 0.0 {
             return trial;
         }
-        // The end that stays counts half, so that both ends move.
+        // The value at the end that stays is halved, so that both ends move.
         if value > 0.0 {
             (low, above) = (trial, value);
             below *= if side == 1 { 0.5 } else { 1.0 };
@@ -69,10 +68,10 @@ pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f6
     if above < -below { low } else { high }
 }
 
-/// Steps in the search for a largest value: as far as rounding lets it be told.
+/// Steps in the search for a largest value: more would find nothing beyond rounding.
 const SECTIONS: usize = 60;
 
-/// Where a function is largest in a range in which it has one top, by golden sections.
+/// The place where a function is largest in a range in which it has one maximum, by golden section search.
 pub fn largest_place([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     for _ in 0..SECTIONS {
@@ -107,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn tops_are_found_inside_and_at_ends() {
+    fn maxima_are_found_inside_and_at_ends() {
         assert!((largest_place([0.0, 4.0], |x| 3.0 - (x - 1.0).powi(2)) - 1.0).abs() < 1e-7);
         assert!((largest_place([0.0, 4.0], |x| x) - 4.0).abs() < 1e-11);
     }

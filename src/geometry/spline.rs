@@ -1,11 +1,11 @@
-//! Derivatives of the C2 cubic spline through values in any number of dimensions.
+//! First derivatives of the C2 cubic spline through values in any number of dimensions.
 //!
 //! # Method
-//! The first derivatives of a C2 cubic solve a tridiagonal system: one row a value says that the second
-//! derivatives on both sides agree, one row an end what that end does.
+//! The first derivatives solve a tridiagonal system. One row for each inner value says that the second
+//! derivatives on both sides are equal. One row for each end is its end condition.
 //!
 //! # Guarantees
-//! Elimination needs no pivoting: the rows are diagonally dominant but for the not-a-knot end, whose pivots
+//! Elimination needs no pivoting. The rows are diagonally dominant, except at a not-a-knot end, whose pivots
 //! stay above zero (with steps a, b, .. from the end, a + b after one step).
 //!
 //! # Degenerate input
@@ -19,22 +19,22 @@
 
 use nalgebra::SVector;
 
-/// How the spline ends, the same at both ends.
+/// The end condition of a spline, for both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EndCondition<const D: usize> {
-    /// Second derivative zero.
+    /// The second derivative is zero.
     Natural,
-    /// The first two and the last two spans are one cubic; with fewer than four values the interpolating
-    /// polynomial.
+    /// The first two spans are one cubic, and so are the last two. With fewer than four values: the
+    /// interpolating polynomial.
     NotAKnot,
-    /// Given first derivatives.
+    /// The first derivatives are given.
     Clamped(SVector<f64, D>, SVector<f64, D>),
-    /// First derivative of the parabola through the three values nearest the end.
+    /// The first derivative is that of the parabola through the three values nearest the end.
     Bessel,
 }
 
-/// First derivatives, by the parameter that grows by one from value to value, of the spline through
-/// `values`, two at least.
+/// The first derivatives of the spline through at least two `values`, at these values. The parameter grows by
+/// one from value to value.
 pub fn derivatives<const D: usize>(
     values: &[SVector<f64, D>],
     ends: EndCondition<D>,
@@ -42,8 +42,8 @@ pub fn derivatives<const D: usize>(
     derivatives_over(&vec![1.0; values.len().saturating_sub(1)], values, ends)
 }
 
-/// First derivatives, by the parameter that grows by `steps[i]`, above zero, from value i to the next, of the
-/// spline through `values`, two at least and one more than the steps.
+/// The first derivatives of the spline through at least two `values`, at these values. The parameter grows by
+/// `steps[i]`, above zero, from value i to the next; there is one step fewer than values.
 pub fn derivatives_over<const D: usize>(
     steps: &[f64],
     values: &[SVector<f64, D>],
@@ -55,7 +55,7 @@ pub fn derivatives_over<const D: usize>(
     if n == 2 && matches!(ends, EndCondition::NotAKnot | EndCondition::Bessel) {
         return vec![slope(0); 2];
     }
-    // Derivatives at an end of the parabola through the three values nearest to it.
+    // The derivative at an end, of the parabola through the three values nearest to it.
     let first_bessel = || parabola_end([steps[0], steps[1]], [slope(0), slope(1)]);
     let last_bessel = || parabola_end([steps[last - 1], steps[last - 2]], [slope(last - 1), slope(last - 2)]);
     if n == 3 && matches!(ends, EndCondition::NotAKnot) {
@@ -94,26 +94,26 @@ pub fn derivatives_over<const D: usize>(
     right
 }
 
-/// Derivative at the end of the parabola with these slopes over the steps nearest to the end, the nearest
-/// first.
+/// The derivative at the end of the parabola with the slopes `p` and `q` over the steps `a` and `b`; those
+/// nearest the end come first.
 fn parabola_end<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
     p + (p - q) * (a / (a + b))
 }
 
-/// The right side of the row b m0 + (a + b) m1, which says that the spans of the steps `a` and `b`, the end's
-/// first, are one cubic; `p` and `q` are the slopes over them.
+/// The right side of the row b m0 + (a + b) m1. The row says that the spans of the steps `a` and `b` are one
+/// cubic; `a` is nearest the end, `p` and `q` are the slopes over the steps.
 fn not_a_knot<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) -> SVector<f64, D> {
     (p * (b * (3.0 * a + 2.0 * b)) + q * (a * a)) / (a + b)
 }
 
-/// below m[i - 1] + diagonal m[i] + above m[i + 1].
+/// One row of the system: below m[i - 1] + diagonal m[i] + above m[i + 1].
 struct Row {
     below: f64,
     diagonal: f64,
     above: f64,
 }
 
-/// Puts the solution in the place of the right sides.
+/// Replaces the right sides by the solution.
 fn solve<const D: usize>(rows: &mut [Row], right: &mut [SVector<f64, D>]) {
     let last = right.len() - 1;
     for i in 1..=last {
@@ -139,7 +139,7 @@ mod tests {
         (0..n).map(|i| Vector3::new(f(i as f64), 0.0, 1.0)).collect()
     }
 
-    /// Uneven parameters, the steps between them, and the values of `f` there.
+    /// Uneven parameters, the steps between them, and the values of `f` at them.
     fn uneven(n: usize, f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>, Vec<Vector3<f64>>) {
         let t: Vec<f64> = (0..n).map(|i| i as f64 + 0.4 * (2.1 * i as f64).sin()).collect();
         let values = t.iter().map(|t| Vector3::new(f(*t), *t, 1.0)).collect();
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn clamped_and_bessel_reproduce_what_they_can() {
+    fn clamped_ends_reproduce_cubics_and_bessel_ends_parabolas() {
         let cubic = |t: f64| t * t * t;
         let ends = EndCondition::Clamped(Vector3::zeros(), Vector3::new(75.0, 0.0, 0.0));
         let m = derivatives(&sampled(6, cubic), ends);

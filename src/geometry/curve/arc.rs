@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::geometry::plane::Plane;
 
-/// The sense of an arc, seen from the positive end of its plane's normal.
+/// The sense of an arc, seen from the positive side of its plane's normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// Clockwise, G2.
@@ -15,7 +15,7 @@ pub enum Direction {
     Ccw,
 }
 
-/// Why three points do not make an arc.
+/// Why three points give no arc.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ArcError {
     #[error("a coordinate of the arc is not finite")]
@@ -30,16 +30,17 @@ pub enum ArcError {
     NearlyClosed { gap_mm: f64 },
 }
 
-/// The radii of an arc's ends agree within this part of the coordinates' magnitude: it allows for the
-/// rounding of a centre that was computed from the ends, and for nothing a control could see.
+/// The largest difference of the radii at an arc's two ends, as a part of the largest coordinate. It allows
+/// for the rounding of a centre that was computed from the ends. A larger value would allow a difference that
+/// a control could detect.
 const RADIUS_AGREEMENT: f64 = 1e-9;
 
-/// However large the coordinates, the radii agree within this, mm: a thousandth of the usual output unit, and
-/// a thousand times the rounding of coordinates of a kilometre.
+/// The largest difference of the radii for any coordinates, mm: a thousandth of the usual output unit, and a
+/// thousand times the rounding of coordinates of a kilometre.
 const RADIUS_AGREEMENT_MAX_MM: f64 = 1e-6;
 
-/// An arc about `center` from `start` to `end`. Equal ends in the plane make one full turn; ends that differ
-/// along the normal make a helix of less than, or exactly, one turn.
+/// An arc about `center` from `start` to `end`. If the ends are equal in the plane, the arc makes one full
+/// turn. If the ends differ along the normal, it is a helix of at most one turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
     plane: Plane,
@@ -53,13 +54,13 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// `center` has the start's coordinate along the plane's normal; all in mm. Only ends that are exactly
-    /// equal in the plane make a full turn.
+    /// The arc through `start` and `end` about `center`, all in mm. `center` has the start's coordinate along
+    /// the plane's normal. Only ends that are exactly equal in the plane make a full turn.
     ///
     /// # Errors
-    /// When a coordinate is not finite, the radius is zero, the two radii differ, the centre lies off the
-    /// start's plane, or the ends are so close without being equal that rounding decides between a sweep of
-    /// nothing and a full turn.
+    /// When a coordinate is not finite, the radius is zero, the two radii differ, or the centre lies off the
+    /// start's plane. Also when the ends are so close without being equal that rounding would decide between
+    /// a sweep of nothing and a full turn.
     pub fn new(
         plane: Plane,
         direction: Direction,
@@ -92,7 +93,7 @@ impl Arc {
         if !is_closed && gap_mm <= agreement {
             return Err(ArcError::NearlyClosed { gap_mm });
         }
-        // Of the directions only: the product of two radii could overflow.
+        // Computed from the directions only: the product of two radii could overflow.
         let (from, to) = (from / start_mm, to / end_mm);
         let turn = from.perp(&to).atan2(from.dot(&to));
         let sweep = if is_closed {
@@ -115,7 +116,7 @@ impl Arc {
         })
     }
 
-    /// The arc whose centre is the point nearest to `near` from which both ends are equally far; for equal
+    /// The arc whose centre is the place nearest to `near` that is equally far from both ends; for equal
     /// ends, `near` itself. So a centre that was rounded, or read from a program, gives an exact arc.
     ///
     /// # Errors
@@ -160,12 +161,12 @@ impl Arc {
         self.center
     }
 
-    /// Radius at the start, mm.
+    /// The radius at the start, mm.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The angle turned, radians, in 0..=2 pi whatever the direction.
+    /// The angle that the arc turns, radians, in 0..=2 pi for both directions.
     pub fn sweep(&self) -> f64 {
         self.sweep
     }
@@ -176,7 +177,7 @@ impl Arc {
         self.end[n] - self.start[n]
     }
 
-    /// Length, mm.
+    /// The length, mm.
     pub fn length(&self) -> f64 {
         (self.radius * self.sweep).hypot(self.rise())
     }
@@ -208,8 +209,8 @@ impl Arc {
         self.plane.to_workpiece(&local)
     }
 
-    /// Distance from `p` to the arc, mm; for a helix the distance to the point at `p`'s own angle or to an
-    /// end, which is never below the true distance.
+    /// The distance from `p` to the arc, mm. For a helix it is the distance to the point at `p`'s own angle
+    /// or to an end, which is never below the true distance.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
         let ends = (p - self.start).norm().min((p - self.end).norm());
         let local = self.plane.to_local(p) - self.plane.to_local(&self.center);
@@ -222,7 +223,8 @@ impl Arc {
         }
     }
 
-    /// The point that is as near to `p` as [`distance_to`](Self::distance_to) says.
+    /// The point of the arc whose distance from `p` is the one that [`distance_to`](Self::distance_to)
+    /// returns.
     pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
         let local = self.plane.to_local(p) - self.plane.to_local(&self.center);
         let across = self.fraction_of_angle(local.y.atan2(local.x)).map(|t| self.point_at(t));
@@ -231,8 +233,8 @@ impl Arc {
         across.map_or(end, |across| nearer(across, end))
     }
 
-    /// The fraction of the sweep at which the arc passes the angle `angle` (radians, in the local frame),
-    /// if it does.
+    /// The fraction of the sweep at which the arc passes the angle `angle` (radians, in the local frame);
+    /// `None` if it does not.
     pub fn fraction_of_angle(&self, angle: f64) -> Option<f64> {
         let turned = match self.direction {
             Direction::Ccw => (angle - self.start_angle).rem_euclid(TAU),
@@ -241,7 +243,7 @@ impl Arc {
         (turned <= self.sweep).then(|| turned / self.sweep)
     }
 
-    /// The largest coordinate along `direction` over the arc; for a helix an upper bound.
+    /// The largest scalar product of `direction` with a point of the arc; for a helix an upper bound.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         let [a, b, n] = self.plane.axes();
         let ends = self.start.coords.dot(direction).max(self.end.coords.dot(direction));
@@ -295,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn quarter_and_three_quarters_in_every_plane() {
+    fn ends_and_a_direction_make_a_quarter_or_three_quarters_in_every_plane() {
         for plane in Plane::ALL {
             let (s, e, c) = (at(plane, 11.0, 2.0, 3.0), at(plane, 1.0, 12.0, 3.0), at(plane, 1.0, 2.0, 3.0));
             let quarter = Arc::new(plane, Direction::Ccw, s, e, c).unwrap();
@@ -307,7 +309,8 @@ mod tests {
             assert!((rest.sweep() - 1.5 * PI).abs() < 1e-15);
             assert!(close(rest.point_at(0.5), at(plane, 1.0 - half, 2.0 - half, 3.0)));
             assert!(close(rest.point_at(1.0 / 3.0), at(plane, 1.0, -8.0, 3.0)));
-            // Away from the sweep the nearest point is an end; within it, the one on the same ray.
+            // For a point outside the sweep the nearest point is an end; within the sweep it is on the
+            // point's own ray.
             let beyond = at(plane, 1.0, -18.0, 3.0);
             assert!((quarter.distance_to(&beyond) - (beyond - s).norm()).abs() < 1e-12);
             assert!((rest.distance_to(&beyond) - 10.0).abs() < 1e-12);
@@ -317,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn support_is_at_an_extreme_or_at_an_end() {
+    fn the_support_is_at_an_extreme_or_at_an_end() {
         for plane in Plane::ALL {
             let axes = plane.axes();
             let unit = |k: usize, sign: f64| {
@@ -357,7 +360,7 @@ mod tests {
         }
     }
 
-    /// As the real interpreter moves: G18 G3 from X0 to X10 humps toward +Z, G19 G2 from Y0 to Y10 too.
+    /// As controls move: G18 G3 from X0 to X10 bulges toward +Z, and G19 G2 from Y0 to Y10 too.
     #[test]
     fn senses_are_those_of_g18_and_g19() {
         let (s, e, c) = (Point3::origin(), Point3::new(10.0, 0.0, 0.0), Point3::new(5.0, 0.0, 0.0));
@@ -369,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_arc_is_refused() {
+    fn points_that_make_no_arc_are_refused() {
         let arc = |s: [f64; 3], e: [f64; 3], c: [f64; 3]| {
             Arc::new(Plane::Xy, Direction::Ccw, s.into(), e.into(), c.into())
         };
@@ -381,7 +384,7 @@ mod tests {
             arc([0.0; 3], [2.0, 0.0, 0.0], [1.0001, 0.0, 0.0]),
             Err(ArcError::RadiusMismatch { .. })
         ));
-        // At large coordinates the allowance does not grow to what a control could see.
+        // At large coordinates the allowance stays below what a control could detect.
         assert!(matches!(
             arc([0.0; 3], [2e6, 0.0, 0.0], [1e6 + 1e-5, 0.0, 0.0]),
             Err(ArcError::RadiusMismatch { .. })

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// The segment from `start` to `end`, mm; it may have length zero.
+/// The segment from `start` to `end`, mm; its length may be zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     pub start: Point3<f64>,
@@ -10,12 +10,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// Length, mm.
+    /// The length, mm.
     pub fn length(&self) -> f64 {
         (self.end - self.start).norm()
     }
 
-    /// The vector from the start to the end, at both.
+    /// The vector from the start to the end, for both ends.
     pub fn tangents(&self) -> [Vector3<f64>; 2] {
         [self.end - self.start; 2]
     }
@@ -25,7 +25,7 @@ impl Line {
         self.start + (self.end - self.start) * t
     }
 
-    /// Distance from `p` to the segment, mm.
+    /// The distance from `p` to the segment, mm.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
         (p - self.nearest_to(p)).norm()
     }
@@ -38,7 +38,7 @@ impl Line {
         self.point_at(t)
     }
 
-    /// The largest coordinate along `direction` over the segment.
+    /// The largest scalar product of `direction` with a point of the segment.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         self.start.coords.dot(direction).max(self.end.coords.dot(direction))
     }

@@ -1,36 +1,37 @@
 //! A part of a parabola: a quadratic Bezier curve in space.
 //!
 //! # Method
-//! With B from the start to the control point and A = start - 2 control + end, the point at the parameter t
-//! is start + 2 t B + t^2 A. Its velocity 2 (B + t A) is longest away from the vertex: with w = (B + t A) . A
-//! / |A| along the axis and q = |A x B| / |A| across it, half the speed is sqrt(w^2 + q^2).
-//! * Length: the integral of the speed, w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends over |A|,
-//!   written as a sum of terms that are not negative, so that nothing cancels however small A is.
-//! * Distance: the cubic (P(t) - p) . P'(t) = 0, one root between each two neighbours of the ends and its own
-//!   extremes.
+//! Let B be the vector from the start to the control point, and A = start - 2 control + end. The point at the
+//! parameter t is start + 2 t B + t^2 A, and its velocity is 2 (B + t A). With w = (B + t A) . A / |A| along
+//! the axis and q = |A x B| / |A| across the axis, half the speed is sqrt(w^2 + q^2).
+//! * Length: the integral of the speed is w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends, over |A|. It
+//!   is computed as a sum of terms that are not negative, so that nothing cancels, however small A is.
+//! * Distance: the cubic (P(t) - p) . P'(t) = 0. The ends and the extremes of the cubic divide the curve;
+//!   each part has one root at most.
 //! * Curvature: |A x B| / (2 |B + t A|^3), largest where the speed is least: at the vertex, or at an end.
 //!
 //! # Degenerate input
-//! Control points on one line make a straight motion, which turns back where the control point lies beyond an
-//! end; length, distance and support are those of that motion. A control point at an end, and three equal
-//! points, are legal.
+//! Control points on one line give a straight motion. It turns back if the control point lies beyond an end;
+//! length, distance and support are then those of the motion. A control point at an end, and three equal
+//! points, are valid.
 //!
 //! # Cost
-//! O(1) each; a point by length and a distance take some ten steps of Newton's method.
+//! O(1) for each function; a point by length, and a distance, take some ten steps of Newton's method.
 
 use nalgebra::{Point3, Vector3};
 
-/// Halvings and Newton steps together: by halving alone an interval of length one shrinks below its rounding.
+/// The most steps to a root, halvings and Newton steps together: halvings alone shrink an interval of length
+/// one below its rounding.
 const STEPS: usize = 64;
 
-/// Why three points do not make a parabola.
+/// Why three points give no parabola.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ParabolaError {
     #[error("a coordinate of the parabola is not finite, or so large that its square overflows")]
     NotFinite,
 }
 
-/// The quadratic Bezier curve of its three control points, mm.
+/// The quadratic Bezier curve of three control points, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parabola {
     start: Point3<f64>,
@@ -40,13 +41,13 @@ pub struct Parabola {
 
 impl Parabola {
     /// # Errors
-    /// When a coordinate is not finite, or the square of a distance would not be.
+    /// When a coordinate is not finite, or too large for the fourth powers in the distance's cubic.
     pub fn new(start: Point3<f64>, control: Point3<f64>, end: Point3<f64>) -> Result<Self, ParabolaError> {
         let parabola = Self { start, control, end };
         let [b, a] = parabola.coefficients();
         let squares = b.norm_squared() + a.norm_squared();
         let is_finite = [start, control, end].iter().all(|p| p.iter().all(|x| x.is_finite()));
-        // The cubic of the distance holds fourth powers.
+        // The cubic for the distance contains fourth powers.
         if is_finite && (squares * squares).is_finite() {
             Ok(parabola)
         } else {
@@ -67,13 +68,14 @@ impl Parabola {
         self.end
     }
 
-    /// The second difference start - 2 control + end: half the second derivative by the parameter, along the
-    /// axis. A chord over parameters h apart leaves the curve by |A| h^2 / 4 at equal parameters.
+    /// The second difference A = start - 2 control + end, mm. It is half the second derivative by the
+    /// parameter, and runs along the axis. A chord between parameters h apart leaves the curve by |A| h^2 / 4
+    /// at equal parameters.
     pub fn bend(&self) -> Vector3<f64> {
         (self.start - self.control) + (self.end - self.control)
     }
 
-    /// Half the first derivative by the parameter at `t`.
+    /// Half the first derivative by the parameter, at `t`.
     pub fn velocity(&self, t: f64) -> Vector3<f64> {
         (self.control - self.start) * (1.0 - t) + (self.end - self.control) * t
     }
@@ -91,13 +93,13 @@ impl Parabola {
         from + (to - from) * t
     }
 
-    /// Length, mm.
+    /// The length, mm.
     pub fn length(&self) -> f64 {
         let [b, a] = self.coefficients();
         length(&b, &a)
     }
 
-    /// The parameter at the fraction `fraction` of the length.
+    /// The parameter at a fraction of the length.
     pub fn parameter_at(&self, fraction: f64) -> f64 {
         if !(fraction > 0.0 && fraction < 1.0) {
             return fraction.clamp(0.0, 1.0);
@@ -118,7 +120,7 @@ impl Parabola {
     pub fn nearest(&self, p: &Point3<f64>) -> f64 {
         let [b, a] = self.coefficients();
         let from = self.start - p;
-        // Half of (P - p) . P' / 2, as a cubic in t.
+        // (P - p) . P' / 2, as a cubic in t.
         let [c3, c2, c1, c0] =
             [a.norm_squared(), 3.0 * a.dot(&b), 2.0 * b.norm_squared() + from.dot(&a), from.dot(&b)];
         let value = |t: f64| ((c3 * t + c2) * t + c1) * t + c0;
@@ -130,16 +132,16 @@ impl Parabola {
         roots.into_iter().chain([1.0]).fold(0.0, |best, t| if off(t) < off(best) { t } else { best })
     }
 
-    /// Distance from `p` to the curve, mm.
+    /// The distance from `p` to the curve, mm.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
         (self.at(self.nearest(p)) - p).norm()
     }
 
-    /// The largest coordinate along `direction` over the curve.
+    /// The largest scalar product of `direction` with a point of the curve.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         let ends = self.start.coords.dot(direction).max(self.end.coords.dot(direction));
         let [b, a] = self.coefficients().map(|v| v.dot(direction));
-        // It rises at the start, and falls at the end.
+        // The scalar product grows at the start and falls at the end.
         if b > 0.0 && b + a < 0.0 { ends.max(self.start.coords.dot(direction) - b * (b / a)) } else { ends }
     }
 
@@ -156,14 +158,14 @@ impl Parabola {
         Parabola { start: self.start + by, control: self.control + by, end: self.end + by }
     }
 
-    /// The parameter of least speed: that of the vertex, or of the end that is nearer to it.
+    /// The parameter of the least speed: that of the vertex, or of the end nearest to it.
     pub fn slowest(&self) -> f64 {
         let [b, a] = self.coefficients();
         let squared = a.norm_squared();
         if squared > 0.0 { (-b.dot(&a) / squared).clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The largest curvature, 1/mm: zero on a straight way, infinite where that turns back.
+    /// The largest curvature, 1/mm: zero on a straight motion, infinite if that turns back.
     pub fn largest_curvature(&self) -> f64 {
         let [b, a] = self.coefficients();
         let t = self.slowest();
@@ -178,7 +180,7 @@ impl Parabola {
         }
     }
 
-    /// Vectors along the curve at its start and its end; zero where three points are one.
+    /// Vectors along the curve at its start and its end; zero if all three points are equal.
     pub fn tangents(&self) -> [Vector3<f64>; 2] {
         let chord = self.end - self.start;
         [self.control - self.start, self.end - self.control]
@@ -191,7 +193,7 @@ impl Parabola {
     }
 }
 
-/// The length of the curve with the coefficients B and A.
+/// The length of the curve with the coefficients B and A, mm.
 fn length(b: &Vector3<f64>, a: &Vector3<f64>) -> f64 {
     let bend = a.norm();
     let speeds = [b.norm(), (b + a).norm()];
@@ -199,7 +201,8 @@ fn length(b: &Vector3<f64>, a: &Vector3<f64>) -> f64 {
     if bend == 0.0 || sum == 0.0 {
         return sum;
     }
-    // Along the axis at both ends, turned so that the later is the farther one.
+    // The coordinates along the axis at both ends, mirrored if needed so that the later one is farther from
+    // the vertex.
     let first = b.dot(a) / bend;
     let along = if 2.0 * first + bend < 0.0 { [-first - bend, -first] } else { [first, first + bend] };
     let speeds = if 2.0 * first + bend < 0.0 { [speeds[1], speeds[0]] } else { speeds };
@@ -219,20 +222,20 @@ fn length(b: &Vector3<f64>, a: &Vector3<f64>) -> f64 {
     sum / 2.0 + lean * (lean / sum) / 2.0 + q * q * turned
 }
 
-/// The zeros of 3 a t^2 + 2 b t + c, rising; where there are none, zeros.
+/// The roots of 3 a t^2 + 2 b t + c, the smaller first; zeros if there are none.
 fn extremes(a: f64, b: f64, c: f64) -> [f64; 2] {
     let discriminant = b * b - 3.0 * a * c;
     if discriminant <= 0.0 {
         return [0.0; 2];
     }
-    // Of the two forms of a root, the one in which nothing cancels.
+    // Each root has two forms; this is the one in which nothing cancels.
     let sum = -(b + b.signum() * discriminant.sqrt());
     let [one, other] = [c / sum, sum / (3.0 * a)];
     if one <= other { [one, other] } else { [other, one] }
 }
 
-/// The zero of a function, given with its slope, that is monotone between two places; the end that is nearer
-/// to zero where there is none.
+/// The root of a function that is monotone between two places; `at` returns its value and its slope. Without
+/// a root, the end at which the value is nearer to zero.
 fn root([mut low, mut high]: [f64; 2], at: impl Fn(f64) -> (f64, f64)) -> f64 {
     let (first, last) = (at(low).0, at(high).0);
     if first == 0.0 || first.signum() == last.signum() {

@@ -5,7 +5,7 @@ use super::*;
 use crate::geometry::element::PlaneArc;
 use crate::geometry::plane_curve::Enclosure;
 
-/// y = sin(x), or |x - 1| with a kink, with enclosures by hand.
+/// The graph y = sin(x), with enclosures written by hand.
 struct Wave {
     domain: [f64; 2],
 }
@@ -43,7 +43,7 @@ impl PlaneCurve for Wave {
     }
 }
 
-/// |x - 1| over an interval around it: no derivatives at the kink.
+/// The graph y = |x - 1|: without derivatives at the kink.
 struct Kink;
 
 impl PlaneCurve for Kink {
@@ -94,9 +94,9 @@ fn spread(verdict: Verdict) -> Spread {
     }
 }
 
-/// The deciding elements of Hyun's tables.
+/// The elements on which the counts in Hyun's tables depend.
 #[test]
-fn tight_cases_come_out_right() {
+fn bands_close_to_the_deviation_are_judged_right() {
     let wave = Wave { domain: [0.0, 6.5] };
     let third = [6.5 / 3.0, 13.0 / 3.0];
     let chord = line(&wave, third);
@@ -113,9 +113,9 @@ fn tight_cases_come_out_right() {
     }
 }
 
-/// The verdict turns at the true deviation, to a billionth of a millimetre.
+/// The verdict changes at the true deviation, to a billionth of a millimetre.
 #[test]
-fn a_band_of_just_the_deviation_is_told_from_one_below_it() {
+fn a_band_just_above_the_deviation_holds_and_one_just_below_does_not() {
     let wave = Wave { domain: [0.0, 4.0] };
     let domain = [0.0, std::f64::consts::PI];
     let chord = line(&wave, domain);
@@ -129,7 +129,7 @@ fn a_band_of_just_the_deviation_is_told_from_one_below_it() {
 }
 
 #[test]
-fn sides_are_told_apart() {
+fn a_chord_below_the_curve_needs_room_below() {
     let wave = Wave { domain: [0.0, 6.5] };
     // The chord under the first wave lies below the curve.
     let domain = [0.5, 2.0];
@@ -144,7 +144,7 @@ fn sides_are_told_apart() {
 
 #[test]
 fn a_kink_is_measured_without_derivatives() {
-    // From (0, 1) to (3, 2): the kink lies 4/3 below, or 1.2649 along the normal.
+    // The chord runs from (0, 1) to (3, 2). The kink lies 4/3 below it, or 1.2649 along the normal.
     let chord = line(&Kink, [0.0, 3.0]);
     for (measure, largest) in [(Measure::Vertical, 4.0 / 3.0), (Measure::Normal, 4.0 / 10f64.sqrt())] {
         let within = judge(&Kink, &chord, [0.0, 3.0], Ends::OnCurve, &band(largest + 1e-6, measure));
@@ -186,8 +186,8 @@ impl PlaneCurve for Hairpin {
 }
 
 #[test]
-fn running_back_past_the_start_counts() {
-    // It goes back to x = -9/16.
+fn a_curve_that_runs_back_past_its_start_leaves_its_chord() {
+    // The curve goes back to x = -9/16.
     let chord = line(&Hairpin, [0.0, 1.0]);
     let judged = |mm| judge(&Hairpin, &chord, [0.0, 1.0], Ends::OnCurve, &band(mm, Measure::Normal));
     assert!(!matches!(judged(0.5), Verdict::Within(_)));
@@ -234,7 +234,7 @@ proptest! {
             let largest = most.max(-least);
             prop_assert!(spread.largest_mm() <= 1.25 * largest + 3e-7, "{spread:?} {least} {most}");
         } else {
-            // An arc that is no graph, or stands upright at its end.
+            // The arc is no graph, or is vertical at its end.
             prop_assert!(vertical && shape == 2, "{verdict:?}");
         }
     }

@@ -27,7 +27,7 @@ fn point(element: &Element, u: f64) -> Point2<f64> {
 }
 
 #[test]
-fn a_foot_is_found_again_from_beside_it() {
+fn a_point_beside_the_element_has_its_foot_where_the_normal_starts() {
     for element in elements() {
         for k in 0..=20 {
             let u = f64::from(k) / 20.0;
@@ -46,7 +46,7 @@ fn a_foot_is_found_again_from_beside_it() {
 }
 
 #[test]
-fn ends_are_at_zero_and_one() {
+fn the_feet_of_the_ends_are_at_zero_and_one() {
     for element in elements() {
         let [start, end] = [(element.start(), 0.0), (element.end(), 1.0)].map(|(p, u)| element.foot(p, u));
         assert!(start.u.abs() < 1e-14 && (end.u - 1.0).abs() < 1e-14, "{element:?}");
@@ -64,7 +64,7 @@ fn a_parabola_goes_through_its_three_points() {
 }
 
 #[test]
-fn graphs_are_those_of_the_functions() {
+fn graphs_have_the_heights_and_second_derivatives_of_their_functions() {
     let (start, end) = (Point2::new(0.0, 0.0), Point2::new(2.0, 4.0));
     let square = Element::Parabola { start, control: Point2::new(1.0, 0.0), end };
     assert!((square.graph_at(1.5).unwrap() - 2.25).abs() < 1e-14);
@@ -83,7 +83,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn curvature_is_enclosed(u in 0.0..1.0f64, v in 0.0..1.0f64, w in 0.0..1.0f64) {
+    fn the_enclosure_contains_the_sampled_curvature(u in 0.0..1.0f64, v in 0.0..1.0f64, w in 0.0..1.0f64) {
         for element in elements() {
             let (low, high) = (u.min(v), u.max(v));
             let range = element.curvature(low, high);

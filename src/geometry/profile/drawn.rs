@@ -5,22 +5,22 @@ use nalgebra::{Point, SVector};
 use super::{Piece, Profile, Shape};
 use crate::geometry::spline::{EndCondition, derivatives};
 
-/// Shapes one after the other; the place of each is its number.
+/// A profile of shapes in order; the place of each is its index.
 pub fn chain<const D: usize>(shapes: impl IntoIterator<Item = Shape<D>>) -> Profile<D> {
     Profile::new(shapes.into_iter().enumerate().map(|(place, shape)| Piece { shape, place }))
 }
 
-/// Lines through points.
+/// A profile of lines through points.
 pub fn polyline<const D: usize>(points: impl AsRef<[[f64; D]]>) -> Profile<D> {
     chain(points.as_ref().windows(2).map(|pair| Shape::Line([pair[0].into(), pair[1].into()])))
 }
 
-/// A quarter of a circle, whose middle control point is the corner.
+/// A quarter of a circle; the middle control point is the corner of its tangents.
 pub fn quarter<const D: usize>(points: [[f64; D]; 3]) -> Shape<D> {
     Shape::Arc { points: points.map(Point::from), weight: 0.5f64.sqrt() }
 }
 
-/// The smooth curve through points.
+/// A smooth profile through points.
 pub fn smooth<const D: usize>(points: &[[f64; D]]) -> Profile<D> {
     let values: Vec<SVector<f64, D>> = points.iter().map(|p| SVector::from(*p)).collect();
     let slopes = derivatives(&values, EndCondition::Natural);

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point, SVector};
 
-/// The shape of a piece, by control points in D dimensions, mm.
+/// The shape of a piece, by its control points in D dimensions, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape<const D: usize> {
     Line([Point<f64, D>; 2]),
-    /// A rational quadratic, of a quarter turn at most; the weights of the outer points are 1.
+    /// A rational quadratic Bezier curve of a quarter turn at most. The weights of the outer points are 1.
     Arc {
         points: [Point<f64, D>; 3],
         weight: f64,
@@ -32,7 +32,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// Moves the first control point, by no more than rounding.
+    /// Moves the first control point. The move has to be no larger than rounding.
     pub(super) fn begin_at(&mut self, at: Point<f64, D>) {
         match self {
             Self::Line([start, ..]) | Self::Arc { points: [start, ..], .. } | Self::Cubic([start, ..]) => {
@@ -52,7 +52,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// The directions at both ends, not of unit length, and zero where a cubic stops there.
+    /// The directions at both ends, of any length; zero where a cubic has no speed.
     pub fn end_directions(&self) -> [SVector<f64, D>; 2] {
         match self {
             Self::Line([a, b]) => [b - a; 2],
@@ -66,7 +66,7 @@ impl<const D: usize> Shape<D> {
         let at = |p: &Point<f64, D>| p[coordinate];
         let (mut low, mut high) =
             (at(&self.start()).min(at(&self.end())), at(&self.start()).max(at(&self.end())));
-        // The derivative is a quadratic, of the quotient times the square of the weight.
+        // The derivative of a cubic is a quadratic. For an arc the numerator of the derivative is one.
         let turns = match self {
             Self::Line(_) => [None; 2],
             Self::Arc { points: [a, b, c], weight: w } => {
@@ -81,7 +81,7 @@ impl<const D: usize> Shape<D> {
         [low, high]
     }
 
-    /// The point at `t` from 0 to 1.
+    /// The point at the parameter `t`, from 0 to 1.
     pub fn point(&self, t: f64) -> Point<f64, D> {
         let s = 1.0 - t;
         match self {
@@ -96,7 +96,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// The shape of the moved control points.
+    /// The shape of the mapped control points.
     pub fn mapped<const E: usize>(&self, map: impl Fn(Point<f64, D>) -> Point<f64, E>) -> Shape<E> {
         match self {
             Self::Line(points) => Shape::Line(points.map(map)),
@@ -106,14 +106,14 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// The places between 0 and 1 where the quadratic of these Bernstein coefficients changes its sign.
+/// The parameters between 0 and 1 where the quadratic with these Bernstein coefficients changes its sign.
 fn roots([a, b, c]: [f64; 3]) -> [Option<f64>; 2] {
     // a s^2 + 2 b s t + c t^2 with s = 1 - t.
     let root = (b * b - a * c).sqrt();
     if root.is_nan() {
         return [None; 2];
     }
-    // With q of the sign of b nothing cancels; t / s is -a / q or -q / c.
+    // With q of the same sign as b nothing cancels; t / s is -a / q or -q / c.
     let q = b + root.copysign(b);
     let share = |t: f64, s: f64| Some(t / (t + s)).filter(|t| *t > 0.0 && *t < 1.0);
     [share(-a, q), share(-q, c)]

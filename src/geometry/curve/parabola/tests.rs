@@ -6,7 +6,7 @@ fn parabola(start: [f64; 3], control: [f64; 3], end: [f64; 3]) -> Parabola {
     Parabola::new(start.into(), control.into(), end.into()).unwrap()
 }
 
-/// y = x^2 between two places: the tangents at both meet halfway.
+/// y = x^2 between two places; the tangents at both meet halfway.
 fn square(from: f64, to: f64) -> Parabola {
     parabola([from, from * from, 0.0], [(from + to) / 2.0, from * to, 0.0], [to, to * to, 0.0])
 }
@@ -21,7 +21,7 @@ fn close(a: f64, b: f64) {
 }
 
 #[test]
-fn lengths_are_those_of_the_square_of_x() {
+fn lengths_agree_with_the_integral_for_the_square_of_x() {
     for (from, to) in [(0.0, 1.0), (-1.0, 1.0), (-3.0, 0.5), (2.0, 7.0), (-7.0, -2.0), (0.0, 1e-9)] {
         close(square(from, to).length(), length_of_square(to) - length_of_square(from));
     }
@@ -29,9 +29,9 @@ fn lengths_are_those_of_the_square_of_x() {
 }
 
 #[test]
-fn the_vertex_is_where_it_is_curved_most() {
+fn curvature_is_largest_at_the_vertex_or_the_end_nearest_to_it() {
     close(square(-1.0, 3.0).largest_curvature(), 2.0);
-    // Away from the vertex at the nearer end: 2 / (1 + 4 x^2)^(3/2).
+    // Away from the vertex, the curvature is largest at the nearer end: 2 / (1 + 4 x^2)^(3/2).
     for x in [0.5f64, 2.0] {
         let wanted = 2.0 / (1.0 + 4.0 * x * x).powf(1.5);
         close(square(x, x + 1.0).largest_curvature(), wanted);
@@ -45,7 +45,7 @@ fn the_vertex_is_where_it_is_curved_most() {
 }
 
 #[test]
-fn support_is_at_an_extreme_or_at_an_end() {
+fn the_support_is_at_an_extreme_or_at_an_end() {
     let curve = square(-1.0, 2.0);
     for (direction, wanted) in [
         ([0.0, -1.0, 0.0], 0.0),
@@ -60,8 +60,8 @@ fn support_is_at_an_extreme_or_at_an_end() {
 }
 
 #[test]
-fn straight_ones_are_lengths_and_distances_of_their_way() {
-    // To 16/3 and back to 4: the turn is where the velocity 2 (8 + t (4 - 16)) vanishes.
+fn straight_parabolas_have_the_lengths_and_distances_of_their_motion() {
+    // The motion goes to 16/3 and back to 4. It turns where the velocity 2 (8 + t (4 - 16)) is zero.
     let turning = parabola([0.0; 3], [8.0, 0.0, 0.0], [4.0, 0.0, 0.0]);
     close(turning.length(), 16.0 / 3.0 + 4.0 / 3.0);
     close(turning.support(&Vector3::x()), 16.0 / 3.0);
@@ -84,10 +84,10 @@ fn straight_ones_are_lengths_and_distances_of_their_way() {
     assert_eq!(point.largest_curvature(), 0.0);
 }
 
-/// The nearly straight ones against the series 1 + 8 s^2 / 3 + .. of the sagitta s, and the turning ones
-/// against the way to the turn and back.
+/// Nearly straight parabolas have the length that the formula for their sagitta gives. Parabolas that turn
+/// sharply have the length of the way to the turn and back.
 #[test]
-fn lengths_are_stable_where_they_hardly_bend_or_turn_sharply() {
+fn lengths_are_stable_for_nearly_straight_and_sharply_turning_parabolas() {
     for k in 0..16 {
         let height = 10f64.powi(-k);
         let flat = parabola([-0.5, 0.0, 0.0], [0.0, 2.0 * height, 0.0], [0.5, 0.0, 0.0]);
@@ -107,7 +107,7 @@ fn lengths_are_stable_where_they_hardly_bend_or_turn_sharply() {
 }
 
 #[test]
-fn what_is_not_finite_is_refused() {
+fn coordinates_that_are_not_finite_are_refused() {
     let at = |x: f64| Point3::new(x, 0.0, 0.0);
     for bad in [f64::NAN, f64::INFINITY, 1e200] {
         for place in 0..3 {
@@ -123,7 +123,7 @@ fn points() -> impl Strategy<Value = [[f64; 3]; 3]> {
     prop::array::uniform3(point())
 }
 
-/// One on a line, with its turn inside or outside.
+/// Control points on one line, with the turn inside or outside.
 fn straight() -> impl Strategy<Value = [[f64; 3]; 3]> {
     let direction = prop::array::uniform3(-1.0..1.0f64);
     (direction, prop::array::uniform3(-5.0..5.0f64)).prop_map(|(d, along)| along.map(|t| d.map(|x| x * t)))
@@ -133,7 +133,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn figures_are_those_of_many_points(
+    fn length_distance_and_support_agree_with_samples(
         [s, c, e] in prop_oneof![3 => points(), 1 => straight()],
         p in prop::array::uniform3(-15.0..15.0f64), d in prop::array::uniform3(-1.0..1.0f64),
     ) {
@@ -145,7 +145,7 @@ proptest! {
         prop_assert!((curve.length() - length).abs() <= 1e-6 * length + 1e-9, "{} {length}", curve.length());
         let nearest = samples.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
         let distance = curve.distance_to(&p);
-        // A sample is no nearer than the nearest point, and no farther from it than half a chord.
+        // No sample is nearer than the nearest point, and some sample is within half a chord of it.
         prop_assert!(distance <= nearest * (1.0 + 1e-12) + 1e-14, "{distance} {nearest}");
         prop_assert!(distance >= nearest - 4.0 * length / f64::from(n) - 1e-12);
         let highest = samples.iter().map(|q| q.coords.dot(&d)).fold(f64::NEG_INFINITY, f64::max);
@@ -154,13 +154,13 @@ proptest! {
     }
 
     #[test]
-    fn points_of_the_curve_are_on_it([s, c, e] in points(), t in 0.0..1.0f64) {
+    fn points_of_the_curve_have_no_distance_from_it([s, c, e] in points(), t in 0.0..1.0f64) {
         let curve = parabola(s, c, e);
         prop_assert!(curve.distance_to(&curve.at(t)) <= 1e-14 * 40.0);
     }
 
     #[test]
-    fn fractions_are_of_the_length(
+    fn a_fraction_is_a_fraction_of_the_length(
         [s, c, e] in prop_oneof![3 => points(), 1 => straight()], t in 0.0..1.0f64,
     ) {
         let curve = parabola(s, c, e);
@@ -170,7 +170,7 @@ proptest! {
     }
 
     #[test]
-    fn parts_are_the_same_curve([s, c, e] in points(), from in 0.0..0.5f64, to in 0.5..1.0f64, t in 0.0..1.0f64) {
+    fn a_part_has_the_points_of_the_whole_curve([s, c, e] in points(), from in 0.0..0.5f64, to in 0.5..1.0f64, t in 0.0..1.0f64) {
         let curve = parabola(s, c, e);
         let part = curve.part(from, to);
         prop_assert!((part.at(t) - curve.at(from + (to - from) * t)).norm() <= 1e-13);
@@ -178,9 +178,9 @@ proptest! {
         prop_assert_eq!((curve.part(0.0, 1.0), part.start()), (curve, curve.at(from)));
     }
 
-    /// The turn of the tangent over a short part by its length.
+    /// Compares the turn of the tangent over a short part with its length.
     #[test]
-    fn no_part_is_curved_more([s, c, e] in points(), t in 0.0..0.999f64) {
+    fn no_part_is_curved_more_than_the_largest_curvature([s, c, e] in points(), t in 0.0..0.999f64) {
         let curve = parabola(s, c, e);
         let part = curve.part(t, t + 1e-3);
         let [from, to] = part.tangents();

@@ -9,7 +9,7 @@ pub const TO_ROUNDING: usize = 2_200;
 /// range with the same property, after `halvings` halvings, or earlier if the range cannot be halved again.
 ///
 /// # Errors
-/// Those of `holds`.
+/// The error of `holds`.
 pub fn try_bisect<E>(
     [mut inside, mut outside]: [f64; 2],
     halvings: usize,

@@ -97,7 +97,7 @@ impl Chord {
     /// The bulge of an arc of the largest radius.
     pub fn flattest(&self) -> f64 {
         let r = LARGEST_RADIUS_MM;
-        // At radius r over half a chord h it is (r - sqrt(r^2 - h^2)) / h.
+        // For the radius r over half a chord h the bulge is (r - sqrt(r^2 - h^2)) / h.
         self.half / (r + (r * r - self.half * self.half).max(0.0).sqrt())
     }
 

@@ -170,7 +170,9 @@ proptest! {
     }
 
     #[test]
-    fn a_part_has_the_points_of_the_whole_curve([s, c, e] in points(), from in 0.0..0.5f64, to in 0.5..1.0f64, t in 0.0..1.0f64) {
+    fn a_part_has_the_points_of_the_whole_curve(
+        [s, c, e] in points(), from in 0.0..0.5f64, to in 0.5..1.0f64, t in 0.0..1.0f64
+    ) {
         let curve = parabola(s, c, e);
         let part = curve.part(from, to);
         prop_assert!((part.at(t) - curve.at(from + (to - from) * t)).norm() <= 1e-13);

@@ -175,12 +175,16 @@ proptest! {
     }
 
     #[test]
-    fn offsets_of_blocks_on_round_numbers_keep_their_distance(a in blocks(), quarters in 1..12_i32, places in round_places()) {
+    fn offsets_of_blocks_on_round_numbers_keep_their_distance(
+        a in blocks(), quarters in 1..12_i32, places in round_places()
+    ) {
         offsets_agree(&a, 0.25 * f64::from(quarters), &places)?;
     }
 
     #[test]
-    fn offsets_of_stars_with_arcs_keep_their_distance(a in stars(), distance in 0.05..3.0_f64, places in places()) {
+    fn offsets_of_stars_with_arcs_keep_their_distance(
+        a in stars(), distance in 0.05..3.0_f64, places in places()
+    ) {
         offsets_agree(&a, distance, &places)?;
     }
 

@@ -5,6 +5,9 @@
 //! through the three points there. Between two points with their tangents, the joint is chosen so that both
 //! tangent lengths are equal. The arcs follow the tangents and do not use the tolerance. Ju compares his
 //! method with biarcs.
+//!
+//! # Reference
+//! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.
 
 use nalgebra::Vector2;
 

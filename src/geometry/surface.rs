@@ -1,7 +1,7 @@
-//! Surfaces: what they are made from, how they are evaluated, and what is proved of them.
+//! Surfaces: the data they are made from, their evaluation, and proofs about them.
 //!
-//! Every kind of surface ([`source`]) is brought to Bezier patches over a grid of unit squares: patch (i, j)
-//! covers parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs know nothing else.
+//! Every kind of surface ([`source`]) becomes Bezier patches over a grid of unit squares: patch (i, j) covers
+//! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs work on these patches only.
 
 pub mod any_surface;
 pub mod bezier;
@@ -27,7 +27,7 @@ pub use patch::{BicubicPatch, Patch, RationalPatch};
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-/// A point of a surface with its derivatives to second order; mm per unit of parameter.
+/// A point of a surface (mm) with its derivatives to second order (mm per unit of parameter).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet {
     pub point: Point3<f64>,
@@ -44,7 +44,7 @@ impl Jet {
         self.du.cross(&self.dv)
     }
 
-    /// The gradient of the height over the plan; not finite where the surface is upright or has no normal.
+    /// The gradient dz/dx, dz/dy of the surface. Not finite where the surface is vertical or has no normal.
     pub fn gradient(&self) -> Vector2<f64> {
         let normal = self.normal();
         -normal.xy() / normal.z
@@ -56,11 +56,11 @@ pub trait Surface: Sync {
     /// Numbers of patches along u and v.
     fn spans(&self) -> [usize; 2];
 
-    /// The jet at (u, v). Beyond the domain the outermost patch is continued.
+    /// The jet at (u, v). Outside the domain the nearest patch is extrapolated.
     fn jet(&self, u: f64, v: f64) -> Jet;
 }
 
-/// Patches of a surface, by index ranges along u and v.
+/// A rectangle of patches of a surface: index ranges along u and v, without the upper ends.
 #[derive(Debug, Clone, Copy)]
 pub struct PatchRange {
     pub i: [usize; 2],
@@ -72,7 +72,7 @@ impl PatchRange {
         Self { i: [0, nu], j: [0, nv] }
     }
 
-    /// The halves across the longer direction; `None` of a single patch.
+    /// The two halves, cut across the direction with more patches; `None` for a single patch.
     pub fn halves(self) -> Option<[Self; 2]> {
         let Self { i, j } = self;
         let (rows, columns) = (i[1] - i[0], j[1] - j[0]);
@@ -88,7 +88,7 @@ impl PatchRange {
     }
 }
 
-/// The index of the unit span that holds `t`, of `n` spans.
+/// The index of the unit span that contains `t`, out of `n` spans.
 pub fn span_of(t: f64, n: usize) -> usize {
     (t.max(0.0) as usize).min(n - 1)
 }

@@ -2,8 +2,9 @@
 
 use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
 
-/// Patches of a surface of degree up to 3, and of one of a higher degree: some sixty megabytes of either.
+/// Most patches of a surface of degree up to 3: about sixty megabytes.
 pub const PATCH_LIMIT: usize = 125_000;
+/// Most patches of a surface of a higher degree: also about sixty megabytes.
 pub const HIGH_DEGREE_PATCH_LIMIT: usize = 30_000;
 
 /// A surface of patches of any kind.

@@ -1,4 +1,4 @@
-//! A composite surface of Bezier patches of one kind.
+//! A surface of Bezier patches of one type.
 
 use nalgebra::Vector3;
 
@@ -7,13 +7,14 @@ use super::{Jet, PatchRange, Surface, span_of};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bounding_tree::BoundingTree;
 
-/// Halvings in the search for the top.
+/// Most halvings in the search for the highest point. A surface that is level at its top along a curve would
+/// need more; then the height of the remaining control points is the answer.
 const TOP_HALVINGS: usize = 100_000;
 
-/// Places a span along a side at which the length of its tangents is looked at.
+/// Samples for each span of a side, where [`BezierSurface::continued`] measures the tangents across the side.
 const SIDE_SAMPLES: usize = 16;
 
-/// `nu` times `nv` patches, `patches[i * nv + j]` over i..=i+1, j..=j+1.
+/// A surface of nu by nv patches; patch (i, j) is `patches[i * nv + j]` and covers i..=i+1, j..=j+1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BezierSurface<P = BicubicPatch> {
     spans: [usize; 2],
@@ -39,7 +40,7 @@ impl<P: Patch> BezierSurface<P> {
         &self.patches
     }
 
-    /// The boxes of the control points over the indices (i, j) of the patches.
+    /// A bounding tree over the indices (i, j) of the patches, made of the boxes of their control points.
     pub fn bounding_tree(&self) -> BoundingTree<Bounds, [usize; 2]> {
         let mut tree = BoundingTree::default();
         self.add_boxes(&mut tree, PatchRange::all(self.spans));
@@ -52,13 +53,14 @@ impl<P: Patch> BezierSurface<P> {
             return tree.add(self.patch(i, j).bounds(), [i, j]);
         };
         let [first, second] = halves.map(|half| self.add_boxes(tree, half));
-        // A search that prefers neither goes to the second of a pair first: so patches are found in their
-        // order.
+        // A search without a preference visits the second of a pair first. This order makes it visit the
+        // patches in the order of their indices.
         tree.join([second, first])
     }
 
-    /// The height of the surface's highest point, mm: never below it, and at most `accuracy` mm above, or as
-    /// high as control points on a surface that is level at its top along a whole curve.
+    /// An upper bound of the height of the surface's highest point, mm. It exceeds that height by at most
+    /// `accuracy` mm. Only on a surface that is level at its top along a whole curve it may be as high as the
+    /// control points.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -66,7 +68,8 @@ impl<P: Patch> BezierSurface<P> {
         self.farthest_along(&Vector3::z(), accuracy, budget)
     }
 
-    /// The largest coordinate along a unit vector, as [`Self::top`] finds it.
+    /// An upper bound of the surface's largest coordinate along the unit vector `direction`, mm, as precise
+    /// as [`Self::top`].
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -105,17 +108,17 @@ impl<P: Patch> BezierSurface<P> {
         Self::from_fn([nv, nu], |j, i| self.patch(i, j).transposed())
     }
 
-    /// The surface with its normal up over most of its outline.
+    /// The surface, transposed if necessary, so that its normal points up over most of its outline.
     pub fn upward(self) -> Self {
         let facing_up: f64 = self.patches().iter().map(|patch| patch.jet(0.5, 0.5).normal().z).sum();
         if facing_up < 0.0 { self.transposed() } else { self }
     }
 
-    /// The surface with straight patches added all around, tangent to it and at least `by` mm long: what a
-    /// cutter follows that runs past the edges. `None` where a side has no tangents across, or a rational one
-    /// no room.
+    /// The surface with straight patches added along all four sides, tangent to it and at least `by` mm long.
+    /// A cutter that runs past the edges follows this surface. `None` where a side has no tangents across, or
+    /// where the weights of a rational side leave no room for a continuation.
     pub fn continued(&self, by: f64) -> Option<Self> {
-        // Four times along u, with a quarter turn between, comes round to where it started.
+        // Four continuations along u, with a quarter turn after each, end in the original orientation.
         (0..4).try_fold(self.clone(), |surface, _| Some(surface.continued_along_u(by)?.turned()))
     }
 
@@ -123,7 +126,7 @@ impl<P: Patch> BezierSurface<P> {
         let [nu, nv] = self.spans;
         let places = (0..=nv * SIDE_SAMPLES).map(|k| k as f64 / SIDE_SAMPLES as f64);
         let shortest = places.map(|v| self.jet(nu as f64, v).du.norm()).fold(f64::INFINITY, f64::min);
-        // What lies between the samples may be a little shorter.
+        // Between the samples a tangent may be a little shorter than the shortest sample.
         let reach = 1.1 * by / shortest;
         if !reach.is_finite() {
             return None;
@@ -133,8 +136,8 @@ impl<P: Patch> BezierSurface<P> {
         Some(Self::from_fn([nu + 1, nv], |i, j| if i < nu { *self.patch(i, j) } else { side[j] }))
     }
 
-    /// The same surface with its domain turned by a quarter: the side of the largest v comes to that of the
-    /// largest u.
+    /// The same surface with its domain turned by a quarter: the side of the largest v becomes the side of
+    /// the largest u.
     fn turned(&self) -> Self {
         let [nu, nv] = self.spans;
         Self::from_fn([nv, nu], |i, j| self.patch(nu - 1 - j, i).turned())
@@ -187,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn the_top_is_that_of_the_dome() {
+    fn the_top_is_the_height_of_the_domes_highest_point() {
         // 9 times the square of 3/4.
         let top = dome().top(1e-9, &Budget::unlimited()).unwrap();
         assert!((top - 9.0 * 0.5625).abs() < 1e-8, "{top}");

@@ -1,54 +1,56 @@
-//! Whether neighbouring patches meet, and share their tangent planes, along their common sides.
+//! Checks whether neighbouring patches meet along their common sides, and share their tangent planes there.
 //!
 //! # Method
-//! At a number of places of a common side the points and the normals of both patches are compared. Along the
-//! side both differences are quotients of polynomials, of degree 40 at most for patches of degree 7, so they
-//! vanish everywhere if they do at these places.
+//! The points and the normals of both patches are compared at `PLACES` places along each common side. Both
+//! differences are quotients of polynomials along the side, of degree 40 at most for patches of degree 7. A
+//! difference that vanishes at all these places therefore vanishes everywhere.
 //!
 //! # Cost
-//! O(sides looked at).
+//! O(common sides that are compared).
 
 use nalgebra::Point3;
 
 use super::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 
-/// Places along one side: more than the degree of what is to vanish there.
+/// Places along one side: more than the degree of the polynomials that have to vanish there.
 const PLACES: usize = 48;
 
-/// Patches farther apart than this do not join, mm. What is less is a rounding of the data, and is counted.
+/// Patches that are farther apart than this do not join, mm. A smaller distance counts as rounding of the
+/// data and becomes part of [`Joints::gap_mm`].
 pub const GAP_LIMIT_MM: f64 = 1e-5;
 
-/// Normals that differ by more than this make an edge, radians: a few hundredths of a degree. What is less is
-/// a rounding of the data, and is counted.
+/// Normals that differ by more than this make an edge, radians: a few hundredths of a degree. A smaller angle
+/// counts as rounding of the data and becomes part of [`Joints::kink`].
 pub const KINK_LIMIT: f64 = 1e-3;
 
-/// A normal shorter than this part of what the size of the patch suggests is rounding: the side is a point
-/// there.
+/// A normal shorter than this, relative to the product of the lengths of the patch along u and v, is
+/// rounding: the side shrinks to a point there.
 const NO_NORMAL: f64 = 1e-9;
 
-/// How exactly the patches of a surface join.
+/// How precisely the patches of a surface join.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Joints {
-    /// The largest distance of points that should be one, mm.
+    /// The largest distance between points of two neighbours that should coincide, mm.
     pub gap_mm: f64,
-    /// The largest angle between normals that should be one, radians.
+    /// The largest angle between normals of two neighbours that should coincide, radians.
     pub kink: f64,
 }
 
 impl Joints {
-    /// The offset of the surface by `radius` mm may jump by this at a joint, mm.
+    /// How far the offset of the surface by `radius` mm may jump at a joint, mm.
     pub fn jump(&self, radius: f64) -> f64 {
         self.gap_mm + radius * self.kink
     }
 
-    /// With twice what was seen: between so many places a polynomial of these degrees rises no farther.
+    /// Doubles both figures: between this many places a polynomial of these degrees rises to at most twice
+    /// its value at the places.
     fn with_what_lies_between(self) -> Self {
         Self { gap_mm: 2.0 * self.gap_mm, kink: 2.0 * self.kink }
     }
 }
 
-/// Where patches do not join smoothly.
+/// The fault where two patches do not join smoothly.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NotSmooth {
     #[error(transparent)]
@@ -59,10 +61,11 @@ pub enum NotSmooth {
     Edge { at: Point3<f64>, angle_deg: f64 },
 }
 
-/// How the patches join across `joints`, numbers of patches before the joint along u and along v.
+/// How the patches join across `joints`. Each joint is given by the number of patches before it, along u and
+/// along v.
 ///
 /// # Errors
-/// The first joint that is none, or the budget's stop.
+/// The first joint where the patches do not meet or make an edge, or the budget's stop.
 pub fn examine(
     surface: &BezierSurface<impl Patch>,
     joints: &[Vec<usize>; 2],
@@ -105,12 +108,12 @@ impl Joints {
                 return Err(NotSmooth::Gap { at: one.point, gap_mm, patches: [patch, neighbour] });
             }
             self.gap_mm = self.gap_mm.max(gap_mm);
-            // Where there is no normal, there is no angle; the proof of an upward normal says so.
+            // A point without a normal has no angle. The proof that normals point up reports such points.
             let (one_normal, other_normal) = (one.normal(), other.normal());
             let [along_u, along_v] = surface.patch(patch[0], patch[1]).extents();
             let least = NO_NORMAL * along_u * along_v;
             if one_normal.norm() > least && other_normal.norm() > least {
-                // An arc cosine could not tell small angles from rounding.
+                // The arc cosine of the dot product loses small angles in rounding; atan2 does not.
                 let angle = one_normal.cross(&other_normal).norm().atan2(one_normal.dot(&other_normal));
                 if angle > KINK_LIMIT {
                     return Err(NotSmooth::Edge { at: one.point, angle_deg: angle.to_degrees() });

@@ -8,7 +8,7 @@ use super::patch::BicubicPatch;
 /// The control net of one patch, `net[a][b]`, a along u; mm.
 pub type ControlNet = [[Point3<f64>; 4]; 4];
 
-/// Nets `nets[i][j]`, i along u, whose neighbours share their boundaries; mm.
+/// Nets `nets[i][j]`, i along u. Neighbouring nets share their boundaries; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetGrid {
     pub nets: Vec<Vec<ControlNet>>,
@@ -26,10 +26,11 @@ pub enum NetGridError {
 }
 
 impl NetGrid {
-    /// Whether neighbours meet is for [`joints`](super::joints) to find out.
+    /// The surface of the nets. Whether neighbours meet is not checked here, but by
+    /// [`joints`](super::joints).
     ///
     /// # Errors
-    /// When there is no patch, a row is longer or shorter than the first, or a number is not finite.
+    /// When there is no patch, a row is longer or shorter than the first row, or a number is not finite.
     pub fn surface(&self) -> Result<BezierSurface, NetGridError> {
         let columns = self.nets.first().map_or(0, Vec::len);
         if columns == 0 {
@@ -55,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn broken_grids_are_named() {
+    fn a_broken_grid_is_refused_with_the_place_of_its_fault() {
         let net = [[Point3::origin(); 4]; 4];
         let surface = |nets: Vec<Vec<ControlNet>>| NetGrid { nets }.surface();
         assert!(surface(vec![vec![net]]).is_ok());

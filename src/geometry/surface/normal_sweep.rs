@@ -1,30 +1,32 @@
-//! A drive curve carried along a basic curve in the plane at right angles to it.
+//! A drive curve carried along a basic curve in the plane, always at right angles to the basic curve.
 //!
 //! # Method
-//! With the basic curve c in the xy plane, n its unit normal to the left and (x, z) the drive curve,
-//! S(u, v) = c(u) + n(u) x(v) + k z(v), as a tensor product for each pair of pieces:
-//! 1. Along a line n is constant; along an arc it is a rational quadratic with the arc's weights.
-//! 2. Along a cubic the unit normal is not rational. It is replaced by cubics that agree with it and its
-//!    derivative where they meet (`unit_normal`), and the cubic is halved until they are near enough.
+//! c is the basic curve in the xy plane, n its unit normal to the left, (x, z) the drive curve. Then S(u, v)
+//! = c(u) + n(u) x(v) + k z(v), as a tensor product for each pair of pieces:
+//! 1. Along a line n is constant. Along an arc n is a rational quadratic with the weights of the arc.
+//! 2. Along a cubic the unit normal is not rational. Cubics replace it that agree with it and with its
+//!    derivative at their ends (`unit_normal`). The cubic of the basic curve is halved until they are near
+//!    enough.
 //! 3. At a sharp corner between two lines both normals become the vector of the mitre (`corner`): each line
-//!    is cut, or goes on, to the plane that halves the corner. So do the ends of a closed curve.
+//!    is shortened or lengthened to the plane that halves the corner. The ends of a closed curve get a mitre,
+//!    too.
 //!
 //! # Guarantees
-//! Exact to rounding but for cubics of the basic curve, where the surface leaves the exact one by at most
-//! [`TOLERANCE_MM`], proved by Bernstein coefficients, and keeps its smoothness. No part runs backward along
-//! the basic curve: the surface does not fold at any place of it. That distant parts of it keep clear of each
-//! other is not looked at.
+//! Along lines and arcs the surface is exact to rounding. Along cubics of the basic curve it leaves the exact
+//! surface by at most [`TOLERANCE_MM`], proved by Bernstein coefficients, and stays as smooth. No part of the
+//! surface runs backward along the basic curve, so the surface does not fold locally. The module does not
+//! check whether distant parts of the surface intersect.
 //!
 //! # Degenerate input
-//! A drive curve that reaches exactly to the centre of an arc, or to where mitres meet, makes a pole there.
-//! One that reaches farther is refused, as is a sharp corner beside an arc or a cubic, whose two sides do not
-//! meet in a plane.
+//! A drive curve that reaches exactly to the centre of an arc, or to the point where mitres meet, makes a
+//! pole there. A drive curve that reaches farther is refused. A sharp corner beside an arc or a cubic is
+//! refused too, because the surfaces on its two sides do not meet in a plane.
 //!
 //! # Cost
 //! O(patches).
 //!
 //! # Differences from the paper
-//! The paper's basic curve may leave its plane. Here it is plane.
+//! The basic curve of the paper may leave its plane. Here it has to be plane.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -40,10 +42,10 @@ use super::swept::{self, Rail, Station, TooManyPatches};
 use crate::geometry::profile::{Piece, Profile, Shape};
 use unit_normal::NormalFault;
 
-/// How far the surface may be from the exact one along cubics of the basic curve, mm.
+/// How far the surface may leave the exact one along cubics of the basic curve, mm.
 pub const TOLERANCE_MM: f64 = 1e-6;
 
-/// What the drive curve may reach too far by rounding, mm.
+/// How far the drive curve may exceed its permitted reach before it is refused, mm: room for rounding.
 const REACH_ROUNDING_MM: f64 = 1e-9;
 
 /// The basic curve in the xy plane, along u, and the drive curve (left of the basic curve, up), along v; mm.
@@ -53,7 +55,7 @@ pub struct NormalSweep {
     pub drive: Profile<2>,
 }
 
-/// Why the curves make no surface; `place` is that of a piece of the basic curve.
+/// Why the curves make no surface. `place` is the place of the piece of the basic curve that is at fault.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NormalSweepError {
     #[error("a curve has no pieces; it needs at least one")]
@@ -80,7 +82,7 @@ pub enum NormalSweepError {
     Cusp { place: usize },
 }
 
-/// A side of the basic curve, seen from above along it.
+/// A side of the basic curve, seen from above in its direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     Left,
@@ -96,13 +98,15 @@ impl std::fmt::Display for Side {
     }
 }
 
-/// The rails of the basic curve, and the number of the first one of each piece.
+/// The rails of the basic curve, and for each piece the index of its first rail.
 struct Rails {
     rails: Vec<Rail>,
     firsts: Vec<usize>,
 }
 
 impl NormalSweep {
+    /// The swept surface.
+    ///
     /// # Errors
     /// One of [`NormalSweepError`].
     pub fn surface(&self) -> Result<AnySurface, NormalSweepError> {
@@ -114,8 +118,8 @@ impl NormalSweep {
             .map_err(|TooManyPatches(_)| NormalSweepError::TooManyPatches)
     }
 
-    /// The joints at corners, by the number of patches before them along u and v; of curves that make a
-    /// surface.
+    /// The joints at corners of the curves. Each joint is given by the number of patches before it, along u
+    /// and along v. Meaningful only if [`NormalSweep::surface`] succeeds.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         let along_basic = match self.rails() {
             Ok(Rails { rails: _, firsts }) => {
@@ -139,8 +143,8 @@ impl NormalSweep {
                 }
                 Shape::Arc { points, weight } => {
                     check_arc(piece, normals, reach)?;
-                    // The unit circle's own control point: the sum of two unit vectors is twice the weight
-                    // long.
+                    // The middle control point of an arc of the unit circle: the sum of the two unit normals
+                    // is 2 `weight` long, and the control point is 1 / `weight` from the centre.
                     let middle = (normals[0] + normals[1]) / (2.0 * weight * weight);
                     let control = [(normals[0], 1.0), (middle, *weight), (normals[1], 1.0)];
                     let stations = points.iter().zip(control).map(|(p, (n, w))| station(p, &n, w));
@@ -175,8 +179,9 @@ fn station(point: &Point2<f64>, normal: &Vector2<f64>, weight: f64) -> Station {
     }
 }
 
-/// How far to the side the drive curve may go until a piece between these ends with these normals has no
-/// length left; at the side to which the drive curve reaches too far, with how far it reaches.
+/// Checks how far to each side the drive curve may reach along a piece with this chord and these normals at
+/// its ends. At some distance the offset of the piece has no length left. If the drive curve reaches farther:
+/// the side, the reach, and that distance, mm.
 fn overreach(
     chord: Vector2<f64>,
     [first, last]: [Vector2<f64>; 2],
@@ -184,7 +189,7 @@ fn overreach(
 ) -> Option<(Side, f64, f64)> {
     let length = chord.norm();
     let growth = (last - first).dot(&chord) / length;
-    // The length at x is `length + growth x`; it vanishes on one side.
+    // The offset of the piece at x is `length + growth x` long. That is zero on one side.
     let room = length / growth.abs();
     let (side, reach_mm) = if growth < 0.0 { (Side::Left, high) } else { (Side::Right, -low) };
     (reach_mm > room + REACH_ROUNDING_MM).then_some((side, reach_mm, room))

@@ -1,17 +1,18 @@
 //! Rational B-spline surfaces as Bezier patches, a patch for each pair of knot spans.
 //!
 //! # Method
-//! The Bezier control points of a span along one direction are linear in the control points of the span
-//! ([`spans`]); a patch is matrix, net, matrix.
+//! Along one direction, the Bezier control points of a span are linear in the control points of the span
+//! ([`spans`]). So the net of a patch is the product of a matrix, the net of the data, and a second matrix.
 //!
 //! # Guarantees
-//! The patches are the surface, to rounding, whatever the spacing and multiplicity of the knots, clamped or
-//! not. Patches of degree up to 3 whose weights are all equal are raised to
+//! The patches equal the surface to rounding. The knots may have any spacing and multiplicity, and may be
+//! clamped or not. Patches of degree up to 3 with equal weights are raised to
 //! [`BicubicPatch`](super::BicubicPatch), which is exact.
 //!
 //! # Degenerate input
-//! Knot spans without length have no patch. Knots of multiplicity p let the surface break in its tangents,
-//! which [`joints`](super::joints) finds; of more than p inside the domain would tear it and are refused.
+//! A knot span without length has no patch. A knot of multiplicity p may make an edge, which
+//! [`joints`](super::joints) finds. A knot of higher multiplicity inside the domain would tear the surface
+//! and is refused.
 //!
 //! # Cost
 //! O(p^2 q^2) for each patch of degree (p, q).
@@ -26,18 +27,18 @@ use crate::geometry::bspline::{
     KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
 };
 
-/// The shortest knot span, in parts of the domain; shorter ones are mistakes, or two knots that were to be
-/// one.
+/// The shortest knot span, as a part of the domain. A shorter span is a mistake in the data, or two knots
+/// that should be equal.
 pub const SHORTEST_SPAN: f64 = 1e-6;
 
-/// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm; knot
-/// vectors of length n + degree + 1 each way.
+/// Control points `control_points[i][j]`, i along u, in space (not multiplied by the weights), mm. The knot
+/// vectors have length n + degree + 1 in each direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nurbs {
     pub degree: [usize; 2],
     pub knots: [Vec<f64>; 2],
     pub control_points: Vec<Vec<Point3<f64>>>,
-    /// All 1 where there are none.
+    /// `None` makes all weights 1.
     pub weights: Option<Vec<Vec<f64>>>,
 }
 
@@ -81,6 +82,8 @@ pub enum NurbsError {
 }
 
 impl Nurbs {
+    /// The surface as Bezier patches.
+    ///
     /// # Errors
     /// One of [`NurbsError`].
     pub fn surface(&self) -> Result<AnySurface, NurbsError> {
@@ -110,8 +113,8 @@ impl Nurbs {
         })
     }
 
-    /// The joints between patches, by the number of patches before them along u and v, across which the knots
-    /// let the tangents break; of a surface that [`Nurbs::surface`] accepts.
+    /// The joints between patches where a knot of high multiplicity permits an edge. Each joint is given by
+    /// the number of patches before it, along u and along v. Meaningful only if [`Nurbs::surface`] succeeds.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         let size = [self.control_points.len(), self.control_points.first().map_or(0, Vec::len)];
         [0, 1].map(|along| {
@@ -122,7 +125,7 @@ impl Nurbs {
         })
     }
 
-    /// A control point multiplied by its weight, and the weight.
+    /// The control point times its weight, followed by the weight.
     fn homogeneous(&self, i: usize, j: usize) -> Vector4<f64> {
         let weight = self.weights.as_ref().map_or(1.0, |weights| weights[i][j]);
         (self.control_points[i][j].coords * weight).push(weight)

@@ -1,13 +1,13 @@
-//! A drive curve carried along a basic curve without turning.
+//! A drive curve carried along a basic curve without rotation.
 //!
 //! # Method
 //! S(u, v) = basic(u) + drive(v) - drive(0): a patch for each pair of pieces, as a tensor product.
 //!
 //! # Guarantees
-//! Exact to rounding, arcs as rational quadratics. Corners of both curves are joints of patches.
+//! Exact to rounding; arcs become rational quadratics. A corner of either curve is a joint between patches.
 //!
 //! # Degenerate input
-//! Where the curves run in the same direction the surface has no normal; it is a surface all the same.
+//! Where both curves run in the same direction, the surface has no normal. Such curves are accepted.
 //!
 //! # Cost
 //! O(patches).
@@ -41,6 +41,8 @@ pub enum ParallelSweepError {
 }
 
 impl ParallelSweep {
+    /// The swept surface.
+    ///
     /// # Errors
     /// When a curve is empty, or there are too many pairs of pieces.
     pub fn surface(&self) -> Result<AnySurface, ParallelSweepError> {
@@ -59,7 +61,8 @@ impl ParallelSweep {
             .map_err(|TooManyPatches(patches)| ParallelSweepError::TooManyPatches { patches })
     }
 
-    /// The joints at corners, by the number of patches before them along u and v.
+    /// The joints at corners of the curves. Each joint is given by the number of patches before it, along u
+    /// and along v.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         [self.basic.loose_joints(), self.drive.loose_joints()]
     }

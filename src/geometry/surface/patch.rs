@@ -1,7 +1,7 @@
-//! What every Bezier patch can do: evaluation, subdivision and bounds by its control net.
+//! The trait of all Bezier patches: evaluation, subdivision, and bounds from the control net.
 //!
-//! There are two: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree to 7. Proofs and
-//! certificates are written once, over this trait.
+//! Two types implement it: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to 7.
+//! Proofs and certificates are written once, over this trait.
 
 pub mod bicubic;
 pub mod raise;
@@ -16,18 +16,18 @@ use super::Jet;
 use super::vector_ball::VectorBall;
 use crate::geometry::bounding_tree::Volume;
 
-/// A patch over the unit square whose every point is a convex combination of its control points; mm.
+/// A patch over the unit square. Every point of the patch is a convex combination of the control points; mm.
 pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
-    /// How many bicubic patches are as dear to look at and to halve.
+    /// The cost of evaluating and halving one patch of this type, counted in bicubic patches.
     const WORK: usize;
 
-    /// The jet at (u, v) of the unit square, and of the patch continued beyond it.
+    /// The jet at (u, v). Outside the unit square the patch is extrapolated.
     fn jet(&self, u: f64, v: f64) -> Jet;
 
     /// The point at the centre of the unit square.
     fn center(&self) -> Vector3<f64>;
 
-    /// Every control point, in space.
+    /// Every control point in space, that is, divided by its weight.
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>>;
 
     /// The corners (0, 0), (0, 1), (1, 0), (1, 1).
@@ -42,18 +42,19 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
     /// The same patch with u and v exchanged.
     fn transposed(&self) -> Self;
 
-    /// The same patch with its unit square turned by a quarter: the side v = 1 comes to u = 1.
+    /// The same patch with its unit square turned by a quarter: the side v = 1 becomes the side u = 1.
     fn turned(&self) -> Self;
 
-    /// The patch that joins this one at u = 1 and runs straight on along the tangents there, at least `reach`
-    /// times as far as they are long. `None` where a rational patch would reach beyond infinity.
+    /// A straight patch that joins this one at u = 1 and continues along the tangents there. Its length is at
+    /// least `reach` times the length of the tangent. `None` where a weight of a rational patch would come
+    /// near zero, so that the continuation would come near infinity.
     fn continued(&self, reach: f64) -> Option<Self>;
 
-    /// Sets that hold every derivative over the unit square.
+    /// Sets that contain every value of the derivatives over the unit square.
     fn derivatives(&self) -> DerivativeBounds;
 
     /// A lower bound over the unit square of the sum over k of `weights[k]` times the squared coordinate
-    /// along `axes[k]`, counted from `origin`.
+    /// along `axes[k]`. Coordinates count from `origin`.
     fn bound_squares<const N: usize>(
         &self,
         origin: &Vector3<f64>,
@@ -67,7 +68,8 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         if along_u >= along_v { self.split_u() } else { self.split_v() }
     }
 
-    /// The halves across the direction along which the tangents change more, or else across the longer one.
+    /// The two halves across the direction along which the tangents turn more. Where neither direction turns
+    /// twice as much as the other, the halves across the longer direction.
     fn split_by_bend(&self) -> [Self; 2] {
         let jet = self.jet(0.5, 0.5);
         let (along_u, along_v) = (jet.du.norm(), jet.dv.norm());
@@ -83,35 +85,35 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         }
     }
 
-    /// Lengths along u and v, mm: the larger of the two boundary curves' chords each way.
+    /// Lengths along u and along v, mm: for each direction the longer chord of the two boundary curves.
     fn extents(&self) -> [f64; 2] {
         let [p00, p01, p10, p11] = self.corners();
         [(p10 - p00).norm().max((p11 - p01).norm()), (p01 - p00).norm().max((p11 - p10).norm())]
     }
 
-    /// A box that holds the patch: that of its control points.
+    /// A box that contains the patch: the box of its control points.
     fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::EMPTY;
         self.control_points().for_each(|p| bounds.include(&p));
         bounds
     }
 
-    /// The least coordinate along `direction` over the control points, never above that of the patch.
+    /// The least coordinate of the control points along `direction`. No point of the patch has a smaller one.
     fn lowest_along(&self, direction: &Vector3<f64>) -> f64 {
         self.control_points().map(|p| p.dot(direction)).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far the control points reach along `direction` and back: at most along a row of constant v, and
-    /// along one of constant u; mm.
+    /// How much the coordinate of the control points along `direction` varies, mm: the largest range over a
+    /// row of constant v, and over a row of constant u.
     fn spreads(&self, direction: &Vector3<f64>) -> [f64; 2];
 
-    /// Whether all of the patch lies ahead of `origin` along `direction`.
+    /// Whether every control point, and so the whole patch, lies ahead of `origin` along `direction`.
     fn is_ahead(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
         self.control_points().all(|p| (p - origin).dot(direction) > 0.0)
     }
 }
 
-/// Sets that hold the derivatives of a patch everywhere, mm per unit of parameter; rounding is counted.
+/// Sets that contain the derivatives everywhere on a patch, mm per unit of parameter. Rounding is included.
 #[derive(Debug, Clone, Copy)]
 pub struct DerivativeBounds {
     pub du: VectorBall,
@@ -122,24 +124,24 @@ pub struct DerivativeBounds {
 }
 
 impl DerivativeBounds {
-    /// A set that holds the normals du x dv.
+    /// A set that contains the normals du x dv.
     pub fn normal(&self) -> VectorBall {
         self.du.cross(self.dv)
     }
 }
 
-/// What the Bernstein coefficients of a sum of squares say.
+/// Bounds from the Bernstein coefficients of a sum of squares.
 #[derive(Debug, Clone, Copy)]
 pub struct SquareBound {
-    /// The least coefficient, mm^2.
+    /// The least coefficient, mm^2: a lower bound of the sum.
     pub lowest: f64,
-    /// The largest term of the sums, mm^2: what their rounding is relative to.
+    /// The largest term of the sums, mm^2. The rounding error of the coefficients is proportional to it.
     pub magnitude: f64,
-    /// The largest second differences along u and v, mm^2.
+    /// The largest absolute second differences of the coefficients along u and v, mm^2.
     pub bends: [f64; 2],
 }
 
-/// The largest spread of values over a in 0..=p for one b, and over b in 0..=q for one a.
+/// The largest range of `value(a, b)` over a in 0..=p with b fixed, and over b in 0..=q with a fixed.
 fn spreads_of([p, q]: [usize; 2], value: impl Fn(usize, usize) -> f64) -> [f64; 2] {
     let spread = |values: &mut dyn Iterator<Item = f64>| {
         let [low, high] =

@@ -1,4 +1,4 @@
-//! What surfaces are made from, one variant for each kind of data.
+//! The kinds of data that surfaces are made from.
 
 use nalgebra::Point3;
 
@@ -23,7 +23,7 @@ pub enum Source {
     Ruled(Ruled),
 }
 
-/// Why data make no surface.
+/// Why the data make no surface.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SourceError {
     #[error(transparent)]
@@ -43,6 +43,8 @@ pub enum SourceError {
 }
 
 impl Source {
+    /// The surface of the data.
+    ///
     /// # Errors
     /// When the data make no surface.
     pub fn surface(&self) -> Result<AnySurface, SourceError> {
@@ -57,7 +59,7 @@ impl Source {
         })
     }
 
-    /// The points that the surface is made to pass through, where its kind has such.
+    /// The points that the surface passes through; `None` for kinds of data without such points.
     pub fn nodes(&self) -> Option<&[Vec<Point3<f64>>]> {
         match self {
             Self::PointGrid(grid) => Some(&grid.points),
@@ -70,7 +72,8 @@ impl Source {
         }
     }
 
-    /// The directions in which `not_a_knot` lacks the four points it needs, with their numbers of points.
+    /// The directions with fewer than the four points that `not_a_knot` needs, each with its number of
+    /// points.
     pub fn reduced_ends(&self) -> Vec<(&'static str, usize)> {
         match self {
             Self::PointGrid(grid) => grid.reduced_ends(),
@@ -83,8 +86,8 @@ impl Source {
         }
     }
 
-    /// The joints of the surface, by the number of patches before them along u and v, whose smoothness the
-    /// kind of data does not see to.
+    /// The joints that the kind of data does not make smooth by itself. Each joint is given by the number of
+    /// patches before it, along u and along v.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         match self {
             Self::PointGrid(_) | Self::Ferguson(_) => [Vec::new(), Vec::new()],

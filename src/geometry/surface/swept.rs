@@ -1,8 +1,9 @@
-//! What the sweeps share: a drive curve whose axes are carried along a basic curve, as tensor products.
+//! The part that all sweeps share: a drive curve carried along a basic curve, as tensor-product patches.
 //!
 //! # Method
-//! With the basic curve's control points o and weights w, the control points a, b, c of the vectors that the
-//! axes become, with the same weights, and the drive curve's control points (x, y, z) and weights m, the
+//! The basic curve has the control points o and the weights w. At each of these control points the
+//! coordinates of the drive curve count along three vectors: these vectors have the control points a, b, c
+//! and the same weights w. The drive curve has the control points (x, y, z) and the weights m. Then the
 //! surface o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v) has the control points o + a x + b y + c z and the
 //! weights w m.
 
@@ -13,7 +14,7 @@ use super::patch::raise::raised;
 use super::{BezierSurface, RationalPatch};
 use crate::geometry::profile::{ControlPoint, Profile};
 
-/// What the coordinates of the drive curve are counted from and along, at a control point of the basic curve.
+/// A control point of the basic curve: the origin and the axes for the coordinates of the drive curve there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Station {
     pub(super) origin: Point3<f64>,
@@ -21,13 +22,15 @@ pub(super) struct Station {
     pub(super) weight: f64,
 }
 
-/// The stations of a piece of the basic curve, one more than its degree, which is at most 3.
+/// The stations of one piece of the basic curve. Their number is the degree of the piece (at most 3) plus
+/// one.
 pub(super) type Rail = Vec<Station>;
 
-/// More patches than can be taken.
+/// The number of patches that the surface would need, above [`PATCH_LIMIT`].
 pub(super) struct TooManyPatches(pub(super) usize);
 
-/// The surface with a patch for each rail and each piece of the drive curve; there is at least one of both.
+/// The surface with one patch for each pair of a rail and a piece of the drive curve. Both lists have at
+/// least one entry.
 pub(super) fn surface(rails: &[Rail], drive: &Profile<3>) -> Result<AnySurface, TooManyPatches> {
     let drive: Vec<Vec<ControlPoint<3>>> =
         drive.pieces().iter().map(|piece| piece.shape.control_points()).collect();
@@ -41,7 +44,8 @@ pub(super) fn surface(rails: &[Rail], drive: &Profile<3>) -> Result<AnySurface, 
     Ok(of_weights(spans, weights, patch))
 }
 
-/// The surface of these patches of degree up to 3: bicubic where all `weights` are 1.
+/// The surface of these patches of degree up to 3. It is bicubic if all `weights` are 1, and rational
+/// otherwise.
 pub(super) fn of_weights(
     spans: [usize; 2],
     mut weights: impl Iterator<Item = f64>,

@@ -1,17 +1,17 @@
-//! Principal curvatures: at a point, over a part of a patch, and the most concave of a whole surface.
+//! Principal curvatures: at a point, bounds over a part of a patch, and the most concave place of a surface.
 //!
 //! # Method
-//! Every derivative over a part lies in a ball. Parameters are changed linearly so that the first fundamental
-//! form at the centre is the identity; then the principal curvatures over the part are those at the centre,
-//! widened by the radii of the balls. The most concave place of a surface is found by branch and bound with
-//! these bounds, best first.
+//! A ball contains every value of each derivative over a part. A linear change of the parameters makes the
+//! first fundamental form at the centre the identity. Then the principal curvatures over the part are those
+//! at the centre, widened by the radii of the balls. A branch and bound with these bounds, best first, finds
+//! the most concave place of a surface.
 //!
 //! # Guarantees
-//! Curvatures are signed, positive where the surface is concave seen along its normal. Bounds hold for every
+//! Curvatures are signed: positive where the surface is concave, seen along its normal. Bounds hold for every
 //! point.
 //!
 //! # Degenerate input
-//! Where the normal vanishes there is no curvature, and no bound.
+//! Where the normal vanishes, the curvature does not exist, and a part with such a point has no bound.
 
 use super::patch::{Bounds, DerivativeBounds};
 use super::vector_ball::VectorBall;
@@ -19,24 +19,27 @@ use super::{BezierSurface, Jet, Patch};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
 
-/// Halvings in the search for the most concave place.
+/// Most halvings in the search for the most concave place. When they run out, the bound is correct but less
+/// tight.
 const HALVINGS: usize = 50_000;
 
-/// How far the bound of the most concave place may exceed what was found, as a part of it.
+/// The search stops when the bound exceeds the largest curvature found by at most this part of that
+/// curvature, plus [`GAP_FLAT`].
 const GAP_SHARE: f64 = 0.01;
 
-/// Parts of a part that are looked at before it counts as one without a normal somewhere.
+/// Most subparts of one part that the search examines for a bound. A part that needs more counts as a part
+/// with a point without a normal.
 const UNBOUNDED_LIMIT: usize = 20_000;
 
-/// What is smaller than this part of the surface is a point.
+/// A part smaller than this, relative to the size of the surface, counts as a point.
 const NO_SIZE: f64 = 1e-6;
 
-/// And as a part of one over the size of the surface: one that is nowhere concave has nothing else to compare
-/// with.
+/// The gap at which the search may stop, as a part of 1 / (size of the surface). A surface that is nowhere
+/// concave has a largest curvature near zero, so [`GAP_SHARE`] of it is too small a gap.
 const GAP_FLAT: f64 = 1e-3;
 
-/// Bounds of both principal curvatures over a part, the least and the largest, 1/mm; `None` where the
-/// derivatives are known too roughly.
+/// Bounds of both principal curvatures over a part, 1/mm: below the smaller and above the larger one. `None`
+/// where the balls of the derivatives are too wide for bounds.
 pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     let DerivativeBounds { du, dv, duu, duv, dvv } = *derivatives;
     let cross = derivatives.normal();
@@ -56,25 +59,25 @@ pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
     let dab = duu.scaled(p * q).plus(duv.scaled(p * s));
     let dbb = duu.scaled(q * q).plus(duv.scaled(2.0 * q * s)).plus(dvv.scaled(s * s));
 
-    // First fundamental form: identity with entries off by at most this.
+    // First fundamental form: the identity, with an error of at most this in each entry.
     let stretch = da.radius.max(db.radius);
     let form_error = 2.0 * (2.0 * stretch + stretch * stretch + 1e-14);
     if form_error.is_nan() || form_error >= 0.5 {
         return None;
     }
-    // Unit normals: within `tilt` of the centre's; |n - n0| <= sqrt(2) sin(angle) for angles below 90
-    // degrees.
+    // Every unit normal is within `tilt` of the one at the centre: |n - n0| <= sqrt(2) sin(angle) for angles
+    // below 90 degrees.
     let normal = cross.center / length;
     let tilt = std::f64::consts::SQRT_2 * cross.radius / length;
     let second = |d: VectorBall| (normal.dot(&d.center), d.radius + tilt * d.reach());
     let ((laa, eaa), (lab, eab), (lbb, ebb)) = (second(daa), second(dab), second(dbb));
-    // The larger eigenvalue grows with both diagonal entries and with the size of the other one.
+    // The larger eigenvalue grows with both diagonal entries and with the absolute value of the other entry.
     let high = larger_eigenvalue(laa + eaa, lbb + ebb, lab.abs() + eab);
     let low = -larger_eigenvalue(eaa - laa, ebb - lbb, lab.abs() + eab);
     Some([-widened(-low, form_error), widened(high, form_error)])
 }
 
-/// Of the symmetric matrix with this diagonal and this other entry.
+/// The larger eigenvalue of the symmetric matrix with the diagonal (a, b) and `other` beside it.
 fn larger_eigenvalue(a: f64, b: f64, other: f64) -> f64 {
     0.5 * (a + b) + (0.5 * (a - b)).hypot(other)
 }
@@ -84,7 +87,7 @@ fn widened(value: f64, error: f64) -> f64 {
     if value > 0.0 { value / (1.0 - error) } else { value / (1.0 + error) }
 }
 
-/// The larger principal curvature at a point, 1/mm; no number where there is no normal.
+/// The larger principal curvature at a point, 1/mm; NaN where the surface has no normal.
 pub fn most_concave_at(jet: &Jet) -> f64 {
     let normal = jet.normal().normalize();
     let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
@@ -95,10 +98,10 @@ pub fn most_concave_at(jet: &Jet) -> f64 {
     mean + (mean * mean - gauss).max(0.0).sqrt()
 }
 
-/// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm, within a hundredth of
-/// the largest there is, or a thousandth of one over the size of the surface, as far as the limit of work
-/// allows; negative where the surface is convex everywhere. `None` where the surface has a place without a
-/// normal.
+/// A proved upper bound of the larger principal curvature over all of `surface`, 1/mm; negative where the
+/// surface is convex everywhere. It exceeds the largest curvature by at most a hundredth of that curvature
+/// plus a thousandth of 1 / (size of the surface), unless the search runs out of halvings. `None` where the
+/// surface has a point without a normal.
 ///
 /// # Errors
 /// Only the budget's stop.
@@ -134,7 +137,7 @@ pub fn most_concave(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Res
     Ok(Some(open.max(search.settled)))
 }
 
-/// The parts that are not decided yet, the largest curvature found, and the largest bound of what is decided.
+/// The undecided parts, the largest curvature found, and the largest bound of the decided parts; 1/mm.
 struct Search<P> {
     found: f64,
     settled: f64,
@@ -143,13 +146,13 @@ struct Search<P> {
 }
 
 impl<P: Patch> Search<P> {
-    /// A bound that is as good as this need not be better.
+    /// A bound up to this value is tight enough: the search does not halve its part.
     fn enough(&self) -> f64 {
         self.found + GAP_SHARE * self.found.abs() + self.gap
     }
 
-    /// Takes in a part, or its parts where nothing can be said of it as a whole; `false` where it has a place
-    /// without a normal: a part of no size that still has no bound.
+    /// Adds a part, or its subparts if it has no bound as a whole. `false` if the part has a point without a
+    /// normal: then a subpart as small as a point still has no bound.
     fn add(&mut self, part: P, no_size: f64, budget: &Budget) -> Result<bool, Stopped> {
         let mut unbounded = vec![part];
         for k in 1.. {
@@ -159,7 +162,7 @@ impl<P: Patch> Search<P> {
             }
             let around = part.bounds();
             let is_point = (around.max - around.min).norm() <= no_size || k > UNBOUNDED_LIMIT;
-            // Where there is no normal this is no number, and does not count.
+            // NaN where there is no normal; `f64::max` ignores it.
             self.found = self.found.max(most_concave_at(&part.jet(0.5, 0.5)));
             match bounds(&part.derivatives()) {
                 Some([_, bound]) if bound <= self.enough() => self.settled = self.settled.max(bound),
@@ -205,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_of_a_cylinder_has_its_radius() {
+    fn a_quarter_of_a_cylinder_has_the_curvature_of_its_radius() {
         let w = 0.5f64.sqrt();
         let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
         let quarter = BezierSurface::from_fn([1, 1], |_, _| {
@@ -222,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_no_surface_to_bound() {
+    fn a_surface_shrunk_to_a_point_has_no_bound() {
         let nothing = BezierSurface::from_fn([2, 1], |_, _| crate::geometry::surface::BicubicPatch {
             net: [[nalgebra::Vector3::zeros(); 4]; 4],
         });
@@ -230,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_has_no_bound() {
+    fn a_surface_with_a_pole_has_no_bound() {
         let pole = BezierSurface::from_fn([1, 1], |_, _| {
             RationalPatch::<4>::from_fn([1, 2], |a, b| {
                 Vector4::new(a as f64, (a * b) as f64, 0.1 * (a * b * b) as f64, 1.0)

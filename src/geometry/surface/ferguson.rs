@@ -1,8 +1,8 @@
 //! Ferguson's composite surface: points with given tangents and twists at every corner.
 //!
 //! # Guarantees
-//! Through its points with its tangents; C1 across patches, because neighbours share what their corners are
-//! made of.
+//! The surface passes through its points with the given tangents. It is C1 across patches, because neighbours
+//! share the data at their common corners.
 //!
 //! # Reference
 //! J. C. Ferguson, "Multivariable Curve Interpolation", Journal of the ACM 11, 1964.
@@ -12,14 +12,14 @@ use nalgebra::{Point3, Vector3};
 use super::bezier::BezierSurface;
 use super::hermite::{self, Corner};
 
-/// Points `points[i][j]`, i along u, with their derivatives by parameters that grow by one from point to
-/// point; mm.
+/// Points `points[i][j]`, i along u, with their derivatives; mm. The parameters u and v grow by one from
+/// point to point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ferguson {
     pub points: Vec<Vec<Point3<f64>>>,
     pub tangents_u: Vec<Vec<Vector3<f64>>>,
     pub tangents_v: Vec<Vec<Vector3<f64>>>,
-    /// Mixed derivatives; zero where there are none, as in Ferguson's own patch.
+    /// Mixed derivatives. `None` makes them zero, as in Ferguson's own patch.
     pub twists: Option<Vec<Vec<Vector3<f64>>>>,
 }
 
@@ -35,6 +35,8 @@ pub enum FergusonError {
 }
 
 impl Ferguson {
+    /// The surface with these points and derivatives.
+    ///
     /// # Errors
     /// When there are fewer than 2 x 2 points, the grids differ in size, or a number is not finite.
     pub fn surface(&self) -> Result<BezierSurface, FergusonError> {
@@ -100,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cubic_surface_comes_back() {
+    fn a_cubic_surface_is_reproduced_exactly() {
         let surface = exact().surface().unwrap();
         for (u, v) in [(0.3, 0.1), (1.7, 2.4), (2.0, 3.0)] {
             let p = surface.jet(u, v).point;
@@ -109,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn without_twists_they_are_zero() {
+    fn missing_twists_count_as_zero() {
         let mut data = exact();
         data.twists = None;
         let surface = data.surface().unwrap();
@@ -118,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_grids_are_named() {
+    fn a_broken_grid_is_refused_with_the_place_of_its_fault() {
         let mut data = exact();
         data.tangents_v[1].pop();
         let expected = FergusonError::Columns { field: "tangents_v", row: 1, found: 3, expected: 4 };

@@ -1,4 +1,4 @@
-//! The offset of a surface along its normal: where the centre of a touching ball may lie.
+//! The offset of a surface along its normal: the places of the centre of a ball that touches the surface.
 
 use nalgebra::{Point3, Vector3};
 
@@ -8,14 +8,14 @@ use super::Jet;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffsetJet {
     pub point: Point3<f64>,
-    /// Unit normal of the surface, and of the offset where it does not fold.
+    /// Unit normal of the surface. It is also the unit normal of the offset where the offset does not fold.
     pub normal: Vector3<f64>,
     pub du: Vector3<f64>,
     pub dv: Vector3<f64>,
 }
 
-/// The offset by `radius` mm of the surface whose jet this is (Ju eq. 2), with the derivatives of the normal
-/// by Weingarten's equations; `None` where the surface has no normal.
+/// The offset by `radius` mm of the surface with this jet (Ju eq. 2). The derivatives of the normal follow
+/// from Weingarten's equations. `None` where the surface has no normal.
 pub fn offset(jet: &Jet, radius: f64) -> Option<OffsetJet> {
     let cross = jet.normal();
     let length = cross.norm();

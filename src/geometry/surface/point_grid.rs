@@ -1,29 +1,30 @@
 //! A surface through a grid of measured points.
 //!
 //! # Method
-//! Koo et al. 3.1, eq. 1-7: through every row and column of points runs the C2 cubic in Bezier form; its
-//! derivatives give the boundary control points of each patch. The four inner control points follow from
-//! the mixed derivative (twist) at the corners: Q11 = P + Su/3 + Sv/3 + Suv/9.
+//! Koo et al. 3.1, eq. 1-7: a C2 cubic in Bezier form runs through every row and every column of points. Its
+//! derivatives give the boundary control points of each patch. The four inner control points follow from the
+//! mixed derivative (twist) at the corners: Q11 = P + Su/3 + Sv/3 + Suv/9.
 //! 1. Su at every point: splines along u through the points.
-//! 2. Sv at every point: splines along v.
+//! 2. Sv at every point: splines along v through the points.
 //! 3. Suv at every point: splines along v through the Su.
 //!
 //! # Guarantees
-//! With [`Twist::Spline`] the surface is the tensor-product cubic spline: C2 everywhere, whichever direction
-//! is taken first. With [`Twist::Zero`] it has C2 grid curves and is C1 across patches.
+//! With [`Twist::Spline`] the surface is the tensor-product cubic spline: C2 everywhere, and the same
+//! whichever direction comes first. With [`Twist::Zero`] its grid curves are C2, and the surface is C1 across
+//! patches.
 //!
 //! # Degenerate input
-//! Two points a direction make straight lines. `not_a_knot` and `bessel` with too few points fall to the
-//! interpolating polynomial. Coincident points are accepted; where they leave no normal, the proof of an
-//! upward normal refuses the surface later.
+//! Two points in a direction make straight lines. `not_a_knot` and `bessel` with too few points give the
+//! interpolating polynomial. Coincident points are accepted. If they leave the surface without a normal, the
+//! proof of an upward normal refuses the surface later.
 //!
 //! # Cost
-//! O(n) for n points: three tridiagonal solutions a point.
+//! O(n) for n points: three tridiagonal systems, each solved in constant time a point.
 //!
 //! # Differences from the paper
-//! Eq. 6, the parallelogram rule, is [`Twist::Zero`]; the paper knows no other. Its end conditions are not
-//! printed. On z = 10 sin(pi x/40) cos(pi y/40) over 80 x 80 mm with 9 x 9 points zero twist leaves 0.333 mm,
-//! the spline twist with not-a-knot ends 0.099 mm.
+//! [`Twist::Zero`] is eq. 6 of the paper, the parallelogram rule; the paper has no other twist. The paper
+//! does not print its end conditions. On z = 10 sin(pi x/40) cos(pi y/40) over 80 x 80 mm with 9 x 9 points,
+//! zero twist leaves an error of 0.333 mm, and the spline twist with not-a-knot ends 0.099 mm.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -37,18 +38,18 @@ use crate::geometry::spline::{self, derivatives};
 
 type EndCondition = spline::EndCondition<3>;
 
-/// How the mixed derivatives at the grid's points are chosen.
+/// How the mixed derivatives at the points of the grid are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Twist {
-    /// Those of the tensor-product cubic spline: the surface is C2.
+    /// The mixed derivatives of the tensor-product cubic spline: the surface is C2.
     #[default]
     Spline,
     /// Zero, Koo et al. (1989) eq. 6: the surface is C1 across patches.
     Zero,
 }
 
-/// Boundary tangents for clamped ends, one vector for each boundary point: derivatives by the uniform
-/// parameter that grows by one from point to point.
+/// Boundary tangents for clamped ends, one vector for each boundary point. They are derivatives by the
+/// uniform parameter, which grows by one from point to point; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EndTangents {
     /// Along the boundaries i = 0 and i = last; one vector for each j.
@@ -62,8 +63,8 @@ pub struct EndTangents {
 /// The end conditions of the cubic splines along both directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Ends {
-    /// As `NotAKnot`, where nobody asked for it by name: through too few points for it runs the polynomial,
-    /// and there is nothing to warn of.
+    /// The same as `NotAKnot`, for callers who did not choose the ends. Too few points for not-a-knot ends
+    /// then give the interpolating polynomial without a warning.
     #[default]
     Usual,
     Natural,
@@ -159,7 +160,8 @@ impl PointGrid {
         Ok([rows, expected])
     }
 
-    /// The directions in which `not_a_knot` lacks the four points it needs, with their numbers of points.
+    /// The directions with fewer than the four points that `not_a_knot` needs, each with its number of
+    /// points. Empty for other ends.
     pub fn reduced_ends(&self) -> Vec<(&'static str, usize)> {
         if self.ends != Ends::NotAKnot {
             return Vec::new();
@@ -168,7 +170,7 @@ impl PointGrid {
         counts.into_iter().filter(|(_, n)| *n < 4).collect()
     }
 
-    /// The end conditions of the lines along u (a function of j) and along v (of i).
+    /// The end conditions of the splines along u (by the index j) and along v (by the index i).
     fn end_conditions(&self) -> [Box<dyn Fn(usize) -> EndCondition + '_>; 2] {
         match &self.ends {
             Ends::Natural => [Box::new(|_| EndCondition::Natural), Box::new(|_| EndCondition::Natural)],
@@ -183,9 +185,9 @@ impl PointGrid {
         }
     }
 
-    /// The end conditions for the splines along v through the derivatives by u. Clamped ends need the change
-    /// along u of the given v tangents, found by a not-a-knot spline through them: then both orders of
-    /// differentiation agree and the surface is C2.
+    /// The end conditions for the splines along v through the derivatives Su. Clamped ends need the
+    /// derivative along u of the given v tangents; a not-a-knot spline through the v tangents gives it. Then
+    /// both orders of differentiation agree, and the surface is C2.
     fn twist_conditions(&self, rows: usize) -> Box<dyn Fn(usize) -> EndCondition + '_> {
         match &self.ends {
             Ends::Clamped(t) => {
@@ -241,9 +243,9 @@ mod tests {
         worst
     }
 
-    /// Published figures of this surface for each twist and end condition.
+    /// Published fit errors of this surface, mm, for each twist and end condition.
     #[test]
-    fn fit_errors_are_those_known_for_the_wave() {
+    fn fit_errors_of_the_wave_match_the_published_figures() {
         for (n, twist, ends, known) in [
             (9, Twist::Zero, Ends::Natural, 0.333),
             (9, Twist::Spline, Ends::Natural, 0.328),
@@ -316,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_grids_are_named() {
+    fn a_broken_grid_is_refused_with_the_place_of_its_fault() {
         let p = Point3::origin();
         let grid =
             |points: Vec<Vec<Point3<f64>>>| PointGrid { points, twist: Twist::Spline, ends: Ends::Natural };

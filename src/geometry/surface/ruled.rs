@@ -1,29 +1,32 @@
-//! Two curves whose points at equal fractions of their lengths are joined by straight lines.
+//! A ruled surface: straight lines join the points of two curves at equal fractions of the curves' lengths.
 //!
 //! # Method
-//! Both curves are cut at the joints of either, by length (`part`). Over each stretch:
-//! 1. Two lines make a bilinear patch, and two arcs of the same sweep a rational one: in both parameter and
-//!    length agree.
-//! 2. Of any other pair, what is no line is replaced by the cubic in its length that agrees with its ends and
-//!    tangents there, and the stretch is halved until the cubics are near enough.
+//! Both curves are cut, by length (`part`), at the joints of either curve. Then for each stretch between
+//! cuts:
+//! 1. Two lines make a bilinear patch. Two arcs of the same sweep make a rational patch. In both cases equal
+//!    parameters mean equal fractions of the lengths.
+//! 2. In any other pair, a cubic in its own length replaces each part that is not a line. The cubic agrees
+//!    with the ends of the part and the tangents there. The stretch is halved until the cubics are near
+//!    enough.
 //!
 //! # Guarantees
-//! Exact to rounding in the first case. In the second the curve of every fraction leaves the exact one by at
-//! most [`TOLERANCE_MM`], and tangents agree where cubics meet. The remainder of such a cubic is its length
-//! to the fourth by 384, times the fourth derivative of the curve by its length: 1 / R^3 for an arc; for a
-//! cubic c at most 64 a^3 + 26 a b with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3, by
-//! differentiating c' / |c'| three times and bounding every term. Lengths of cubics are by quadrature, some
-//! 1e-12 mm wrong.
+//! Case 1 is exact to rounding. In case 2 every curve of constant v leaves the exact one by at most
+//! [`TOLERANCE_MM`]. Tangents agree where cubics meet. The error of such a cubic is its length to the fourth
+//! by 384, times the fourth derivative of the curve by its length. That derivative is 1 / R^3 for an arc. For
+//! a cubic c it is at most 64 a^3 + 26 a b with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3;
+//! this follows by differentiating c' / |c'| three times and bounding every term. Lengths of cubics come from
+//! quadrature, with an error of some 1e-12 mm.
 //!
 //! # Degenerate input
-//! Where the curves meet the surface has no normal. A cusp of a cubic, where its direction jumps, is refused.
+//! Where the curves meet, the surface has no normal. A cubic with a cusp, where its direction jumps, is
+//! refused.
 //!
 //! # Cost
 //! O(patches).
 //!
 //! # Differences from the paper
-//! The paper divides the curves into equal intervals and joins their ends; how many there are makes no
-//! difference here.
+//! The paper divides the curves into equal intervals and joins the ends of the intervals. The number of
+//! intervals does not affect the surface here.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -38,13 +41,13 @@ use super::swept::of_weights;
 use crate::geometry::profile::{ControlPoint, Profile};
 use part::Part;
 
-/// How far curves of constant fraction may be from the exact ones, mm.
+/// How far a curve of constant v may leave the exact one, mm.
 pub const TOLERANCE_MM: f64 = 1e-6;
 
-/// Joints of the two curves this close, mm, are at the same fraction.
+/// Joints of the two curves whose fractions differ by less than this length count as one joint, mm.
 const NEAREST_MM: f64 = 1e-9;
 
-/// Halvings of a stretch: parts a billionth of it.
+/// Most halvings of a stretch: the smallest parts are a billionth of it. A cubic that needs more has a cusp.
 const MOST_HALVINGS: usize = 30;
 
 /// The curve at v = 0 and the one at v = 1, both along u; mm.
@@ -54,8 +57,8 @@ pub struct Ruled {
     pub second: Profile<3>,
 }
 
-/// Why the curves make no surface; `curve` is 0 for the first and 1 for the second, `place` that of its
-/// piece.
+/// Why the curves make no surface. `curve` is 0 for the first curve and 1 for the second; `place` is the
+/// place of the piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RuledError {
     #[error("a curve has no pieces; it needs at least one")]
@@ -68,10 +71,10 @@ pub enum RuledError {
     Cusp { curve: usize, place: usize },
 }
 
-/// Control points of both sides of a patch, equally many with equal weights.
+/// Control points of the sides v = 0 and v = 1 of a patch: the same number, with the same weights.
 type Sides = [Vec<ControlPoint<3>>; 2];
 
-/// Patches in order, and the number of those before each loose joint.
+/// Patches in order, and for each loose joint the number of patches before it.
 #[derive(Default)]
 struct Strip {
     patches: Vec<Sides>,
@@ -79,6 +82,8 @@ struct Strip {
 }
 
 impl Ruled {
+    /// The ruled surface.
+    ///
     /// # Errors
     /// One of [`RuledError`].
     pub fn surface(&self) -> Result<AnySurface, RuledError> {
@@ -94,8 +99,8 @@ impl Ruled {
         Ok(of_weights([patches.len(), 1], weights, patch))
     }
 
-    /// The joints at corners of either curve, by the number of patches before them along u and v; of curves
-    /// that make a surface.
+    /// The joints at corners of either curve. Each joint is given by the number of patches before it, along u
+    /// and along v. Empty if the curves make no surface.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         [self.strip().map_or(Vec::new(), |strip| strip.loose), Vec::new()]
     }
@@ -160,7 +165,7 @@ impl Strip {
     }
 }
 
-/// The sides where parameter and length agree between the parts.
+/// The sides of an exact patch, if equal parameters of both parts mean equal fractions of their lengths.
 fn exact(parts: &[Part; 2]) -> Option<Sides> {
     let [one, other] = parts;
     one.runs_like(other).then(|| {
@@ -172,13 +177,13 @@ fn exact(parts: &[Part; 2]) -> Option<Sides> {
     })
 }
 
-/// The sides as cubics in the length, where these are near enough.
+/// The sides as cubics in the length, if both are near enough to the parts.
 fn near(parts: &[Part; 2]) -> Option<Sides> {
     let is_near = parts.iter().all(|part| part.cubic_error() <= TOLERANCE_MM);
     is_near.then(|| [0, 1].map(|k| parts[k].cubic().map(|p| (p, 1.0)).to_vec()))
 }
 
-/// The next part of a curve, the fraction of its length at which it ends, and whether the joint there is
+/// The next part of a curve, the fraction of the curve's length at its end, and whether the joint there is
 /// loose.
 #[derive(Clone, Copy)]
 struct Head {
@@ -187,14 +192,14 @@ struct Head {
     is_loose: bool,
 }
 
-/// A curve with the lengths of its pieces.
+/// A curve as parts with their lengths, in order.
 struct Measured<'p> {
     profile: &'p Profile<3>,
     parts: std::vec::IntoIter<Part>,
     length: f64,
-    /// The length and the number of the parts that were taken.
+    /// The total length (mm) and the number of the parts taken so far.
     taken: (f64, usize),
-    /// Joints that are still to come.
+    /// The loose joints ahead, each as the number of pieces before it.
     loose: std::iter::Peekable<std::vec::IntoIter<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! Balls of vectors and intervals of numbers: sets that hold every value of a polynomial over a patch.
+//! Balls of vectors and intervals of numbers: sets that contain every value of a polynomial over a patch.
 
 use nalgebra::Vector3;
 
@@ -17,14 +17,14 @@ pub struct CenteredInterval {
 }
 
 impl CenteredInterval {
-    /// From the least to the largest of `values`, and `rounding` more.
+    /// The interval from the least to the largest of `values`, widened by `rounding` on both sides.
     pub fn around(values: impl Iterator<Item = f64>, rounding: f64) -> Self {
         let (low, high) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         Self { center: 0.5 * (low + high), radius: 0.5 * (high - low) + rounding }
     }
 
-    /// The quotients 1 / x of an interval above zero.
+    /// The interval of the quotients 1 / x, for an interval above zero.
     pub fn inverse(self) -> Self {
         let (low, high) = (1.0 / (self.center + self.radius), 1.0 / (self.center - self.radius));
         Self { center: 0.5 * (low + high), radius: 0.5 * (high - low) }
@@ -34,7 +34,8 @@ impl CenteredInterval {
 impl VectorBall {
     pub const ZERO: VectorBall = VectorBall { center: Vector3::new(0.0, 0.0, 0.0), radius: 0.0 };
 
-    /// About the mean of `vectors`, of which there is one at least; `rounding` is that of what made them.
+    /// A ball about the mean of `vectors` that contains them all. There is at least one vector. `rounding` is
+    /// the rounding error of the vectors and widens the ball.
     pub fn around(vectors: impl Iterator<Item = Vector3<f64>> + Clone, rounding: f64) -> Self {
         let (sum, count) = vectors.clone().fold((Vector3::zeros(), 0.0), |(sum, n), v| (sum + v, n + 1.0));
         let center: Vector3<f64> = sum / count;
@@ -54,13 +55,13 @@ impl VectorBall {
         self.plus(other.scaled(-1.0))
     }
 
-    /// The products of a vector of this and a number of `factor`.
+    /// A ball that contains every product of a vector of this ball and a number of `factor`.
     pub fn times(self, factor: CenteredInterval) -> Self {
         let radius = self.radius * factor.center.abs() + self.reach() * factor.radius;
         Self { center: self.center * factor.center, radius }
     }
 
-    /// The largest length.
+    /// The largest length of a vector in the ball.
     pub fn reach(self) -> f64 {
         self.center.norm() + self.radius
     }
@@ -79,7 +80,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn operations_hold_the_results_of_their_members(
+        fn the_result_of_an_operation_contains_the_results_for_all_members(
             c in prop::array::uniform6(-3.0f64..3.0),
             d in prop::array::uniform6(-0.5f64..0.5),
             r in prop::array::uniform3(0.0f64..2.0),

@@ -1,25 +1,26 @@
-//! Normals at the ends of the pieces of a plane curve, and the mitres of its sharp corners.
+//! Normals at the ends of the pieces of a plane curve, and the mitres at its sharp corners.
 //!
-//! With the unit normals a and b of two lines that meet, both offsets at the distance x pass the point m x
-//! from the corner, m = (a + b) / (1 + a b): it lies on the plane that halves the corner, and m a = m b = 1.
+//! a and b are the unit normals of two lines that meet. The offsets of both lines at the distance x pass
+//! through the point m x, counted from the corner, with m = (a + b) / (1 + a b). m lies on the plane that
+//! halves the corner, and m a = m b = 1.
 
 use nalgebra::Vector2;
 
 use super::NormalSweepError;
 use crate::geometry::profile::{Piece, Profile, Shape};
 
-/// Where the ends of two neighbours, at the farthest reach of the drive curve, are closer than this, their
-/// joint is smooth, mm.
+/// A joint is smooth if the offset ends of the two neighbours are closer than this, mm. The offset distance
+/// is the farthest reach of the drive curve.
 const SMOOTH_MM: f64 = 1e-7;
 
-/// The longest mitre in parts of the reach: turns up to 174 degrees.
+/// The longest mitre vector, as a multiple of a unit normal: permits turns up to 174 degrees.
 const LONGEST_MITRE: f64 = 20.0;
 
-/// The normals to the left at both ends of each piece, of unit length but for those of mitres; `reach` is
-/// what they will be multiplied by.
+/// The normals to the left at both ends of each piece. They have unit length, except at mitres. `reach` is
+/// the range of the distances that the normals are multiplied by, mm.
 ///
 /// # Errors
-/// When a cubic stops at an end, or a corner can have no mitre.
+/// When a cubic has no direction at an end, or a corner can have no mitre.
 pub(super) fn normals(
     curve: &Profile<2>,
     reach: [f64; 2],

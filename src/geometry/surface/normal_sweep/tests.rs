@@ -14,13 +14,13 @@ fn swept(basic: &Profile<2>, drive: &Profile<2>) -> AnySurface {
     sweep(basic, drive).surface().unwrap()
 }
 
-/// Jets all over the surface.
+/// Jets at places all over the surface.
 fn jets(surface: &AnySurface) -> Vec<Jet> {
     let [nu, nv] = surface.spans().map(|n| n as f64);
     (0..=400).map(|k| surface.jet(nu * f64::from(k % 21) / 20.0, nv * f64::from(k / 21) / 19.0)).collect()
 }
 
-/// Lines with a quarter of radius 10 to the left about (0, 10).
+/// A line, a quarter circle of radius 10 to the left about (0, 10), and a line.
 fn bend() -> Profile<2> {
     let line = |from: [f64; 2], to: [f64; 2]| Shape::Line([from.into(), to.into()]);
     chain([
@@ -30,14 +30,14 @@ fn bend() -> Profile<2> {
     ])
 }
 
-/// Straight up, and to the left by so much.
+/// A line that rises 5 mm and goes `left` mm to the left.
 fn rib(left: f64) -> Profile<2> {
     polyline([[0.0, 0.0], [left, 5.0]])
 }
 
 #[test]
 fn an_arc_along_an_arc_is_a_torus_and_along_a_line_a_cylinder() {
-    // A quarter of radius 3 about (-4, 2): 14 mm from the centre of the bend.
+    // A quarter circle of radius 3 about (-4, 2), which is 14 mm from the centre of the bend.
     let drive = chain([quarter([[-4.0, 5.0], [-1.0, 5.0], [-1.0, 2.0]])]);
     let sweep = sweep(&bend(), &drive);
     let surface = sweep.surface().unwrap();
@@ -50,7 +50,7 @@ fn an_arc_along_an_arc_is_a_torus_and_along_a_line_a_cylinder() {
         let p = surface.jet(u, v).point;
         assert!(((p.y + 4.0).hypot(p.z - 2.0) - 3.0).abs() < 1e-13 && p.x <= 0.0, "{p}");
     }
-    // Nothing is lost of the smoothness where an arc touches its lines.
+    // The surface is smooth where the arc touches its lines.
     let AnySurface::Rational(surface) = &surface else { panic!("{surface:?}") };
     let joints = joints::examine(surface, &[vec![1, 2], vec![]], &Budget::unlimited()).unwrap();
     assert!(joints.gap_mm < 1e-13 && joints.kink < 1e-13, "{joints:?}");
@@ -67,12 +67,12 @@ fn corners_of_a_closed_polyline_are_mitred() {
         let found = frustum.jet(i as f64, 1.0).point;
         assert!((found - Point3::new(x, y, 5.0)).norm() < 1e-14, "{found}");
     }
-    // Each side is plane: it rises 5 on 4.
+    // Each side is a plane that rises 5 mm over 4 mm.
     let p = frustum.jet(0.3, 0.7).point;
     assert!((p.y - 0.8 * p.z).abs() < 1e-14);
-    // Outward the corners are sharp, too.
+    // Corners on the outside are sharp, too.
     assert!((swept(&square, &rib(-4.0)).jet(1.0, 1.0).point - Point3::new(24.0, -4.0, 5.0)).norm() < 1e-14);
-    // The sides meet in one point, and no farther.
+    // A reach of 10 mm lets the sides meet in one point; a longer reach is refused.
     let apex = sweep_of(10.0).surface().unwrap().jet(2.5, 1.0).point;
     assert!((apex - Point3::new(10.0, 10.0, 5.0)).norm() < 1e-13);
     let error = sweep_of(10.1).surface().unwrap_err();
@@ -81,7 +81,7 @@ fn corners_of_a_closed_polyline_are_mitred() {
 }
 
 #[test]
-fn what_reaches_beyond_a_centre_is_named() {
+fn a_drive_curve_that_reaches_beyond_a_centre_is_refused() {
     assert!(sweep(&bend(), &rib(10.0)).surface().is_ok());
     assert!(sweep(&bend(), &rib(-500.0)).surface().is_ok());
     let error = sweep(&bend(), &rib(10.001)).surface().unwrap_err();
@@ -92,7 +92,7 @@ fn what_reaches_beyond_a_centre_is_named() {
     let right = bend().mapped(|p| Point2::new(p.x, -p.y));
     let error = sweep(&right, &rib(-12.0)).surface().unwrap_err();
     assert!(matches!(error, NormalSweepError::Fold { place: 1, side: Side::Right, .. }), "{error}");
-    // The arc of the drive curve itself stays within, its corner does not.
+    // The ends of the drive curve stay within the radius, but its control point at the corner does not.
     let drive = chain([quarter([[4.0, 9.0], [11.0, 9.0], [11.0, 2.0]])]);
     assert!(sweep(&bend(), &drive).surface().is_err());
     let h = 10.0 * 0.5f64.sqrt();
@@ -101,13 +101,13 @@ fn what_reaches_beyond_a_centre_is_named() {
 }
 
 #[test]
-fn corners_that_cannot_be_mitred_are_named() {
+fn corners_that_cannot_be_mitred_are_refused() {
     let line = |from: [f64; 2], to: [f64; 2]| Shape::Line([from.into(), to.into()]);
     let beside = chain([line([-30.0, 5.0], [0.0, 0.0]), quarter([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]])]);
     let error = sweep(&beside, &rib(1.0)).surface().unwrap_err();
     let NormalSweepError::Corner { place: 0, turn_deg } = error else { panic!("{error}") };
     assert!((turn_deg - (1.0f64 / 6.0).atan().to_degrees()).abs() < 1e-12);
-    // A wall straight up has no sides that could fail to meet.
+    // A vertical wall reaches to no side, so its corner needs no mitre.
     assert!(sweep(&beside, &rib(0.0)).surface().is_ok());
     let back = polyline([[0.0, 0.0], [20.0, 0.0], [0.0, 0.1]]);
     let error = sweep(&back, &rib(1.0)).surface().unwrap_err();
@@ -153,7 +153,7 @@ fn along_a_smooth_curve_the_surface_is_within_the_tolerance() {
 #[test]
 fn a_smooth_curve_folds_at_its_centres_and_has_no_normal_at_a_cusp() {
     let basic = smooth(&[[0.0, 0.0], [10.0, 10.0], [20.0, 0.0]]);
-    // The tightest place is the top: the curvature is y'' / x'^2, and all of it is to the right.
+    // The tightest place is the top. The curvature there is y'' / x'^2, and the curve turns right.
     let Shape::Cubic(p) = basic.pieces()[0].shape else { panic!("a cubic") };
     let (speed, bend) = (3.0 * (p[3] - p[2]), 6.0 * ((p[3] - p[2]) - (p[2] - p[1])));
     let radius = speed.norm_squared() / bend.norm();
@@ -167,12 +167,12 @@ fn a_smooth_curve_folds_at_its_centres_and_has_no_normal_at_a_cusp() {
 }
 
 #[test]
-fn left_is_left_and_up_is_up() {
+fn the_drive_curve_points_left_and_up() {
     let surface = swept(&bend(), &rib(2.0));
     assert!(jets(&surface).iter().all(|jet| jet.point.z >= 0.0));
-    // At the end the bend runs along y: left is -x.
+    // At its end the bend runs along y, so left is -x.
     assert!((surface.jet(3.0, 1.0).point - Point3::new(8.0, 30.0, 5.0)).norm() < 1e-14);
-    // The length of the arc beside the curve is that of its radius.
+    // The arc beside the curve has a radius of 10 - 2 = 8 mm.
     let arc: f64 = (0..1000)
         .map(|k| {
             let at = |k: i32| surface.jet(1.0 + f64::from(k) / 1000.0, 1.0).point;

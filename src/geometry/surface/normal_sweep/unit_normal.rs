@@ -1,40 +1,43 @@
-//! The unit normal along a plane cubic, by cubics that agree with it and its derivative where they meet.
+//! The unit normal along a plane cubic, replaced by cubics that agree with it and its derivative at their
+//! ends.
 //!
 //! # Guarantees
-//! With c' the derivative, t its direction, n the unit normal and q the cubic in its place: q - n has the
-//! coordinate q c' / |c'| along t and, as long as q n is above zero, at most | |q|^2 - 1 | plus the square of
-//! the former along n. Both are bounded by the Bernstein coefficients of q c', |q|^2 - 1 and |c'|^2. The
-//! first two vanish twice at both ends, so these bounds fall with the fourth power of the length, as the
-//! error does. That the surface does not run backward is that (c' + q' x) c', linear in x, has coefficients
-//! above zero at both ends of the drive curve's reach.
+//! c' is the derivative of the plane cubic, t its direction, n the unit normal, and q the cubic that replaces
+//! n. The difference q - n has the coordinate q c' / |c'| along t. Along n its coordinate is at most
+//! | |q|^2 - 1 | plus the square of the coordinate along t, as long as q n is above zero. The Bernstein
+//! coefficients of q c', |q|^2 - 1 and |c'|^2 bound both. q c' and |q|^2 - 1 vanish twice at both ends, so the
+//! bounds fall with the fourth power of the length, as the error does.
+//!
+//! The surface does not run backward where (c' + q' x) c' is positive. This expression is linear in x, so it
+//! is enough that its coefficients are above zero at both ends of the drive curve's reach.
 
 use nalgebra::{Point2, Vector2};
 
 use super::TOLERANCE_MM;
 use crate::geometry::bernstein::{derived, dot, lowest, magnitude};
 
-/// Halvings of a cubic of the data: parts a billionth of it.
+/// Most halvings of a cubic of the data: the smallest parts are a billionth of it.
 const MOST_HALVINGS: usize = 30;
 
-/// A part of the cubic, and the cubic in the place of its unit normal.
+/// A part of the cubic, and the cubic that replaces its unit normal.
 pub(super) struct CubicPart {
     pub(super) points: [Point2<f64>; 4],
     pub(super) normals: [Vector2<f64>; 4],
 }
 
-/// Why there are no parts.
+/// Why the cubic has no parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum NormalFault {
     /// The derivative vanishes.
     Cusp,
-    /// The centre of curvature is nearer than the reach, to the left above zero.
+    /// The centre of curvature is nearer than the drive curve reaches. `reach` is positive to the left, mm.
     Fold { reach: f64, radius_mm: f64 },
-    /// More parts than there is room for.
+    /// The cubic needs more parts than the surface has room for.
     TooMany,
 }
 
-/// Parts from the start to the end of the cubic, for a drive curve that reaches from `reach[0]` to `reach[1]`
-/// mm to the left; `room` at most.
+/// Parts from the start to the end of the cubic, at most `room`. The drive curve reaches from `reach[0]` to
+/// `reach[1]` mm to the left.
 pub(super) fn parts(
     cubic: [Point2<f64>; 4],
     reach: [f64; 2],
@@ -70,7 +73,7 @@ impl CubicPart {
         Ok(Self { points, normals: [from, from + by_from / 3.0, to - by_to / 3.0, to] })
     }
 
-    /// The fold at the start, to the side to which the curve turns.
+    /// The fold at the start of this part, on the side to which the curve turns.
     fn fold(&self, [low, high]: [f64; 2]) -> NormalFault {
         let along = self.points[1] - self.points[0];
         let curvature = -(self.normals[1] - self.normals[0]).dot(&along) / along.norm_squared();
@@ -82,7 +85,8 @@ impl CubicPart {
         derived(&self.points.map(|p| p.coords))
     }
 
-    /// A bound for the distance of the cubic from the unit normal; infinite where none is found.
+    /// An upper bound of the distance between the cubic of the normals and the unit normal; infinite where no
+    /// bound is found.
     fn normal_error(&self) -> f64 {
         let derivative = self.derivative();
         let left: Vec<_> = derivative.iter().map(|d| Vector2::new(-d.y, d.x)).collect();
@@ -95,17 +99,18 @@ impl CubicPart {
         along.hypot(magnitude(&squares) + along * along)
     }
 
-    /// Whether the curve beside this one, `x` mm to the left, cannot be shown to run in the same direction.
+    /// Whether the proof fails that the offset curve, `x` mm to the left, runs in the same direction as this
+    /// one.
     fn may_run_backward(&self, x: f64) -> bool {
         let derivative = self.derivative();
         let beside = self.points.iter().zip(&self.normals).map(|(p, n)| p.coords + n * x);
         let beside = derived(&beside.collect::<Vec<_>>());
-        // Not above zero, or no number.
+        // Zero, negative or NaN.
         lowest(&dot(&beside, &derivative)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater)
     }
 }
 
-/// The unit normal to the left and its derivative, where the curve has these derivatives.
+/// The unit normal to the left and its derivative at an end where the curve has these first two derivatives.
 fn end_normal(
     first: Vector2<f64>,
     second: Vector2<f64>,
@@ -113,7 +118,7 @@ fn end_normal(
 ) -> Result<[Vector2<f64>; 2], NormalFault> {
     let speed = first.norm();
     let tangent = first.try_normalize(0.0).ok_or(NormalFault::Cusp)?;
-    // dn / dt = -k |c'| t, with the curvature k above zero to the left.
+    // dn / dt = -k |c'| t, where the curvature k is positive for a left turn.
     let turning = first.perp(&second) / (speed * speed);
     let curvature = turning / speed;
     if let Some(reach) = reach.into_iter().find(|x| curvature * x >= 1.0) {
@@ -122,7 +127,7 @@ fn end_normal(
     Ok([Vector2::new(-tangent.y, tangent.x), tangent * -turning])
 }
 
-/// de Casteljau's halves.
+/// The two halves, by the algorithm of de Casteljau.
 fn halves([a, b, c, d]: [Point2<f64>; 4]) -> [[Point2<f64>; 4]; 2] {
     let middle = |p: &Point2<f64>, q: &Point2<f64>| nalgebra::center(p, q);
     let (ab, bc, cd) = (middle(&a, &b), middle(&b, &c), middle(&c, &d));

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::surface::Surface;
 
-/// The basis function by its definition (Cox and de Boor), on a half-open span.
+/// A B-spline basis function by its definition (Cox and de Boor), on half-open spans.
 fn basis(knots: &[f64], k: usize, degree: usize, t: f64) -> f64 {
     if degree == 0 {
         return if knots[k] <= t && t < knots[k + 1] { 1.0 } else { 0.0 };
@@ -29,7 +29,8 @@ fn by_definition(nurbs: &Nurbs, t: [f64; 2]) -> Point3<f64> {
     Point3::from(sum.xyz() / sum.w)
 }
 
-/// Knots with steps from a list in which zeros repeat a knot; not clamped unless the list says so.
+/// A knot vector whose steps come from a list. A zero step repeats a knot, so the ends are clamped only if
+/// the list makes them so.
 fn knots(steps: &[u8], degree: usize, points: usize) -> Vec<f64> {
     let mut knot = -1.0;
     let mut run = 0;
@@ -69,7 +70,7 @@ fn any_nurbs() -> impl Strategy<Value = Nurbs> {
     )
 }
 
-/// The parameter in a knot vector of the place `t` in the spans that have a length.
+/// The knot parameter at `t`, where `t` counts the spans that have a length.
 fn place(knots: &[f64], degree: usize, points: usize, t: f64) -> f64 {
     let spans: Vec<_> = (degree..points).filter(|&i| knots[i + 1] > knots[i]).collect();
     let k = (t as usize).min(spans.len() - 1);
@@ -78,7 +79,7 @@ fn place(knots: &[f64], degree: usize, points: usize, t: f64) -> f64 {
 
 proptest! {
     #[test]
-    fn patches_are_the_surface_of_the_definition(nurbs in any_nurbs(), s in 0.0f64..0.999, t in 0.0f64..0.999) {
+    fn patches_agree_with_the_definition(nurbs in any_nurbs(), s in 0.0f64..0.999, t in 0.0f64..0.999) {
         let surface = match nurbs.surface() {
             Ok(surface) => surface,
             Err(NurbsError::EmptyDomain { .. }) => return Ok(()),
@@ -121,7 +122,7 @@ fn joints_are_loose_where_a_knot_has_the_multiplicity_of_the_degree() {
 }
 
 #[test]
-fn broken_data_are_named() {
+fn broken_data_are_refused_with_the_place_of_the_fault() {
     let clamped = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
     let fault = |nurbs: Nurbs| nurbs.surface().map(|_| ()).unwrap_err();
     let degree = fault(plate(8, clamped.clone(), 3));

@@ -9,14 +9,14 @@ fn swept(basic: &Profile<3>, drive: &Profile<3>) -> AnySurface {
     ParallelSweep { basic: basic.clone(), drive: drive.clone() }.surface().unwrap()
 }
 
-/// A quarter of radius 20 about the y axis, from its top.
+/// A quarter circle of radius 20 about the y axis, from its top.
 fn crown() -> Profile<3> {
     chain([quarter([[0.0, 0.0, 20.0], [20.0, 0.0, 20.0], [20.0, 0.0, 0.0]])])
 }
 
 #[test]
 fn an_arc_along_a_line_is_a_cylinder() {
-    // The drive curve's own place does not matter.
+    // The place of the drive curve does not affect the surface.
     let surface = swept(&crown(), &polyline([[7.0, 8.0, 9.0], [7.0, 38.0, 9.0]]));
     assert!(matches!(surface, AnySurface::Rational(_)));
     assert_eq!(surface.spans(), [1, 1]);
@@ -40,7 +40,7 @@ fn lines_along_a_line_are_planes_with_an_edge() {
 }
 
 #[test]
-fn any_pieces_add_up() {
+fn a_point_of_the_sweep_is_the_sum_of_points_of_both_curves() {
     let basic = smooth(&[[1.0, 2.0, 3.0], [10.0, 0.0, 5.0], [25.0, 1.0, 0.0]]);
     let drive = chain([
         Shape::Line([Point3::new(0.0, -5.0, 1.0), Point3::new(0.0, 0.0, 1.0)]),

@@ -6,8 +6,8 @@ use super::{DerivativeBounds, Patch, SquareBound, spreads_of};
 use crate::geometry::surface::Jet;
 use crate::geometry::surface::vector_ball::VectorBall;
 
-/// Rounding of a difference of control points in parts of their magnitude: that of the halvings, some ten
-/// ulps, and that of at most nine times four terms.
+/// Rounding error of a difference of control points, as a part of their magnitude. It includes the halvings
+/// (some ten ulps) and the sum of up to four terms times nine.
 const ROUNDING: f64 = 1e-14;
 
 /// A control net `net[a][b]`, a along u, over the unit square; mm.
@@ -152,8 +152,8 @@ impl Patch for BicubicPatch {
     }
 }
 
-/// Adds `weight` times the square of a bicubic, as Bernstein coefficients of degree (6, 6) times their
-/// binomials.
+/// Adds `weight` times the square of a bicubic polynomial with the Bernstein coefficients `scaled`. The sum
+/// holds Bernstein coefficients of degree (6, 6), each multiplied by its binomials.
 fn add_square(sum: &mut [[f64; 7]; 7], mut scaled: Net, weight: f64) {
     for (row, cu) in scaled.iter_mut().zip(BINOMIAL_3) {
         for (x, cv) in row.iter_mut().zip(BINOMIAL_3) {
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn jet_is_that_of_the_polynomial() {
+    fn the_jet_equals_the_derivatives_of_the_polynomial() {
         let (u, v) = (0.3, 0.8);
         let jet = sample_patch().jet(u, v);
         let expected = [
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_the_patch_again() {
+    fn halves_have_the_points_of_the_patch() {
         let patch = sample_patch();
         for (u, v) in [(0.1, 0.9), (0.5, 0.25), (0.75, 0.6)] {
             let [low, high] = patch.split_u();

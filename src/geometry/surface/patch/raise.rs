@@ -1,4 +1,4 @@
-//! Polynomial patches of low degree as bicubic ones, which is exact.
+//! Polynomial patches of low degree as bicubic patches. The conversion is exact.
 
 use nalgebra::Vector4;
 
@@ -6,7 +6,7 @@ use super::{BicubicPatch, RationalPatch};
 
 /// A polynomial patch of degree up to 3 with equal weights, with its degree raised to 3 each way.
 pub fn raised(patch: &RationalPatch<4>) -> BicubicPatch {
-    /// Rows: cubic control points; columns: those of the lower degree.
+    /// Matrices by degree; rows are the cubic control points, columns the control points of the lower degree.
     const RAISES: [[[f64; 4]; 4]; 3] = {
         const T: f64 = 1.0 / 3.0;
         [

@@ -1,8 +1,9 @@
 //! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] each way.
 //!
-//! Control points are kept multiplied by their weights, (w x, w y, w z, w). Every weight is above zero, so a
-//! point of the patch is a convex combination of the points in space, and a quotient of two polynomials of
-//! the patch's degree lies between the least and the largest quotient of their Bernstein coefficients.
+//! Control points are stored multiplied by their weights, (w x, w y, w z, w). Every weight is above zero. So
+//! a point of the patch is a convex combination of the control points in space. A quotient of two
+//! polynomials, the divisor with coefficients above zero, lies between the least and the largest quotient of
+//! their Bernstein coefficients.
 
 mod product;
 mod swept;
@@ -17,15 +18,16 @@ use product::{BINOMIALS, PRODUCT_SIZE, Product};
 
 const SIZE: usize = MAX_DEGREE + 1;
 
-/// Rounding of a difference in parts of the coordinates' magnitude: halvings, a quotient, and at most 49
-/// times four terms.
+/// Rounding error of a difference, as a part of the magnitude of the coordinates. It includes the halvings, a
+/// quotient, and the sum of up to four terms times 49.
 const ROUNDING: f64 = 1e-13;
 
-/// A continued patch keeps its weights above this part of the largest: it does not come near infinity.
+/// The least weight of a continued patch, as a part of its largest weight. A smaller weight would bring the
+/// patch near infinity.
 const LEAST_WEIGHT: f64 = 1e-6;
 
 /// A homogeneous control net over the unit square, with room for N control points each way; mm. Entries
-/// beyond the degree are zero. Patches are copied much: those of low degree are better off with little room.
+/// beyond the degree are zero. Patches are copied often, so a patch of low degree should have a small N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RationalPatch<const N: usize = SIZE> {
     degree: [usize; 2],
@@ -33,8 +35,8 @@ pub struct RationalPatch<const N: usize = SIZE> {
 }
 
 impl<const N: usize> RationalPatch<N> {
-    /// The patch with the control points `point(a, b)`, a along u, multiplied by their weights, which come
-    /// last and are above zero. Degrees are 1 to N - 1.
+    /// The patch of a degree from 1 to N - 1 each way. `point(a, b)`, a along u, is the control point times
+    /// its weight, followed by the weight, which is above zero.
     pub fn from_fn(degree: [usize; 2], point: impl Fn(usize, usize) -> Vector4<f64>) -> Self {
         let mut net = [[Vector4::zeros(); N]; N];
         for (a, row) in net.iter_mut().enumerate().take(degree[0] + 1) {
@@ -49,7 +51,7 @@ impl<const N: usize> RationalPatch<N> {
         self.degree
     }
 
-    /// The control point (a, b), multiplied by its weight, and the weight.
+    /// The control point (a, b) times its weight, followed by the weight.
     pub fn homogeneous(&self, a: usize, b: usize) -> Vector4<f64> {
         self.net[a][b]
     }
@@ -59,7 +61,7 @@ impl<const N: usize> RationalPatch<N> {
         self.net.iter().take(p + 1).flat_map(move |row| row.iter().take(q + 1)).copied()
     }
 
-    /// The value and the derivatives by u, v, uu, uv, vv of the homogeneous polynomial.
+    /// The value of the homogeneous polynomial and its derivatives by u, v, uu, uv, vv, in this order.
     fn homogeneous_jet(&self, u: f64, v: f64) -> [Vector4<f64>; 6] {
         let [p, q] = self.degree;
         let mut along_v = [[Vector4::zeros(); N]; 3];
@@ -73,7 +75,7 @@ impl<const N: usize> RationalPatch<N> {
         [value, du, dv, duu, duv, dvv]
     }
 
-    /// The control net of the derivative by u, one degree lower; of a constant it is zero.
+    /// The control net of the derivative by u, one degree lower. The derivative of a constant is zero.
     fn derived_u(&self) -> Self {
         let [p, q] = self.degree;
         match p {
@@ -86,14 +88,14 @@ impl<const N: usize> RationalPatch<N> {
         self.transposed().derived_u().transposed()
     }
 
-    /// A set that holds the weights of the net's polynomial.
+    /// An interval that contains the weight polynomial of the net over the unit square.
     fn weights(&self, rounding: f64) -> CenteredInterval {
         CenteredInterval::around(self.entries().map(|h| h.w), rounding)
     }
 
-    /// A set that holds A' w - A w', with A and w the vectors and weights of the net and A', w' those of
-    /// `derived`, one of its derivatives. As a polynomial of its own: what cancels in it must not count
-    /// twice.
+    /// A ball that contains A' w - A w'. A and w are the vectors and weights of this net, A' and w' those of
+    /// `derived`, one of its derivatives. The difference is bounded as a single polynomial: bounds of the two
+    /// products would count twice the parts that cancel.
     fn numerator(&self, derived: &Self, rounding: f64) -> VectorBall {
         let ([m, n], [p, q]) = (derived.degree, self.degree);
         let mut sums = [[Vector3::zeros(); PRODUCT_SIZE]; PRODUCT_SIZE];
@@ -176,9 +178,9 @@ impl<const N: usize> Patch for RationalPatch<N> {
     fn continued(&self, reach: f64) -> Option<Self> {
         let p = self.degree[0];
         let side = (0..=self.degree[1]).map(|b| (self.net[p][b], self.net[p - 1][b]));
-        // Straight on in space as well: a combination of two points and their weights lies on their line. As
-        // many more of the points of the side leave the direction as it is, and let no weight grow: it would
-        // shorten the way.
+        // The patch goes straight on in space, too: a combination of two weighted points lies on the line
+        // through the points. To subtract a multiple of `last` keeps the direction. With `growth` as the
+        // multiple no weight grows; a growing weight would shorten the continuation.
         let growth = side.map(|(last, before)| 1.0 - before.w / last.w).fold(f64::NEG_INFINITY, f64::max);
         let patch = Self::from_fn(self.degree, |a, b| {
             let last = self.net[p][b];
@@ -189,7 +191,8 @@ impl<const N: usize> Patch for RationalPatch<N> {
     }
 
     fn derivatives(&self) -> DerivativeBounds {
-        // About the centre, and with weights near one, what cancels in the quotient rule is small.
+        // With coordinates from the centre and weights near one, the terms that cancel in the quotient rule
+        // are small.
         let center = self.center();
         let scale = 1.0 / self.net[0][0].w;
         let moved = Self::from_fn(self.degree, |a, b| {
@@ -206,8 +209,8 @@ impl<const N: usize> Patch for RationalPatch<N> {
         let (by_u, by_v) = (moved.derived_u(), moved.derived_v());
         let (du, dv) = (quotient(&by_u), quotient(&by_v));
         let (wu, wv) = (by_u.weights(rounding), by_v.weights(rounding));
-        // S' = (A' w - A w') / w^2, and S'' = (A'' w - A w'') / w^2 less what the first derivatives make of
-        // it.
+        // S' = (A' w - A w') / w^2. S'' = (A'' w - A w'') / w^2 minus the terms that `less` takes off: first
+        // derivatives times derivatives of w, over w.
         let less = |second: VectorBall, first: VectorBall, weight: CenteredInterval| {
             second.minus(first.times(weight).times(inverse))
         };
@@ -251,8 +254,8 @@ fn in_space(h: &Vector4<f64>) -> Vector3<f64> {
     h.xyz() / h.w
 }
 
-/// Value, first and second derivative at `t` of the Bezier curve of degree `n`, at least 1, by de Casteljau's
-/// steps.
+/// Value, first and second derivative at `t` of the Bezier curve of degree `n` (at least 1), by the algorithm
+/// of de Casteljau.
 fn curve_jet<const N: usize>(points: &[Vector4<f64>; N], n: usize, t: f64) -> [Vector4<f64>; 3] {
     let mut p = *points;
     let between = |a: Vector4<f64>, b: Vector4<f64>| a * (1.0 - t) + b * t;
@@ -273,7 +276,7 @@ fn curve_jet<const N: usize>(points: &[Vector4<f64>; N], n: usize, t: f64) -> [V
     [between(p[0], p[1]), (p[1] - p[0]) * degree, second]
 }
 
-/// de Casteljau's halves of a curve of degree `n`.
+/// The two halves of a curve of degree `n`, by the algorithm of de Casteljau.
 fn halves<const N: usize>(points: &[Vector4<f64>; N], n: usize) -> ([Vector4<f64>; N], [Vector4<f64>; N]) {
     let (mut low, mut high) = (*points, *points);
     for (step, p) in low.iter_mut().enumerate().take(n + 1).skip(1) {
@@ -291,7 +294,7 @@ mod tests {
 
     use super::*;
 
-    /// A quarter of a cylinder of radius 10 about y, from x = 0 to x = 10, 30 mm long.
+    /// A quarter of a cylinder of radius 10 mm about the y axis, from x = 0 to x = 10, 30 mm long.
     fn quarter_cylinder() -> RationalPatch<4> {
         let w = 0.5f64.sqrt();
         let arc = [(0.0, 10.0, 1.0), (10.0, 10.0, w), (10.0, 0.0, 1.0)];
@@ -312,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_circle_is_one() {
+    fn a_quarter_cylinder_has_the_radius_and_curvature_of_a_circle() {
         let patch = quarter_cylinder();
         for k in 0..=20 {
             let jet = patch.jet(f64::from(k) / 20.0, 0.3);
@@ -326,7 +329,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn derivatives_are_those_of_differences(patch in any_patch(), u in 0.1f64..0.9, v in 0.1f64..0.9) {
+        fn derivatives_match_finite_differences(patch in any_patch(), u in 0.1f64..0.9, v in 0.1f64..0.9) {
             let h = 1e-5;
             let jet = patch.jet(u, v);
             let d = |a: f64, b: f64| patch.jet(u + a, v + b);
@@ -339,7 +342,7 @@ mod tests {
         }
 
         #[test]
-        fn parts_are_the_patch_again(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
+        fn halves_and_turned_patches_keep_the_points(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
             let point = patch.jet(u, v).point;
             let [low, high] = patch.split_u();
             let half = if u < 0.5 { low.jet(2.0 * u, v) } else { high.jet(2.0 * u - 1.0, v) };
@@ -353,7 +356,7 @@ mod tests {
         }
 
         #[test]
-        fn bounds_hold_what_they_bound(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
+        fn bounds_contain_the_values_at_every_point(patch in any_patch(), u in 0.0f64..1.0, v in 0.0f64..1.0) {
             let jet = patch.jet(u, v);
             let bounds = patch.derivatives();
             for (ball, value) in [
@@ -386,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_close_in_on_small_parts() {
+    fn bounds_of_derivatives_are_tight_on_small_parts() {
         let mut part = quarter_cylinder();
         for _ in 0..8 {
             part = part.split_u()[0];

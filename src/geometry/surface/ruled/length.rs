@@ -1,14 +1,14 @@
-//! Lengths of cubics, and places by length.
+//! Lengths of cubics, and places at a given length.
 //!
 //! # Method
-//! The speed is integrated by Gauss and Legendre's rule of eight points, over halves until both agree with
-//! the whole. Places are found by Newton's method, kept between bounds by halving.
+//! The Gauss-Legendre rule of eight points integrates the speed. An interval is halved until the sum over its
+//! halves agrees with the whole. Newton's method finds places; bisection keeps it within bounds.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bernstein::derived;
 
-/// Nodes of the rule on [-1, 1], of which there is one on each side, and their weights.
+/// Nodes of the rule on [-1, 1] with their weights. Each node also stands for its mirror image below zero.
 const RULE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -16,22 +16,23 @@ const RULE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// What halves may differ from the whole by, in parts of the length: rounding.
+/// How much the sum of two halves may differ from the whole, as a part of the length of the curve. The
+/// difference that remains is rounding.
 const AGREEMENT: f64 = 1e-14;
 
-/// Halvings of an integral; the speed has a corner at a cusp, where they end.
+/// Most halvings of an integral. The speed has a corner at a cusp; there the halving ends at this limit.
 const MOST_HALVINGS: usize = 24;
 
-/// Steps towards a place; halving alone needs fifty.
+/// Most steps towards a place. Bisection alone needs fifty.
 const MOST_STEPS: usize = 64;
 
-/// mm.
+/// The length of a cubic, mm.
 pub(super) fn of_cubic(points: &[Point3<f64>; 4]) -> f64 {
     let derivative = derived(&points.map(|p| p.coords));
     integral(&derivative, 1.0)
 }
 
-/// The parameter at a fraction of the length, which is known.
+/// The parameter at a fraction of the length. `length` is the length of the whole cubic, mm.
 pub(super) fn place_on_cubic(points: &[Point3<f64>; 4], length: f64, fraction: f64) -> f64 {
     let derivative = derived(&points.map(|p| p.coords));
     let wanted = fraction * length;
@@ -52,7 +53,7 @@ pub(super) fn place_on_cubic(points: &[Point3<f64>; 4], length: f64, fraction: f
     t
 }
 
-/// The length from 0 to `end`.
+/// The length from parameter 0 to `end`, mm.
 fn integral(derivative: &[Vector3<f64>], end: f64) -> f64 {
     let whole = rule(derivative, [0.0, end]);
     let mut open = vec![([0.0, end], whole, 0)];
@@ -88,8 +89,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parabola_has_its_length() {
-        // (t, t^2) for t from 0 to 2, of degree raised to 3.
+    fn the_length_of_a_parabola_matches_the_closed_form() {
+        // (t, t^2) for t from 0 to 2, raised to degree 3.
         let points = [[0.0, 0.0], [2.0 / 3.0, 0.0], [4.0 / 3.0, 4.0 / 3.0], [2.0, 4.0]]
             .map(|[x, y]| Point3::new(x, y, 1.0));
         let up_to = |t: f64| 0.5 * t * (1.0 + 4.0 * t * t).sqrt() + 0.25 * (2.0 * t).asinh();
@@ -102,8 +103,8 @@ mod tests {
     }
 
     #[test]
-    fn a_cusp_ends() {
-        // There and back again: |1 - 2 t| times 3 over the unit interval.
+    fn the_length_of_a_cubic_with_a_cusp_is_found() {
+        // A line to x = 0.75 and back: the speed is 3 |1 - 2 t|.
         let points = [0.0, 1.0, 1.0, 0.0].map(|x| Point3::new(x, 0.0, 0.0));
         assert!((of_cubic(&points) - 1.5).abs() < 1e-9);
         assert!((place_on_cubic(&points, 1.5, 0.5) - 0.5).abs() < 1e-3);

@@ -1,4 +1,4 @@
-//! A part of a curve in space that can be cut by its length.
+//! A part of a curve in space that can be cut by length.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,11 +6,11 @@ use super::length;
 use crate::geometry::bernstein::{derived, dot, lowest};
 use crate::geometry::profile::{ControlPoint, Piece, Shape};
 
-/// Half sweeps of arcs that differ by less are equal, radians: a thousand kilometres of an arc differ by a
-/// micrometre.
+/// Half sweeps of arcs count as equal if they differ by less than this, radians. On an arc with a radius of
+/// 1000 km that is about a micrometre.
 const SAME_SWEEP: f64 = 1e-12;
 
-/// The part, how long it is (mm), and the place of the piece that it is of.
+/// A part of a piece, its length (mm), and the place of its piece.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     path: Path,
@@ -21,7 +21,7 @@ pub(super) struct Part {
 #[derive(Debug, Clone, Copy)]
 enum Path {
     Line([Point3<f64>; 2]),
-    /// As a rational quadratic; the weight of the middle point is the cosine of half the sweep, radians.
+    /// A rational quadratic. The weight of its middle point is the cosine of `half_sweep`, radians.
     Arc {
         points: [Point3<f64>; 3],
         half_sweep: f64,
@@ -38,7 +38,8 @@ impl Part {
                 let [a, corner, b] = points;
                 let half_chord = 0.5 * (b - a).norm();
                 let height = (corner - nalgebra::center(&a, &b)).norm();
-                // The tangents are half_chord / cos long, and height / sin.
+                // The tangents from the ends to `corner` are half_chord / cos(half_sweep) long, and height /
+                // sin(half_sweep).
                 let half_sweep = height.atan2(half_chord);
                 let radius = half_chord * half_chord.hypot(height) / height;
                 (Path::Arc { points, half_sweep }, 2.0 * half_sweep * radius)
@@ -48,7 +49,7 @@ impl Part {
         Self { path, length, place: piece.place }
     }
 
-    /// The parts before and after the place at a fraction of the length.
+    /// The parts before and after the point at a fraction of the length.
     pub(super) fn cut(&self, fraction: f64) -> [Self; 2] {
         let [before, after] = match &self.path {
             Path::Line([a, b]) => {
@@ -65,7 +66,7 @@ impl Part {
         [part(before, self.length * fraction), part(after, self.length * (1.0 - fraction))]
     }
 
-    /// Whether both parts have their points of equal parameters at equal fractions of their lengths.
+    /// Whether points of equal parameters on both parts are at equal fractions of their lengths.
     pub(super) fn runs_like(&self, other: &Self) -> bool {
         match (&self.path, &other.path) {
             (Path::Line(_), Path::Line(_)) => true,
@@ -80,7 +81,8 @@ impl Part {
         self.shape().control_points()
     }
 
-    /// The cubic in the length with the ends of the part and its unit tangents there.
+    /// The cubic, with the length as its parameter, that has the ends of the part and its unit tangents
+    /// there.
     pub(super) fn cubic(&self) -> [Point3<f64>; 4] {
         let shape = self.shape();
         let [leaving, arriving] = shape.end_directions().map(|d| d * (self.length / (3.0 * d.norm())));
@@ -95,12 +97,12 @@ impl Part {
         }
     }
 
-    /// A bound for the distance of that cubic from the part at equal lengths, mm; infinite where none is
-    /// found.
+    /// An upper bound of the distance between [`Part::cubic`] and the part at equal lengths, mm; infinite
+    /// where no bound is found.
     pub(super) fn cubic_error(&self) -> f64 {
         match &self.path {
             Path::Line(_) => 0.0,
-            // The length to the fourth by 384 R^3, with R the length by the sweep.
+            // The length to the fourth by 384 R^3, where R is the length by the sweep.
             Path::Arc { points: _, half_sweep } => self.length * (2.0 * half_sweep).powi(3) / 384.0,
             Path::Cubic(points) => {
                 let first = derived(&points.map(|p| p.coords));
@@ -120,9 +122,9 @@ impl Part {
     }
 }
 
-/// The arc at the fraction of its sweep. With A before the place and B after it, halves of sweeps, its point
-/// has the shares sin^2 B, 2 cos (A + B) sin A sin B and sin^2 A of the control points, which add up to sin^2
-/// (A + B).
+/// The arcs before and after the point at a fraction of the sweep. A is half the sweep before the point and B
+/// half the sweep after it. The point is the sum of the control points times sin^2 B, 2 cos (A + B) sin A sin
+/// B and sin^2 A, over the sum of these factors, sin^2 (A + B).
 fn cut_arc([start, corner, end]: &[Point3<f64>; 3], half_sweep: f64, fraction: f64) -> [Path; 2] {
     let [before, after] = [half_sweep * fraction, half_sweep * (1.0 - fraction)];
     let whole = half_sweep.sin();
@@ -134,7 +136,7 @@ fn cut_arc([start, corner, end]: &[Point3<f64>; 3], half_sweep: f64, fraction: f
     [Path::Arc { points: first, half_sweep: before }, Path::Arc { points: second, half_sweep: after }]
 }
 
-/// de Casteljau's parts.
+/// The parts before and after `t`, by the algorithm of de Casteljau.
 fn cut_cubic([a, b, c, d]: &[Point3<f64>; 4], t: f64) -> [[Point3<f64>; 4]; 2] {
     let between = |p: &Point3<f64>, q: &Point3<f64>| p + (q - p) * t;
     let (ab, bc, cd) = (between(a, b), between(b, c), between(c, d));

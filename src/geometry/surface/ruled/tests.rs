@@ -10,20 +10,20 @@ fn ruled(first: &Profile<3>, second: &Profile<3>) -> Ruled {
     Ruled { first: first.clone(), second: second.clone() }
 }
 
-/// A quarter of the circle of this radius about the z axis at a height.
+/// A quarter circle of this radius about the z axis, at the height z.
 fn ring(radius: f64, z: f64) -> Profile<3> {
     chain([quarter([[radius, 0.0, z], [radius, radius, z], [0.0, radius, z]])])
 }
 
-/// The largest distance from `exact(fraction)` along the side v of a surface whose patches cover equal
-/// lengths.
+/// The largest distance from `exact(fraction)` along the curve of constant v of a surface whose patches cover
+/// equal lengths.
 fn deviation(surface: &AnySurface, v: f64, exact: impl Fn(f64) -> Point3<f64>) -> f64 {
     let n = surface.spans()[0];
     let places = (0..=20 * n).map(|k| k as f64 / 20.0);
     places.map(|u| (surface.jet(u, v).point - exact(u / n as f64)).norm()).fold(0.0, f64::max)
 }
 
-/// Edges and gaps between all neighbours.
+/// The largest edge and the largest gap between neighbouring patches.
 fn joints(surface: &AnySurface) -> joints::Joints {
     let all = [(1..surface.spans()[0]).collect(), vec![]];
     match surface {
@@ -42,7 +42,7 @@ fn rings_make_a_cone() {
         let (u, v) = (f64::from(k % 21) / 20.0, f64::from(k / 21) / 20.0);
         let p = surface.jet(u, v).point;
         assert!((p.x.hypot(p.y) - (20.0 - 10.0 * v)).abs() < 1e-13 && (p.z - 15.0 * v).abs() < 1e-13);
-        // Rulings are straight to the apex: they keep their angle.
+        // Rulings run straight to the apex: they keep their direction in the plan.
         let foot = surface.jet(u, 0.0).point;
         assert!((p.x * foot.y - p.y * foot.x).abs() < 1e-11);
     }
@@ -50,7 +50,7 @@ fn rings_make_a_cone() {
 
 #[test]
 fn lines_are_joined_at_equal_fractions() {
-    // Corners at 1/4 and at 1/2 of the lengths.
+    // The first curve has its corner at 1/4 of its length, the second at 1/2.
     let first = polyline([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 30.0, 0.0]]);
     let second = polyline([[0.0, 0.0, 9.0], [6.0, 0.0, 9.0], [6.0, 6.0, 9.0]]);
     let ruled = ruled(&first, &second);
@@ -61,7 +61,7 @@ fn lines_are_joined_at_equal_fractions() {
     {
         assert!((surface.jet(u, v).point - Point3::from(p)).norm() < 1e-14, "{u} {v}");
     }
-    // A joint of both curves at once is one.
+    // A joint at the same fraction of both curves becomes a single joint.
     let same = Ruled { second: first.mapped(|p| Point3::new(p.x, p.y, 5.0)), first };
     assert_eq!((same.surface().unwrap().spans(), same.loose_joints()), ([2, 1], [vec![1], vec![]]));
 }
@@ -89,7 +89,7 @@ fn a_smooth_curve_is_divided_by_its_length() {
         ruled(&first, &polyline([[0.0, 0.0, 9.0], [9.0, 0.0, 9.0]])).loose_joints(),
         [const { Vec::<usize>::new() }; 2]
     );
-    // A cubic of uneven speed, against a table of its length.
+    // A cubic of uneven speed, compared with a table of its lengths.
     let points = [[0.0, 0.0, 0.0], [5.0, 15.0, 0.0], [25.0, -8.0, 4.0], [40.0, 10.0, 6.0]].map(Point3::from);
     let cubic = Shape::Cubic(points);
     let n = 200_000;
@@ -107,7 +107,7 @@ fn a_smooth_curve_is_divided_by_its_length() {
     let surface = ruled(&chain([cubic]), &polyline([[0.0, 0.0, 20.0], [40.0, 0.0, 20.0]])).surface().unwrap();
     let n = surface.spans()[0];
     assert!(n < 600, "{n}");
-    // Where its points are told by the other curve, which is a line.
+    // The other curve is a line, so its points tell the fraction at u.
     let mut worst: f64 = 0.0;
     for k in 0..=10 * n {
         let u = k as f64 / 10.0;
@@ -138,13 +138,13 @@ fn rounded_outlines_of_different_size_are_joined() {
 }
 
 #[test]
-fn what_makes_no_surface_is_refused() {
+fn empty_curves_and_cusps_are_refused() {
     let line = polyline([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]]);
     assert_eq!(ruled(&Profile::default(), &line).surface(), Err(RuledError::Empty));
     assert_eq!(ruled(&line, &Profile::default()).surface(), Err(RuledError::Empty));
     let points = [[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [9.0, 0.0, 0.0]];
     let cusp = chain([Shape::Cubic(points.map(Point3::from))]);
     assert_eq!(ruled(&line, &cusp).surface(), Err(RuledError::Cusp { curve: 1, place: 0 }));
-    // A curve with itself is a surface without a normal, but no fault of the curves.
+    // A curve joined with itself is accepted; its surface has no normal.
     assert!(ruled(&line, &line).surface().is_ok());
 }

@@ -2,10 +2,11 @@
 
 use super::{MAX_DEGREE, SIZE};
 
-/// Coefficients of a product of two polynomials of the largest degree.
+/// Number of coefficients, in one direction, of a product of two polynomials of the largest degree.
 pub(super) const PRODUCT_SIZE: usize = 2 * MAX_DEGREE + 1;
 
-/// Bernstein coefficients of a product of two polynomials of a patch's degree, of twice that degree.
+/// Bernstein coefficients of a product of two polynomials of the degree of a patch. The product has twice
+/// that degree.
 pub(super) struct Product {
     degree: [usize; 2],
     coefficients: [[f64; PRODUCT_SIZE]; PRODUCT_SIZE],
@@ -16,8 +17,8 @@ impl Product {
         Self { degree: factor_degree, coefficients: [[0.0; PRODUCT_SIZE]; PRODUCT_SIZE] }
     }
 
-    /// Adds `weight` times the square of the polynomial with these coefficients, each result times its
-    /// binomials.
+    /// Adds `weight` times the square of the polynomial with the Bernstein coefficients `factor`. The stored
+    /// coefficients are multiplied by their binomials.
     pub(super) fn add_square(&mut self, factor: &dyn Fn(usize, usize) -> f64, weight: f64) {
         let [p, q] = self.degree;
         let (along_u, along_v) = (BINOMIALS[p], BINOMIALS[q]);
@@ -40,7 +41,8 @@ impl Product {
         }
     }
 
-    /// The quotients of the coefficients, from whose range the quotient of the polynomials does not leave.
+    /// The quotients of the coefficients. The quotient of the polynomials stays within the range of these
+    /// numbers if all coefficients of `divisor` are above zero.
     pub(super) fn over(mut self, divisor: &Product) -> Self {
         for (row, below) in
             self.coefficients.iter_mut().zip(&divisor.coefficients).take(2 * self.degree[0] + 1)
@@ -61,7 +63,7 @@ impl Product {
         self.rows().flatten().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest second differences along u and v.
+    /// The largest absolute second differences of the coefficients along u and v.
     pub(super) fn bends(&self) -> [f64; 2] {
         let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
         let along_v = self.rows().flat_map(|row| row.windows(3).map(|w| bend(w[0], w[1], w[2])));
@@ -74,7 +76,7 @@ impl Product {
     }
 }
 
-/// The binomials n over k, by n.
+/// The binomial coefficients n over k, as `BINOMIALS[n][k]`.
 pub(super) const BINOMIALS: [[f64; PRODUCT_SIZE]; PRODUCT_SIZE] = {
     let mut rows = [[0.0; PRODUCT_SIZE]; PRODUCT_SIZE];
     let mut n = 0;

@@ -1,5 +1,5 @@
-//! Derivatives of patches whose weights do not change one way: swept surfaces, and arcs that are ruled or
-//! turned.
+//! Bounds of derivatives for patches whose weights are constant in one direction: swept surfaces, and arcs
+//! that are swept along a line or rotated.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,8 @@ use super::{ROUNDING, RationalPatch, in_space};
 use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::vector_ball::VectorBall;
 
-/// Sets that hold derivatives of a patch whose weights do not change along v: by v, twice by v, by both.
+/// Sets that contain derivatives of a patch whose weights are constant along v: by v, twice by v, and by u
+/// and v.
 pub(super) struct Swept {
     pub(super) first: VectorBall,
     pub(super) second: VectorBall,
@@ -15,8 +16,9 @@ pub(super) struct Swept {
 }
 
 impl<const N: usize> RationalPatch<N> {
-    /// Where the weights do not change along v, the derivatives along v are combinations of differences of
-    /// control points, without a quotient that hides that they hardly vary: on swept surfaces not at all.
+    /// Bounds of derivatives if the weights are constant along v; `None` otherwise. The derivatives along v are
+    /// then combinations of differences of control points. These bounds are tighter than those of the quotient
+    /// rule.
     pub(super) fn swept(&self) -> Option<Swept> {
         let [p, q] = self.degree;
         let rows = &self.net[..=p];
@@ -28,8 +30,10 @@ impl<const N: usize> RationalPatch<N> {
         let first = |a: usize, b: usize| (points(a, b + 1) - points(a, b)) * q as f64;
         let second = |a: usize, b: usize| (first(a, b + 1) - first(a, b)) * (q - 1) as f64;
         let places = |n: usize| (0..=p).flat_map(move |a| (0..n).map(move |b| (a, b)));
-        // How much the first differences change along u: by that times the change of the weighted basis, of
-        // which no more than twice the degree comes and goes.
+        // The mixed derivative is the sum of R_a'(u) times first differences, where R_a are the rational
+        // basis functions along u. The R_a' add up to zero, so only the spread of the first differences along
+        // u (`apart`) counts. The |R_a'| add up to at most 4 p (most / least)^2, because the |B_a'| of the
+        // Bernstein basis add up to at most 2 p.
         let apart = places(q).map(|(a, b)| (first(a, b) - first(0, b)).norm()).fold(0.0, f64::max);
         let weights = rows.iter().map(|row| row[0].w);
         let [least, most] =

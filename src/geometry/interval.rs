@@ -1,12 +1,12 @@
 //! Interval arithmetic with outward rounding.
 //!
 //! # Guarantees
-//! The result of an operation holds every value that the operation has on members of its operands. Each end
-//! is computed to the nearest number and moved one number outward, which is enough where the operation itself
-//! is correctly rounded.
+//! The result of an operation contains the result for every choice of members of the operands. Each end is
+//! rounded to the nearest number and then moved outward to the next number. That is enough for operations
+//! that are rounded correctly.
 //!
 //! # Degenerate input
-//! A result that cannot be told, because an end would be no number, is the whole line.
+//! A result with an end that would be NaN is the whole line.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009.
@@ -28,7 +28,7 @@ impl Interval {
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
     pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
 
-    /// The numbers between two, in any order; the whole line when one is no number.
+    /// The numbers between two numbers in any order; the whole line if either is NaN.
     pub fn between(a: f64, b: f64) -> Self {
         if a <= b {
             Self { lo: a, hi: b }
@@ -57,7 +57,7 @@ impl Interval {
         self.hi
     }
 
-    /// A number near the middle; of an unbounded interval some finite member.
+    /// A number near the middle; for an unbounded interval a finite member.
     pub fn mid(self) -> f64 {
         let mid = 0.5 * self.lo + 0.5 * self.hi;
         if mid.is_finite() { mid } else { 0.0f64.clamp(self.lo.max(f64::MIN), self.hi.min(f64::MAX)) }
@@ -67,12 +67,12 @@ impl Interval {
         (self.hi - self.lo).next_up()
     }
 
-    /// The largest absolute value.
+    /// The largest absolute value of a member.
     pub fn mag(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// The least absolute value.
+    /// The least absolute value of a member.
     pub fn mig(self) -> f64 {
         if self.contains(0.0) { 0.0 } else { self.lo.abs().min(self.hi.abs()) }
     }
@@ -85,13 +85,12 @@ impl Interval {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
-    /// The least interval that holds both.
+    /// The least interval that contains both intervals.
     pub fn hull(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// What two enclosures of the same number leave; `self` where they do not meet, which they only do in
-    /// vain.
+    /// The intersection of two enclosures of the same number; `self` if they do not meet and so enclose none.
     pub fn meet(self, other: Self) -> Self {
         let (lo, hi) = (self.lo.max(other.lo), self.hi.min(other.hi));
         if lo <= hi { Self { lo, hi } } else { self }
@@ -103,7 +102,7 @@ impl Interval {
         Self { lo: square.lo.max(0.0), hi: square.hi }
     }
 
-    /// The square roots of what is not negative in it; zero where nothing is.
+    /// The square roots of the members that are not negative; zero if all members are negative.
     pub fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Self::ZERO;
@@ -112,7 +111,7 @@ impl Interval {
         Self { lo: root.lo.max(0.0), hi: root.hi }
     }
 
-    /// The quotients; the whole line where the divisor may be zero.
+    /// The quotients; the whole line if the divisor contains zero.
     #[expect(clippy::should_implement_trait, reason = "no sign hides that it may say nothing")]
     pub fn div(self, divisor: Self) -> Self {
         if divisor.contains(0.0) {
@@ -129,25 +128,25 @@ impl Interval {
     }
 }
 
-/// Ends one number outward; the whole line when one is no number.
+/// The interval with its ends moved outward to the next number; the whole line if an end is NaN.
 pub(crate) fn outward(lo: f64, hi: f64) -> Interval {
     if lo <= hi { Interval { lo: lo.next_down(), hi: hi.next_up() } } else { Interval::ENTIRE }
 }
 
-/// Ends of sums, one number outward. A sum that comes out as zero is zero; left as it is it keeps operations
-/// away from the least numbers, with which processors are slow.
+/// An interval whose ends are sums, moved outward to the next number. A sum that comes out as zero is exactly
+/// zero and stays. This also avoids subnormal numbers, which are slow on many processors.
 fn of_sums(lo: f64, hi: f64) -> Interval {
     let sums = outward(lo, hi);
     Interval { lo: if lo == 0.0 { 0.0 } else { sums.lo }, hi: if hi == 0.0 { 0.0 } else { sums.hi } }
 }
 
-/// The hull of four products or quotients. One of zero and infinity is no number: then nothing is known.
+/// The hull of four products or quotients; the whole line if one of them is NaN, as zero times infinity is.
 fn of_corners([a, b, c, d]: [f64; 4]) -> Interval {
-    // The sum is no number if one of them is none, or if both infinities are among them.
+    // The sum is NaN if one term is NaN, or if both infinities are among the terms.
     if (a + b + c + d).is_nan() {
         return Interval::ENTIRE;
     }
-    // Without the care for what is no number that `f64::min` takes: these are in the innermost loops.
+    // Faster than `f64::min` and `f64::max`, which check for NaN; the innermost loops run this.
     let least = |x, y| if x < y { x } else { y };
     let most = |x, y| if x > y { x } else { y };
     outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))

@@ -1,4 +1,4 @@
-//! Plane curves as they are designed, with proved enclosures: what interpolation starts from.
+//! Designed curves in the plane, with proved enclosures: the input of interpolation.
 
 pub mod interpolant;
 pub mod nurbs;
@@ -9,16 +9,16 @@ use nalgebra::{Point2, Vector2};
 
 use super::interval::Interval;
 
-/// The largest coordinate or parameter of designed curves, and one over the least step of the parameter: far
-/// beyond any part, and such that no second derivative overflows.
+/// The largest absolute coordinate (mm) and parameter of a designed curve; 1 / `LARGEST` is the least step of
+/// the parameter. The value is far beyond any part, and small enough that no second derivative overflows.
 pub const LARGEST: f64 = 1e60;
 
-/// Where a curve and its first two derivatives by the parameter are, over a range of parameters.
+/// Boxes that contain a curve and its first two derivatives by the parameter over a range of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enclosure {
     /// x and y, mm.
     pub point: [Interval; 2],
-    /// The whole line where the derivative does not exist or is not bounded, as with `second`.
+    /// The first derivative; the whole line where it does not exist or has no bound. So is `second`.
     pub first: [Interval; 2],
     pub second: [Interval; 2],
 }
@@ -28,7 +28,7 @@ pub trait PlaneCurve: Sync {
     /// The first and the last parameter, rising.
     fn domain(&self) -> [f64; 2];
 
-    /// The parameters inside the domain, rising, at which derivatives may jump.
+    /// The parameters inside the domain, rising, where derivatives may jump.
     fn breaks(&self) -> &[f64];
 
     /// Whether x is the parameter itself, so that the curve is the graph of a function.
@@ -39,16 +39,16 @@ pub trait PlaneCurve: Sync {
     /// The point at `t`, to rounding.
     fn point(&self, t: f64) -> Point2<f64>;
 
-    /// The derivative by the parameter at `t`, to rounding; at a break the one after it, at the end the one
-    /// before.
+    /// The derivative by the parameter at `t`, to rounding. At a break it is the derivative after the break,
+    /// at the end of the domain the derivative before the end.
     fn derivative(&self, t: f64) -> Vector2<f64>;
 
-    /// Encloses the curve over `[from, to]`, which lies in the domain and has no break inside. The ends may
-    /// be equal; then the point is enclosed to a few units of rounding.
+    /// Encloses the curve over `[from, to]`, which lies in the domain and has no break inside. If `from`
+    /// equals `to`, the enclosure of the point is a few units of rounding wide.
     fn enclose(&self, from: f64, to: f64) -> Enclosure;
 
-    /// Whether the tangent jumps at the break `t` by more than an angle of this sine: a right angle and more
-    /// are such, as is a derivative of zero.
+    /// Whether the tangent turns at the break `t` by more than the angle with this sine. A turn of 90 degrees
+    /// or more is a corner, and so is a derivative of zero.
     fn has_corner(&self, t: f64, sine: f64) -> bool {
         let (before, after) = (self.derivative(t.next_down()), self.derivative(t));
         before.dot(&after) <= 0.0 || before.perp(&after).abs() > sine * before.norm() * after.norm()

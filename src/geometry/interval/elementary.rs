@@ -1,35 +1,36 @@
 //! Elementary functions of intervals, with outward rounding.
 //!
 //! # Method
-//! A monotone function is taken at the ends. An even one is taken at the least and the largest absolute
-//! value. Sine and cosine are taken at the ends and joined with the extremes that may lie between.
+//! A monotone function is evaluated at the ends. An even function is evaluated at the least and the largest
+//! absolute value. Sine and cosine are evaluated at the ends and joined with the extremes that may lie
+//! between.
 //!
 //! # Guarantees
-//! The result holds every value that the function has on members of its operand, and lies in the function's
-//! range, as far as the functions of the standard library are accurate to `ULPS`.
+//! The result contains the value of the function at every member of the operand. It lies in the range of the
+//! function. Both hold as long as the functions of the standard library are accurate to `ULPS`.
 //!
 //! # Degenerate input
-//! A member outside of the domain is taken for the nearest one inside; where there is no nearest one, as with
-//! the logarithm of what is not positive, it is left out, and the whole line is the answer when none is left.
-//! Whether that may be is for the caller to ask.
+//! A member outside the domain of the function counts as the nearest number of the domain. The logarithm has
+//! no such nearest number and ignores members that are not positive; without positive members, its result is
+//! the whole line. The caller has to find out whether a function is defined over its operand.
 //!
 //! # Cost
-//! O(1): two values of the function, four for sine and powers of intervals.
+//! O(1): two evaluations of the function, four for powers with an interval as the exponent.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use super::Interval;
 
-/// How far each end moves outward, in units of the last place. The C libraries in use document at most 2 for
-/// these functions on this kind of machine, one of them 4 for the cube root.
+/// How far each end moves outward, in units in the last place. For these functions on this kind of machine
+/// the C libraries in use document an error of at most 2, and one of them 4 for the cube root.
 const ULPS: i64 = 4;
 
-/// Above, sine and cosine are not told, rad: the count of half turns would lose the digits that tell where in
-/// a turn the ends are. No sensible part turns as often.
+/// Sine and cosine of a larger angle (rad) are enclosed by [-1, 1] only. The count of half turns would lose
+/// the digits that place the ends within a turn. No sensible part turns that often.
 const FARTHEST_TURN: f64 = 1e8;
 
-/// The relative error of a count of half turns: of 1/pi, of the product with it and of the difference to 1/2,
-/// each half a unit of the last place, and twice that.
+/// Relative error of a count of half turns. 1/pi, the product with it and the difference to 1/2 each err by
+/// half a unit in the last place. The constant is more than twice the sum of these errors.
 const COUNT_ERROR: f64 = 4.0 * f64::EPSILON;
 
 impl Interval {
@@ -41,7 +42,7 @@ impl Interval {
         self.wave(f64::cos, 0.0)
     }
 
-    /// The tangents; the whole line where a pole may lie between the ends.
+    /// The tangents; the whole line if a pole may lie between the ends.
     pub fn tan(self) -> Self {
         if self.hi - self.lo >= PI || self.cos().contains(0.0) {
             return Self::ENTIRE;
@@ -82,7 +83,7 @@ impl Interval {
         widened(self.lo.exp(), self.hi.exp()).within(0.0, f64::INFINITY)
     }
 
-    /// The natural logarithms of what is positive in it.
+    /// The natural logarithms of the positive members; the whole line if there are none.
     pub fn ln(self) -> Self {
         self.logarithm(f64::ln)
     }
@@ -99,7 +100,7 @@ impl Interval {
         widened(self.lo.cbrt(), self.hi.cbrt())
     }
 
-    /// The powers; the whole line where a negative one of zero may be.
+    /// The powers; the whole line if the exponent is negative and the interval contains zero.
     pub fn powi(self, exponent: i32) -> Self {
         let n = f64::from(exponent);
         match exponent {
@@ -118,16 +119,16 @@ impl Interval {
         }
     }
 
-    /// The powers of what is not negative in it.
+    /// The powers of the members that are not negative.
     pub fn powf(self, exponent: f64) -> Self {
         let base = self.within(0.0, f64::INFINITY);
         let (a, b) = (base.lo.powf(exponent), base.hi.powf(exponent));
         widened(a.min(b), a.max(b)).within(0.0, f64::INFINITY)
     }
 
-    /// The powers of what is positive in it; zero counts as positive where no exponent is zero or negative.
+    /// The powers of the positive members. Zero counts as a member if every exponent is positive.
     ///
-    /// The logarithm, a product, is extreme at corners.
+    /// The logarithm of the power is a product, so the extremes are at ends of both intervals.
     pub fn pow(self, exponent: Self) -> Self {
         let base = self.within(0.0, f64::INFINITY);
         if exponent.lo == exponent.hi {
@@ -149,28 +150,28 @@ impl Interval {
         widened(a.min(b).min(c).min(d), a.max(b).max(c).max(d)).within(0.0, f64::INFINITY)
     }
 
-    /// The square roots of sums of two squares.
+    /// The square roots of the sums of two squares.
     pub fn hypot(self, other: Self) -> Self {
         widened(self.mig().hypot(other.mig()), self.mag().hypot(other.mag())).within(0.0, f64::INFINITY)
     }
 
-    /// The lesser ones of pairs.
+    /// The smaller member of each pair.
     pub fn min(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.min(other.hi) }
     }
 
-    /// The larger ones of pairs.
+    /// The larger member of each pair.
     pub fn max(self, other: Self) -> Self {
         Self { lo: self.lo.max(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// Members below `least` become `least`, those above `most` become `most`.
+    /// Replaces members below `least` by `least` and members above `most` by `most`.
     pub fn within(self, least: f64, most: f64) -> Self {
         Self { lo: self.lo.max(least).min(most), hi: self.hi.min(most).max(least) }
     }
 
-    /// The values of cosine, or of sine, whose extremes are at the whole numbers of half turns plus `shift`:
-    /// the even ones are ones, the odd ones are minus ones.
+    /// The values of cosine or sine, rad. `shift` is 0 for cosine and 0.5 for sine: the extremes are at whole
+    /// numbers of half turns plus `shift`. The value is 1 at even numbers and -1 at odd numbers.
     fn wave(self, function: fn(f64) -> f64, shift: f64) -> Self {
         let whole = Self { lo: -1.0, hi: 1.0 };
         if self.mag() > FARTHEST_TURN || self.hi - self.lo >= 2.0 * PI {
@@ -199,12 +200,12 @@ impl Interval {
     }
 }
 
-/// Ends `ULPS` outward; the whole line when one is no number.
+/// The interval with its ends moved outward by `ULPS`; the whole line if an end is NaN.
 fn widened(lo: f64, hi: f64) -> Interval {
     if lo <= hi { Interval { lo: moved(lo, -ULPS), hi: moved(hi, ULPS) } } else { Interval::ENTIRE }
 }
 
-/// The number so many numbers after `x`, which must be one; past the last there is only infinity.
+/// The floating-point number `steps` places after `x`, which is not NaN. The result never goes past infinity.
 fn moved(x: f64, steps: i64) -> f64 {
     const INFINITE: i64 = f64::INFINITY.to_bits() as i64;
     let bits = x.to_bits() as i64;
@@ -233,7 +234,7 @@ mod tests {
         ("sqrt", Interval::sqrt, f64::sqrt),
     ];
 
-    /// Ends of both signs and of many magnitudes, with special ones.
+    /// Ends of both signs and of many magnitudes, and special values.
     fn end() -> impl Strategy<Value = f64> {
         let special =
             prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, FRAC_PI_2, PI, -PI, TAU, 1e-300, 5e-324]);
@@ -256,7 +257,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn functions_hold_their_values(lo in end(), width in width()) {
+        fn results_contain_the_values_of_the_function(lo in end(), width in width()) {
             let operand = Interval::between(lo, lo + width);
             for (name, enclose, value) in FUNCTIONS {
                 let values = enclose(operand);
@@ -269,7 +270,7 @@ mod tests {
         }
 
         #[test]
-        fn powers_hold_their_values(lo in end(), width in width(), n in -9..9i32, c in -4.0..4.0f64, d in 0.0..2.0f64) {
+        fn results_contain_the_powers(lo in end(), width in width(), n in -9..9i32, c in -4.0..4.0f64, d in 0.0..2.0f64) {
             let operand = Interval::between(lo, lo + width);
             let (whole, fixed) = (operand.powi(n), operand.powf(c));
             let free = operand.pow(Interval::between(c, c + d));
@@ -287,7 +288,7 @@ mod tests {
         }
 
         #[test]
-        fn pairs_hold_their_values(a in end(), b in end(), v in width(), w in width()) {
+        fn results_contain_the_values_for_all_pairs(a in end(), b in end(), v in width(), w in width()) {
             let (p, q) = (Interval::between(a, a + v), Interval::between(b, b + w));
             for x in samples(p).step_by(10) {
                 for y in samples(q).step_by(10) {
@@ -319,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_the_whole_range() {
+    fn unknown_results_are_the_whole_range() {
         assert_eq!(Interval::between(1e9, 1e9).sin(), Interval::between(-1.0, 1.0));
         assert_eq!(Interval::between(1.0, 2.0).tan(), Interval::ENTIRE);
         assert_eq!(Interval::between(0.0, PI).tan(), Interval::ENTIRE);
@@ -340,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_moves_by_ranks() {
+    fn a_number_moves_by_steps_of_neighbouring_numbers() {
         assert_eq!(moved(0.0, 1), 5e-324);
         assert_eq!(moved(-0.0, -2), -1e-323);
         assert_eq!(moved(1.0, 1), 1.0f64.next_up());

@@ -1,17 +1,19 @@
-//! The smooth curve through given points: a C2 cubic.
+//! The smooth curve through given points: a C2 cubic spline.
 //!
 //! # Method
-//! 1. Parameters: the chord lengths from the first point on, summed.
+//! 1. Parameters: the chord lengths, summed from the first point on.
 //! 2. First derivatives at the points: those of the C2 cubic with not-a-knot ends ([`derivatives_over`]).
-//! 3. A cubic Bezier piece from point to point.
+//! 3. A cubic Bezier piece between neighbouring points.
 //!
 //! # Guarantees
-//! The curve passes the points exactly at its breaks. Two points make a line, three the parabola through them
-//! at these parameters. The distance from a smooth curve falls with the fourth power of that of the points.
+//! The curve passes through the points exactly, at its breaks. Two points make a line. Three points make the
+//! parabola through them at these parameters. The distance from a smooth curve falls with the fourth power of
+//! the distance between the points.
 //!
 //! # Degenerate input
-//! Neighbours that coincide, or are so close that the summed length does not grow, are refused. A last point
-//! equal to the first closes the curve, with a kink as the ends know nothing of each other.
+//! Neighbours that coincide are refused, and so are neighbours so close that the summed length does not grow.
+//! A last point equal to the first closes the curve. The curve has a kink there, because the two ends are
+//! computed independently.
 //!
 //! # Cost
 //! O(n).
@@ -34,18 +36,19 @@ pub enum InterpolantError {
     Point { index: usize },
     #[error("point {index} coincides with the point before it; leave one of them out")]
     Coincident { index: usize },
-    /// Distances so uneven that derivatives are beyond all measure.
+    /// Derivatives too large to compute with, from very uneven distances.
     #[error("{0}")]
     Piece(BezierError),
-    /// Points beyond all number.
+    /// Too many points.
     #[error("{0}")]
     Chain(PiecewiseError),
 }
 
-/// The curve through `points`, mm, in their order; its parameter starts at 0 and grows by the chord lengths.
+/// The curve through `points` (mm) in their order. Its parameter starts at 0 and grows by the chord lengths.
 ///
 /// # Errors
-/// When there are fewer than two points, one is not finite, or one coincides with the one before it.
+/// When there are fewer than two points or too many, a point is not finite, or a point coincides with the
+/// point before it.
 pub fn through(points: &[Point2<f64>]) -> Result<Piecewise, InterpolantError> {
     if points.len() < 2 {
         return Err(InterpolantError::TooFewPoints { points: points.len() });
@@ -97,7 +100,7 @@ mod tests {
         }
         for (k, t) in curve.breaks().iter().enumerate() {
             let (before, after) = (curve.enclose(t.next_down(), *t), curve.enclose(*t, t.next_up()));
-            // Not-a-knot: next to the ends the third derivative is continuous, too.
+            // Not-a-knot ends make the third derivative continuous at the breaks next to the ends.
             for c in 0..2 {
                 assert!((before.first[c].mid() - after.first[c].mid()).abs() < 1e-12);
                 assert!((before.second[c].mid() - after.second[c].mid()).abs() < 1e-11);
@@ -111,9 +114,9 @@ mod tests {
         }
     }
 
-    /// Chord lengths are the parameters of a polynomial curve only where it is a line.
+    /// Of all polynomial curves, only a line has its chord lengths as parameters.
     #[test]
-    fn a_line_comes_back() {
+    fn points_on_a_line_make_the_line() {
         let points: Vec<_> = [0.0, 0.5, 3.0, 3.25, 9.0].map(|t| Point2::new(3.0 * t, 4.0 * t)).to_vec();
         let curve = through(&points).unwrap();
         for k in 0..=450 {
@@ -123,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn few_points_make_a_line_and_a_parabola() {
+    fn two_points_make_a_line_and_three_a_parabola() {
         let curve = through(&[Point2::new(1.0, 2.0), Point2::new(4.0, 6.0)]).unwrap();
         assert_eq!(curve.domain(), [0.0, 5.0]);
         assert!((curve.point(2.0) - Point2::new(2.2, 3.6)).norm() < 1e-15);
@@ -163,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_points_are_named() {
+    fn broken_points_are_refused_with_their_index() {
         let p = |x: f64| Point2::new(x, 1.0);
         assert_eq!(through(&[]), Err(InterpolantError::TooFewPoints { points: 0 }));
         assert_eq!(through(&[p(1.0)]), Err(InterpolantError::TooFewPoints { points: 1 }));
@@ -173,9 +176,9 @@ mod tests {
         assert!(close.is_ok() || close == Err(InterpolantError::Coincident { index: 2 }));
     }
 
-    /// Steps of a millionth beside steps of a metre still pass through every point.
+    /// A curve with steps of 1e-6 mm beside steps of a metre still passes through every point.
     #[test]
-    fn uneven_points_are_passed() {
+    fn the_curve_passes_through_unevenly_spaced_points() {
         let points: Vec<_> = [0.0, 1e-6, 1000.0, 1000.0 + 1e-6, 1003.0, 1003.1]
             .map(|x: f64| Point2::new(x, (3.0 * x).sin()))
             .to_vec();

@@ -1,17 +1,16 @@
 //! NURBS curves in the plane, as chains of Bezier pieces.
 //!
 //! # Method
-//! A piece for each knot span that has a length: its control points are linear in those of the span
-//! ([`spans`]), weights and weighted points alike.
+//! Each knot span that has a length becomes a piece. The control points of the piece are linear in those of
+//! the span ([`spans`]). For a rational curve this holds for the weights and the weighted control points.
 //!
 //! # Guarantees
-//! The pieces are the curve, to rounding, whatever the spacing and multiplicity of the knots, clamped or not.
-//! Control points that the curve passes at the ends of clamped spans stay what they are where there are no
-//! weights.
+//! The pieces equal the curve to rounding. The knots may have any spacing and multiplicity, and may be
+//! clamped or not. Without weights, the curve passes exactly through its control points at clamped knots.
 //!
 //! # Degenerate input
-//! Knot spans without length have no piece. A knot of multiplicity p + 1 inside the domain tears the curve,
-//! and is refused unless both ends agree.
+//! A knot span without length has no piece. A knot of multiplicity p + 1 inside the domain tears the curve;
+//! such a curve is refused unless both ends at the tear coincide.
 //!
 //! # Cost
 //! O(n p^4) for n control points of degree p.
@@ -23,18 +22,18 @@ use super::piecewise::{Bezier, BezierError, Piecewise, PiecewiseError};
 use super::weights::{WeightError, check_weights};
 use crate::geometry::bspline::{KnotError, KnotRules, MAX_DEGREE, Span, check_knots, spans};
 
-/// The shortest knot span, in parts of the domain; shorter ones are two knots that were to be one. Curves of
-/// a million points have spans of a millionth.
+/// The shortest knot span, as a part of the domain. A shorter span is two knots that should be equal. A curve
+/// through a million points has spans of 1e-6, so the limit is far below that.
 pub const SHORTEST_SPAN: f64 = 1e-9;
 
-/// Control points in the plane (not multiplied by the weights), mm; a full knot vector of length n + degree +
-/// 1.
+/// Control points in the plane (not multiplied by the weights), mm. The full knot vector has n + degree + 1
+/// knots.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nurbs {
     pub degree: usize,
     pub knots: Vec<f64>,
     pub control_points: Vec<Point2<f64>>,
-    /// All 1 where there are none.
+    /// `None` makes all weights 1.
     pub weights: Option<Vec<f64>>,
 }
 
@@ -55,7 +54,7 @@ pub enum NurbsError {
         "the curve has a gap of {gap_mm} mm at parameter {parameter}; send the two parts as two curves, or close the gap"
     )]
     Gap { parameter: f64, gap_mm: f64 },
-    /// What the rules above leave: parameters beyond all measure, or pieces beyond all number.
+    /// A fault that no rule above excludes: parameters too large or too close together, or too many pieces.
     #[error("{0}")]
     Chain(PiecewiseError),
     #[error("{0}")]
@@ -63,8 +62,8 @@ pub enum NurbsError {
 }
 
 impl Nurbs {
-    /// The curve, with the knots inside the domain as breaks. Its domain is from the knot `degree` to the
-    /// knot n.
+    /// The curve, with the knots inside the domain as breaks. Its domain runs from the knot with the index
+    /// `degree` to the knot with the index n.
     ///
     /// # Errors
     /// One of [`NurbsError`].

@@ -1,26 +1,27 @@
-//! Chains of Bezier pieces, polynomial or rational, of degree up to 7: what most designed curves come down
-//! to.
+//! Chains of Bezier pieces, polynomial or rational, of degree up to 7. Most designed curves become such a
+//! chain.
 //!
 //! # Method
-//! 1. A parameter finds its piece by a table of equal stretches of the domain, then by bisection in its
-//!    stretch.
-//! 2. Points and derivatives are de Casteljau's.
-//! 3. Ranges: the control points of the part of the piece, and of its derivatives (`net`), or for a rational
-//!    piece of its numerator and denominator (`quotient`), hold it in their hull.
+//! 1. A table of equal stretches of the domain, then bisection inside a stretch, finds the piece of a
+//!    parameter.
+//! 2. The algorithm of de Casteljau gives points and derivatives.
+//! 3. Enclosures over a range are hulls of control points: of the part of the piece and of its derivatives
+//!    (`net`), or for a rational piece of its numerator and denominator (`quotient`).
 //!
 //! # Guarantees
-//! Enclosures allow for every rounding by forward error bounds: that of a point is some ten units of rounding
-//! of the coordinates' magnitude wide, and holds also what is told as the point there. The excess of
-//! enclosures of points and first derivatives shrinks with the square of the range, as does that of second
-//! derivatives of polynomial pieces; of rational ones with the range.
+//! Enclosures include every rounding, by forward error bounds. The enclosure at a single parameter is some
+//! ten units of rounding of the coordinates' magnitude wide. It also contains the value that
+//! [`PlaneCurve::point`] returns there. The excess of an enclosure of points or first derivatives shrinks
+//! with the square of the range. For second derivatives, the excess shrinks with the square of the range for
+//! polynomial pieces, and with the range for rational pieces.
 //!
 //! # Degenerate input
-//! The ends of neighbouring pieces that differ by rounding are made equal; farther apart they are refused.
-//! Parameters outside the piece or the domain are those of its ends.
+//! Ends of neighbouring pieces that differ by rounding only are made equal. Ends that are farther apart are
+//! refused. A parameter outside the piece or the domain counts as the nearest end.
 //!
 //! # Cost
-//! O(p^2) a point and O(p^3) an enclosure of degree p, and O(log n) for the piece where the parameters are
-//! most uneven.
+//! O(p^2) a point and O(p^3) an enclosure of degree p. The search of the piece is O(log n) at most, where the
+//! parameters are most uneven.
 //!
 //! # Reference
 //! G. Farin, *Curves and Surfaces for CAGD*, 5th ed., Morgan Kaufmann, 2002, chapters 5 and 13.
@@ -37,12 +38,13 @@ use self::net::Net;
 use super::{Enclosure, LARGEST, PlaneCurve};
 use crate::geometry::interval::Interval;
 
-/// Ends of neighbouring pieces this close, in parts of the coordinates' magnitude, differ by the rounding of
-/// what they were computed from: thousands of units of it.
+/// How far ends of neighbouring pieces may differ and still count as one point, as a part of the coordinates'
+/// magnitude. The value is thousands of units of rounding: room for the errors of the computation that made
+/// the control points.
 const JOINT_ROUNDING: f64 = 1e-12;
 
-/// Beyond this number of pieces a gigabyte does not hold them, and their control points could not be counted
-/// in 32 bits.
+/// Most pieces of a chain. A longer chain would not fit into a gigabyte. Within this limit 32 bits are enough
+/// for an index of a control point.
 pub const MAX_PIECES: usize = 1 << 24;
 
 /// Why pieces make no chain.
@@ -63,14 +65,15 @@ pub enum PiecewiseError {
 /// A continuous chain of Bezier pieces, each over its own range of the parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piecewise {
-    /// Where pieces start and end: one more than there are pieces.
+    /// The parameters where pieces start and end: one more than the number of pieces.
     joints: Vec<f64>,
     pieces: Vec<Piece>,
-    /// The control points of all pieces, one after the other; weights of the rational pieces only.
+    /// The control points of all pieces, one piece after the other. `weights` has entries for rational pieces
+    /// only.
     points: Vec<[f64; 2]>,
     weights: Vec<f64>,
-    /// For as many equal stretches of the domain as there are pieces, the number of breaks before each, and
-    /// their number.
+    /// The domain is divided into as many equal stretches as there are pieces. Entry k is the number of
+    /// breaks before stretch k; the last entry is the number of all breaks.
     stretches: Vec<u32>,
     stretches_per_parameter: f64,
 }
@@ -82,7 +85,7 @@ struct Piece {
     first_weight: Option<u32>,
 }
 
-/// `$body` with the constant `$n` set to the number of control points of degree `$degree`: loops of known
+/// `$body` with the constant `$n` set to the number of control points of degree `$degree`. Loops of constant
 /// length are several times faster.
 macro_rules! by_degree {
     ($degree:expr, $n:ident => $body:expr) => {
@@ -103,11 +106,11 @@ macro_rules! by_degree {
 }
 
 impl Piecewise {
-    /// The chain that starts at the parameter `start`, of pieces with the parameters at which they end.
+    /// The chain that starts at the parameter `start`. Each piece comes with the parameter at its end.
     ///
     /// # Errors
-    /// When there are no pieces or too many, the parameters do not rise, or a piece does not start where the
-    /// one before it ends.
+    /// When there are no pieces or too many, the parameters do not rise, or a piece does not start at the end
+    /// of the piece before it.
     pub fn new(start: f64, pieces: impl IntoIterator<Item = (Bezier, f64)>) -> Result<Self, PiecewiseError> {
         let mut chain = Self {
             joints: vec![start],
@@ -189,21 +192,21 @@ impl Piecewise {
         self.stretches = stretches;
     }
 
-    /// The stretch that holds `t`. It does not fall as `t` rises, because no step of its computation does: so
-    /// breaks of stretches before it are below `t`, and those of stretches after it above.
+    /// The stretch that contains `t`. It never falls as `t` rises, because no step of its computation does.
+    /// So breaks in earlier stretches are below `t`, and breaks in later stretches above.
     fn stretch_of(&self, t: f64) -> usize {
         let stretch = (t - self.joints[0]) * self.stretches_per_parameter;
         (stretch as usize).min(self.pieces.len() - 1)
     }
 
-    /// The piece that holds `t`; at a break the one after it.
+    /// The piece that contains `t`; at a break, the piece after it.
     fn piece_at(&self, t: f64) -> usize {
         let stretch = self.stretch_of(t);
         let [low, high] = [self.stretches[stretch] as usize, self.stretches[stretch + 1] as usize];
         low + self.breaks()[low..high].partition_point(|at| *at <= t)
     }
 
-    /// The parameter in units of the piece, 0 to 1, within three units of rounding.
+    /// The parameter of the piece, from 0 to 1, at `t`; exact to three units of rounding.
     fn local(&self, piece: usize, t: f64) -> f64 {
         ((t - self.joints[piece]) / self.span(piece)).clamp(0.0, 1.0)
     }
@@ -258,14 +261,14 @@ impl PlaneCurve for Piecewise {
         [self.joints[0], self.joints[self.pieces.len()]]
     }
 
-    /// All inner joints, also those at which nothing jumps.
+    /// All inner joints, including joints where no derivative jumps.
     fn breaks(&self) -> &[f64] {
         &self.joints[1..self.pieces.len()]
     }
 
     fn point(&self, t: f64) -> Point2<f64> {
         if t >= self.domain()[1] {
-            // The end is the last control point, which the last piece reaches to rounding only.
+            // The curve ends at the last control point. The last piece reaches that point only to rounding.
             return self.points.last().map_or(Point2::origin(), |p| Point2::from(*p));
         }
         let k = self.piece_at(t);
@@ -279,10 +282,11 @@ impl PlaneCurve for Piecewise {
         Vector2::from(by_degree!(piece.degree, N => self.piece_derivative::<N>(piece, u, span)))
     }
 
-    /// Of equal ends at a break the derivatives are those after it.
+    /// If `from` equals `to` at a break, the derivatives are those after the break.
     fn enclose(&self, from: f64, to: f64) -> Enclosure {
         let middle = 0.5 * from + 0.5 * to;
-        // The middle of neighbouring numbers is one of them, and the upper one may be the end of the piece.
+        // The middle of two neighbouring floating-point numbers is one of the two. If it is the upper one, it
+        // may be the end of the piece; then `from` finds the piece.
         let k = self.piece_at(if middle < to { middle } else { from });
         let (piece, span) = (self.pieces[k], self.span(k));
         let range = [self.local(k, from), self.local(k, to)];

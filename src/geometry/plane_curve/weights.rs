@@ -3,7 +3,7 @@
 use super::LARGEST;
 use crate::geometry::bspline::MAX_WEIGHT_RATIO;
 
-/// Why numbers are no weights.
+/// Why numbers are not valid weights.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WeightError {
     #[error("there are {found} weights for {expected} control points; each control point needs one weight")]
@@ -16,10 +16,10 @@ pub enum WeightError {
     Ratio { index: usize, weight: f64, largest: f64 },
 }
 
-/// Checks the weights of so many control points.
+/// Checks the weights of a curve with this number of control points.
 ///
 /// # Errors
-/// The first rule that is broken.
+/// The first fault that is found.
 pub fn check_weights(weights: &[f64], control_points: usize) -> Result<(), WeightError> {
     if weights.len() != control_points {
         return Err(WeightError::Count { found: weights.len(), expected: control_points });

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// The basis function by its definition (Cox and de Boor), on a half-open span.
+/// A B-spline basis function by its definition (Cox and de Boor), on half-open spans.
 fn basis(knots: &[f64], k: usize, degree: usize, t: f64) -> f64 {
     if degree == 0 {
         return if knots[k] <= t && t < knots[k + 1] { 1.0 } else { 0.0 };
@@ -34,7 +34,7 @@ fn any_nurbs() -> impl Strategy<Value = Nurbs> {
     (1usize..=7, steps, entries, any::<bool>()).prop_map(|(degree, steps, entries, is_rational)| {
         let n = entries.len().max(degree + 1);
         let entries: Vec<_> = entries.into_iter().cycle().take(n).collect();
-        // Zeros repeat a knot, up to the degree.
+        // A step of zero repeats a knot, up to the degree.
         let (mut knot, mut run) = (-1.0, 0);
         let knots = steps.iter().take(n + degree + 1).map(|step| {
             run = if *step == 0 && run + 1 < degree { run + 1 } else { 0 };
@@ -52,10 +52,10 @@ fn any_nurbs() -> impl Strategy<Value = Nurbs> {
 
 proptest! {
     #[test]
-    fn pieces_are_the_curve_of_the_definition(nurbs in any_nurbs(), share in 0.0f64..0.999) {
+    fn pieces_agree_with_the_definition(nurbs in any_nurbs(), share in 0.0f64..0.999) {
         let curve = match nurbs.curve() {
             Ok(curve) => curve,
-            // The only span may be one without length.
+            // The only span may have no length.
             Err(NurbsError::Knots(KnotError::EmptyDomain)) => return Ok(()),
             Err(other) => return Err(TestCaseError::fail(other.to_string())),
         };
@@ -83,7 +83,7 @@ fn circle() -> Nurbs {
 }
 
 #[test]
-fn the_circle_is_one() {
+fn a_nurbs_circle_keeps_its_radius() {
     let curve = circle().curve().unwrap();
     assert_eq!(curve.breaks(), [1.0, 2.0, 3.0]);
     let center = Point2::new(100.0, -3.0);
@@ -116,7 +116,7 @@ fn control_points_at_clamped_knots_are_passed_exactly() {
 }
 
 #[test]
-fn a_torn_curve_is_refused_unless_its_ends_agree() {
+fn a_torn_curve_is_refused_unless_both_ends_coincide() {
     let mut nurbs = Nurbs {
         degree: 1,
         knots: vec![0.0, 0.0, 0.5, 0.5, 1.0, 1.0],
@@ -133,7 +133,7 @@ fn a_torn_curve_is_refused_unless_its_ends_agree() {
 }
 
 #[test]
-fn broken_data_are_named() {
+fn broken_data_are_refused_with_the_place_of_the_fault() {
     let good = circle();
     let fault = |change: &dyn Fn(&mut Nurbs)| {
         let mut nurbs = good.clone();

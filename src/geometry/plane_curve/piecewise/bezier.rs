@@ -1,4 +1,4 @@
-//! One Bezier curve in the plane, from which chains are built.
+//! One Bezier curve in the plane: the building block of chains.
 
 use nalgebra::Point2;
 
@@ -28,10 +28,10 @@ pub struct Bezier {
 }
 
 impl Bezier {
-    /// The polynomial curve of these control points, one more than its degree.
+    /// The polynomial curve with these control points. Their number is the degree plus one.
     ///
     /// # Errors
-    /// When there are too few or too many, or one is not finite or absurdly large.
+    /// When there are too few or too many control points, or one is not finite or larger than [`LARGEST`].
     pub fn polynomial(points: &[Point2<f64>]) -> Result<Self, BezierError> {
         if !(2..=SIZE).contains(&points.len()) {
             return Err(BezierError::Degree { points: points.len() });
@@ -44,11 +44,12 @@ impl Bezier {
         Ok(Self { degree: points.len() - 1, points: room, weights: None })
     }
 
-    /// The rational curve of these control points, not multiplied by their weights. Equal weights make it
-    /// polynomial.
+    /// The rational curve with these control points, not multiplied by their weights. Equal weights make the
+    /// curve polynomial.
     ///
     /// # Errors
-    /// Those of [`Bezier::polynomial`]; when the weights are not as many, not above zero, or far apart.
+    /// Those of [`Bezier::polynomial`]. Also when the weights differ in number from the control points, are
+    /// not above zero, or are too far apart.
     pub fn rational(points: &[Point2<f64>], weights: &[f64]) -> Result<Self, BezierError> {
         let polynomial = Self::polynomial(points)?;
         check_weights(weights, points.len()).map_err(BezierError::Weights)?;
@@ -60,7 +61,7 @@ impl Bezier {
         Ok(Self { weights: Some(room), ..polynomial })
     }
 
-    /// The curve of control points and weights that were those of one before.
+    /// The curve of control points and weights that come from an earlier [`Bezier`], and so need no check.
     pub(super) fn stored(points: &[[f64; 2]], weights: Option<&[f64]>) -> Self {
         let mut bezier = Self { degree: points.len() - 1, points: [Point2::origin(); SIZE], weights: None };
         for (place, p) in bezier.points.iter_mut().zip(points) {
@@ -78,12 +79,12 @@ impl Bezier {
         self.degree
     }
 
-    /// The control points, in the plane also where the curve is rational.
+    /// The control points, not multiplied by their weights.
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points[..=self.degree]
     }
 
-    /// The weights; none of a polynomial curve.
+    /// The weights; `None` for a polynomial curve.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_ref().map(|weights| &weights[..=self.degree])
     }

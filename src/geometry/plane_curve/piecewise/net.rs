@@ -1,31 +1,31 @@
-//! Bezier control nets over a part of their range, with bounds of all rounding.
+//! Bezier control nets over a part of their range, with bounds of all rounding errors.
 //!
 //! # Method
-//! The control points of the part [u, v] of a polynomial of degree n are the values of its blossom at n - k
-//! times u and k times v. Every one takes n steps a + (b - a) t, with t in [0, 1].
+//! Control point k of the part [u, v] of a polynomial of degree n is the value of its blossom at n - k times
+//! u and k times v. Each control point takes n steps a + (b - a) t, with t in [0, 1].
 //!
 //! # Guarantees
-//! With e the unit of rounding, M the largest value of the net and L its largest step, a step of the
-//! recursion errs by at most e (M + 2 L), and what it is given wrong is not enlarged. The parameters, wrong
-//! by 3 e, move a value by 3 e L a step. So all n steps together err by at most n e (M + 5 L), beside what
-//! the net errs from the start.
+//! e is the unit of rounding, M the largest absolute value of the net, and L its largest step. One step of
+//! the recursion errs by at most e (M + 2 L). It does not enlarge the errors of the earlier steps. The
+//! parameters have an error of 3 e, which moves a value by 3 e L in each step. So all n steps together err by
+//! at most n e (M + 5 L), plus the error of the net itself.
 
 use crate::geometry::interval::{Interval, outward};
 
-/// The unit of rounding, with room for the squares that the bounds leave out.
+/// The unit of rounding, enlarged to cover the squares that the bounds leave out.
 pub(super) const UNIT: f64 = 0.501 * f64::EPSILON;
 
 /// The control points of a polynomial in D coordinates over [0, 1].
 #[derive(Clone, Copy)]
 pub(super) struct Net<const N: usize, const D: usize> {
     points: [[f64; D]; N],
-    /// The number of control points: the net of a derivative leaves the last ones of its room unused.
+    /// The number of control points in use. The net of a derivative has fewer than `points` has room for.
     len: usize,
-    /// How far each coordinate of a control point may be wrong.
+    /// An upper bound of the error of each coordinate of a control point.
     error: [f64; D],
 }
 
-/// The control points of a part of a polynomial, and how far each coordinate of one may be wrong.
+/// The control points of a part of a polynomial. `error` bounds the error of each coordinate.
 pub(super) struct NetPart<const N: usize, const D: usize> {
     points: [[f64; D]; N],
     len: usize,
@@ -33,22 +33,22 @@ pub(super) struct NetPart<const N: usize, const D: usize> {
 }
 
 impl<const N: usize, const D: usize> Net<N, D> {
-    /// The net of exactly these control points.
+    /// The net with exactly these control points.
     #[inline(always)]
     pub(super) fn new(points: [[f64; D]; N]) -> Self {
         Self { points, len: N, error: [0.0; D] }
     }
 
-    /// The net of these control points, each coordinate of which is wrong by at most so many units of
-    /// rounding of itself.
+    /// The net of these control points. Each coordinate has an error of at most `units` units of rounding of
+    /// itself.
     #[inline(always)]
     pub(super) fn rounded(points: [[f64; D]; N], units: f64) -> Self {
         let net = Self::new(points);
         Self { error: net.magnitude().map(|most| units * UNIT * most), ..net }
     }
 
-    /// The derivative, one degree lower, by a parameter that grows by `span` over the net; the difference of
-    /// two numbers.
+    /// The derivative, one degree lower, by a parameter that grows by `span` over the net. `span` is a
+    /// rounded difference of two numbers.
     #[inline(always)]
     pub(super) fn derived(&self, span: f64) -> Self {
         let len = self.len.saturating_sub(1);
@@ -58,7 +58,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
             *point = std::array::from_fn(|c| (self.points[k + 1][c] - self.points[k][c]) * factor);
         }
         let derived = Self { points, len, error: [0.0; D] };
-        // A difference, the span, the factor and the product each round once.
+        // The difference, the span, the factor and the product are each rounded once.
         let most = derived.magnitude();
         Self {
             error: std::array::from_fn(|c| 2.0 * factor * self.error[c] + 4.0 * UNIT * most[c]),
@@ -78,7 +78,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
         points[0]
     }
 
-    /// The value at `u` alone, as the part of no length there.
+    /// The value at `u`, as a part of length zero.
     #[inline(always)]
     pub(super) fn at(&self, u: f64) -> NetPart<N, D> {
         NetPart { points: [self.value(u); N], len: 1, error: self.part_error() }
@@ -87,7 +87,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
     #[inline(always)]
     pub(super) fn part(&self, [u, v]: [f64; 2]) -> NetPart<N, D> {
         let steps = self.len.saturating_sub(1);
-        // Row c: the values with c of the arguments so far at v, the others at u.
+        // Row c holds blossom values. So far c of their arguments are v, and the others u.
         let mut rows = [self.points; N];
         for step in 0..steps {
             let width = steps - step;
@@ -110,7 +110,7 @@ impl<const N: usize, const D: usize> Net<N, D> {
         std::array::from_fn(|c| self.error[c] + steps * UNIT * (most[c] + 5.0 * largest_step[c]))
     }
 
-    /// A box that holds the polynomial over `range`.
+    /// A box that contains the polynomial over `range`.
     #[inline(always)]
     pub(super) fn hull(&self, range: [f64; 2]) -> [Interval; D] {
         self.part(range).hull()
@@ -159,7 +159,8 @@ fn between<const D: usize>(a: &[f64; D], b: &[f64; D], t: f64) -> [f64; D] {
     std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
 }
 
-/// The larger of two finite numbers; one instruction where `f64::max` is several, for its rule about NaN.
+/// The larger of two finite numbers. It takes one instruction; `f64::max` takes several because of its rule
+/// about NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

@@ -1,14 +1,14 @@
 //! Rational Bezier pieces: points, derivatives and enclosures by the quotient rule.
 //!
 //! # Method
-//! About an origin near the range the curve is C = A / W, with A of the control points times their weights
-//! and W of the weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. What cancels in them is
-//! as small as C, so the origin is the point in the middle of the range.
-//! 1. Over the range: C in the hull of its own control points A_k / W_k; C' and C'' from hulls of A, W and
-//!    derivatives.
+//! The curve, counted from an origin, is C = A / W. A has the control points times their weights, W the
+//! weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. The terms that cancel here are as
+//! small as C, so the origin is the point in the middle of the range.
+//! 1. Over the range: C is in the hull of the control points A_k / W_k of the range. C' and C'' follow from
+//!    the hulls of A, W and their derivatives.
 //! 2. In the middle: the same over a range without length.
-//! 3. By the mean value theorem C' is within C'' times half the range of its middle, and C within C' times
-//!    it.
+//! 3. By the mean value theorem C' differs from its value in the middle by at most C'' times half the range,
+//!    and C by at most C' times half the range.
 //!
 //! # Guarantees
 //! The excess shrinks with the square of the range for C and C', and with the range for C''.
@@ -17,14 +17,14 @@ use super::net::{Net, NetPart, UNIT};
 use crate::geometry::interval::{Interval, outward};
 use crate::geometry::plane_curve::Enclosure;
 
-/// The point at `u`, 0 to 1, to rounding.
+/// The point at `u` from 0 to 1, to rounding; mm.
 pub(super) fn point<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], u: f64) -> [f64; 2] {
     let origin = points[0];
     let [x, y, w] = about(points, weights, origin).value(u);
     [origin[0] + x / w, origin[1] + y / w]
 }
 
-/// The derivative at `u`, 0 to 1, by a parameter that grows by `span` over the piece; to rounding.
+/// The derivative at `u` from 0 to 1, to rounding, by a parameter that grows by `span` over the piece.
 pub(super) fn derivative<const N: usize>(
     points: &[[f64; 2]; N],
     weights: &[f64; N],
@@ -36,8 +36,8 @@ pub(super) fn derivative<const N: usize>(
     [(dx - x / w * dw) / w, (dy - y / w * dw) / w]
 }
 
-/// The curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span` over the
-/// piece.
+/// Encloses the curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span`
+/// over the piece.
 pub(super) fn enclose<const N: usize>(
     points: &[[f64; 2]; N],
     weights: &[f64; N],
@@ -51,12 +51,12 @@ pub(super) fn enclose<const N: usize>(
     let twice_derived = derived.derived(span);
     let at_middle = quotients(&net.at(middle), &derived.at(middle), &twice_derived.at(middle));
     let Enclosure { point, first, second } = if range[0] == range[1] {
-        // The origin is what the curve tells as its point there.
+        // The origin is the value of `point` there; the enclosure must contain it.
         Enclosure { point: at_middle.point.map(|x| x.hull(Interval::ZERO)), ..at_middle }
     } else {
         let over = quotients(&net.part(range), &derived.part(range), &twice_derived.part(range));
         let half = (range[1] - middle).max(middle - range[0]) + 4.0 * UNIT;
-        // Of both ends and the span's rounding.
+        // Room for the rounding of both ends and of the span.
         let half = Interval::around(0.0, half * span * (1.0 + 4.0 * UNIT));
         let near = |at: [Interval; 2], slope: [Interval; 2]| [0, 1].map(|c| at[c] + slope[c] * half);
         let met = |a: [Interval; 2], b: [Interval; 2]| [0, 1].map(|c| a[c].meet(b[c]));
@@ -68,18 +68,19 @@ pub(super) fn enclose<const N: usize>(
     Enclosure { point: [point[0] + origin[0], point[1] + origin[1]], first, second }
 }
 
-/// The control points about an origin, times their weights, and the weights.
+/// The control points, counted from `origin` and times their weights, and the weights.
 #[inline(always)]
 fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f64; 2]) -> Net<N, 3> {
     let homogeneous = |k: usize| {
         let ([x, y], w) = (points[k], weights[k]);
         [(x - origin[0]) * w, (y - origin[1]) * w, w]
     };
-    // A difference and a product.
+    // Two roundings: a difference and a product.
     Net::rounded(std::array::from_fn(homogeneous), 2.0)
 }
 
-/// The quotient and its derivatives, from the same part of A and W and of their derivatives.
+/// The quotient and its derivatives over a part. `part`, `first` and `second` are A and W and their first two
+/// derivatives over the same part.
 fn quotients<const N: usize>(
     part: &NetPart<N, 3>,
     first: &NetPart<N, 3>,
@@ -97,7 +98,8 @@ fn quotients<const N: usize>(
     Enclosure { point, first, second }
 }
 
-/// A box that holds the control points A_k / W_k, and with them the quotient, since the W_k are above zero.
+/// A box that contains the control points A_k / W_k. It contains the quotient, too, because the W_k are above
+/// zero.
 #[inline(always)]
 fn control_hull<const N: usize>(part: &NetPart<N, 3>) -> [Interval; 2] {
     let mut low = [f64::INFINITY; 2];
@@ -117,7 +119,7 @@ fn control_hull<const N: usize>(part: &NetPart<N, 3>) -> [Interval; 2] {
     if least_weight.is_nan() || least_weight <= 0.0 {
         return [Interval::ENTIRE; 2];
     }
-    // |A / W - a / w| <= (|A - a| + |a / w| |W - w|) / W, and the quotient rounds.
+    // |A / W - a / w| <= (|A - a| + |a / w| |W - w|) / W, and the quotient is rounded.
     let error = |e: f64, most: f64| (e + most * ew) / least_weight * (1.0 + 8.0 * UNIT) + 2.0 * UNIT * most;
     let error = [error(ex, largest[0]), error(ey, largest[1])];
     [0, 1].map(|c| outward(low[c] - error[c], high[c] + error[c]))

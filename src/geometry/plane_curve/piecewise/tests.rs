@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::plane_curve::weights::WeightError;
 use exact::Exact;
 
-/// Numbers of twice the digits, by which the bounds of rounding are tried.
+/// Numbers with twice the digits, to test the bounds of rounding.
 mod exact {
     use std::ops::{Add, Div, Mul, Sub};
 
@@ -66,8 +66,8 @@ mod exact {
     }
 }
 
-/// The point, first and second derivative of one piece at `t`, by differences of the net and Bernstein's
-/// sums.
+/// The point and the first and second derivative of one piece at `t`, from differences of the net and
+/// Bernstein sums.
 fn exact_jet(bezier: &Bezier, [t0, t1]: [f64; 2], t: f64) -> [[Exact; 2]; 3] {
     let number = |x: f64| Exact(x, 0.0);
     let span = number(t1) - number(t0);
@@ -128,7 +128,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn enclosures_hold_the_exact_curve(
+    fn enclosures_contain_the_exact_curve(
         bezier in any_bezier(), start in -3.0f64..3.0, span in 0.01f64..100.0,
         a in 0.0f64..1.0, shrink in 0i32..60, inside in 0.0f64..1.0,
     ) {
@@ -152,7 +152,7 @@ proptest! {
     }
 
     #[test]
-    fn points_and_derivatives_are_those_of_the_exact_curve(bezier in any_bezier(), t in 2.0f64..5.0) {
+    fn points_and_derivatives_match_the_exact_curve(bezier in any_bezier(), t in 2.0f64..5.0) {
         let curve = one_piece(bezier, 2.0, 5.0);
         let exact = exact_jet(&bezier, [2.0, 5.0], t);
         let (point, first) = (curve.point(t), curve.derivative(t));
@@ -170,7 +170,7 @@ fn quarter_circle() -> Bezier {
 }
 
 #[test]
-fn a_quarter_circle_is_one() {
+fn a_rational_quarter_circle_keeps_its_radius() {
     let curve = one_piece(quarter_circle(), 0.0, 1.0);
     let center = Point2::new(2.0, 1.0);
     for k in 0..=1000 {
@@ -184,7 +184,8 @@ fn a_quarter_circle_is_one() {
     assert_eq!(curve.point(1.0), Point2::new(2.0, 6.0));
 }
 
-/// How much wider than the curve enclosures are over ranges of 2^-1 to 2^-7 about 0.4, in parts of the range.
+/// How much wider than the curve its enclosures are, over ranges of 2^-1 to 2^-7 about 0.4, as a part of the
+/// range.
 fn excess(curve: &Piecewise, part: usize) -> Vec<f64> {
     let excess = |k: i32| {
         let half = 0.5f64.powi(k + 1);
@@ -215,7 +216,7 @@ fn the_excess_of_enclosures_shrinks_with_the_square_of_the_range() {
         let excess = excess(curve, part);
         assert!(excess[6] < 0.05 * excess[1] + 1e-3, "{name}: {excess:?}");
     }
-    // That of the second derivative shrinks with the range: its quotient by the range stays.
+    // The excess of the second derivative shrinks with the range, so its quotient by the range is constant.
     let second = excess(&circle, 2);
     assert!(second[6] < 1.2 * second[1], "{second:?}");
 }
@@ -225,7 +226,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Bezier {
 }
 
 #[test]
-fn a_chain_is_that_of_its_pieces() {
+fn a_chain_has_the_points_and_derivatives_of_its_pieces() {
     let pieces =
         [(line([0.0, 0.0], [7.0, 1.0]), 1.0), (quarter_circle(), 4.0), (line([2.0, 6.0], [2.0, 9.0]), 4.5)];
     let chain = Piecewise::new(-1.0, pieces).unwrap();
@@ -240,7 +241,7 @@ fn a_chain_is_that_of_its_pieces() {
     assert_eq!(chain.derivative(4.5), Vector2::new(0.0, 6.0));
     let again: Vec<_> = chain.pieces().map(|(bezier, [_, end])| (bezier, end)).collect();
     assert_eq!(again, pieces);
-    // Ranges that end at a break are those of one side, also where rounding put an end past it.
+    // A range that ends at a break belongs to one side, even if rounding puts an end past the break.
     for (from, to, slope) in
         [(0.9, 1.0, 3.5), (1.0f64.next_down(), 1.0, 3.5), (4.0, 4.1, 0.0), (4.0, 4.0, 0.0)]
     {
@@ -255,7 +256,7 @@ fn a_chain_is_that_of_its_pieces() {
 
 #[test]
 fn every_parameter_finds_its_piece() {
-    // Steps from 1e-9 to 1: most stretches are empty, one is crowded.
+    // With steps from 1e-9 to 1, most stretches are empty, and one is crowded.
     let steps: Vec<f64> =
         (0..400).map(|k| if k % 7 == 0 { 1.0 } else { 10f64.powi(-(k / 3 % 10)) }).collect();
     let mut at = 0.0;
@@ -274,9 +275,9 @@ fn every_parameter_finds_its_piece() {
     }
 }
 
-/// A reversal has no sine, and is a corner all the same.
+/// A reversal has a sine of zero and is a corner nevertheless.
 #[test]
-fn corners_are_where_the_tangent_jumps() {
+fn a_corner_is_a_jump_of_the_tangent() {
     let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.001], [3.0, 0.002], [1.0, 0.0]];
     let pieces = points.windows(2).enumerate().map(|(k, p)| (line(p[0], p[1]), (k + 1) as f64));
     let chain = Piecewise::new(0.0, pieces).unwrap();
@@ -288,7 +289,7 @@ fn corners_are_where_the_tangent_jumps() {
 }
 
 #[test]
-fn broken_chains_are_named() {
+fn broken_chains_are_refused_with_the_index_of_the_fault() {
     let unit = line([0.0, 0.0], [1.0, 0.0]);
     let next = |x: f64| line([x, 0.0], [2.0, 0.0]);
     assert_eq!(Piecewise::new(0.0, []), Err(PiecewiseError::Empty));

@@ -1,4 +1,4 @@
-//! Languages in which parts are described: expressions in x, and section curves.
+//! The languages in which users describe parts: expressions in x, and section curves.
 
 pub mod expression;
 pub mod graph;

@@ -1,26 +1,27 @@
-//! Expressions in x: what a user writes for y(x).
+//! Expressions in x: the text that a user writes for y(x).
 //!
 //! # Method
-//! 1. [`parse`](Expression::parse) turns the text into a tape: operations in the order in which they are
-//!    computed, each with the byte of the text it comes from.
-//! 2. The tape is computed with a stack, never by recursion: in numbers, in numbers with a derivative, or in
-//!    intervals with two derivatives (automatic differentiation, forward).
+//! 1. [`parse`](Expression::parse) turns the text into a tape: operations in the order of their computation,
+//!    each with the byte of the text that it comes from.
+//! 2. The tape is computed with a stack, never by recursion. It computes numbers, numbers with a derivative,
+//!    or intervals with two derivatives (automatic differentiation, forward mode).
 //! 3. [`examine`](Expression::examine) proves by subdivision that the expression is defined over a domain.
 //!
 //! # Grammar
-//! From loose to tight: `+ -`; `* /`; the signs; `^`, which binds right: -x^2 is -(x^2), 2^-x is legal.
-//! Products are written out. Numbers are decimal, with `.5`, `5.` and `1e-3`; they, `pi` and `e` are the
-//! nearest floating-point numbers. Names are in lower case: see [`function`]. Spaces, tabs and line ends
-//! separate.
+//! From loose to tight: `+ -`; `* /`; the signs; `^`, which associates to the right: -x^2 is -(x^2), 2^-x is
+//! legal. A product needs its `*`. Numbers are decimal; `.5`, `5.` and `1e-3` are legal. Numbers, `pi` and
+//! `e` are rounded to the nearest floating-point number. Names are in lower case: see [`function`]. Spaces,
+//! tabs and line ends separate.
 //!
 //! An exponent without x is a constant, rounded to the nearest number: x^(6/2) is x^3 and takes negative x.
 //!
 //! # Guarantees
-//! Enclosures are proved up to the accuracy of the standard library's functions: see
-//! [`elementary`](crate::geometry::interval::elementary). Any text ends in bounded time and stack.
+//! Enclosures are proved if the functions of the standard library are as accurate as
+//! [`elementary`](crate::geometry::interval::elementary) assumes. Parsing and computing any text takes
+//! bounded time and stack.
 //!
 //! # Cost
-//! O(n) for n bytes of text, each time.
+//! O(n) for n bytes of text: for parsing, and for each computation.
 //!
 //! # Reference
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM, 2008, sections 3.1 and 13.2.
@@ -46,12 +47,12 @@ pub use offence::Offence;
 
 use tape::Tape;
 
-/// Longer texts are refused, bytes. Expressions come by hand or from a fit with some dozens of terms; each
-/// computation takes time in proportion.
+/// The longest text, bytes. Expressions are typed by hand, or come from a fit with some dozens of terms. The
+/// time of each computation grows with the length.
 pub const LONGEST_TEXT: usize = 10_000;
 
-/// Deeper nesting is refused: parentheses, arguments, signs and powers of powers all count. The parser
-/// recurses, and at this depth it takes less than an eighth of the 2 MB that a thread has.
+/// The deepest nesting: parentheses, arguments, signs and powers of powers all count. The parser recurses. At
+/// this depth its stack takes less than an eighth of the 2 MB of a thread.
 pub const DEEPEST_NESTING: usize = 200;
 
 /// A function of x.
@@ -64,37 +65,38 @@ impl Expression {
     /// Reads an expression in x.
     ///
     /// # Errors
-    /// What is wrong with the text, and the byte where.
+    /// The fault of the text, and the byte where it is.
     pub fn parse(text: &str) -> Result<Self, ExpressionError> {
         Ok(Self { tape: parse::tape(text)? })
     }
 
-    /// The value at `x`, to rounding; no number, or an infinite one, where it is not defined.
+    /// The value at `x`, to rounding; NaN or infinite where the expression is not defined.
     pub fn value(&self, x: f64) -> f64 {
         evaluate::value(&self.tape, x)
     }
 
-    /// The value and the derivative at `x`, to rounding. Where the derivative jumps it is the one to the
-    /// right; where it does not exist otherwise it is no number, or an infinite one.
+    /// The value and the derivative at `x`, to rounding. Where the derivative jumps, it is the derivative to
+    /// the right. Where it does not exist otherwise, it is NaN or infinite.
     pub fn value_and_derivative(&self, x: f64) -> [f64; 2] {
         evaluate::value_and_derivative(&self.tape, x)
     }
 
-    /// Encloses the value and the first two derivatives over `x`. A derivative that does not exist or is not
-    /// bounded is the whole line; only that of `abs`, `min`, `max` and `hypot` is bounded where it jumps.
+    /// Encloses the value and the first two derivatives over `x`. A derivative that does not exist or has no
+    /// bound is the whole line. The first derivatives of `abs`, `min`, `max` and `hypot` have bounds even
+    /// where they jump.
     ///
-    /// Where the expression is not defined, the value is enclosed as if arguments were moved to the nearest
-    /// legal one; [`examine`](Self::examine) tells whether that matters.
+    /// Where an operand is outside the domain of its operation, the value is enclosed as if the operand were
+    /// moved to the nearest legal number; [`examine`](Self::examine) finds such operands.
     pub fn enclose(&self, x: Interval) -> [Interval; 3] {
         enclose::enclose(&self.tape, x)
     }
 
     /// Proves that the expression is defined, finite and continuous over the closed `domain`, and encloses
-    /// its values there, to about one part in ten thousand of the largest; less tightly where ten thousand
-    /// cells do not suffice.
+    /// its values there. The bounds exceed the values by about 1e-4 of the largest value; by more if ten
+    /// thousand cells are not enough.
     ///
     /// # Errors
-    /// Where it is not defined, or cannot be proved to be; or that the budget is spent.
+    /// The place where the expression is not defined, or where the proof fails; or the budget is spent.
     pub fn examine(&self, domain: [f64; 2], budget: &Budget) -> Result<Interval, Undefined> {
         examine::examine(&self.tape, domain, budget)
     }

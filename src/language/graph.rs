@@ -7,10 +7,10 @@ use crate::budget::Budget;
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
-/// How far inside the domain a derivative is taken that does not exist at its place, as a part of the domain.
+/// How far from its place the derivative is taken if it does not exist at the place, as a part of the domain.
 const NUDGE: f64 = 1e-9;
 
-/// The points (x, y(x)) over a domain in which y is proved to be defined and continuous, mm.
+/// The points (x, y(x)) over a domain where y is proved to be defined and continuous; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Graph {
     expression: Expression,
@@ -19,8 +19,10 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// The graph of `expression` over `domain`.
+    ///
     /// # Errors
-    /// Where the expression is not defined, or cannot be proved to be; or that the budget is spent.
+    /// The place where the expression is not defined, or where the proof fails; or the budget is spent.
     pub fn new(expression: Expression, domain: [f64; 2], budget: &Budget) -> Result<Self, Undefined> {
         let bounds = expression.examine(domain, budget)?;
         Ok(Self { expression, domain, bounds })
@@ -30,7 +32,7 @@ impl Graph {
         &self.expression
     }
 
-    /// Encloses y over the whole domain, mm; see [`Expression::examine`].
+    /// Bounds of y over the whole domain, mm; see [`Expression::examine`].
     pub fn bounds(&self) -> Interval {
         self.bounds
     }
@@ -41,7 +43,7 @@ impl PlaneCurve for Graph {
         self.domain
     }
 
-    /// None: where y has a kink, its second derivative is the whole line.
+    /// A graph has no breaks. Where y has a kink, the enclosure of its second derivative is the whole line.
     fn breaks(&self) -> &[f64] {
         &[]
     }
@@ -55,13 +57,13 @@ impl PlaneCurve for Graph {
         if y.is_finite() {
             return Point2::new(t, y);
         }
-        // An operand is outside of its domain by rounding; enclosures take the nearest legal one.
+        // Rounding moved an operand out of its domain. Enclosures use the nearest legal operand.
         let [value, ..] = self.expression.enclose(Interval::point(t));
         Point2::new(t, value.mid())
     }
 
-    /// As asked for; where there is no derivative, or none that is finite, the one a billionth of the domain
-    /// further towards its end, or before it.
+    /// The derivative at `t`. Where it does not exist or is infinite, the derivative 1e-9 of the domain
+    /// farther on, or else as far before `t`.
     fn derivative(&self, t: f64) -> Vector2<f64> {
         let [from, to] = self.domain;
         let step = NUDGE * (to - from);
@@ -116,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_the_domain_are_legal() {
+    fn a_graph_may_end_at_the_limit_of_an_operation() {
         let circle = graph("sqrt(1 - x^2)", [-1.0, 1.0]);
         assert_eq!(circle.point(1.0).y, 0.0);
         assert!(circle.derivative(-1.0).y > 1e3 && circle.derivative(1.0).y < -1e3);
@@ -127,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_graph_is_of_what_is_defined() {
+    fn an_expression_that_is_not_defined_makes_no_graph() {
         let reciprocal = Expression::parse("1/x").unwrap();
         assert!(Graph::new(reciprocal, [-1.0, 1.0], &Budget::unlimited()).is_err());
     }

@@ -1,35 +1,36 @@
-//! Section curves: the language in which sections of dies are written, and its geometry.
+//! Section curves: the language for the sections of dies, and the geometry of the curves.
 //!
-//! Items, separated by white space, follow each other along the curve; numbers are mm.
+//! A text is a list of items, separated by white space, in their order along the curve. Numbers are mm.
 //!
 //! | item | what it is |
 //! |---|---|
-//! | `l(x,y)`, `l(x,y,z)` | a point that straight lines lead to and from |
-//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner, rounded by an arc of radius R that touches both of its lines; 0 leaves it sharp |
+//! | `l(x,y)`, `l(x,y,z)` | a point; straight lines lead to it and away from it |
+//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner, rounded by an arc of radius R touching both lines; 0 leaves it sharp |
 //! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through points |
 //!
 //! # Method
 //! 1. The text becomes items (`grammar`), all in the plane or all in space.
-//! 2. Every rounded corner becomes an arc (`corner`): its lines lead to its neighbours, of a `b` to the end
-//!    that is nearer along the curve.
-//! 3. Straight lines join what is left (`chain`). A `b` is the C2 cubic with uniform parameters and natural
-//!    ends.
+//! 2. Every rounded corner becomes an arc (`corner`). The lines of the corner lead to its neighbours. If a
+//!    neighbour is a `b`, the line leads to the end of the `b` that is next along the curve.
+//! 3. Straight lines join the remaining gaps (`chain`). A `b` becomes the C2 cubic with uniform parameters
+//!    and natural ends.
 //!
 //! # Guarantees
-//! Arcs are exact: rational quadratics of a quarter turn at most. The parameter of lines and arcs is in
-//! proportion to the length, and grows by it; along a `b` it grows by the sum of the chords, equally from
-//! point to point.
+//! Arcs are exact: rational quadratics of a quarter turn at most. Along lines and arcs, the parameter grows
+//! by the length of each piece. Along a `b` it grows by the sum of the chords, by the same amount from point
+//! to point.
 //!
 //! # Degenerate input
-//! Neighbouring points that coincide, corners that do not fit between their neighbours, and rounded reversals
-//! are errors that tell their place. A corner without a turn is a point of its line.
+//! Errors, each with its place: neighbouring points that coincide, corners that do not fit between their
+//! neighbours, and rounded corners where the curve reverses. A rounded corner without a turn is a point of
+//! its line.
 //!
 //! # Cost
 //! O(n) in the length of the text.
 //!
 //! # Differences from the paper
-//! The paper prints neither parameters nor ends of the smooth curve, and `b(x1,y1),(x2,y2)` without outer
-//! parentheses.
+//! The paper prints neither the parameters nor the end conditions of the smooth curve. It writes
+//! `b(x1,y1),(x2,y2)`, without outer parentheses.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -44,23 +45,25 @@ pub use chain::{Chain, Item, Segment};
 use crate::geometry::plane_curve::piecewise::{BezierError, PiecewiseError};
 pub use crate::geometry::profile::Shape;
 
-/// The largest coordinate and radius, mm: a kilometre, as for every other coordinate.
+/// The largest coordinate and radius, mm: a kilometre, the same as for all other coordinates.
 pub const LARGEST_NUMBER: f64 = 1e6;
 
-/// Points this close coincide, mm: the rounding of the largest coordinates, and far below anything made.
+/// Points that are at most this far apart coincide, mm. The value is the rounding of the largest coordinates,
+/// and far below the precision of any machine.
 pub const NEAREST_MM: f64 = 1e-9;
 
-/// The most points of a curve: each makes a piece or two, and a sweep multiplies the pieces of two curves.
+/// Most points of a curve. Each point makes one or two pieces, and a sweep makes a patch of each pair of
+/// pieces of two curves.
 pub const POINT_LIMIT: usize = 100_000;
 
-/// The longest text, bytes: as many points of three numbers in full precision.
+/// The longest text, bytes: enough for [`POINT_LIMIT`] points of three numbers in full precision.
 pub const TEXT_LIMIT: usize = 80 * POINT_LIMIT;
 
-/// Why a text is no section curve, and where.
+/// Why a text is not a section curve, and where.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{fault} (at byte {at})")]
 pub struct SectionCurveError {
-    /// Bytes of the text before the place.
+    /// The byte of the text, from zero.
     pub at: usize,
     pub fault: Fault,
 }
@@ -97,8 +100,8 @@ pub enum Fault {
         "the radius {radius_mm} mm does not fit; the rounded corners of the line need {taken_mm} mm of its {length_mm} mm"
     )]
     CornerDoesNotFit { radius_mm: f64, taken_mm: f64, length_mm: f64 },
-    /// Parameters that do not rise, when curves a thousand times longer than any part have points a
-    /// micrometre apart.
+    /// The parameters of the curve do not rise. That takes points a micrometre apart on a curve a thousand
+    /// times longer than any part.
     #[error("{0}")]
     Chain(PiecewiseError),
     #[error("{0}")]
@@ -116,10 +119,11 @@ impl SectionCurve {
     /// Reads a curve.
     ///
     /// # Errors
-    /// The first place that breaks the language, or else the first item that cannot be.
+    /// The first place that breaks the grammar; otherwise the first item that is impossible.
     pub fn parse(text: &str) -> Result<Self, SectionCurveError> {
         let items = grammar::items(text)?;
-        // The first item decides: its numbers tell the dimension as it is no rounded corner.
+        // The first item cannot be a rounded corner. So its number of coordinates decides between plane and
+        // space.
         let is_space = items.first().and_then(|item| item.rows.first()).is_some_and(|row| row.count == 3);
         Ok(if is_space { Self::Space(Chain::new(&items)?) } else { Self::Plane(Chain::new(&items)?) })
     }

@@ -1,11 +1,11 @@
 //! Enclosures of an expression over a range of x.
 //!
 //! # Method
-//! 1. The tape is computed at the middle of the range, and every value and derivative on the way is kept.
-//! 2. It is computed over the whole range. Each value on the way is met with the one that the mean value
-//!    theorem gives from the middle, f(m) + f'(X) (X - m), and each derivative likewise. What operands have
-//!    in common cancels there: over a short range the enclosure of x - x^2 is as wide as the values are, not
-//!    twice.
+//! 1. The tape is computed at the middle of the range. The value and the derivative after each step are kept.
+//! 2. The tape is computed over the whole range. Each value after a step is intersected with the enclosure
+//!    from the mean value theorem, f(m) + f'(X) (X - m); each derivative likewise. The common parts of
+//!    operands cancel in that enclosure. So over a short range the enclosure of x - x^2 is as wide as the
+//!    values are, and not twice as wide.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.
@@ -32,7 +32,7 @@ pub fn enclose(tape: &Tape, x: Interval) -> Jet {
     over(tape, x, &at(tape, x.mid())).0
 }
 
-/// The expression at `x`.
+/// Computes the expression at `x`.
 pub fn at(tape: &Tape, x: f64) -> Middle {
     let mut on_the_way = Vec::with_capacity(tape.steps().len());
     let keep = |_, jet: &mut Jet| on_the_way.push([jet[0], jet[1]]);
@@ -40,13 +40,13 @@ pub fn at(tape: &Tape, x: f64) -> Middle {
     Middle { x, on_the_way, value, finding }
 }
 
-/// The expression over `x`, which holds the middle, and the gravest offence there.
+/// The jet of the expression over `x`, which contains the middle, and the gravest offence over `x`.
 pub fn over(tape: &Tape, x: Interval, middle: &Middle) -> (Jet, Option<Finding>) {
     let around = x - Interval::point(middle.x);
     sweep(tape, x, |k, jet| {
         let Some(&[value, first]) = middle.on_the_way.get(k) else { return };
         if jet[1] == Interval::ZERO {
-            // A constant has the value that it has at the middle.
+            // A constant has its value at the middle everywhere.
             jet[0] = jet[0].meet(value);
             return;
         }
@@ -59,7 +59,8 @@ pub fn over(tape: &Tape, x: Interval, middle: &Middle) -> (Jet, Option<Finding>)
     })
 }
 
-/// Computes the tape; each jet is shown to `visit`, which may narrow it, with the number of its step.
+/// Computes the tape over `x`. After each step, `visit` gets the number of the step and its jet, which it may
+/// narrow.
 fn sweep(tape: &Tape, x: Interval, mut visit: impl FnMut(usize, &mut Jet)) -> (Jet, Option<Finding>) {
     let mut stack = tape.stack();
     let variable = Node::variable(x);
@@ -80,7 +81,7 @@ fn sweep(tape: &Tape, x: Interval, mut visit: impl FnMut(usize, &mut Jet)) -> (J
             Operation::WholePower(n) => power::whole(last, n),
             Operation::FixedPower(c) => power::fixed(last, c),
             Operation::Pair(pairing) => {
-                // The tape is well formed: there always is a value below the last one.
+                // The tape is well formed, so there is always a value below the last one.
                 let Some(left) = stack.pop() else { return ([Interval::ENTIRE; 3], finding) };
                 jet::pair(pairing, left, last)
             }
@@ -97,7 +98,7 @@ fn sweep(tape: &Tape, x: Interval, mut visit: impl FnMut(usize, &mut Jet)) -> (J
     (last.jet, finding)
 }
 
-/// What a value of legal operands says that may be infinite.
+/// The verdict on a value that may be infinite although its operands are legal.
 fn overflow(value: Interval) -> Option<(Offence, Certainty)> {
     if value.is_bounded() {
         return None;

@@ -1,4 +1,4 @@
-//! Values and derivatives of an expression at a number, to rounding.
+//! Values and derivatives of an expression at one x, to rounding.
 
 use super::function::{Function, Pairing};
 use super::tape::{Operation, Tape};
@@ -16,7 +16,7 @@ pub fn value(tape: &Tape, x: f64) -> f64 {
             Operation::WholePower(n) => last = last.powf(f64::from(n)),
             Operation::FixedPower(c) => last = last.powf(c),
             Operation::Pair(pairing) => {
-                // The tape is well formed: there always is a value below the last one.
+                // The tape is well formed, so there is always a value below the last one.
                 let Some(left) = stack.pop() else { return f64::NAN };
                 last = pair(pairing, left, last);
             }
@@ -25,7 +25,7 @@ pub fn value(tape: &Tape, x: f64) -> f64 {
     last
 }
 
-/// As [`value`], with the derivative by x.
+/// The value as in [`value`], and the derivative by x.
 pub fn value_and_derivative(tape: &Tape, x: f64) -> [f64; 2] {
     let mut stack = tape.stack();
     let mut last = [x, 1.0];
@@ -72,7 +72,7 @@ fn call(function: Function, a: f64) -> f64 {
     }
 }
 
-/// The derivative by the argument, given the value as well.
+/// The derivative of the function by its argument `a`; `value` is the value of the function there.
 fn slope(function: Function, a: f64, value: f64) -> f64 {
     use std::f64::consts::{LOG2_E, LOG10_E};
     match function {
@@ -84,7 +84,7 @@ fn slope(function: Function, a: f64, value: f64) -> f64 {
         Function::Atan => 1.0 / (1.0 + a * a),
         Function::Sinh => a.cosh(),
         Function::Cosh => a.sinh(),
-        // Not 1 - value^2, which is lost in rounding where tanh is nearly one.
+        // 1 - value^2 would be lost in rounding where tanh is nearly one.
         Function::Tanh => 1.0 / a.cosh().powi(2),
         Function::Exp => value,
         Function::Ln => 1.0 / a,
@@ -96,7 +96,7 @@ fn slope(function: Function, a: f64, value: f64) -> f64 {
     }
 }
 
-/// The absolute value. To the right of a zero it has the sign of what the operand does there.
+/// The absolute value. At a zero, the derivative is the one to the right.
 fn magnitude([a, slope]: [f64; 2]) -> [f64; 2] {
     if a == 0.0 {
         return [0.0, slope.abs()];
@@ -130,7 +130,7 @@ fn pair_slope(pairing: Pairing, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64 {
         Pairing::Divide => (a1 - a / b * b1) / b,
         Pairing::Power if a == 0.0 => b * a.powf(b - 1.0) * a1,
         Pairing::Power => a.powf(b) * (b1 * a.ln() + b * a1 / a),
-        // Where both are equal the one that rises less, or more, decides to the right.
+        // Where both are equal, the derivative to the right is the smaller one for min, the larger one for max.
         Pairing::Min if a == b => a1.min(b1),
         Pairing::Max if a == b => a1.max(b1),
         Pairing::Min => {

@@ -1,20 +1,24 @@
 //! The proof that an expression is defined over a domain, with bounds of its values.
 //!
+//! An operation offends where an operand is outside the domain of the operation.
+//!
 //! # Method
-//! 1. The ends of the domain and some points between are computed: most faults show there, and have a place.
-//! 2. Cells, first the whole domain, are computed as intervals. A cell in which nothing can offend is legal.
-//!    One in which all offends ends the search, as does an offence at its middle. Any other is halved.
-//! 3. A legal cell whose values reach far beyond those seen at points is halved too, to tighten the bounds.
+//! 1. The expression is computed at the ends of the domain and at some points between. Most faults show
+//!    there, with an exact place.
+//! 2. The expression is computed over cells, as intervals; the first cell is the whole domain. A cell where
+//!    no operation can offend is legal. A cell where an operation offends everywhere, or at the middle, ends
+//!    the search. Any other cell is halved.
+//! 3. A legal cell whose values reach far beyond the values at points is halved too, to tighten the bounds.
 //!
 //! # Guarantees
 //! Over a domain that passes, every operation is defined, continuous and finite, and the values are inside
-//! the bounds. Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) may
-//! be extended by what rounding explains: by 1e-12 of the magnitudes that cancel, or within cells of
-//! 2^-[`DEEPEST`] of the domain at whose middle they do not offend.
+//! the bounds. Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) are
+//! extended as far as rounding can explain. That is by 1e-12 of the magnitudes that cancel, or within cells
+//! of 2^-[`DEEPEST`] of the domain that do not offend at their middle.
 //!
 //! # Degenerate input
 //! A domain that is not two finite numbers, the first less than the second, is an error. An expression that
-//! is defined only by cancellation, as x/x or sin(x)/x at zero, is not.
+//! is defined only by cancellation, as x/x or sin(x)/x at zero, counts as not defined there.
 //!
 //! # Cost
 //! O(n) a cell for n steps of the tape, with at most [`MOST_CELLS`] cells.
@@ -25,39 +29,40 @@ use super::tape::Tape;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::interval::Interval;
 
-/// More cells are not examined: a second or two for an expression of common length. Only faults that are all
-/// but touched at thousands of places take as many.
+/// Most cells of the search: a second or two for an expression of common length. Only an expression that
+/// comes very close to an offence at thousands of places needs as many.
 const MOST_CELLS: usize = 200_000;
 
-/// Halvings after which a cell is a rounding of the domain wide.
+/// Most halvings of a cell. After these, a cell is as narrow as the rounding of the domain.
 const DEEPEST: u32 = 52;
 
-/// Parts into which the points seen first divide the domain.
+/// Parts of the domain between the points that are computed first.
 const FIRST_PARTS: u32 = 32;
 
-/// Legal cells are halved for tighter bounds until so many have been seen.
+/// Cells after which legal cells are no longer halved for tighter bounds.
 const MOST_CELLS_FOR_BOUNDS: usize = 10_000;
 
-/// Bounds may exceed the values seen by so much of the largest.
+/// How far the bounds may exceed the values at points, as a part of the largest value.
 const LOOSENESS: f64 = 1e-4;
 
-/// And by so much where all values are about zero, mm.
+/// How far the bounds may exceed the values at points in addition, mm. It matters where all values are near
+/// zero.
 const LEAST_LOOSENESS: f64 = 1e-9;
 
-/// Steps of tapes between two looks at the budget: some milliseconds.
+/// Steps of tapes between two checks of the budget: some milliseconds.
 const STEPS_UNWATCHED: usize = 50_000;
 
-/// Why an expression cannot be used over a domain. `at` is the byte of the text whose operation offends.
+/// Why an expression cannot be used over a domain. `at` is the byte of the text of the offending operation.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Undefined {
     #[error("the domain must be two finite numbers, the first less than the second")]
     NoDomain,
     #[error("{offence} at x = {x} (byte {at})")]
     At { offence: Offence, x: f64, at: usize },
-    /// In a cell as narrow as the rounding of the domain, around `x`.
+    /// The offence is in a cell around `x` that is as narrow as the rounding of the domain.
     #[error("{offence} near x = {x} (byte {at})")]
     Near { offence: Offence, x: f64, at: usize },
-    /// The cells were used up.
+    /// The search ran out of cells.
     #[error("{offence} cannot be ruled out near x = {x} (byte {at})")]
     NotRuledOut { offence: Offence, x: f64, at: usize },
     #[error(transparent)]
@@ -80,7 +85,7 @@ pub fn examine(tape: &Tape, [from, to]: [f64; 2], budget: &Budget) -> Result<Int
     let mut bounds = seen;
     let mut cells = vec![Cell { from, to, halvings: 0 }];
     let (mut count, mut unwatched) = (0, 0);
-    // The leftmost cell comes first, so that the first fault is the one reported.
+    // The leftmost cell comes first, so the leftmost fault is reported.
     while let Some(cell) = cells.pop() {
         count += 1;
         unwatched += tape.steps().len();
@@ -107,7 +112,7 @@ pub fn examine(tape: &Tape, [from, to]: [f64; 2], budget: &Budget) -> Result<Int
     Ok(bounds)
 }
 
-/// The hull of the values at the ends and between.
+/// The hull of the values at the ends of the domain and at points between.
 fn values_at_points(tape: &Tape, from: f64, to: f64) -> Result<Interval, Undefined> {
     let mut seen = legal_at(tape, from)?.value.hull(legal_at(tape, to)?.value);
     for k in 1..FIRST_PARTS {
@@ -117,7 +122,7 @@ fn values_at_points(tape: &Tape, from: f64, to: f64) -> Result<Interval, Undefin
     Ok(seen)
 }
 
-/// The expression at `x`, unless it certainly offends there.
+/// The expression at `x`; an error if it certainly offends there.
 fn legal_at(tape: &Tape, x: f64) -> Result<Middle, Undefined> {
     let middle = enclose::at(tape, x);
     match middle.finding {
@@ -126,7 +131,7 @@ fn legal_at(tape: &Tape, x: f64) -> Result<Middle, Undefined> {
     }
 }
 
-/// Whether a cell with an offence is legal all the same; if not, it is to be halved.
+/// Whether a cell with a possible offence counts as legal. `false` if the cell has to be halved.
 fn is_settled(finding: Finding, cell: &Cell, count: usize) -> Result<bool, Undefined> {
     let Finding { offence, certainty, at } = finding;
     let (x, middle) = (shortest(cell), Interval::between(cell.from, cell.to).mid());
@@ -146,7 +151,7 @@ fn is_settled(finding: Finding, cell: &Cell, count: usize) -> Result<bool, Undef
     Ok(false)
 }
 
-/// The number in a cell that is written with the fewest digits.
+/// The number in the cell with the fewest digits.
 fn shortest(cell: &Cell) -> f64 {
     let range = Interval::between(cell.from, cell.to);
     let rounded = |digits: usize| format!("{:.digits$e}", range.mid()).parse().unwrap_or(f64::NAN);

@@ -1,4 +1,4 @@
-//! What may be wrong with the text of an expression.
+//! The faults that the text of an expression may have.
 
 use super::{DEEPEST_NESTING, LONGEST_TEXT};
 
@@ -6,7 +6,7 @@ use super::{DEEPEST_NESTING, LONGEST_TEXT};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{fault} (byte {at})")]
 pub struct ExpressionError {
-    /// The byte of the text, from zero; its length where something is missing at its end.
+    /// The byte of the text, from zero; the length of the text where something is missing at its end.
     pub at: usize,
     pub fault: Fault,
 }

@@ -29,7 +29,7 @@ pub enum Pairing {
     Subtract,
     Multiply,
     Divide,
-    /// The second operand holds x.
+    /// The first operand to the power of the second, which contains x.
     Power,
     Min,
     Max,
@@ -37,7 +37,7 @@ pub enum Pairing {
     Hypot,
 }
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Meaning {
     Variable,

@@ -1,12 +1,12 @@
 //! Operations on intervals with two derivatives.
 //!
 //! # Method
-//! A jet encloses a value and the first two derivatives by x over a range of x. An operation returns the jet
-//! of its result and a verdict: whether an operand may be, or is, outside of the operation's domain.
+//! A jet encloses a value and its first two derivatives by x over a range of x. An operation returns the jet
+//! of its result and a verdict: whether an operand is, or may be, outside the domain of the operation.
 //!
 //! # Guarantees
-//! Where an operand leaves the domain, the jet is that of the operation extended to the nearest legal
-//! operand. A derivative that does not exist, or is not bounded, is the whole line.
+//! Where an operand leaves the domain, the jet is that of the operation at the nearest legal operand. A
+//! derivative that does not exist or has no bound is the whole line.
 
 pub mod power;
 
@@ -20,15 +20,16 @@ pub type Jet = [Interval; 3];
 
 pub const ONE: Interval = Interval::ONE;
 
-/// An operand may leave a closed domain by so much of the magnitude of what it was summed from: some thousand
-/// roundings. sqrt(0.1 + 0.2 - x) is legal at 0.3.
+/// How far an operand may leave a closed domain, as a part of the magnitude of its terms: some thousand
+/// roundings. So sqrt(0.1 + 0.2 - x) is legal at 0.3.
 const SLACK: f64 = 1e-12;
 
-/// And by so much: rounding outward makes tiny negative numbers of zero.
+/// How far an operand may leave a closed domain in any case. Outward rounding turns zero into tiny negative
+/// numbers.
 const LEAST_SLACK: f64 = 1e-300;
 
-/// A jet with the least magnitude, over its range of x, of the terms that it was summed from. Rounding errors
-/// are small beside it, even where the terms cancel.
+/// A jet, and a scale: the least magnitude, over the range of x, of the terms that the value was summed from.
+/// Rounding errors are small compared with the scale, even where the terms cancel.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
     pub jet: Jet,
@@ -48,19 +49,19 @@ impl Node {
         Self { jet: self.jet.map(|of| -of), scale: self.scale }
     }
 
-    /// What rounding may have added to the value or taken from it.
+    /// How far rounding may have moved the value.
     pub fn slack(self) -> f64 {
         SLACK * self.scale + LEAST_SLACK
     }
 
-    /// The jet of f(a) from f, f' and f'' over the range of a: the chain rule.
+    /// The jet of f(a) by the chain rule, from the enclosures of f, f' and f'' over the range of a.
     pub fn chain(self, [f, f1, f2]: Jet) -> Self {
         let [_, a1, a2] = self.jet;
         let scale = f.mig().max(f1.mig() * self.scale);
         Self::told([f, f1 * a1, f2 * a1.sqr() + f1 * a2], scale)
     }
 
-    /// A derivative known on one side only is not known.
+    /// A node of this jet. A derivative with a bound on one side only becomes the whole line.
     pub fn told([value, first, second]: Jet, scale: f64) -> Self {
         let known = |of: Interval| if of.is_bounded() { of } else { Interval::ENTIRE };
         let scale = if scale.is_finite() { scale } else { 0.0 };
@@ -149,7 +150,7 @@ pub fn pair(pairing: Pairing, a: Node, b: Node) -> (Node, Verdict) {
     }
 }
 
-/// The verdict on an operation whose operand is legal, or may offend, or offends for certain.
+/// The verdict on an operation: `None` if the operand is legal, otherwise a certain or a possible offence.
 pub fn unless(legal: bool, offence: Offence, certain: bool) -> Verdict {
     match (legal, certain) {
         (true, _) => None,
@@ -158,7 +159,7 @@ pub fn unless(legal: bool, offence: Offence, certain: bool) -> Verdict {
     }
 }
 
-/// The verdict on an operation that takes what is at least `least`, less the slack.
+/// The verdict on an operation whose operand must be at least `least`; the operand may be less by `slack`.
 fn at_least(least: f64, x: Interval, slack: f64, offence: Offence) -> Verdict {
     unless(x.lo() >= least - slack, offence, x.hi() < least - slack)
 }
@@ -169,7 +170,7 @@ fn tangent(a: Node) -> (Node, Verdict) {
     (a.chain([value, first, value * first * 2.0]), unless(value.is_bounded(), Offence::Pole, false))
 }
 
-/// The first two derivatives of the inverse sine.
+/// The first two derivatives of the inverse sine, and the verdict on the operand.
 fn inverse(a: Node, name: &'static str) -> ([Interval; 2], Verdict) {
     let (x, slack) = (a.jet[0], a.slack().max(SLACK));
     let offence = Offence::Inverse(name);
@@ -182,7 +183,7 @@ fn inverse(a: Node, name: &'static str) -> ([Interval; 2], Verdict) {
     ([first, x.div(below) * first], verdict)
 }
 
-/// A logarithm to the base whose natural logarithm is given.
+/// The logarithm to a base. `value` encloses the logarithm, `ln_base` the natural logarithm of the base.
 fn logarithm(a: Node, value: Interval, ln_base: Interval) -> (Node, Verdict) {
     let x = a.jet[0];
     let verdict = unless(x.lo() > 0.0, Offence::Logarithm, x.hi() <= 0.0);
@@ -212,8 +213,8 @@ fn magnitude(a: Node) -> Node {
     }
 }
 
-/// A value that follows one of two functions or the other. Its slopes lie between theirs: the hull of them is
-/// Clarke's generalised gradient, for which the mean value theorem holds.
+/// A value that follows one of two functions at each place. Its slopes lie in the hull of the slopes of both
+/// functions. That hull is Clarke's generalised gradient, for which the mean value theorem holds.
 fn kink(value: Interval, one: Interval, other: Interval) -> Node {
     Node::told([value, one.hull(other), Interval::ENTIRE], value.mig())
 }
@@ -230,7 +231,7 @@ fn hypotenuse([x, x1, x2]: Jet, [y, y1, y2]: Jet) -> Node {
     Node::told([value, first, second], value.mig())
 }
 
-/// The number that a constant of the library was rounded from.
+/// An interval that contains the exact number of a rounded constant.
 fn around(constant: f64) -> Interval {
     Interval::between(constant.next_down(), constant.next_up())
 }

@@ -1,6 +1,6 @@
-//! Operations outside of their domain.
+//! Offences: operations with an operand outside the domain of the operation.
 
-/// What an operation was asked for that it does not have.
+/// The operation and the kind of operand that it is not defined for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Offence {
     #[error("division by zero")]
@@ -22,24 +22,24 @@ pub enum Offence {
 }
 
 impl Offence {
-    /// Whether the legal arguments include their limits, so that the operation extends past them
-    /// continuously.
+    /// Whether the domain of the operation includes its limits, so that the operation can be extended past
+    /// them continuously.
     pub(super) fn is_past_a_closed_end(self) -> bool {
         matches!(self, Self::SquareRoot | Self::Inverse(_) | Self::PowerOfNegative)
     }
 }
 
-/// Whether all members of an interval offend, or some may.
+/// Whether every member of an interval offends, or only some members may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Certainty {
     Possible,
     Certain,
 }
 
-/// What an operation on intervals reports.
+/// The offence of an operation on intervals; `None` if no member can offend.
 pub(super) type Verdict = Option<(Offence, Certainty)>;
 
-/// An offence with the byte of the text whose operation commits it.
+/// An offence, and the byte of the text of the operation that commits it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Finding {
     pub offence: Offence,
@@ -48,8 +48,8 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// What is certain comes before what may be, and what is never legal before what is when the operand is
-    /// moved a little.
+    /// Orders findings: a certain offence is graver than a possible one. Of two equally certain offences, one
+    /// that no small move of the operand makes legal is graver.
     pub fn is_graver_than(&self, other: &Self) -> bool {
         let gravity = |of: &Self| (of.certainty, !of.offence.is_past_a_closed_end());
         gravity(self) > gravity(other)

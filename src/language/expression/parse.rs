@@ -1,9 +1,9 @@
-//! From text to tape, by operator precedence.
+//! The parser: from text to tape, by operator precedence.
 //!
 //! # Method
-//! Pratt's algorithm, which applies operators in the order in which they are computed: so each one is
-//! appended to the tape as it is applied, and no tree is built. An operand is known by the bytes and the
-//! steps it takes up.
+//! Pratt's algorithm applies operators in the order of their computation. So each operator is appended to the
+//! tape when it is applied, and no tree is built. An operand is represented by its bytes in the text and its
+//! steps on the tape.
 //!
 //! # Reference
 //! V. R. Pratt, "Top Down Operator Precedence", POPL, 1973.
@@ -20,19 +20,20 @@ use super::function::{Meaning, NAMES, Pairing};
 use super::tape::{Operation, Step, Tape};
 use super::{DEEPEST_NESTING, LONGEST_TEXT, enclose, evaluate};
 
-/// Characters of an unknown name that an error repeats.
+/// Most characters of an unknown name that an error repeats.
 const LONGEST_NAME_TOLD: usize = 40;
 
-/// How tightly operators bind. That of a sign is between products and powers.
+/// Binding powers: an operator with a larger number binds tighter.
 const SUM: i64 = 10;
 const PRODUCT: i64 = 20;
 const SIGN: i64 = 30;
 const POWER: i64 = 40;
 
-/// Larger whole exponents of numbers other than one are hardly ever finite; they count as not whole.
+/// The largest exponent that counts as a whole number. With a larger exponent, the power of almost any base
+/// is zero or infinite.
 const LARGEST_WHOLE: f64 = (1u32 << 30) as f64;
 
-/// What has been read so far.
+/// The state of the parser: the text, the steps so far, and the depth of nesting.
 #[derive(Debug)]
 struct Draft<'t> {
     text: &'t str,
@@ -44,7 +45,7 @@ type Source<'t> = Stateful<LocatingSlice<&'t str>, Draft<'t>>;
 
 type Parsed<T> = Result<T, ErrMode<ExpressionError>>;
 
-/// An operand: bytes of the text, and the steps from `first` to the last one.
+/// An operand: its bytes in the text, from `start` to `end`, and its steps on the tape, from `first` on.
 #[derive(Debug, Clone, Copy)]
 struct Operand {
     start: usize,
@@ -68,7 +69,7 @@ impl ParserError<Source<'_>> for ExpressionError {
 /// Reads a whole text.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// The fault of the text, and its place.
 pub fn tape(text: &str) -> Result<Tape, ExpressionError> {
     if text.len() > LONGEST_TEXT {
         return Err(ExpressionError { at: LONGEST_TEXT, fault: Fault::TooLong });
@@ -89,17 +90,17 @@ pub fn tape(text: &str) -> Result<Tape, ExpressionError> {
     match whole(&mut source) {
         Ok(()) => Ok(Tape::new(source.state.steps)),
         Err(ErrMode::Backtrack(error) | ErrMode::Cut(error)) => Err(error),
-        // Only asked of streams that are read piece by piece.
+        // Parsers return this only for streams that arrive in pieces.
         Err(ErrMode::Incomplete(_)) => Err(ExpressionError { at: text.len(), fault: Fault::MissingOperand }),
     }
 }
 
-/// Anything up to the end, a comma or a closing parenthesis.
+/// Reads an expression up to the end, a comma or a closing parenthesis.
 fn sum(source: &mut Source<'_>) -> Parsed<Operand> {
     expression(operand).prefix(sign).infix(operator).parse_next(source)
 }
 
-/// A number, a name with its arguments or a parenthesis.
+/// Reads a number, a name with its arguments, or a parenthesis.
 fn operand(source: &mut Source<'_>) -> Parsed<Operand> {
     match peek(source) {
         Some('0'..='9' | '.') => number(source),
@@ -134,7 +135,8 @@ fn operator<'t>(source: &mut Source<'t>) -> Parsed<Infix<Source<'t>, Operand, Er
         Some('*') => Infix::Left(PRODUCT, |source, a, b| Ok(paired(source, Pairing::Multiply, a, b))),
         Some('/') => Infix::Left(PRODUCT, |source, a, b| Ok(paired(source, Pairing::Divide, a, b))),
         Some('^') => {
-            // It binds tighter than all else: once read it is applied, and the depth is left again.
+            // A power binds tightest, so it is applied as soon as its exponent is read. Then the depth is
+            // left again.
             enter(source)?;
             Infix::Right(POWER, |source, a, b| {
                 leave(source);
@@ -203,7 +205,7 @@ fn name(source: &mut Source<'_>) -> Parsed<Operand> {
     }
 }
 
-/// What stands in the parentheses after the name of a function.
+/// Reads the arguments in parentheses after the name of a function.
 fn arguments(source: &mut Source<'_>, name: &'static str) -> Parsed<Vec<Operand>> {
     if peek(source) != Some('(') {
         return stop(source, Fault::MissingArguments(name));
@@ -219,7 +221,7 @@ fn arguments(source: &mut Source<'_>, name: &'static str) -> Parsed<Vec<Operand>
             parts.push(sum(source)?);
         }
     }
-    // A sum ends before a comma, a closing parenthesis or at the end.
+    // A sum ends only before a comma, before a closing parenthesis, or at the end of the text.
     if peek(source).is_none() {
         return refuse(open, Fault::UnclosedParenthesis);
     }
@@ -228,15 +230,15 @@ fn arguments(source: &mut Source<'_>, name: &'static str) -> Parsed<Vec<Operand>
     Ok(parts)
 }
 
-/// The next character that is not a separator; the separators are passed.
+/// Skips separators and returns the next character.
 fn peek(source: &mut Source<'_>) -> Option<char> {
     let separators: Parsed<&str> = multispace0.parse_next(source);
-    // Any number of separators, even none, is legal.
+    // `multispace0` accepts any number of separators, even none.
     debug_assert!(separators.is_ok());
     source.peek_token()
 }
 
-/// Ends the reading here.
+/// Ends the parsing with a fault at the current place.
 fn stop<T>(source: &Source<'_>, fault: Fault) -> Parsed<T> {
     refuse(source.current_token_start(), fault)
 }
@@ -245,7 +247,7 @@ fn refuse<T>(at: usize, fault: Fault) -> Parsed<T> {
     Err(ErrMode::Cut(ExpressionError { at, fault }))
 }
 
-/// One level deeper, for what the parser calls itself for.
+/// Enters one level of nesting, where the parser recurses. An error if the nesting is too deep.
 fn enter(source: &mut Source<'_>) -> Parsed<()> {
     source.state.depth += 1;
     if source.state.depth > DEEPEST_NESTING { stop(source, Fault::TooDeep) } else { Ok(()) }
@@ -259,14 +261,14 @@ fn push(source: &mut Source<'_>, operation: Operation, at: usize) {
     source.state.steps.push(Step { operation, at });
 }
 
-/// What was just read, from `start`, as an operand of one step.
+/// The text from `start` to the current place as an operand of one step.
 fn leaf(source: &mut Source<'_>, start: usize, operation: Operation) -> Operand {
     let first = source.state.steps.len();
     push(source, operation, start);
     Operand { start, end: source.current_token_start(), first, holds_x: operation == Operation::Variable }
 }
 
-/// The operand with a minus sign before it; a number takes it up.
+/// The operand with a minus sign before it. A constant takes up the sign; other operands get a step.
 fn negated(source: &mut Source<'_>, part: Operand) -> Parsed<Operand> {
     let before = source.state.text.get(..part.start).unwrap_or("").trim_end();
     let start = before.len().saturating_sub(1);
@@ -277,14 +279,14 @@ fn negated(source: &mut Source<'_>, part: Operand) -> Parsed<Operand> {
     Ok(Operand { start, ..part })
 }
 
-/// Two operands with an operator between them.
+/// The result of an operator between two operands.
 fn paired(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand) -> Operand {
     let after = source.state.text.get(a.end..).unwrap_or("");
     let at = a.end + (after.len() - after.trim_start().len());
     applied(source, pairing, a, b, at)
 }
 
-/// Appends an operation on two operands, which comes from the byte `at`.
+/// Appends an operation on two operands. `at` is the byte of the text of the operation.
 fn applied(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand, at: usize) -> Operand {
     let whole = Operand { start: a.start, end: b.end, first: a.first, holds_x: a.holds_x || b.holds_x };
     let constant = if pairing == Pairing::Power && !b.holds_x { constant(source, b) } else { None };
@@ -302,7 +304,7 @@ fn applied(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand, at
     whole
 }
 
-/// The value of the last operand, which does not hold x, if it is defined.
+/// The value of the last operand, which does not contain x; `None` if it is not defined or not finite.
 fn constant(source: &Source<'_>, part: Operand) -> Option<f64> {
     let steps = source.state.steps.get(part.first..)?;
     let tape = Tape::new(steps.to_vec());

@@ -1,4 +1,4 @@
-//! A compiled expression: operations in the order in which they are computed.
+//! A compiled expression: operations in the order of their computation.
 
 use super::function::{Function, Pairing};
 
@@ -10,22 +10,22 @@ pub enum Operation {
     Constant(f64),
     Negate,
     Call(Function),
-    /// To a constant whole exponent.
+    /// The power with a constant whole exponent.
     WholePower(i32),
-    /// To another constant exponent, finite.
+    /// The power with another constant, finite exponent.
     FixedPower(f64),
-    /// On the last two.
+    /// An operation on the last two values.
     Pair(Pairing),
 }
 
-/// An operation and the byte of the text it comes from.
+/// An operation, and the byte of the text that it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     pub operation: Operation,
     pub at: usize,
 }
 
-/// Steps that leave one value, and find their operands, when they are computed with a stack.
+/// Steps for a stack. Every step finds its operands there, and the last step leaves one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tape {
     steps: Vec<Step>,
@@ -50,7 +50,7 @@ impl Tape {
         &self.steps
     }
 
-    /// A stack that takes every value but the last without growing.
+    /// An empty stack with room for every value but the last.
     pub fn stack<T>(&self) -> Vec<T> {
         Vec::with_capacity(self.height)
     }

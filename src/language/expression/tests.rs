@@ -1,5 +1,5 @@
-//! Tests of expressions: their texts, their domains, and their values and derivatives against trees made at
-//! random.
+//! Tests of expressions: their texts, their domains, and their values and derivatives compared with random
+//! trees.
 
 mod domains;
 mod jets;

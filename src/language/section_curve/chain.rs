@@ -1,4 +1,4 @@
-//! Items along a curve, and the segments that they make.
+//! The items along a curve, and the segments made of them.
 
 use nalgebra::{Point, SVector};
 
@@ -9,8 +9,8 @@ use crate::geometry::plane_curve::piecewise::{Bezier, Piecewise, PiecewiseError}
 use crate::geometry::profile::{Piece, Profile, Shape};
 use crate::geometry::spline::{EndCondition, derivatives};
 
-/// What tangents may take too much of a line, and what of a line is left out, in parts of its length: the
-/// rounding of tangents that meet.
+/// Tangent lengths may exceed the length of a line by this part of it. A remainder of a line shorter than
+/// this part is left out. Both are the rounding of arcs that meet.
 const FIT: f64 = 1e-14;
 
 /// An item in D dimensions, mm.
@@ -24,13 +24,13 @@ pub enum Item<const D: usize> {
     Smooth(Vec<Point<f64, D>>),
 }
 
-/// A part of the curve.
+/// A line, an arc or a cubic of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment<const D: usize> {
     pub shape: Shape<D>,
-    /// The item that it belongs to, or leads to.
+    /// The item that the segment belongs to, or leads to.
     pub item: usize,
-    /// The parameters of its ends.
+    /// The parameters at the ends of the segment.
     pub ends: [f64; 2],
 }
 
@@ -38,28 +38,29 @@ pub struct Segment<const D: usize> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain<const D: usize> {
     items: Vec<Item<D>>,
-    /// Where the items are in the text.
+    /// The place of each item in the text.
     places: Vec<usize>,
     segments: Vec<Segment<D>>,
 }
 
 impl<const D: usize> Chain<D> {
-    /// The items in order, one at least.
+    /// The items in order, at least one.
     pub fn items(&self) -> &[Item<D>] {
         &self.items
     }
 
-    /// Where in the text each item is: bytes before it.
+    /// The place of each item: the number of bytes before it in the text.
     pub fn places(&self) -> &[usize] {
         &self.places
     }
 
-    /// The curve from its start to its end, without gaps; parameters start at 0.
+    /// The segments from the start to the end of the curve, without gaps. Parameters start at 0.
     pub fn segments(&self) -> &[Segment<D>] {
         &self.segments
     }
 
-    /// The curve as surfaces are swept from it; a piece's place is the byte at which its item begins.
+    /// The curve as a profile, from which surfaces are swept. The place of a piece is the byte where its item
+    /// starts.
     pub fn profile(&self) -> Profile<D> {
         let place = |segment: &Segment<D>| self.places.get(segment.item).copied().unwrap_or_default();
         Profile::new(self.segments.iter().map(|s| Piece { shape: s.shape, place: place(s) }))
@@ -85,7 +86,7 @@ impl<const D: usize> Chain<D> {
         let segments = segments(&items, &roundings);
         let flat = segments.iter().find(|s| s.ends[1] <= s.ends[0]);
         if let Some(segment) = flat {
-            // The curve is so long that its parameter cannot tell these points apart.
+            // The curve is so long that its parameter cannot distinguish these points.
             return Err(fault(places[segment.item], Fault::Coincident));
         }
         Ok(Self { items, places, segments })
@@ -93,10 +94,10 @@ impl<const D: usize> Chain<D> {
 }
 
 impl Chain<2> {
-    /// The curve, a piece for each segment.
+    /// The curve, with a piece for each segment.
     ///
     /// # Errors
-    /// When its parameters cannot be told apart: only on curves of absurd length.
+    /// When the parameters do not rise, or a coordinate is too large: only on curves of absurd length.
     pub fn curve(&self) -> Result<Piecewise, SectionCurveError> {
         let place = |k: usize| self.segments.get(k).map_or(0, |segment| self.places[segment.item]);
         let mut pieces = Vec::with_capacity(self.segments.len());
@@ -120,7 +121,7 @@ impl Chain<2> {
 }
 
 impl<const D: usize> Item<D> {
-    /// Where the line before it leads to.
+    /// The point to which the line before the item leads.
     pub fn entry(&self) -> &Point<f64, D> {
         match self {
             Self::Point(point) | Self::Corner { point, radius_mm: _ } => point,
@@ -128,7 +129,7 @@ impl<const D: usize> Item<D> {
         }
     }
 
-    /// Where the line after it comes from.
+    /// The point from which the line after the item starts.
     pub fn exit(&self) -> &Point<f64, D> {
         match self {
             Self::Point(point) | Self::Corner { point, radius_mm: _ } => point,
@@ -166,7 +167,7 @@ fn item<const D: usize>(written: &Written) -> Result<Item<D>, SectionCurveError>
     }
 }
 
-/// The point of a row with so many numbers after it.
+/// The point of a row that has `further` numbers after the coordinates.
 fn point<const D: usize>(row: &Row, further: usize) -> Result<Point<f64, D>, SectionCurveError> {
     match row.count.checked_sub(further) {
         Some(found) if found == D => Ok(Point::from(SVector::from_fn(|c, _| row.numbers[c]))),
@@ -175,7 +176,8 @@ fn point<const D: usize>(row: &Row, further: usize) -> Result<Point<f64, D>, Sec
     }
 }
 
-/// The rounding of each item that is a corner which turns; all of them fit between their neighbours.
+/// The rounding of each item that is a corner with a turn; `None` for other items. An error if one does not
+/// fit between its neighbours.
 fn roundings<const D: usize>(
     items: &[Item<D>],
     places: &[usize],
@@ -194,7 +196,7 @@ fn roundings<const D: usize>(
     for k in 1..items.len() {
         let (length_mm, taken_mm) = (leg(items, k), tangent(k - 1) + tangent(k));
         if taken_mm > length_mm * (1.0 + FIT) {
-            // The corner that does not fit even by itself, or else the later one.
+            // Blame the earlier corner if it does not fit alone or is the only one; otherwise the later corner.
             let blamed = if tangent(k) == 0.0 || tangent(k - 1) > length_mm { k - 1 } else { k };
             let radius_mm = match &items[blamed] {
                 Item::Corner { radius_mm, .. } => *radius_mm,
@@ -206,7 +208,7 @@ fn roundings<const D: usize>(
     Ok(roundings)
 }
 
-/// The distance from the item before `k` to it.
+/// The length of the straight line from the item before `k` to item `k`, without roundings; mm.
 fn leg<const D: usize>(items: &[Item<D>], k: usize) -> f64 {
     (items[k].entry() - items[k - 1].exit()).norm()
 }
@@ -255,7 +257,7 @@ struct Pen<const D: usize> {
 }
 
 impl<const D: usize> Pen<D> {
-    /// Draws a segment that starts where the pen is.
+    /// Appends a segment that starts at the place of the pen.
     fn draw(&mut self, shape: Shape<D>, item: usize, length: f64) {
         let end = self.parameter + length;
         self.segments.push(Segment { shape, item, ends: [self.parameter, end] });
@@ -263,7 +265,7 @@ impl<const D: usize> Pen<D> {
         self.parameter = end;
     }
 
-    /// Makes the last segment end at `to`, from which only rounding keeps it.
+    /// Moves the end of the last segment to `to`, which differs from it by rounding only.
     fn land(&mut self, to: Point<f64, D>) {
         self.at = to;
         if let Some(segment) = self.segments.last_mut() {

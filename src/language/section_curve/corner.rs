@@ -1,41 +1,41 @@
 //! A corner rounded by the arc that touches both of its lines.
 //!
-//! With theta the turn and R the radius, the arc touches the lines R tan(theta / 2) from the corner. As a
-//! rational quadratic its middle control point is the corner, with the weight cos(theta / 2); a turn of more
-//! than a right angle takes two, which meet on the bisector. Half the sum and half the difference of the
-//! lines' directions are cos(theta / 2) and sin(theta / 2) long: so no small turn is lost.
+//! theta is the turn and R the radius. The arc touches the lines at a distance of R tan(theta / 2) from the
+//! corner. As a rational quadratic, the arc has the corner as its middle control point, with the weight
+//! cos(theta / 2). A turn of more than a right angle takes two rational quadratics, which meet on the
+//! bisector. Half the sum and half the difference of the directions of the lines are cos(theta / 2) and
+//! sin(theta / 2) long; these lengths keep small turns exact.
 
 use nalgebra::Point;
 
 use super::Fault;
 
-/// The turn, in radians, and the tangent length, in parts of the coordinates' magnitude, below which a corner
-/// is straight: what rounding makes of points on a line.
+/// A corner counts as straight if half of its turn (radians), or its tangent length as a part of the
+/// coordinates' magnitude, is below this. The rounding of points on a line causes such turns.
 const STRAIGHT: f64 = 1e-12;
 
-/// Half of what is missing to a full reversal, in radians, below which rounding may have made it: such an arc
-/// would be a billion times smaller than its tangents.
+/// A corner counts as a reversal if half the angle between its lines is below this, radians. Rounding may
+/// then hide a full reversal, and the arc would be a billion times smaller than its tangents.
 const REVERSED: f64 = 1e-9;
 
-/// One rational quadratic: control points in space, and the weight of the middle one; that of the others is
-/// 1.
+/// One rational quadratic: its control points, and the weight of the middle one. The other weights are 1.
 pub(super) type Arc<const D: usize> = ([Point<f64, D>; 3], f64);
 
 /// A rounded corner.
 pub(super) struct Rounding<const D: usize> {
-    /// From the corner to where the arc starts and ends.
+    /// The distance from the corner to the start and to the end of the arc, mm.
     pub(super) tangent: f64,
-    /// The arc in parts of equal length, a quarter turn at most each.
+    /// The arc in parts of equal length, each at most a quarter turn.
     pub(super) arcs: Vec<Arc<D>>,
-    /// The length of each part.
+    /// The length of each part, mm.
     pub(super) length: f64,
 }
 
-/// The rounding of the corner `at` between two other points, by a radius above zero; none where nothing
-/// turns.
+/// The rounding of the corner `at` between two neighbouring points, by a radius above zero; `None` if the
+/// corner has no turn.
 ///
 /// # Errors
-/// When the lines lie on each other.
+/// When the lines fold back on each other.
 pub(super) fn rounding<const D: usize>(
     [before, at, after]: [Point<f64, D>; 3],
     radius: f64,
@@ -57,7 +57,8 @@ pub(super) fn rounding<const D: usize>(
         let arcs = vec![([start, at, end], cos)];
         return Ok(Some(Rounding { tangent, arcs, length: 2.0 * half_turn * radius }));
     }
-    // tan(theta / 4) and cos(theta / 4), and the distance of the arc from the corner, R (1 / cos - 1).
+    // `quarter` is R tan(theta / 4), `weight` is cos(theta / 4). The arc passes the corner at a distance of R
+    // (1 / cos - 1).
     let quarter = radius * sin / (1.0 + cos);
     let weight = (0.5 * (1.0 + cos)).sqrt();
     let middle = at + inward * (radius * sin / ((1.0 + cos) * cos));

@@ -1,8 +1,8 @@
 //! The grammar of section curves: from text to items with their places.
 //!
 //! `curve = item (space item)*`, `item = ("l" | "r") row | "b" "(" row ("," row)* ")"`,
-//! `row = "(" number ("," number)* ")"`. White space may stand around every sign but within a number. Nothing
-//! nests, so no text makes the parser go deep; every byte is read once.
+//! `row = "(" number ("," number)* ")"`. White space may stand around every sign, but not inside a number.
+//! Items do not nest, so the parser does not recurse. It reads every byte once.
 
 use winnow::ascii::{digit0, digit1, multispace0, multispace1};
 use winnow::combinator::{alt, opt};
@@ -31,7 +31,7 @@ pub(super) enum Kind {
     Smooth,
 }
 
-/// An item as it is written. Points and corners have one row, smooth curves one or more.
+/// An item of the text. Points and corners have one row, smooth curves one or more.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Written {
     pub(super) at: usize,
@@ -39,14 +39,14 @@ pub(super) struct Written {
     pub(super) rows: Vec<Row>,
 }
 
-/// One item at least.
+/// Reads the items of a text, at least one.
 pub(super) fn items(text: &str) -> Result<Vec<Written>, SectionCurveError> {
     if text.len() > TEXT_LIMIT {
         return Err(SectionCurveError { at: TEXT_LIMIT, fault: Fault::TextTooLong });
     }
     curve(&mut LocatingSlice::new(text)).map_err(|error| match error {
         ErrMode::Backtrack(error) | ErrMode::Cut(error) => error,
-        // The text is there as a whole, so this does not happen.
+        // Does not happen, because the whole text is available.
         ErrMode::Incomplete(_) => syntax(text.len(), "more text"),
     })
 }
@@ -69,7 +69,7 @@ fn curve(text: &mut Text<'_>) -> Read<Vec<Written>> {
     }
 }
 
-/// The next item, of `room` points at most.
+/// Reads the next item, with at most `room` points.
 fn item(text: &mut Text<'_>, room: usize) -> Read<Written> {
     let at = text.current_token_start();
     let kind = one_of(['l', 'r', 'b']).context("an item: l(...), r(...) or b(...)").parse_next(text)?;
@@ -85,7 +85,7 @@ fn item(text: &mut Text<'_>, room: usize) -> Read<Written> {
     Ok(Written { at, kind, rows })
 }
 
-/// Points in parentheses, one at least; no more than one beyond `room`.
+/// Reads points in parentheses, at least one. Stops after one point more than `room`.
 fn rows(text: &mut Text<'_>, room: usize) -> Read<Vec<Row>> {
     '('.context("an opening parenthesis").parse_next(text)?;
     let mut rows = Vec::new();
@@ -116,7 +116,7 @@ fn row(text: &mut Text<'_>) -> Read<Row> {
     }
 }
 
-/// Whether a closing parenthesis follows, rather than a comma.
+/// Reads a comma or a closing parenthesis; `true` for the parenthesis.
 fn is_last(text: &mut Text<'_>) -> Read<bool> {
     multispace0(text)?;
     let sign = one_of([',', ')']).context("a comma or a closing parenthesis").parse_next(text)?;

@@ -26,7 +26,7 @@ fn error(text: &str) -> (usize, Fault) {
 }
 
 #[test]
-fn texts_that_break_the_language_tell_where() {
+fn a_text_that_breaks_the_grammar_is_refused_with_its_place() {
     let item = "an item: l(...), r(...) or b(...)";
     let (open, next) = ("an opening parenthesis", "a comma or a closing parenthesis");
     for (text, at, expected) in [
@@ -66,7 +66,7 @@ fn texts_that_break_the_language_tell_where() {
 }
 
 #[test]
-fn items_that_cannot_be_tell_where() {
+fn an_impossible_item_is_refused_with_its_place() {
     for (text, at, fault) in [
         ("l(0,0)", 0, Fault::OnePoint),
         (" l(0,0,0) ", 1, Fault::OnePoint),
@@ -98,22 +98,22 @@ fn items_that_cannot_be_tell_where() {
 }
 
 #[test]
-fn corners_that_do_not_fit_are_named() {
+fn corners_that_do_not_fit_are_refused_with_their_place() {
     for (text, at, radius_mm) in [
         ("l(0,0) r(10,0,10.001) l(10,50)", 7, 10.001),
         ("l(0,0) r(50,0,10.001) l(50,10)", 7, 10.001),
-        // By itself each of two corners on a line of 10 fits, or only one.
+        // Two corners on a line of 10 mm: each fits alone, or only one of them does.
         ("l(0,0) r(50,0,6) r(50,10,4.5) l(90,10)", 17, 4.5),
         ("l(0,0) r(50,0,11) r(50,10,1) l(90,10)", 7, 11.0),
         ("l(0,0) r(50,0,1) r(50,10,11) l(90,10)", 17, 11.0),
-        // The neighbour is the end of b.
+        // The neighbour of the corner is the end of a `b`.
         ("b((0,0),(40,0)) r(50,0,11) l(50,90)", 16, 11.0),
     ] {
         let (place, fault) = error(text);
         assert!(matches!(fault, Fault::CornerDoesNotFit { radius_mm: r, .. } if r == radius_mm), "{fault}");
         assert_eq!(place, at, "{text}");
     }
-    // Tangents that meet exactly leave no line between.
+    // Tangents that meet exactly leave no line between the arcs.
     for text in
         ["l(0,0) r(10,0,10) l(10,10)", "l(0,0) r(50,0,5) r(50,10,5) l(90,10)", "l(0,0) r(3,1,1.05) l(0,2)"]
     {
@@ -124,7 +124,7 @@ fn corners_that_do_not_fit_are_named() {
 }
 
 #[test]
-fn hostile_texts_end_quickly() {
+fn hostile_texts_are_refused_quickly() {
     for text in [
         "(".repeat(TEXT_LIMIT),
         format!("b{}", "(".repeat(TEXT_LIMIT - 1)),
@@ -160,7 +160,7 @@ fn white_space_and_numbers_are_read_as_written() {
 }
 
 #[test]
-fn lines_have_their_lengths_as_parameters() {
+fn parameters_along_lines_grow_by_the_length() {
     let curve = plane("l(1,1) l(4,5) r(4,15,0) l(-8,10)").curve().unwrap();
     assert_eq!(curve.domain(), [0.0, 28.0]);
     assert_eq!(curve.breaks(), [5.0, 15.0]);
@@ -169,7 +169,7 @@ fn lines_have_their_lengths_as_parameters() {
 }
 
 #[test]
-fn a_right_angle_is_a_quarter_circle() {
+fn a_rounded_right_angle_is_a_quarter_circle() {
     let curve = plane("l(0,0) r(50,0,10) l(50,40)").curve().unwrap();
     assert_eq!(curve.breaks()[0], 40.0);
     assert!((curve.breaks()[1] - (40.0 + 5.0 * PI)).abs() < 1e-13);
@@ -191,7 +191,7 @@ fn corners_without_a_turn_are_points_of_the_line() {
 }
 
 #[test]
-fn smooth_curves_pass_their_points_with_natural_ends() {
+fn a_smooth_curve_passes_through_its_points_with_natural_ends() {
     let curve = plane("l(-10,0) b((0,0),(10,5),(20,0),(35,0)) r(45,0,1) l(45,10)").curve().unwrap();
     let chords = 2.0 * 125.0f64.sqrt() + 15.0;
     let span = chords / 3.0;
@@ -211,13 +211,13 @@ fn smooth_curves_pass_their_points_with_natural_ends() {
             assert!(jump.abs() < 1e-12);
         }
     }
-    // No tangency where the line arrives.
+    // The line does not arrive along the tangent of the smooth curve.
     let turn = curve.derivative(at(0).next_down()).perp(&curve.derivative(at(0)));
     assert!(turn.abs() > 0.1);
 }
 
 #[test]
-fn the_drawings_of_the_contract_can_be_read() {
+fn the_curves_of_the_examples_are_read() {
     let basic = space("l(0,0,0) r(50,0,0,10) l(50,40,0)");
     assert_eq!(basic.segments().len(), 3);
     let drive = space("b((0,0,0),(10,0,5),(20,0,0))");
@@ -232,7 +232,7 @@ fn center<const D: usize>([before, at, after]: [Point<f64, D>; 3], radius: f64) 
     at + (u + v).normalize() * (radius / half.sin())
 }
 
-/// Where an arc is, and in which direction it runs, at `u` from 0 to 1.
+/// The point of an arc at `u` from 0 to 1.
 fn on_arc<const D: usize>(p: &[Point<f64, D>; 3], w: f64, u: f64) -> Point<f64, D> {
     let [a, b, c] = [(1.0 - u) * (1.0 - u), 2.0 * u * (1.0 - u) * w, u * u];
     let middle = p[1];
@@ -247,7 +247,7 @@ proptest! {
         let p = [0, 3, 6].map(|k| Point3::new(corner[k], corner[k + 1], corner[k + 2]));
         let (u0, u1) = ((p[0] - p[1]).normalize(), (p[2] - p[1]).normalize());
         let half_turn = 0.5 * (PI - u0.dot(&u1).acos());
-        // So that rounding of the drawing itself stays small.
+        // Other turns would make the rounding of the coordinates too large.
         prop_assume!(half_turn > 0.02 && half_turn < 1.5);
         let radius = share * (p[0] - p[1]).norm().min((p[2] - p[1]).norm()) / half_turn.tan();
         prop_assume!(radius < 1e4);
@@ -284,7 +284,7 @@ proptest! {
     fn curves_are_continuous_and_smooth_at_roundings(
         points in prop::collection::vec((-100.0f64..100.0, -100.0f64..100.0), 3..8),
     ) {
-        // Radii that take a third of the shorter line each.
+        // Each radius takes a third of the shorter line at its corner.
         let p: Vec<_> = points.iter().map(|(x, y)| Point2::new(*x, *y)).collect();
         let mut text = format!("l({:?},{:?})", p[0].x, p[0].y);
         for three in p.windows(3) {

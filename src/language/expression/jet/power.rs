@@ -1,9 +1,9 @@
 //! Powers of intervals with two derivatives.
 //!
 //! # Method
-//! A constant whole exponent takes any base, a constant other one takes bases of at least zero. With x in the
-//! exponent a^b is exp(b ln a), for positive a; its value, which is extreme at corners of the ranges of a and
-//! b, is also defined where a is zero and b positive.
+//! A power with a constant whole exponent takes any base. With another constant exponent, the base must be at
+//! least zero. With x in the exponent, a^b is exp(b ln a) for positive a. Its value is extreme at corners of
+//! the ranges of a and b. It is also defined where a is zero and b is positive.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;
@@ -43,7 +43,7 @@ pub fn free(a: Node, b: Node) -> (Node, Verdict) {
     (Node::told(jet, value.mig()), verdict)
 }
 
-/// What a power with exponents that are not whole says to its base.
+/// The verdict on the base of a power whose exponent is not a constant whole number.
 fn verdict(a: Node, exponent: Interval) -> Verdict {
     let (base, slack) = (a.jet[0], a.slack());
     if base.hi() < -slack {
@@ -55,10 +55,11 @@ fn verdict(a: Node, exponent: Interval) -> Verdict {
     }
 }
 
-/// The difference of two numbers: a point where it is exact, which spares values at corners.
+/// The difference `c - by`. An exact difference becomes an interval of length zero, which makes the power
+/// cheaper to compute.
 fn less(c: f64, by: f64) -> Interval {
     let difference = c - by;
-    // Knuth's sum of two numbers: the error of the rounding, itself without error.
+    // Knuth's sum of two numbers gives the rounding error, and gives it exactly.
     let part = difference - c;
     let error = (c - (difference - part)) - (by + part);
     if error == 0.0 { Interval::point(difference) } else { Interval::point(c) - Interval::point(by) }

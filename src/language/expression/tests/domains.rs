@@ -1,4 +1,4 @@
-//! Where expressions are defined, and their bounds.
+//! Tests of the domains where expressions are defined, and of the bounds of their values.
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
@@ -12,7 +12,7 @@ fn examined(text: &str, domain: [f64; 2]) -> Result<Interval, Undefined> {
 }
 
 #[test]
-fn legal_ones_pass_with_their_bounds() {
+fn legal_expressions_pass_with_tight_bounds() {
     let table: &[(&str, [f64; 2], [f64; 2])] = &[
         ("sqrt(x)", [0.0, 4.0], [0.0, 2.0]),
         ("sqrt(1 - x^2)", [-1.0, 1.0], [0.0, 1.0]),
@@ -59,11 +59,11 @@ fn legal_ones_pass_with_their_bounds() {
     }
 }
 
-/// Text, domain, offence, byte, and where it may be found.
+/// Text, domain, offence, byte of the operation, and the range of x where the offence may be found.
 type Case = (&'static str, [f64; 2], Offence, usize, [f64; 2]);
 
 #[test]
-fn illegal_ones_are_told_with_their_place() {
+fn illegal_expressions_are_refused_with_the_place_of_the_offence() {
     use Offence::*;
     let table: &[Case] = &[
         ("1/x", [-1.0, 1.0], DivisionByZero, 1, [0.0, 0.0]),
@@ -129,7 +129,7 @@ fn messages_name_operation_and_place() {
 }
 
 #[test]
-fn what_cannot_be_proved_ends_with_the_cells() {
+fn a_proof_that_fails_ends_when_the_cells_run_out() {
     let touching = parsed("ln(1.00000000001 + 2*sin(1e5*x)*cos(1e5*x))");
     let outcome = touching.examine([0.0, 100.0], &Budget::unlimited());
     assert!(

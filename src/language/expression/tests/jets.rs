@@ -1,4 +1,4 @@
-//! Values, derivatives and enclosures, against trees made at random and against identities.
+//! Values, derivatives and enclosures, compared with random trees and with identities.
 
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
-    fn texts_of_trees_have_their_values(tree in tree(), x in -3.0..3.0f64) {
+    fn the_text_of_a_tree_has_the_value_of_the_tree(tree in tree(), x in -3.0..3.0f64) {
         let (text, value) = (tree.text(), tree.value(x));
         let computed = parsed(&text).value(x);
         let same = computed == value || (computed.is_nan() && value.is_nan());
@@ -22,10 +22,10 @@ proptest! {
     }
 
     #[test]
-    fn enclosures_hold_values_and_slopes(tree in tree(), lo in -3.0..3.0f64, width in 0.0..1.0f64, narrow in 0..20i32) {
+    fn enclosures_contain_values_and_slopes(tree in tree(), lo in -3.0..3.0f64, width in 0.0..1.0f64, narrow in 0..20i32) {
         let range = Interval::between(lo, lo + width * 0.5f64.powi(narrow));
         let text = tree.text();
-        // Outside of their domain values are as they come.
+        // Outside the domain, values may be anything.
         let domain = [range.lo(), range.hi().max(range.lo().next_up())];
         let graph = Graph::new(parsed(&text), domain, &Budget::unlimited());
         prop_assume!(graph.is_ok());
@@ -47,7 +47,7 @@ proptest! {
     }
 
     #[test]
-    fn derivatives_are_those_of_differences(tree in tree(), x in -3.0..3.0f64) {
+    fn derivatives_agree_with_differences(tree in tree(), x in -3.0..3.0f64) {
         let text = tree.text();
         let expression = parsed(&text);
         let h = 1e-4;
@@ -55,7 +55,7 @@ proptest! {
         prop_assume!(expression.examine([x - h, x + h], &Budget::unlimited()).is_ok());
         let [value, first, second] = expression.enclose(around);
         prop_assume!(second.is_bounded() && value.mag() < 1e4);
-        // The mean value theorem: the slope of a chord is a derivative somewhere.
+        // The mean value theorem: the slope of a chord is the derivative at some place between.
         let rounding = 1e-9 * (1.0 + value.mag()) / h + 1e-9;
         let chord = (expression.value(x + h) - expression.value(x - h)) / (2.0 * h);
         prop_assert!(meets(first, chord, rounding), "{text} at {x}: {chord} not in {first:?}");
@@ -69,17 +69,18 @@ proptest! {
     }
 
     #[test]
-    fn halves_of_a_range_are_inside(tree in tree(), lo in -3.0..3.0f64, width in 0.0..1.0f64) {
+    fn a_half_meets_the_enclosure_of_its_range(tree in tree(), lo in -3.0..3.0f64, width in 0.0..1.0f64) {
         let expression = parsed(&tree.text());
         let (whole, half) = (Interval::between(lo, lo + width), Interval::between(lo, lo + 0.5 * width));
         prop_assume!(expression.examine([lo, lo + width.max(1e-9)], &Budget::unlimited()).is_ok());
         let ([outer, ..], [inner, ..]) = (expression.enclose(whole), expression.enclose(half));
-        // Values are inside both; the enclosure of the half need not be inside, but it must meet.
+        // The values over the half are inside both enclosures. So the two enclosures meet, even if the first
+        // one is not inside the second.
         prop_assert!(inner.lo() <= outer.hi() && outer.lo() <= inner.hi());
     }
 }
 
-/// How far computed values may be from exact ones: what their enclosures at points are wide.
+/// How far computed values may be from exact values: the width of enclosures at points.
 fn rounding(expression: &Expression, x: f64) -> [f64; 2] {
     let [value, first, _] = expression.enclose(Interval::point(x));
     let wide = |of: Interval| if of.is_bounded() { of.width() } else { 0.0 };
@@ -90,7 +91,8 @@ fn meets(range: Interval, y: f64, slack: f64) -> bool {
     range.lo() - slack <= y && y <= range.hi() + slack
 }
 
-/// Jets of both sides of an identity enclose the same numbers, which for points leaves little room.
+/// The jets of both sides of an identity enclose the same numbers. At points they are narrow, so the test is
+/// sharp.
 #[test]
 fn identities_hold_in_value_and_both_derivatives() {
     let identities = [
@@ -153,7 +155,7 @@ fn values_stay_tight_where_derivatives_do_not_exist() {
     assert_eq!(parsed("min(x, -x)").value_and_derivative(0.0), [0.0, -1.0]);
 }
 
-/// The width of an enclosure beyond that of the values falls with the square of the width of the range.
+/// The excess of an enclosure over the width of the values falls with the square of the width of the range.
 #[test]
 fn enclosures_are_tight_over_short_ranges() {
     for text in ["x - x^2", "x*sin(x)/(1 + x^2)", "exp(x)*exp(-x)", "x^3 - 3*x + 1"] {

@@ -1,4 +1,4 @@
-//! What texts mean, which are refused, and where.
+//! The meaning of texts, and the faults and places of refused texts.
 
 use super::parsed;
 use crate::language::expression::{DEEPEST_NESTING, Expression, ExpressionError, Fault, LONGEST_TEXT};
@@ -80,7 +80,7 @@ fn numbers_and_names_are_read() {
 }
 
 #[test]
-fn constant_exponents_are_numbers() {
+fn an_exponent_without_x_counts_as_a_number() {
     assert_eq!(parsed("x^(6/2)").value(-2.0), -8.0);
     assert_eq!(parsed("x^-(1+1)").value(-2.0), 0.25);
     assert_eq!(parsed("x^sqrt(4)").value(-3.0), 9.0);
@@ -90,7 +90,7 @@ fn constant_exponents_are_numbers() {
 }
 
 #[test]
-fn faults_have_places() {
+fn faults_are_reported_with_their_place() {
     use Fault::*;
     let wrong = |name, takes, given| WrongNumberOfArguments { name, takes, given };
     let table: Vec<(&str, usize, Fault)> = vec![
@@ -152,9 +152,9 @@ fn messages_are_clear() {
     assert_eq!(refused("min(1)").to_string(), "min takes 2 argument(s), not 1 (byte 0)");
 }
 
-/// On a stack of an eighth of the usual one.
+/// The stack of this test is an eighth of the usual stack.
 #[test]
-fn hostile_texts_end() {
+fn hostile_texts_do_not_overflow_the_stack() {
     let texts = || {
         let long = "a".repeat(5_000);
         let deep = |n: usize| {
@@ -179,7 +179,7 @@ fn hostile_texts_end() {
 }
 
 #[test]
-fn the_limits_are_where_they_are_said_to_be() {
+fn texts_up_to_the_limits_are_accepted_and_beyond_are_refused() {
     let nested = |n: usize| "(".repeat(n) + "x" + &")".repeat(n);
     let check = move || {
         assert_eq!(parsed(&nested(DEEPEST_NESTING)).value(3.0), 3.0);
@@ -190,7 +190,7 @@ fn the_limits_are_where_they_are_said_to_be() {
         parsed(&(busy + "x" + &")".repeat(DEEPEST_NESTING / 3)));
     };
     std::thread::Builder::new().stack_size(1 << 18).spawn(check).unwrap().join().unwrap();
-    // Operators that do not nest do not count.
+    // Operators that do not nest do not count as depth.
     let flat = "x+".repeat(LONGEST_TEXT / 2 - 1) + "x";
     assert_eq!(parsed(&flat).value(1.0), (LONGEST_TEXT / 2) as f64);
     assert_eq!(refused(&" ".repeat(LONGEST_TEXT + 1)).fault, Fault::TooLong);

@@ -1,8 +1,8 @@
-//! Expressions made at random, as trees, with values of their own.
+//! Random expressions as trees that compute their own values.
 
 use proptest::prelude::*;
 
-/// An expression that is not compiled.
+/// An expression as a tree, to compare with the compiled expression.
 #[derive(Debug, Clone)]
 pub enum Tree {
     Variable,
@@ -31,7 +31,8 @@ impl Tree {
                 '-' => a.value(x) - b.value(x),
                 '*' => a.value(x) * b.value(x),
                 '/' => a.value(x) / b.value(x),
-                // A square is a product, from which the library's power may differ in the last place.
+                // A square is a product. The power function of the library may differ from it in the last
+                // place.
                 '^' if !b.holds_x() && b.value(x) == 2.0 => a.value(x) * a.value(x),
                 '^' => a.value(x).powf(b.value(x)),
                 _ => unreachable!("{operator}"),
@@ -53,7 +54,7 @@ impl Tree {
         self.written(0)
     }
 
-    /// The text as an operand that must bind at least as tightly as `level`.
+    /// The text as an operand that binds at least as tightly as `level`.
     fn written(&self, level: u8) -> String {
         let (text, own) = match self {
             Tree::Variable => ("x".to_owned(), 5),
@@ -65,7 +66,7 @@ impl Tree {
                 let (own, left, right) = match operator {
                     '+' | '-' => (1, 1, 2),
                     '*' | '/' => (2, 2, 3),
-                    // A sign may follow the operator of a power, but not begin its base.
+                    // A sign may start the exponent of a power, but not its base.
                     _ => (4, 5, 3),
                 };
                 (format!("{}{operator}{}", a.written(left), b.written(right)), own)
@@ -102,7 +103,7 @@ const CALLS: &[&str] = &[
     "sqrt", "cbrt", "abs",
 ];
 
-/// Trees of some twenty operations.
+/// Random trees of some twenty operations.
 pub fn tree() -> impl Strategy<Value = Tree> {
     let number = prop_oneof![
         (0..5i32).prop_map(f64::from),

@@ -2,31 +2,31 @@
 //! scale.
 //!
 //! # Method
-//! 1. The bounds of all that is drawn choose the largest standard scale at which the plan, the front and the
-//!    left side fit in first-angle arrangement (`layout`).
-//! 2. Every curve is projected into every view (`view`): an arc facing the view stays an arc, in pieces of a
-//!    quarter turn at most; an arc seen from its edge is its extremes; a helix seen from its side is
-//!    flattened; a parabola is a quadratic curve in every view.
-//! 3. For each view and each class of motion one pen writes path data (`pen`): runs of lines are thinned
-//!    within a cone of directions, curves below the drawing's resolution become lines.
+//! 1. The bounds of the scene choose the scale: the largest standard scale at which the plan, the front and
+//!    the left side fit in first-angle arrangement (`layout`).
+//! 2. Every curve is projected into every view (`view`). An arc that faces the view stays an arc, in pieces
+//!    of a quarter turn at most. An arc seen edge-on becomes lines between its extremes. A helix seen from
+//!    its side is flattened. A parabola is a quadratic curve in every view.
+//! 3. For each view and each class of motion one pen writes path data (`pen`). The pen thins runs of lines
+//!    within a cone of directions, and draws curves below the drawing's resolution as lines.
 //! 4. A surface lies under the strokes, as bands of heights (`relief`).
-//! 5. Where the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again and strokes on paper that the same
-//!    class has already inked are left out (`ink`), on a finer and then coarser raster. The sheet says so.
+//! 5. If the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again on a raster, first fine, then
+//!    coarser. A stroke is left out where the same class has inked all of its cells (`ink`). The sheet then
+//!    says so.
 //!
 //! # Guarantees
-//! * Unless the sheet says that strokes are left out, no point of a move is drawn farther than 0.02 mm of
-//!   paper from where it belongs, and nothing else is drawn; the relief of a surface is as true as its mesh.
+//! * Every point of a move is drawn within 0.02 mm of paper of its place, unless the sheet says that strokes
+//!   are left out. Nothing else is drawn. The relief of a surface is as precise as its mesh.
 //! * A picture has at most some 3 MB, whatever it shows.
-//! * Same scene, same bytes. Texts reach the picture as text only.
+//! * The same scene gives the same bytes. Texts of the caller appear as text only, never as markup.
 //!
 //! # Degenerate input
-//! Points and straight paths are drawn at the scale that the rest asks for. What has no extent is drawn at
-//! 1:1. A scene with nothing in it, or with coordinates beyond a thousand kilometres, is a sheet that says
-//! so.
+//! A scene may have no extent along one or two axes. A scene that is a single point is drawn at 1:1. An empty
+//! scene, or one with coordinates beyond a thousand kilometres, gives a sheet that says so.
 //!
 //! # Cost
-//! O(n) in the moves and points: each is projected three times, and at most five times over when strokes are
-//! left out; then a stroke costs its length in cells of the raster.
+//! O(n) in the moves and points: each is projected three times, or at most fifteen times if strokes are left
+//! out. On a raster, a stroke also costs its length in cells.
 
 mod axes;
 mod class;
@@ -57,7 +57,7 @@ use view::View;
 /// The sheet is A4 landscape: width and height, mm.
 const SHEET_MM: [u32; 2] = [297, 210];
 
-/// What is drawn, and what the sheet says of it.
+/// The content of a sheet: the drawing and the texts beside it.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     pub title: &'a str,
@@ -67,18 +67,18 @@ pub struct Scene<'a> {
     pub drawing: &'a Drawing,
 }
 
-/// What is drawn beside the toolpath: a surface, polylines and points, mm.
+/// What is drawn in addition to the toolpath: a surface, polylines and points; mm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drawing {
-    /// What is shaded.
+    /// The surface that is drawn as bands of heights with shade.
     pub relief: Option<Mesh>,
     /// Wires of a surface.
     pub surface: Vec<Vec<Point3<f64>>>,
-    /// Curves as they were designed.
+    /// Designed curves.
     pub curve: Vec<Vec<Point3<f64>>>,
-    /// The edges of what is allowed.
+    /// The edges of the band in which elements have to stay.
     pub band: Vec<Vec<Point3<f64>>>,
-    /// Where elements meet.
+    /// The places where elements meet.
     pub joints: Vec<Point3<f64>>,
 }
 
@@ -87,7 +87,7 @@ impl Drawing {
         Self { surface, ..Self::default() }
     }
 
-    /// The surface shaded, under its wires.
+    /// A surface as a relief, with its wires on top.
     pub fn of_relief(relief: &dyn Surface, surface: Vec<Vec<Point3<f64>>>) -> Self {
         Self { relief: Some(Mesh::of(relief, relief::CELLS)), ..Self::of_surface(surface) }
     }
@@ -99,17 +99,18 @@ impl Drawing {
     }
 }
 
-/// Path data beyond this is thinned: what a browser shows and a mail carries without delay.
+/// Most bytes of path data before strokes are left out. A browser shows a picture of this size, and a mail
+/// carries it, without delay.
 pub const MAX_PATH_BYTES: usize = 2_000_000;
 
-/// Cells of the rasters on which strokes are left out, mm of paper. The first is a line's width; on the last
-/// there are too few cells for the paths to grow much beyond the limit.
+/// Cell sizes of the rasters on which strokes are left out, mm of paper. The first is the width of a line.
+/// The last has so few cells that the paths cannot grow much beyond the limit.
 const RASTERS_MM: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
 /// Path data by view and class.
 type Paths = [[String; Class::ALL.len()]; 3];
 
-/// Draws `scene`.
+/// Draws `scene` as an SVG document.
 pub fn svg(scene: &Scene) -> String {
     let title = escape(&text::clean(scene.title));
     let [width, height] = SHEET_MM;
@@ -145,7 +146,7 @@ pub fn svg(scene: &Scene) -> String {
     out + "</svg>\n"
 }
 
-/// The paths, and the raster on which strokes were left out, if any.
+/// The paths, and the cell size of the raster, mm, if strokes were left out.
 fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
     let [finer @ .., coarsest] = RASTERS_MM;
     let attempts = [None].into_iter().chain(finer.map(Some));
@@ -158,7 +159,7 @@ fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
     (paths.unwrap_or_default(), Some(coarsest))
 }
 
-/// The paths; nothing when they grow beyond `max_bytes`.
+/// The paths; `None` if they grow beyond `max_bytes`.
 fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usize) -> Option<Paths> {
     let mut pens = [(); 3].map(|()| Class::ALL.map(|_| Pen::new(raster_mm)));
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
@@ -204,7 +205,7 @@ fn trace_wire(view: &View, wire: &[Point3<f64>], pen: &mut Pen) {
     }
 }
 
-/// The classes that are drawn somewhere.
+/// The classes with a stroke in some view.
 fn used(paths: &Paths) -> Vec<Class> {
     Class::ALL
         .into_iter()

@@ -5,7 +5,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | `l(x,y)`, `l(x,y,z)` | a point; straight lines lead to it and away from it |
-//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner, rounded by an arc of radius R touching both lines; 0 leaves it sharp |
+//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner rounded by an arc of radius R touching both lines; R = 0: sharp |
 //! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through points |
 //!
 //! # Method

@@ -1,4 +1,4 @@
-//! The frame of a view: a grid in round steps, numbers, caption, names of axes.
+//! The frame of a view: a grid at round steps, with numbers, caption and names of axes.
 
 use super::layout::Layout;
 use super::number::{RoundNumber, fixed, with_decimals};
@@ -9,19 +9,19 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 
 /// How far a tick reaches out of the frame, mm of paper.
 const TICK_MM: f64 = 1.2;
-/// The place for a number left of the plan, mm of paper.
+/// Width of a number to the left of the plan, mm of paper.
 const NUMBER_MM: f64 = 14.0;
 
-/// A line of the grid: its place on paper and its number.
+/// A line of the grid: its place on paper, and its number.
 struct Tick {
     at_mm: f64,
     number: String,
 }
 
-/// Everything of `view` that does not come from moves.
+/// The frame of `view`: everything except strokes, marks and relief.
 ///
-/// The numbers of x stand below the plan, those of y left of it, those of z left of the front and below the
-/// side: the views are aligned, so that no number is needed twice.
+/// The numbers of x are below the plan, those of y to the left of the plan, and those of z to the left of the
+/// front and below the left side. The views are aligned, so no number appears twice.
 pub fn draw(view: &View, layout: &Layout) -> String {
     let [left, top, width, height] = view.frame;
     let (right, bottom) = (left + width, top + height);
@@ -41,7 +41,7 @@ pub fn draw(view: &View, layout: &Layout) -> String {
         let tick = if is_numbered_left { TICK_MM } else { 0.0 };
         grid += &format!("M{} {}H{}", fixed(right), fixed(*at_mm), fixed(left - tick));
         if is_numbered_left {
-            // A number's middle is at a third of the height of text.
+            // The middle of a digit is a third of the text size above the base line.
             numbers += &number_beside(left - TICK_MM - 0.5, *at_mm + text::SIZE_MM / 3.0, number);
         }
     }
@@ -59,7 +59,7 @@ pub fn draw(view: &View, layout: &Layout) -> String {
     )
 }
 
-/// The ticks along a side. A frame too narrow for the common step gets a finer one.
+/// The ticks along a side. A frame too narrow for a tick of the common step gets a finer step.
 fn ticks(view: &View, side: usize, mut step: RoundNumber) -> Vec<Tick> {
     let [low, high] = view.span(side);
     let place = |value: f64| {
@@ -84,7 +84,7 @@ fn text_at(class: &str, x: f64, y: f64, words: &str) -> String {
     format!("<text class=\"{class}\" x=\"{}\" y=\"{}\">{words}</text>\n", fixed(x), fixed(y))
 }
 
-/// A number that ends at `x`, condensed where it would leave the sheet.
+/// A number that ends at `x`. It is condensed if it would leave the sheet.
 fn number_beside(x: f64, y: f64, number: &str) -> String {
     let condensed = if text::width(number) * text::SIZE_MM > NUMBER_MM {
         format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", fixed(NUMBER_MM))

@@ -1,10 +1,10 @@
-//! Classes of strokes and how each looks: by colour on a screen, by weight and dashes in print.
+//! Classes of strokes and their looks: colour on a screen, width and dashes in print.
 
 use super::{Move, text};
 use crate::geometry::curve::Curve;
 use crate::toolpath::Role;
 
-/// What a stroke stands for, in the order of drawing.
+/// The meaning of a stroke. Later classes are drawn over earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
     Band,
@@ -33,7 +33,7 @@ impl Class {
         Class::Joint,
     ];
 
-    /// The class in the style sheet.
+    /// The name of the class in the style sheet.
     pub fn name(self) -> &'static str {
         match self {
             Class::Band => "band",
@@ -49,7 +49,7 @@ impl Class {
         }
     }
 
-    /// The words of the legend.
+    /// The text in the legend.
     pub fn label(self) -> &'static str {
         match self {
             Class::Band => "band",
@@ -65,8 +65,8 @@ impl Class {
         }
     }
 
-    /// Colours from the palette of Okabe and Ito, which colour-blind readers tell apart. Widths in mm of
-    /// paper.
+    /// Colours from the palette of Okabe and Ito, which colour-blind readers can distinguish. Widths are mm
+    /// of paper.
     fn style(self) -> &'static str {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
@@ -83,7 +83,7 @@ impl Class {
     }
 }
 
-/// The class and the curve of a move; a dwell has none.
+/// The class and the curve of a move; `None` for a dwell.
 pub fn of(step: &Move) -> Option<(Class, Curve)> {
     match step {
         Move::Rapid { line } => Some((Class::Rapid, Curve::Line(*line))),
@@ -101,7 +101,7 @@ pub fn of(step: &Move) -> Option<(Class, Curve)> {
     }
 }
 
-/// The style sheet. Every rule begins with `.plot`: inside a page it must not reach beyond the picture.
+/// The style sheet. Every rule starts with `.plot`, so that inside a page it affects the picture only.
 pub fn style() -> String {
     let strokes: String =
         Class::ALL.iter().map(|class| format!(".plot .{}{{{}}}", class.name(), class.style())).collect();

@@ -11,26 +11,26 @@ use super::{Scene, marks, relief};
 use crate::toolpath::measure::measure;
 use crate::toolpath::units::FeedRate;
 
-/// The column's text: its left end, and its width.
+/// The left end and the width of the column's text.
 const LEFT_MM: f64 = COLUMN_X_MM + 4.0;
 const WIDTH_MM: f64 = BORDER_MM[2] - 4.0 - LEFT_MM;
-/// Where the title block begins.
+/// The top of the title block.
 const BLOCK_Y_MM: f64 = 141.0;
-/// Where the text of the column begins.
+/// The top of the column's text.
 const TOP_MM: f64 = BORDER_MM[1] + 6.0;
-/// Between lines of text.
+/// Distance between lines of text.
 const LINE_MM: f64 = 4.0;
 const LEGEND_LINE_MM: f64 = 4.8;
-/// Length of the strokes in the legend.
+/// Length of the sample strokes in the legend.
 const SAMPLE_MM: f64 = 13.0;
-/// A note takes at most so many lines.
+/// Most lines of one note.
 const LINES_A_NOTE: usize = 2;
-/// The place for a number in the table of bounds.
+/// Width of a number in the table of bounds.
 const NUMBER_MM: f64 = 18.5;
-/// The longest scale bar.
+/// Greatest length of the scale bar.
 const BAR_MM: f64 = 30.0;
 
-/// The sheet, its border and the lines of the column.
+/// The white sheet, its border, and the lines around the column and the title block.
 pub fn border() -> String {
     let [left, top, right, bottom] = BORDER_MM.map(fixed);
     let [width, height] = SHEET_MM;
@@ -41,7 +41,7 @@ pub fn border() -> String {
     )
 }
 
-/// Legend, notes and title block. `raster_mm` is that on which strokes were left out.
+/// Legend, notes and title block. `raster_mm` is the cell size of the raster if strokes were left out.
 pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f64>) -> String {
     let left_out = raster_mm.map(|mm| format!("Strokes within {mm} mm of others on paper are left out."));
     let (legend, below) = legend(scene, used);
@@ -61,7 +61,7 @@ pub fn refusal(scene: &Scene, reason: &str) -> String {
         + &line("middle", 0.5 * (BORDER_MM[0] + COLUMN_X_MM), 0.5 * (BORDER_MM[1] + BORDER_MM[3]), reason)
 }
 
-/// The legend, and where it ends.
+/// The legend, and the place of its lower end, mm of paper.
 fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
     let mut out = line("head", LEFT_MM, TOP_MM, "Legend");
     let mut y = TOP_MM;
@@ -96,7 +96,7 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
     (out, y + 2.0 * LEGEND_LINE_MM)
 }
 
-/// The notes from `y` down to the title block, and one line that always has its place.
+/// The notes from `y` down to the title block. The line `last` always has a place.
 fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -> String {
     let place = |text: &str| text::wrap(&text::clean(text), WIDTH_MM / SIZE_MM, LINES_A_NOTE);
     let last = last.map(place).unwrap_or_default();
@@ -132,7 +132,7 @@ fn bounds(layout: &Layout) -> String {
         line(class, LEFT_MM, y, cells[0]) + &numbers.collect::<String>()
     };
     let y = BLOCK_Y_MM + 18.0;
-    // A micrometre, or finer where the ticks are, as far as there is room.
+    // Show micrometres, or one decimal more than the ticks if that is finer, as far as there is room.
     let widest = -min.coords.amax().max(max.coords.amax());
     let fits = |decimals: &usize| text::width(&with_decimals(widest, *decimals)) * SIZE_MM < NUMBER_MM;
     let decimals = (0..=layout.step.decimals().max(2) + 1).rev().find(fits).unwrap_or(0);
@@ -147,7 +147,7 @@ fn bounds(layout: &Layout) -> String {
 
 fn moves(scene: &Scene) -> String {
     let Some(toolpath) = scene.toolpath else { return String::new() };
-    // Only the counts are wanted, which no feed changes.
+    // Any feed rate gives the same counts of moves.
     let counts = measure(toolpath, FeedRate::DEFAULT_RAPID).counts;
     let mut words = format!("Moves: {} rapid, {} line, {} arc", counts.rapid, counts.line, counts.arc);
     if counts.parabola > 0 {
@@ -156,7 +156,8 @@ fn moves(scene: &Scene) -> String {
     line("", LEFT_MM, BLOCK_Y_MM + 37.0, &words)
 }
 
-/// The stated scale, a bar that shrinks with the print, and the symbol of first-angle projection.
+/// The stated scale, a bar that stays true when the print is enlarged or reduced, and the symbol of
+/// first-angle projection.
 fn scale(scale: RoundNumber) -> String {
     let mut length = RoundNumber::at_least(BAR_MM / scale.value());
     while length.value() * scale.value() > BAR_MM {
@@ -181,7 +182,7 @@ fn scale(scale: RoundNumber) -> String {
     )
 }
 
-/// A cone from its side and, to the right of it, from its left end.
+/// The symbol of first-angle projection: a cone from its side and, to the right of it, from its left end.
 fn first_angle(at: Point2<f64>) -> String {
     let circle = |r: f64| {
         format!("<circle class=\"frame\" cx=\"{}\" cy=\"{}\" r=\"{r}\"/>", fixed(at.x + 11.0), fixed(at.y))

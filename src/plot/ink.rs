@@ -1,13 +1,13 @@
-//! Which cells of the sheet a pen has inked.
+//! The cells of the sheet that a pen has inked.
 //!
-//! On a raster of cells a stroke adds nothing to the picture when all of its cells are inked. Every stroke
-//! that is drawn inks at least one cell more, so there are no more strokes than cells.
+//! On a raster of cells, a stroke adds nothing to the picture if all of its cells are inked. Every stroke
+//! that is drawn inks at least one more cell, so there are no more strokes than cells.
 
 use nalgebra::Point2;
 
 use super::SHEET_MM;
 
-/// A bit for each cell of the sheet.
+/// A raster with a bit for each cell of the sheet.
 #[derive(Debug)]
 pub struct Ink {
     cell_mm: f64,
@@ -21,14 +21,15 @@ impl Ink {
         Self { cell_mm, columns, bits: vec![0; (columns * rows).div_ceil(64)] }
     }
 
-    /// Inks a stroke of `length_mm`, given by its points at fractions; whether it was all inked before.
+    /// Inks a stroke of `length_mm`, where `point` gives its points at fractions from 0 to 1. `true` if all
+    /// of its cells were inked before.
     pub fn covers(&mut self, length_mm: f64, point: impl Fn(f64) -> Point2<f64>) -> bool {
         let samples = (length_mm / self.cell_mm).ceil().max(1.0);
         let mut covered = true;
         for k in 0..=samples as usize {
             let at = point(k as f64 / samples);
             let cell = (at.y / self.cell_mm) as usize * self.columns + (at.x / self.cell_mm) as usize;
-            // Nothing is drawn beside the sheet.
+            // Points beside the sheet have no cell.
             if let Some(bits) = self.bits.get_mut(cell / 64) {
                 covered &= *bits >> (cell % 64) & 1 == 1;
                 *bits |= 1 << (cell % 64);

@@ -1,7 +1,7 @@
-//! Where the views lie on the sheet, and at which scale.
+//! The places of the views on the sheet, and their scale.
 //!
-//! First-angle arrangement: the front above the plan, the left side to the right of the plan. So all
-//! coordinates grow to the right or upward, x is shared by plan and front, y by plan and left side.
+//! First-angle arrangement: the front is above the plan, and the left side is to the right of the plan. So
+//! all coordinates grow to the right or upward. Plan and front share x; plan and left side share y.
 
 use nalgebra::{Point2, Point3};
 
@@ -11,39 +11,40 @@ use super::{Scene, text};
 use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::units::FeedRate;
 
-/// The border, which printers reach: left, top, right, bottom.
+/// The border, inside the area that printers reach: left, top, right, bottom.
 pub const BORDER_MM: [f64; 4] = [7.0, 7.0, 290.0, 203.0];
-/// Where the column beside the views begins.
+/// The left end of the column beside the views.
 pub const COLUMN_X_MM: f64 = 222.0;
 
-/// A thousand kilometres: beyond it the numbers at the axes would not fit.
+/// The largest coordinate that is drawn: a thousand kilometres. Larger numbers would not fit at the axes.
 pub const LARGEST_MM: f64 = 1e9;
 
-/// The place for the views between the numbers at the axes: left, top, right, bottom.
+/// The area for the views, inside the numbers at the axes: left, top, right, bottom.
 const AREA_MM: [f64; 4] = [24.0, 14.0, 216.0, 194.0];
-/// Between views: a caption, or the name of an axis.
+/// Distance between views, for a caption or the name of an axis.
 const GAP_MM: f64 = 10.0;
-/// Between what is drawn and the frame of its view: the marks of start and end, the names of axes.
+/// Distance between the drawing and the frame of its view, for the marks of start and end and the names of
+/// axes.
 const PADDING_MM: f64 = 4.0;
-/// A view is at least so wide and high that its caption and a number fit.
+/// Least width and height of a view, for its caption and a number.
 const LEAST_VIEW_MM: f64 = 16.0;
-/// The largest scale, 100,000:1 as a power of ten: a micrometre in tenths of a metre.
+/// The power of ten of the largest scale, 100,000:1: a micrometre becomes a tenth of a metre.
 const LARGEST_SCALE: i32 = 5;
-/// Ticks are at least so far apart.
+/// Least distance between ticks, mm of paper.
 const LEAST_STEP_MM: f64 = 9.0;
 
-/// The views, with what they share.
+/// The views and their common figures.
 #[derive(Debug, Clone)]
 pub struct Layout {
     pub bounds: Bounds,
     pub scale: RoundNumber,
-    /// Between ticks, mm of the part.
+    /// Distance between ticks, mm of the part.
     pub step: RoundNumber,
     /// Plan, front, left side.
     pub views: [View; 3],
 }
 
-/// Why there is no drawing on a sheet.
+/// Why a sheet has no drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotDrawn {
     #[error("There is nothing to draw.")]
@@ -53,6 +54,8 @@ pub enum NotDrawn {
 }
 
 impl Layout {
+    /// Chooses the scale and the places of the views.
+    ///
     /// # Errors
     /// When there is nothing to draw, or coordinates are too large.
     pub fn of(scene: &Scene) -> Result<Self, NotDrawn> {
@@ -95,9 +98,9 @@ impl Layout {
     }
 }
 
-/// The box of all that is drawn.
+/// The box of everything that is drawn; `None` for an empty scene.
 fn bounds(scene: &Scene) -> Option<Bounds> {
-    // Only the box is wanted, which no feed changes.
+    // Any feed rate gives the same box.
     let path = scene.toolpath.map(|toolpath| measure(toolpath, FeedRate::DEFAULT_RAPID).bounds);
     scene.drawing.points().fold(path, |bounds, point| {
         let Bounds { min, max } = bounds.unwrap_or(Bounds { min: *point, max: *point });
@@ -105,11 +108,11 @@ fn bounds(scene: &Scene) -> Option<Bounds> {
     })
 }
 
-/// The least round step at which the numbers of ticks do not touch.
+/// The least round step, mm of the part, at which the numbers of ticks do not touch.
 fn step(bounds: &Bounds, scale: RoundNumber) -> RoundNumber {
     let largest = bounds.min.coords.amax().max(bounds.max.coords.amax());
     let mut step = RoundNumber::at_least(LEAST_STEP_MM / scale.value());
-    // A larger step never has a wider number.
+    // A larger step never needs a wider number, so the loop ends.
     while step.value() * scale.value() < number_width(largest, step) + text::SIZE_MM {
         step = step.next();
     }

@@ -1,4 +1,4 @@
-//! Marks on a path: where it starts, where it ends, which way it goes.
+//! Marks on a path: its start, its end, and its direction.
 
 use nalgebra::{Point2, Point3, Vector2};
 
@@ -8,12 +8,14 @@ use super::{Scene, class};
 use crate::geometry::curve::Curve;
 use crate::toolpath::{Move, Role, Toolpath};
 
-/// Arrows are at least so far apart along the path, mm of paper, and each has so much of the plan, mm2.
+/// Least distance between arrows along the path, mm of paper.
 const ARROW_SPACING_MM: f64 = 40.0;
+/// Least area of the plan for each arrow, mm2 of paper.
 const ARROW_AREA_MM2: f64 = 600.0;
 const MOST_ARROWS: f64 = 16.0;
 
-/// Start, end and, in the plan, directions. In the other views passes lie over each other.
+/// The marks of zero, start and end, and in the plan arrows. The other views have no arrows, because passes
+/// lie on top of each other there.
 pub fn draw(scene: &Scene, view: &View) -> String {
     let Some(toolpath) = scene.toolpath else { return String::new() };
     let last = toolpath.moves().filter_map(class::of).last();
@@ -22,7 +24,7 @@ pub fn draw(scene: &Scene, view: &View) -> String {
     datum_in(view) + &arrows + &start(view.project(&toolpath.start())) + &cross(view.project(&end))
 }
 
-/// The mark of the zero of all coordinates, where the view shows it.
+/// The mark of the coordinates' zero, if the zero is inside the view.
 fn datum_in(view: &View) -> String {
     let at = view.project(&Point3::origin());
     let [left, top, width, height] = view.frame;
@@ -30,7 +32,7 @@ fn datum_in(view: &View) -> String {
     if is_shown { datum(at) } else { String::new() }
 }
 
-/// The mark of a zero: a circle with two of its quarters filled.
+/// The mark of a zero: a circle with two quarters filled.
 pub fn datum(at: Point2<f64>) -> String {
     let (x, y) = (fixed(at.x), fixed(at.y));
     format!(
@@ -44,7 +46,7 @@ pub fn start(at: Point2<f64>) -> String {
     format!("<circle class=\"start\" cx=\"{}\" cy=\"{}\" r=\"1.3\"/>\n", fixed(at.x), fixed(at.y))
 }
 
-/// The mark of the end. It fits into that of the start.
+/// The mark of the end, a cross. It fits into the circle of the start.
 pub fn cross(at: Point2<f64>) -> String {
     format!(
         "<path class=\"end\" d=\"M{} {}l1.5 1.5m0 -1.5l-1.5 1.5\"/>\n",
@@ -62,7 +64,7 @@ pub fn arrow(at: Point2<f64>, along: Vector2<f64>) -> String {
     format!("<path class=\"solid\" d=\"M{}L{}L{}Z\"/>\n", corner(tip), corner(one), corner(other))
 }
 
-/// Arrows at equal distances along what is cut.
+/// Arrows at equal distances along the cutting moves.
 fn arrows(toolpath: &Toolpath, view: &View) -> String {
     let cuts = || toolpath.moves().filter_map(cut);
     let length: f64 = cuts().map(|curve| curve.length()).sum();
@@ -89,9 +91,9 @@ fn cut(step: &Move) -> Option<Curve> {
     }
 }
 
-/// The arrow at the fraction `t` of a curve; none where it is seen from its end.
+/// The arrow at the fraction `t` of a curve; empty if the view sees the curve from its end.
 fn arrow_on(curve: &Curve, t: f64, view: &View) -> String {
-    /// A part of a curve so short that it is straight.
+    /// A fraction of a curve so small that the curve is straight there.
     const STEP: f64 = 1e-3;
     let [before, after] = [t - STEP, t + STEP].map(|t| view.project(&curve.point_at(t.clamp(0.0, 1.0))));
     let along = after - before;

@@ -1,4 +1,4 @@
-//! Numbers of a drawing: round ones for scales and ticks, and coordinates as text.
+//! Numbers of a drawing: round numbers for scales and ticks, and coordinates as text.
 
 /// 1, 2 or 5 times a power of ten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl RoundNumber {
         self.times(1.0)
     }
 
-    /// `count` times this number; exact where a decimal fraction can be.
+    /// `count` times this number, rounded once, to the nearest floating-point number.
     pub fn times(self, count: f64) -> f64 {
         let power = 10f64.powi(self.exponent.abs());
         let product = count * f64::from(self.mantissa);
@@ -50,12 +50,12 @@ impl RoundNumber {
         }
     }
 
-    /// Decimals that write it.
+    /// The number of decimals that this number needs.
     pub fn decimals(self) -> usize {
         usize::try_from(-self.exponent).unwrap_or(0)
     }
 
-    /// As the scale of a drawing: `2:1`, `1:50`.
+    /// The number as the scale of a drawing: `2:1`, `1:50`.
     pub fn as_scale(self) -> String {
         let reciprocal = match self.mantissa {
             1 => Self::power_of_ten(-self.exponent),
@@ -77,7 +77,7 @@ pub fn fixed(value: f64) -> String {
     }
 }
 
-/// What is written of `value`: a hundredth of a millimetre of paper is finer than any printer.
+/// `value` in hundredths, as it is written. A hundredth of a millimetre of paper is finer than any printer.
 pub fn hundredths(value: f64) -> i64 {
     (value * 100.0).round() as i64
 }

@@ -1,17 +1,18 @@
-//! Path data of one class in one view, with runs of lines thinned below the drawing's resolution.
+//! Path data of one class in one view. Runs of lines are thinned below the drawing's resolution.
 //!
 //! # Method
-//! A run of lines keeps an anchor and the cone of directions from it that pass every point since within a
-//! tolerance. A point in the cone, and not nearer to the anchor than the last, replaces the last; any other
-//! point ends the stroke at the last and makes that the anchor. J. Sklansky, V. Gonzalez, *Fast polygonal
-//! approximation of digitized curves*, Pattern Recognition 12, 1980.
+//! A run of lines keeps an anchor and a cone of directions. Strokes from the anchor in these directions pass
+//! all later points of the run within a tolerance. A point inside the cone, and not nearer to the anchor than
+//! the last point, replaces the last point. Any other point ends the stroke at the last point, which becomes
+//! the anchor. J. Sklansky, V. Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern
+//! Recognition 12, 1980.
 //!
 //! # Guarantees
-//! What is drawn and what is meant differ by less than 0.02 mm of paper: [`THIN_MM`], [`CHORD_MM`] and the
-//! rounding of coordinates to 0.01 mm together.
+//! The drawing differs from the exact curves by less than 0.02 mm of paper: the sum of [`THIN_MM`],
+//! [`CHORD_MM`] and the rounding of coordinates to 0.01 mm.
 //!
 //! # Cost
-//! O(1) a stroke; with a raster, the stroke's length in cells.
+//! O(1) a stroke; with a raster, O(length of the stroke in cells).
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
@@ -33,13 +34,13 @@ pub struct Turn {
     pub end: Point2<f64>,
     pub center: Point2<f64>,
     pub radius: f64,
-    /// Above zero whatever the sense, radians.
+    /// Radians; positive in both directions of rotation.
     pub angle: f64,
-    /// As it is seen on paper.
+    /// The direction of rotation as seen on paper.
     pub clockwise: bool,
 }
 
-/// The stroke that is being drawn.
+/// The stroke that is not written yet.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     anchor: Point2<f64>,
@@ -47,7 +48,7 @@ struct Run {
     cone: Option<Cone>,
 }
 
-/// Directions from the anchor, as angles from the first.
+/// A range of directions from the anchor. `low` and `high` are angles from `first`, radians.
 #[derive(Debug, Clone, Copy)]
 struct Cone {
     first: Vector2<f64>,
@@ -55,28 +56,28 @@ struct Cone {
     high: f64,
 }
 
-/// Writes path data.
+/// Writes the path data of one class in one view.
 #[derive(Debug)]
 pub struct Pen {
     data: String,
     run: Option<Run>,
-    /// Where the path data ends, as written.
+    /// The written end of the path data, in hundredths of a millimetre.
     at: Option<[i64; 2]>,
     ink: Option<Ink>,
 }
 
 impl Pen {
-    /// A pen that leaves out strokes on inked cells of `raster_mm`.
+    /// A pen. With a raster, it leaves out strokes whose cells of `raster_mm` are all inked.
     pub fn new(raster_mm: Option<f64>) -> Self {
         Self { data: String::new(), run: None, at: None, ink: raster_mm.map(Ink::new) }
     }
 
-    /// The length of what has been written.
+    /// The length of the path data so far, bytes.
     pub fn bytes(&self) -> usize {
         self.data.len()
     }
 
-    /// Draws a line; one that starts where the last stroke ended continues it.
+    /// Draws a line. A line that starts at the end of the last stroke continues its run.
     pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>) {
         let Some(run) = self.run.filter(|run| run.last == from) else {
             self.end_run();
@@ -89,7 +90,7 @@ impl Pen {
         }));
     }
 
-    /// Draws a part of a circle, or its chord where nobody could tell.
+    /// Draws a part of a circle. Draws its chord instead where the difference cannot be seen.
     pub fn turn(&mut self, turn: &Turn) {
         if turn.radius * (1.0 - (0.5 * turn.angle).cos()) <= CHORD_MM {
             return self.line(turn.start, turn.end);
@@ -98,7 +99,7 @@ impl Pen {
         self.write_turn(turn);
     }
 
-    /// Draws a quadratic Bezier curve, or its chord where nobody could tell.
+    /// Draws a quadratic Bezier curve. Draws its chord instead where the difference cannot be seen.
     pub fn quadratic(&mut self, points: [Point2<f64>; 3]) {
         let [start, control, end] = points;
         if ((start - control) + (end - control)).norm() <= 4.0 * CHORD_MM {
@@ -129,7 +130,7 @@ impl Pen {
         if written(to) != written(from) {
             self.push('L', to);
         } else if !continues {
-            // A dot, by the round ends of strokes.
+            // A dot; the round ends of strokes make it visible.
             self.data.push_str("h0");
         }
     }
@@ -138,7 +139,7 @@ impl Pen {
         let arm = turn.start - turn.center;
         let sense = if turn.clockwise { 1.0 } else { -1.0 };
         let point = |t: f64| {
-            // Paper's y grows downward, so that a growing angle turns clockwise.
+            // The y axis of paper points down, so a growing angle turns clockwise.
             turn.center + nalgebra::Rotation2::new(sense * turn.angle * t) * arm
         };
         if self.ink.as_mut().is_some_and(|ink| ink.covers(turn.angle * turn.radius, point)) {
@@ -146,7 +147,7 @@ impl Pen {
         }
         self.move_to(turn.start);
         let radius = fixed(turn.radius);
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(self.data, "A{radius} {radius} 0 0 {} ", u8::from(turn.clockwise));
         self.push_point(turn.end);
     }
@@ -154,7 +155,8 @@ impl Pen {
     fn write_quadratic(&mut self, [start, control, end]: [Point2<f64>; 3]) {
         let (first, second) = (control - start, end - control);
         let point = |t: f64| start + first * (2.0 * t * (1.0 - t)) + (end - start) * (t * t);
-        // Between points at equal parameters lies no more than a share of this.
+        // An upper bound of the curve's speed: points at parameters a distance t apart are at most t times
+        // this apart.
         let longest = 2.0 * first.norm().max(second.norm());
         if self.ink.as_mut().is_some_and(|ink| ink.covers(longest, point)) {
             return;
@@ -165,7 +167,7 @@ impl Pen {
         self.push_point(end);
     }
 
-    /// Begins a stroke at `from`; whether it continues what is written.
+    /// Starts a stroke at `from`. `true` if the stroke continues the path data.
     fn move_to(&mut self, from: Point2<f64>) -> bool {
         let continues = self.at == Some(written(from));
         if !continues {
@@ -191,12 +193,12 @@ impl Run {
     fn new(anchor: Point2<f64>, to: Point2<f64>) -> Self {
         let arm = to - anchor;
         let distance = arm.norm();
-        // So near to the anchor every stroke from it is near.
+        // While `to` is this near to the anchor, a stroke in any direction passes it within the tolerance.
         let cone = (distance > THIN_MM).then(|| Cone::around(arm, distance));
         Self { anchor, last: to, cone }
     }
 
-    /// The run through `to` as well, if one stroke can be both.
+    /// The run continued to `to`; `None` if one stroke cannot replace it.
     fn through(&self, to: Point2<f64>) -> Option<Run> {
         let Some(cone) = self.cone else { return Some(Run::new(self.anchor, to)) };
         let (reach, arm) = ((self.last - self.anchor).norm(), to - self.anchor);
@@ -218,12 +220,12 @@ impl Cone {
     }
 }
 
-/// Half the angle under which the tolerance is seen, radians.
+/// Half the angle of the tolerance, seen from the anchor at this distance, radians.
 fn half_angle(distance: f64) -> f64 {
     (THIN_MM / distance).min(1.0).asin().min(FRAC_PI_2)
 }
 
-/// What is written of a point.
+/// The coordinates of a point as written, in hundredths of a millimetre.
 fn written(point: Point2<f64>) -> [i64; 2] {
     [hundredths(point.x), hundredths(point.y)]
 }

@@ -1,20 +1,20 @@
-//! The relief of a surface: heights as bands of colour, in the plan with contours and light from the upper
-//! left, in the other views what the surface hides.
+//! The relief of a surface: bands of heights in colours. The plan also has contours, and light from the upper
+//! left. The other views show the area that the surface covers.
 //!
 //! # Method
-//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so that levels are as smooth
-//!    as the mesh is, and again where the light falls from one tone to the next (`tone`).
-//! 2. The plan shows for each band, from the lowest up, the area of all that is not below it, and then its
-//!    tones: where the surface lies over itself, the higher part covers the lower one.
-//! 3. An area is the border of its pieces (`border`): edges that two pieces share go, the rest is thinned as
-//!    all lines are.
-//! 4. Front and left side show the area of all triangles, filled by height.
+//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so contours are as smooth as
+//!    the mesh. They are cut again at the limits between tones of light (`tone`).
+//! 2. For each band, from the lowest up, the plan shows the area of this band and of all higher bands, and
+//!    then the tones of the band. Where the surface lies over itself, the higher part covers the lower part.
+//! 3. An area is drawn as the border of its pieces (`border`). Edges that two pieces share are removed, and
+//!    the remaining edges are thinned as all lines are.
+//! 4. The front and the left side show the area of all triangles, filled by height.
 //!
 //! # Guarantees
-//! The relief has at most some [`MAX_BYTES`]: where it grows beyond them, the mesh is made coarser.
+//! The relief has at most some [`MAX_BYTES`]. If it is larger, a coarser mesh is drawn.
 //!
 //! # Cost
-//! O(n log n) in the pieces, of which there are at most as many as triangles and [`MOST_CUTS`].
+//! O(n log n) in the pieces. There are at most as many pieces as triangles plus [`MOST_CUTS`].
 
 mod bands;
 mod border;
@@ -30,36 +30,37 @@ pub use bands::legend;
 use border::Border;
 use tone::TONES;
 
-/// Cells of a mesh each way: a circle as large as a sheet is drawn within a tenth of a millimetre of paper.
+/// Cells of a mesh along each direction. With this number, a circle as large as a sheet is drawn within 0.1
+/// mm of paper.
 pub const CELLS: usize = 72;
 
-/// A relief beyond this is drawn from a coarser mesh.
+/// Most bytes of a relief before a coarser mesh is drawn.
 pub const MAX_BYTES: usize = 300_000;
-/// A mesh whose triangles are cut more often is too rough to be drawn as it is. A smooth surface has some
-/// 2000 cuts.
+/// Most cuts of a mesh's triangles. A mesh with more cuts is too rough and a coarser mesh is drawn. A smooth
+/// surface has some 2000 cuts.
 const MOST_CUTS: usize = 6_000;
 
-/// Meshes and tones that are tried one after the other. The last always has its place.
+/// Numbers of cells and of tones, in the order in which they are tried. The last relief always fits.
 const DETAILS: [(usize, usize); 5] =
     [(CELLS, TONES.len()), (36, TONES.len()), (18, TONES.len()), (18, 0), (9, 0)];
 
 /// The elements of a relief.
 #[derive(Debug, Clone, Default)]
 pub struct Relief {
-    /// Rules of the style sheet, and what fills refer to.
+    /// Rules of the style sheet, and definitions that fills refer to.
     pub style: String,
     pub definitions: String,
-    /// Of plan, front and left side.
+    /// The elements of plan, front and left side.
     pub views: [String; 3],
 }
 
-/// A corner of a piece.
+/// A corner of a piece of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Corner {
     at: Point2<f64>,
     /// mm of the part.
     height: f64,
-    /// How much more light falls here than on a level place; below zero for less.
+    /// The light here minus the light on a level place; negative in shade.
     light: f64,
 }
 
@@ -91,19 +92,19 @@ fn gradient_id(view: &View) -> String {
     format!("heights-{}", view.id)
 }
 
-/// The rule that fills what the surface hides in `view`.
+/// The rule that fills the area of the surface in `view`.
 fn fill(view: &View) -> String {
     format!(".plot .hidden-{}{{fill:url(#{});stroke:none}}", view.id, gradient_id(view))
 }
 
-/// One band of heights: its pieces, and those of them in each tone.
+/// One band of heights: the border of its pieces, and for each tone the border of its parts.
 #[derive(Debug, Clone, Default)]
 struct Slab {
     border: Border,
     tones: [Border; TONES.len()],
 }
 
-/// The surface from above, in bands and tones.
+/// The surface from above, in bands and tones, as elements.
 fn shaded(mesh: &Mesh, view: &View, bands: &Bands, tones: usize) -> String {
     let corner = |(p, normal): (&Point3<f64>, Vector3<f64>)| Corner {
         at: view.project(p),
@@ -120,7 +121,7 @@ fn shaded(mesh: &Mesh, view: &View, bands: &Bands, tones: usize) -> String {
     elements(slabs)
 }
 
-/// The slabs as elements, the lowest first.
+/// The slabs as elements, the lowest first. The area of each includes all higher slabs.
 fn elements(slabs: Vec<Slab>) -> String {
     let mut above = Border::default();
     let mut out = Vec::new();
@@ -134,7 +135,7 @@ fn elements(slabs: Vec<Slab>) -> String {
     out.into_iter().rev().collect()
 }
 
-/// What the surface hides from a view.
+/// The area that the surface covers in a view.
 fn hidden(mesh: &Mesh, view: &View) -> String {
     let places: Vec<Point2<f64>> = mesh.points().iter().map(|p| view.project(p)).collect();
     let mut border = Border::default();
@@ -149,7 +150,7 @@ fn path(class: &str, data: &str) -> String {
     if data.is_empty() { String::new() } else { format!("<path class=\"{class}\" d=\"{data}\"/>\n") }
 }
 
-/// 1 where the corners turn as they do on paper seen from its front, else -1.
+/// 1 if the corners turn clockwise on paper, otherwise -1.
 fn sense([a, b, c]: [Point2<f64>; 3]) -> i32 {
     if (b - a).perp(&(c - a)) < 0.0 { -1 } else { 1 }
 }
@@ -170,9 +171,9 @@ fn places(piece: &[Corner]) -> impl Iterator<Item = Point2<f64>> + Clone {
     piece.iter().map(|corner| corner.at)
 }
 
-/// The parts of a convex piece where `value` is below and not below `level`.
+/// The parts of a convex piece where `value` is below `level`, and where it is not.
 ///
-/// A cut of an edge is the same from both of its sides, whichever piece asks.
+/// The cut of an edge is computed from its lower end, so both pieces beside the edge get the same point.
 fn split(piece: &[Corner], level: f64, value: impl Fn(&Corner) -> f64) -> [Vec<Corner>; 2] {
     let mut parts = [Vec::with_capacity(piece.len() + 1), Vec::with_capacity(piece.len() + 1)];
     for (k, corner) in piece.iter().enumerate() {

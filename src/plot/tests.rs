@@ -27,7 +27,7 @@ fn of_wires(surface: &[Vec<Point3<f64>>]) -> String {
     svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
 }
 
-/// A square of 80 mm, its corner at (80, 80) rounded with 10 mm, cut counterclockwise.
+/// A square of 80 mm, cut counterclockwise. Its corner at (80, 80) is rounded with 10 mm.
 fn square() -> Toolpath {
     let mut builder = Toolpath::builder(Point3::origin());
     for to in [[80.0, 0.0], [80.0, 70.0]] {
@@ -58,7 +58,7 @@ fn a_square_with_a_round_corner_is_lines_and_one_arc() {
         y - 80.0
     );
     assert_eq!(drawing.data("plan", "cut"), Some(lines.as_str()));
-    // Counterclockwise on paper is sense 0.
+    // The SVG flag for counterclockwise on paper is 0.
     let arc = format!("M{} {}A10 10 0 0 0 {} {}", x + 80.0, y - 70.0, x + 70.0, y - 80.0);
     assert_eq!(drawing.data("plan", "cut-arc"), Some(arc.as_str()));
     let [x, z] = drawing.at("front", [0.0, 0.0]);
@@ -68,7 +68,7 @@ fn a_square_with_a_round_corner_is_lines_and_one_arc() {
     );
 }
 
-/// In each view the sense of an arc is that of its points.
+/// In each view, the arc turns in the direction of its points.
 #[test]
 fn arcs_turn_as_they_are_cut_in_every_plane_and_sense() {
     for plane in Plane::ALL {
@@ -135,7 +135,7 @@ fn views_share_their_axes_and_the_stated_scale_is_true() {
 }
 
 #[test]
-fn noise_below_resolution_is_thinned_and_a_reversal_is_not() {
+fn noise_below_the_resolution_is_thinned_and_a_reversal_is_kept() {
     let noisy: Vec<_> = (0..=10_000)
         .map(|k| Point3::new(0.01 * f64::from(k), 0.004 * f64::from(k * k % 7 % 2), 0.0))
         .chain([Point3::new(60.0, 0.0, 0.0), Point3::new(60.0, 50.0, 0.0)])
@@ -157,8 +157,8 @@ fn a_plunge_is_a_dot_in_the_plan() {
 }
 
 #[test]
-fn a_dense_path_is_bounded_and_leaves_no_place_out() {
-    // Strokes from side to side of a square of 100 mm, in an order that no run can join.
+fn a_dense_path_has_bounded_size_and_reaches_every_place() {
+    // Strokes from side to side of a square of 100 mm, in an order that prevents runs.
     let mut builder = Toolpath::builder(Point3::origin());
     let n = 200_000;
     for k in 1..=n {
@@ -186,7 +186,7 @@ fn a_dense_path_is_bounded_and_leaves_no_place_out() {
 }
 
 #[test]
-fn what_has_no_extent_or_no_place_is_a_legal_sheet() {
+fn scenes_without_extent_or_beyond_limits_make_a_legal_sheet() {
     let point = Toolpath::builder(Point3::new(5.0, -5.0, 5.0)).finish().unwrap();
     assert_eq!(Drawing::read(&of_path(&point)).scale, 1.0);
     assert_eq!(Drawing::read(&of_wires(&[vec![Point3::origin()]])).scale, 1.0);
@@ -221,7 +221,7 @@ fn toolpath() -> impl Strategy<Value = Toolpath> {
             let to = Point3::new(place + size * p.0, size * p.1 - place, place + size * p.2);
             let role =
                 [Role::Plunge, Role::Ramp, Role::LeadIn, Role::Cut, Role::Link, Role::LeadOut][kind % 6];
-            // An arc that its ends do not allow is left out.
+            // An arc that does not fit its ends is left out.
             let _ = match kind {
                 0 | 1 => builder.rapid(to),
                 2..=4 => builder.line(to, feed(), role),
@@ -257,12 +257,12 @@ proptest! {
     })]
 
     #[test]
-    fn what_is_drawn_is_what_is_cut(toolpath in toolpath()) {
+    fn the_sheet_shows_exactly_the_moves_of_the_path(toolpath in toolpath()) {
         compare(&toolpath);
     }
 
     #[test]
-    fn text_stays_text(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
+    fn text_is_never_markup(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
         let square = square();
         let draw = |title: &str, notes: &[String]| {
             svg(&Scene { title, notes, toolpath: Some(&square), drawing: &super::Drawing::default() })

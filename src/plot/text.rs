@@ -4,11 +4,11 @@
 pub const SIZE_MM: f64 = 2.5;
 pub const TITLE_SIZE_MM: f64 = 4.2;
 
-/// No line of a sheet or a page shows more of a text than this.
+/// Most characters of a text that a line of a sheet or a page shows.
 const MAX_CHARACTERS: usize = 1000;
 
-/// `text` on one line, without controls, without what XML forbids and without marks that turn the direction
-/// of what follows; at most its first thousand characters.
+/// `text` on one line, at most its first thousand characters. Control characters become spaces. Characters
+/// that XML forbids, and marks that change the direction of text, are removed.
 pub fn clean(text: &str) -> String {
     let mut cleaned = String::new();
     for c in text.chars().take(MAX_CHARACTERS) {
@@ -29,7 +29,7 @@ fn is_invisible(c: char) -> bool {
         || matches!(c, '\u{fffe}' | '\u{ffff}')
 }
 
-/// `text` as character data or as the value of an attribute, in XML and in HTML.
+/// `text` escaped for use as character data or as an attribute value, in XML and in HTML.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -45,7 +45,7 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// The width of `text`, in heights of it: that of common sans-serif fonts, rather more than less.
+/// The width of `text`, as a multiple of its height: an upper estimate for common sans-serif fonts.
 pub fn width(text: &str) -> f64 {
     text.chars().map(width_of).sum()
 }
@@ -60,8 +60,8 @@ fn width_of(c: char) -> f64 {
     }
 }
 
-/// `text` in at most `max_lines` lines (one at least) of at most `width_max` heights each, broken at spaces
-/// where there are any; what does not fit ends in an ellipsis.
+/// `text` in at most `max_lines` lines (at least one) of at most `width_max` text heights each. Lines break
+/// at spaces if possible. Text that does not fit is replaced by an ellipsis.
 pub fn wrap(text: &str, width_max: f64, max_lines: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut rest = text;
@@ -75,7 +75,7 @@ pub fn wrap(text: &str, width_max: f64, max_lines: usize) -> Vec<String> {
     lines
 }
 
-/// `text`, or what fits of it with an ellipsis.
+/// `text`, or as much as fits with an ellipsis.
 pub fn cut(text: &str, width_max: f64) -> String {
     if width(text) <= width_max {
         return text.to_owned();
@@ -84,7 +84,7 @@ pub fn cut(text: &str, width_max: f64) -> String {
     format!("{}\u{2026}", text[..fits].trim_end())
 }
 
-/// The length in bytes of the part that fits, one character at least.
+/// The length in bytes of the part that fits, at least one character.
 fn fitting(text: &str, width_max: f64) -> usize {
     let mut used = 0.0;
     for (at, c) in text.char_indices() {
@@ -101,14 +101,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_xml_forbids_and_what_misleads_is_removed() {
+    fn control_characters_become_spaces_and_direction_marks_vanish() {
         assert_eq!(clean(" a\r\n\tb\u{0}\u{1b}c\u{202e}d\u{ffff} \u{85}"), "a b cd");
         assert_eq!(clean(&"x".repeat(5000)).len(), MAX_CHARACTERS);
         assert_eq!(escape("<a b=\"c\">&'"), "&lt;a b=&quot;c&quot;&gt;&amp;&#39;");
     }
 
     #[test]
-    fn lines_fit_and_lose_nothing_but_what_the_ellipsis_stands_for() {
+    fn lines_fit_and_only_an_ellipsis_replaces_text() {
         let text = "proved deviation 0.0095 mm, gouge 0.0098 mm";
         assert_eq!(wrap(text, 100.0, 2), [text]);
         assert_eq!(wrap(text, 16.0, 3).join(" "), text);

@@ -1,4 +1,4 @@
-//! One view: from points and curves of the workpiece to strokes on paper.
+//! One view: projects points and curves of the workpiece to strokes on paper.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,10 +10,10 @@ use crate::geometry::plane::Plane;
 use crate::toolpath::flatten::flatten;
 use crate::toolpath::measure::Bounds;
 
-/// A quarter turn; the rounding of a longer sweep must not ask for one piece more.
+/// The largest sweep of a piece: a quarter turn. The excess keeps rounding from adding a piece.
 const PIECE: f64 = FRAC_PI_2 * (1.0 + 1e-9);
 
-/// More chords than any helix on a sheet needs: a full turn as wide as the sheet takes some 400.
+/// Most chords of a helix. A full turn as wide as the sheet takes some 400.
 const MAX_CHORDS: usize = 10_000;
 
 /// A parallel projection along an axis, onto a frame on the sheet. Paper's y grows downward.
@@ -26,16 +26,16 @@ pub struct View {
     /// Left, top, width and height, mm of paper.
     pub frame: [f64; 4],
     scale: f64,
-    /// The middle of the bounds, which lies in the middle of the frame.
+    /// The coordinates of the middle of the bounds. The middle of the frame shows this point.
     middle: [f64; 2],
 }
 
-/// How a plane lies in a view.
+/// How a view sees a plane.
 enum Facing {
     Front,
-    /// The senses of turns are exchanged.
+    /// The view sees the back of the plane, so the direction of rotation is reversed.
     Back,
-    /// Which local axis of the plane is seen.
+    /// The view sees the plane edge-on; the number is the local axis of the plane that stays visible.
     Edge(usize),
 }
 
@@ -52,7 +52,7 @@ impl View {
         Self { id, name, axes, frame, scale, middle }
     }
 
-    /// Where a point of the workpiece lies on paper.
+    /// The place of a point of the workpiece on paper, mm.
     pub fn project(&self, p: &Point3<f64>) -> Point2<f64> {
         let [left, top, width, height] = self.frame;
         let [right, up] = self.axes;
@@ -62,23 +62,24 @@ impl View {
         )
     }
 
-    /// The values that the frame spans along its `side` (0: to the right, 1: upward), mm of the workpiece.
+    /// The range of values that the frame shows along its `side` (0: to the right, 1: upward), mm of the
+    /// workpiece.
     pub fn span(&self, side: usize) -> [f64; 2] {
         let half = 0.5 * self.frame[2 + side] / self.scale;
         [self.middle[side] - half, self.middle[side] + half]
     }
 
-    /// Millimetres of paper to one of the workpiece.
+    /// Millimetres of paper for one millimetre of the workpiece.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// Draws a curve.
+    /// Draws a curve with `pen`.
     pub fn trace(&self, curve: &Curve, pen: &mut Pen) {
         match curve {
             Curve::Line(line) => pen.line(self.project(&line.start), self.project(&line.end)),
             Curve::Arc(arc) => self.trace_arc(arc, pen),
-            // A parallel projection of a Bezier curve is that of its control points.
+            // A parallel projection of a Bezier curve is the Bezier curve of the projected control points.
             Curve::Parabola(parabola) => pen
                 .quadratic([parabola.start(), parabola.control(), parabola.end()].map(|p| self.project(&p))),
         }
@@ -102,7 +103,7 @@ impl View {
         }
     }
 
-    /// An arc in its own plane; a helix is seen as one too.
+    /// Draws an arc in a view that faces its plane. A helix looks like an arc there.
     fn trace_round(&self, arc: &Arc, clockwise: bool, pen: &mut Pen) {
         let pieces = (arc.sweep() / PIECE).ceil().max(1.0);
         let at = |piece: f64| self.project(&arc.point_at(piece / pieces));

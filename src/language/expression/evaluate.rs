@@ -130,7 +130,7 @@ fn pair_slope(pairing: Pairing, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64 {
         Pairing::Divide => (a1 - a / b * b1) / b,
         Pairing::Power if a == 0.0 => b * a.powf(b - 1.0) * a1,
         Pairing::Power => a.powf(b) * (b1 * a.ln() + b * a1 / a),
-        // Where both are equal, the derivative to the right is the smaller one for min, the larger one for max.
+        // Where both are equal, the derivative to the right is the smaller one for min, the larger for max.
         Pairing::Min if a == b => a1.min(b1),
         Pairing::Max if a == b => a1.max(b1),
         Pairing::Min => {

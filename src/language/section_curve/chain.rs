@@ -196,7 +196,7 @@ fn roundings<const D: usize>(
     for k in 1..items.len() {
         let (length_mm, taken_mm) = (leg(items, k), tangent(k - 1) + tangent(k));
         if taken_mm > length_mm * (1.0 + FIT) {
-            // Blame the earlier corner if it does not fit alone or is the only one; otherwise the later corner.
+            // Blame the earlier corner if it does not fit alone or is the only one; otherwise the later one.
             let blamed = if tangent(k) == 0.0 || tangent(k - 1) > length_mm { k - 1 } else { k };
             let radius_mm = match &items[blamed] {
                 Item::Corner { radius_mm, .. } => *radius_mm,

@@ -1,4 +1,4 @@
-//! Bands of heights: where one ends, which colour each has, and how the sheet says so.
+//! Bands of heights: their levels, their colours, and their legend.
 
 use nalgebra::Point3;
 
@@ -7,36 +7,36 @@ use crate::plot::number::{RoundNumber, fixed, with_decimals};
 use crate::plot::text::{self, SIZE_MM};
 use crate::plot::view::View;
 
-/// A range of heights is cut into at most so many steps, and into two fifths of them at least.
+/// Most steps that the range of heights is divided into. Round steps make at least two fifths of this number.
 const STEPS: f64 = 12.0;
-/// A surface is level when its heights differ by less than this share of its coordinates: rounding would be
-/// drawn.
+/// A surface is level if its heights differ by less than this part of its largest coordinate. Without this
+/// limit, rounding would be drawn.
 const LEVEL: f64 = 1e-9;
-/// A height so near to a level, as a share of a step, is at the level: a plateau there has no contours of its
-/// rounding.
+/// A height this close to a level, as a part of a step, counts as the level. So a plateau at a level has no
+/// contours from rounding.
 const AT_LEVEL: f64 = 1e-6;
 
-/// Colours of the lowest, a middle and the highest band. They are light, so that paths are read on them, and
-/// grow lighter upward, so that a print without colours shows them.
+/// Colours of the lowest, the middle and the highest band. They are light, so that paths are legible on top.
+/// They grow lighter upward, so that a print without colours shows them.
 const RAMP: [[f64; 3]; 3] = [[133.0, 172.0, 178.0], [203.0, 214.0, 184.0], [254.0, 246.0, 226.0]];
 
-/// Of the height of a level surface, mm.
+/// Decimals of the height of a level surface, mm.
 const LEVEL_DECIMALS: usize = 3;
 /// Height of the bar in the legend, mm of paper.
 const BAR_MM: f64 = 3.2;
 
-/// Heights cut at round levels.
+/// A range of heights, cut at round levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bands {
     step: RoundNumber,
-    /// Ascending, mm; one fewer than there are bands.
+    /// Ascending, mm. Their number is one less than the number of bands.
     levels: Vec<f64>,
-    /// The height of a level surface, mm.
+    /// The lowest height, mm; the legend shows it for a level surface.
     low: f64,
 }
 
 impl Bands {
-    /// The bands of some points, of which there is one at least.
+    /// The bands for some points, at least one.
     pub fn of(points: &[Point3<f64>]) -> Self {
         let heights = points.iter().map(|p| p.z);
         let (low, high) =
@@ -46,12 +46,12 @@ impl Bands {
         if range <= LEVEL * magnitude {
             return Self { step: RoundNumber::ONE, levels: Vec::new(), low };
         }
-        // A range that rounding has made a little more than round still has round steps.
+        // A range slightly larger than a round number, because of rounding, still gets the round steps.
         let step = RoundNumber::at_least(range / STEPS * (1.0 - AT_LEVEL));
         let first = (low / step.value()).ceil();
         let near = AT_LEVEL * step.value();
         let inside = |level: &f64| *level > low + near && *level < high - near;
-        // One more step than the range has, should the first be its end.
+        // One level more than the steps need, because the first level may be the end of the range.
         let levels = (0..=STEPS as usize + 1).map(|k| step.times(first + k as f64)).filter(inside).collect();
         Self { step, levels, low }
     }
@@ -60,21 +60,22 @@ impl Bands {
         self.levels.len() + 1
     }
 
-    /// The height by which a place belongs to a band, mm.
+    /// The height that decides the band of a place, mm: heights close to a level become the level.
     pub fn snapped(&self, height: f64) -> f64 {
         let near = AT_LEVEL * self.step.value();
         let above = self.levels.partition_point(|level| *level < height - near);
         self.levels.get(above).copied().filter(|level| *level <= height + near).unwrap_or(height)
     }
 
-    /// How often a triangle with corners at these heights, mm, is cut.
+    /// The number of cuts of a triangle whose corners have these heights, mm.
     pub fn cuts(&self, heights: [f64; 3]) -> usize {
         let below = |height: f64| self.levels.partition_point(|level| *level <= height);
         let [a, b, c] = heights.map(below);
         a.max(b).max(c) - a.min(b).min(c)
     }
 
-    /// Calls `each` with the number of a band and the part of a convex piece in it, from the lowest up.
+    /// Cuts a convex piece at the levels. Calls `each` with the number of a band and the part in that band,
+    /// from the lowest up.
     pub fn cut(&self, piece: &[Corner], mut each: impl FnMut(usize, &[Corner])) {
         let lowest = piece.iter().map(|corner| corner.height).fold(f64::INFINITY, f64::min);
         let highest = piece.iter().map(|corner| corner.height).fold(f64::NEG_INFINITY, f64::max);
@@ -89,18 +90,18 @@ impl Bands {
         each(band, rest.as_deref().unwrap_or(piece));
     }
 
-    /// Rules for the class `h` of each band and for contours.
+    /// Style rules for the class `h` of each band, and for contours.
     pub fn style(&self) -> String {
         let fills = (0..self.count()).map(|band| format!(".plot .h{band}{{fill:{}}}", self.color(band)));
         ".plot .contour{stroke:#8c5a2b;stroke-width:.1}".to_owned() + &fills.collect::<String>()
     }
 
-    /// The gradient `id`, in steps, by which an area in `view` is filled by its height.
+    /// The stepped gradient `id`, which fills an area in `view` by its height.
     pub fn gradient(&self, view: &View, id: &str) -> String {
         let ends = [0, self.levels.len().saturating_sub(1)].map(|k| self.levels.get(k).copied());
         let [low, high] = match ends {
             [Some(low), Some(high)] if high > low => [low, high],
-            // Any height above it does for the end of a gradient whose steps are all at its start.
+            // All steps are at the start of the gradient, so any greater height works as its end.
             [Some(low), _] => [low, low + self.step.value()],
             _ => [self.low, self.low + self.step.value()],
         };
@@ -131,8 +132,8 @@ impl Bands {
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 
-    /// The numbers below a bar `width` mm of paper wide on which all bands are as wide, with their places
-    /// along it: every level's, every second's, every third's ... as there is room.
+    /// The numbers below a bar that is `width` mm of paper wide, with their places along it. All bands have
+    /// the same width. Every level has a number, or every second, every third ... if there is less room.
     fn numbers(&self, width: f64) -> Vec<(f64, String)> {
         if self.levels.is_empty() {
             return vec![(0.5 * width, with_decimals(self.low, LEVEL_DECIMALS))];
@@ -148,8 +149,8 @@ impl Bands {
     }
 }
 
-/// The bar of the bands of `points` in the legend, by its left, top and width, mm of paper; and its height
-/// with numbers.
+/// The bar of the bands of `points` for the legend, at this left, top and width, mm of paper; and its height
+/// with the numbers.
 pub fn legend(points: &[Point3<f64>], [left, top, width]: [f64; 3]) -> (String, f64) {
     let bands = Bands::of(points);
     let height = BAR_MM + SIZE_MM + 0.6;
@@ -183,14 +184,14 @@ mod tests {
             let count = of([0.3 * scale, 1.7 * scale]).count();
             assert!((4..=13).contains(&count), "{scale}: {count}");
         }
-        // A plateau at the last level is not above it, give or take its rounding.
+        // A plateau at the last level belongs to the band below, even if rounding moves it.
         assert_eq!(of([0.0, 12.0]).count(), of([0.0, 12.000_000_000_1]).count());
         assert_eq!(of([0.0, 12.0]).snapped(5.999_999_999), 6.0);
         assert_eq!(of([0.0, 12.0]).snapped(5.9), 5.9);
     }
 
     #[test]
-    fn what_is_level_is_one_band() {
+    fn a_level_surface_is_one_band() {
         for heights in [[5.0, 5.0], [1e6, 1e6 + 1e-6], [0.0, 0.0]] {
             assert_eq!(of(heights).count(), 1, "{heights:?}");
         }

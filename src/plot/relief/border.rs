@@ -1,25 +1,29 @@
-//! The border of an area that is made of many pieces.
+//! The border of an area that consists of many pieces.
 //!
 //! # Method
-//! Every piece is a closed chain of edges in one sense. Where two pieces meet, their edges run against each
-//! other and cancel; what is left is closed again, and winds about every place of the area as often as pieces
-//! lie over it. Joined in any way, it fills the area by the rule `nonzero`.
+//! Every piece is a closed chain of edges in one direction of rotation. Where two pieces meet, their edges
+//! run in opposite directions and cancel. The remaining edges form closed chains again. They wind about every
+//! place of the area as often as pieces lie over it. So the edges, joined in any order, fill the area by the
+//! rule `nonzero`.
 
 use nalgebra::Point2;
 
 use crate::plot::pen::Pen;
 
-/// A place in thousandths of a millimetre of paper: finer than it is written, so that equal places are equal.
+/// A place in thousandths of a millimetre of paper. That is finer than coordinates are written, and makes
+/// equal places equal numbers.
 type Spot = [i32; 2];
 
-/// Edges from the lesser to the greater spot, with how often they are run so; below zero for the other way.
+/// Edges from the lesser to the greater spot, each with the number of its uses; uses in the opposite
+/// direction count as -1.
 #[derive(Debug, Clone, Default)]
 pub struct Border {
     edges: Vec<([Spot; 2], i32)>,
 }
 
 impl Border {
-    /// Adds a piece whose corners turn in this sense, 1 or -1.
+    /// Adds a piece whose corners turn in the direction `sense`: 1 for clockwise on paper, -1 for
+    /// counterclockwise.
     pub fn add(&mut self, sense: i32, corners: impl Iterator<Item = Point2<f64>> + Clone) {
         let spots = corners.map(|p| [p.x, p.y].map(|mm| (mm * 1000.0).round() as i32));
         let nexts = spots.clone().cycle().skip(1);
@@ -35,7 +39,7 @@ impl Border {
         self.edges.extend(other.edges);
     }
 
-    /// The same border with edges that cancel left out.
+    /// The same border without edges that cancel.
     pub fn settled(mut self) -> Self {
         self.edges.sort_unstable();
         self.edges.dedup_by(|next, kept| {
@@ -59,7 +63,7 @@ impl Border {
         ways.sort_unstable();
         let starts: Vec<usize> =
             ways.iter().map(|way| ways.partition_point(|other| other[0] < way[0])).collect();
-        // How many of the ways from a spot are taken, at the first of them.
+        // For the first edge from each spot, the number of edges from that spot that are drawn.
         let mut taken = vec![0; ways.len()];
         let mut pen = Pen::new(None);
         for first in 0..ways.len() {
@@ -104,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_pieces_share_goes_and_what_encloses_a_hole_stays() {
+    fn shared_edges_vanish_and_the_border_of_a_hole_stays() {
         assert_eq!(of([square(0.0, 0.0, 1), square(1.0, 0.0, -1)]), "M0 0L2 0L2 1L0 1L0 0");
         let ring = (0..9).filter(|k| *k != 4).map(|k| square(f64::from(k % 3), f64::from(k / 3), 1));
         assert_eq!(of(ring), "M0 0L3 0L3 3L0 3L0 0M1 1L1 2L2 2L2 1L1 1");
@@ -112,8 +116,8 @@ mod tests {
     }
 
     #[test]
-    fn pieces_over_each_other_wind_in_one_sense() {
-        // The same square from both sides does not vanish.
+    fn pieces_over_each_other_do_not_cancel() {
+        // A square and the same square turned over do not cancel.
         let data = of([square(0.0, 0.0, 1), square(0.0, 0.0, -1)]);
         assert_eq!(data.matches('L').count(), 8, "{data}");
     }

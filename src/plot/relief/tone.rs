@@ -1,13 +1,13 @@
-//! Light and shade on a surface, as veils of black and white over the colours of heights.
+//! Light and shade on a surface, as black and white veils over the colours of heights.
 
 use nalgebra::Vector3;
 
 use super::{Corner, split};
 
-/// Towards the light: from the upper left of the plan, halfway up. Of unit length.
+/// Unit vector towards the light: from the upper left of the plan, 45 degrees up.
 const LIGHT: [f64; 3] = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
 
-/// A veil, over all places darker or lighter than a limit.
+/// A veil over all places with less light than `limit` (shade), or with more (lit).
 #[derive(Debug, Clone, Copy)]
 pub struct Tone {
     pub name: &'static str,
@@ -15,7 +15,7 @@ pub struct Tone {
     fill: &'static str,
 }
 
-/// Shades lie over each other.
+/// The tones. The shades lie on top of each other, so a darker place has more of them.
 pub const TONES: [Tone; 5] = [
     Tone { name: "shade", limit: -0.1, fill: "#1d3030" },
     Tone { name: "shade", limit: -0.25, fill: "#1d3030" },
@@ -25,7 +25,7 @@ pub const TONES: [Tone; 5] = [
 ];
 
 impl Tone {
-    /// The part of a convex piece under the veil.
+    /// The part of a convex piece under this veil.
     pub fn part_of(&self, piece: &[Corner]) -> Vec<Corner> {
         let is_shade = self.limit < 0.0;
         let is_in = |corner: &Corner| (corner.light < self.limit) == is_shade;
@@ -40,7 +40,7 @@ impl Tone {
     }
 }
 
-/// How much more light falls on a place with this normal than on a level one; 0 without a normal.
+/// The light on a place with this unit normal, minus the light on a level place; 0 without a normal.
 pub fn light(normal: &Vector3<f64>) -> f64 {
     if *normal == Vector3::zeros() { 0.0 } else { normal.dot(&Vector3::from(LIGHT)) - LIGHT[2] }
 }

@@ -1,5 +1,5 @@
-//! Reads a sheet as its reader does: the scale as stated, places by the numbers at the axes, paths by the
-//! rules of SVG. It shares nothing with what draws.
+//! Reads a sheet as a person does: the stated scale, places by the numbers at the axes, and paths by the
+//! rules of SVG. It shares no code with the drawing.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -11,9 +11,9 @@ use super::of_path;
 use crate::geometry::curve::Curve;
 use crate::toolpath::{Move, Role, Toolpath};
 
-/// Axes to the right and upward.
+/// The axes that point to the right and upward.
 const VIEWS: [(&str, [usize; 2]); 3] = [("plan", [0, 1]), ("front", [0, 2]), ("left-side", [2, 1])];
-/// Thinning, chords and rounding, and the rounding of the ticks by which the sheet is read.
+/// Allowed distance: thinning, chords and rounding of the drawing, and the rounding of the ticks.
 const AGREEMENT_MM: f64 = 0.02 + 0.008;
 
 type Segment = [[f64; 2]; 2];
@@ -23,12 +23,12 @@ pub struct Drawing {
     pub texts: Vec<String>,
     frames: BTreeMap<String, [f64; 4]>,
     paths: BTreeMap<(String, String), String>,
-    /// By view and side, where a value lies on paper.
+    /// For each view and side, a value and its place on paper.
     ticks: BTreeMap<(String, &'static str), (f64, f64)>,
 }
 
 impl Drawing {
-    /// Everything is in its place on the sheet, or this panics.
+    /// Reads a sheet. Panics if anything is not in its place.
     pub fn read(svg: &str) -> Self {
         let document = Document::parse(svg).unwrap();
         let root = document.root_element();
@@ -61,7 +61,7 @@ impl Drawing {
                         );
                     }
                     ("text", "right") => {
-                        // The middle of the digits, a third of their height above the line they stand on.
+                        // The middle of the digits is a third of their height above the base line.
                         let y = number("y") - 2.5 / 3.0;
                         ticks.insert((id.clone(), "up"), (node.text().unwrap().parse().unwrap(), y));
                     }
@@ -83,8 +83,8 @@ impl Drawing {
         self.paths.get(&(view.to_owned(), class.to_owned())).map(String::as_str)
     }
 
-    /// Where the values lie in a view; to a hundredth, as all is written. The numbers of x stand at the plan,
-    /// those of y too, those of z at the front and below the side.
+    /// The place of the values in a view, to a hundredth of a millimetre. The numbers of x and y are at the
+    /// plan, those of z at the front and below the left side.
     pub fn at(&self, view: &str, values: [f64; 2]) -> [f64; 2] {
         let below = if view == "front" { "plan" } else { view };
         let beside = if view == "left-side" { "plan" } else { view };
@@ -100,7 +100,7 @@ impl Drawing {
     }
 }
 
-/// Every move is where the sheet shows one of its class, and the other way round.
+/// Asserts that every move is drawn in its place with its class, and that every stroke belongs to a move.
 pub fn compare(toolpath: &Toolpath) {
     let drawing = Drawing::read(&of_path(toolpath));
     for (view, axes) in VIEWS {
@@ -163,7 +163,7 @@ pub fn distance(p: [f64; 2], [a, b]: Segment) -> f64 {
     (to[0] - t * along[0]).hypot(to[1] - t * along[1])
 }
 
-/// Path data of M, L, A, Q and h0.
+/// The segments of path data of M, L, A, Q and h0.
 pub fn strokes(data: &str) -> Vec<Segment> {
     let mut segments = Vec::new();
     let mut at = [0.0; 2];
@@ -202,7 +202,7 @@ pub fn strokes(data: &str) -> Vec<Segment> {
     segments
 }
 
-/// SVG 2, appendix B.2.4: from end points to a centre; never the larger of the two arcs.
+/// SVG 2, appendix B.2.4: from end points to a centre; always the smaller of the two arcs.
 fn arc(from: [f64; 2], radius: f64, clockwise: bool, to: [f64; 2], segments: &mut Vec<Segment>) {
     let half = [0.5 * (from[0] - to[0]), 0.5 * (from[1] - to[1])];
     let squared = half[0] * half[0] + half[1] * half[1];

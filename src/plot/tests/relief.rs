@@ -1,5 +1,5 @@
-//! The relief of surfaces, read back: which band a place of the plan has, and what any surface may do to the
-//! sheet.
+//! Reads back the relief of surfaces: the bands at a place of the plan, and the size and validity of the
+//! sheet for any surface.
 
 use nalgebra::Vector3;
 use roxmltree::Document;
@@ -10,7 +10,7 @@ use super::reading::{self, strokes};
 use crate::geometry::surface::{BezierSurface, BicubicPatch, Surface};
 use crate::machining::wire_model::sketch;
 
-/// `n` by `n` patches of corners from `at`, over unit squares, straight between them.
+/// `n` by `n` patches over unit squares, whose control points are `at` thirds of the squares.
 fn patches(n: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> BezierSurface {
     BezierSurface::from_fn([n, n], |i, j| BicubicPatch {
         net: std::array::from_fn(|a| {
@@ -24,7 +24,7 @@ fn drawn(surface: &dyn Surface) -> String {
     svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
 }
 
-/// The bands over a place of the plan, in the order of painting.
+/// The bands at a place of the plan, in the order of painting.
 fn bands_at(picture: &str, [x, y]: [f64; 2]) -> Vec<usize> {
     let document = Document::parse(picture).unwrap();
     let is_plan = |node: &roxmltree::Node| node.attribute("id") == Some("plan");
@@ -38,7 +38,7 @@ fn bands_at(picture: &str, [x, y]: [f64; 2]) -> Vec<usize> {
     areas.collect()
 }
 
-/// How a stroke crosses the ray to the right of a place: 1 downward, -1 upward, 0 not at all.
+/// How a stroke crosses the ray to the right of a place: 1 downward, -1 upward, 0 for no crossing.
 fn crossing([x, y]: [f64; 2], [a, b]: [[f64; 2]; 2]) -> i32 {
     let across = a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]);
     match (a[1] <= y, b[1] <= y) {
@@ -54,8 +54,8 @@ fn relief_bytes(picture: &str) -> usize {
 }
 
 #[test]
-fn bands_end_where_the_surface_has_their_heights() {
-    // z = x / 4 from 0 to 12, in steps of 1.
+fn bands_end_at_the_heights_of_their_levels() {
+    // z = x / 4 rises from 0 to 12, so the levels are 1 apart.
     let picture = drawn(&patches(1, |u, v| [48.0 * u, 30.0 * v, 12.0 * u]));
     let drawing = reading::Drawing::read(&picture);
     for band in 1..12 {
@@ -72,7 +72,7 @@ fn bands_end_where_the_surface_has_their_heights() {
 
 #[test]
 fn the_higher_part_covers_the_lower_one_in_any_order() {
-    // A strip that comes back over itself, 12 mm higher; and the same from its other end.
+    // A strip that folds back over itself, 12 mm higher; and the same strip from its other end.
     let fold = |u: f64, v: f64| [40.0 * (1.0 - (2.0 * u - 1.0).powi(2)), 30.0 * v, 12.0 * u];
     let net = |u: f64| {
         // Control points of a parabola, raised to degree three.

@@ -1,8 +1,8 @@
 //! A drive curve carried along a basic curve in the plane, always at right angles to the basic curve.
 //!
 //! # Method
-//! c is the basic curve in the xy plane, n its unit normal to the left, (x, z) the drive curve. Then S(u, v)
-//! = c(u) + n(u) x(v) + k z(v), as a tensor product for each pair of pieces:
+//! c is the basic curve in the xy plane, n its unit normal to the left, and (x, z) the drive curve. Then
+//! S(u, v) = c(u) + n(u) x(v) + k z(v), where k points up. Each pair of pieces makes a tensor product:
 //! 1. Along a line n is constant. Along an arc n is a rational quadratic with the weights of the arc.
 //! 2. Along a cubic the unit normal is not rational. Cubics replace it that agree with it and with its
 //!    derivative at their ends (`unit_normal`). The cubic of the basic curve is halved until they are near

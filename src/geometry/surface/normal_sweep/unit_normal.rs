@@ -5,8 +5,8 @@
 //! c' is the derivative of the plane cubic, t its direction, n the unit normal, and q the cubic that replaces
 //! n. The difference q - n has the coordinate q c' / |c'| along t. Along n its coordinate is at most
 //! | |q|^2 - 1 | plus the square of the coordinate along t, as long as q n is above zero. The Bernstein
-//! coefficients of q c', |q|^2 - 1 and |c'|^2 bound both. q c' and |q|^2 - 1 vanish twice at both ends, so the
-//! bounds fall with the fourth power of the length, as the error does.
+//! coefficients of q c', |q|^2 - 1 and |c'|^2 bound both. q c' and |q|^2 - 1 vanish twice at both ends, so
+//! the bounds fall with the fourth power of the length, as the error does.
 //!
 //! The surface does not run backward where (c' + q' x) c' is positive. This expression is linear in x, so it
 //! is enough that its coefficients are above zero at both ends of the drive curve's reach.

@@ -16,9 +16,9 @@ pub(super) struct Swept {
 }
 
 impl<const N: usize> RationalPatch<N> {
-    /// Bounds of derivatives if the weights are constant along v; `None` otherwise. The derivatives along v are
-    /// then combinations of differences of control points. These bounds are tighter than those of the quotient
-    /// rule.
+    /// Bounds of derivatives if the weights are constant along v; `None` otherwise. The derivatives along v
+    /// are then combinations of differences of control points. So these bounds are tighter than those of the
+    /// quotient rule.
     pub(super) fn swept(&self) -> Option<Swept> {
         let [p, q] = self.degree;
         let rows = &self.net[..=p];

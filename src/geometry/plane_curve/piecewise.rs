@@ -20,7 +20,7 @@
 //! refused. A parameter outside the piece or the domain counts as the nearest end.
 //!
 //! # Cost
-//! O(p^2) a point and O(p^3) an enclosure of degree p. The search of the piece is O(log n) at most, where the
+//! O(p^2) a point and O(p^3) an enclosure of degree p. To find the piece takes O(log n) at most, where the
 //! parameters are most uneven.
 //!
 //! # Reference

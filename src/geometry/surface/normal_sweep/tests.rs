@@ -92,7 +92,7 @@ fn a_drive_curve_that_reaches_beyond_a_centre_is_refused() {
     let right = bend().mapped(|p| Point2::new(p.x, -p.y));
     let error = sweep(&right, &rib(-12.0)).surface().unwrap_err();
     assert!(matches!(error, NormalSweepError::Fold { place: 1, side: Side::Right, .. }), "{error}");
-    // Points of the arc count, not its control points: the first arc reaches 11 mm to the left, the second 10.
+    // Points of the arc count, not its control points: the first arc reaches 11 mm to the left, the next 10.
     let drive = chain([quarter([[4.0, 9.0], [11.0, 9.0], [11.0, 2.0]])]);
     assert!(sweep(&bend(), &drive).surface().is_err());
     let h = 10.0 * 0.5f64.sqrt();

@@ -1,5 +1,5 @@
 //! Cutters against surfaces: where a cutter touches, how deep it cuts, and which curves its tip or centre
-//! follows. It knows nothing of feeds, programs or wire formats.
+//! follows. No module here names feeds, programs or wire formats.
 
 pub mod cutter;
 pub mod drop_cutter;

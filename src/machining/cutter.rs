@@ -1,14 +1,18 @@
 //! Cutters as geometry: a flat disc with a rounded edge, turning about a vertical axis, below a shank of the
 //! same radius.
 //!
-//! A ball has no flat, a flat end no rounding, a bull nose both. As a function of the distance d from the
-//! axis the lower side lies h(d) above the tip: nothing up to the flat's radius, then c - sqrt(c^2 - (d -
-//! r)^2) for a corner of radius c about a flat of radius r, and nothing at all beyond r + c. h is convex,
-//! also as a function of d^2.
+//! A ball cutter has no flat, a flat end has no rounding, a bull nose has both. h(d) is the height of the
+//! lower side above the tip, at the distance d from the axis. With r the radius of the flat and c the radius
+//! of the corner:
+//! * h(d) = 0 for d <= r;
+//! * h(d) = c - sqrt(c^2 - (d - r)^2) for r < d <= r + c;
+//! * beyond r + c there is no lower side.
+//!
+//! h is convex as a function of d, and also as a function of d^2.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// A cutter that has no other measures; mm.
+/// A cutter; all lengths are in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutter {
     /// Radius of the flat.
@@ -20,27 +24,27 @@ pub struct Cutter {
 /// A point of the lower side of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LowerPoint {
-    /// Where it is, seen from the axis, mm.
+    /// The position in plan, relative to the axis, mm.
     pub place: Vector2<f64>,
-    /// Its height over the tip, mm.
+    /// The height over the tip, mm.
     pub height: f64,
-    /// The gradient of the height there.
+    /// The gradient of the lower side's height.
     pub gradient: Vector2<f64>,
-    /// The direction from the axis, of unit length.
+    /// The unit vector in plan from the axis to the point.
     away: Vector2<f64>,
     /// The distance from the axis, mm.
     distance: f64,
-    /// The slope away from the axis.
+    /// The slope of the lower side in the direction away from the axis.
     slope: f64,
 }
 
 impl LowerPoint {
-    /// The part of a vector of the plane that points away from the axis, mm.
+    /// The component of `v` away from the axis, in the unit of `v`.
     pub fn away_of(&self, v: &Vector2<f64>) -> f64 {
         self.away.dot(v)
     }
 
-    /// The slope away from the axis.
+    /// The slope of the lower side in the direction away from the axis.
     pub fn slope(&self) -> f64 {
         self.slope
     }
@@ -50,13 +54,14 @@ impl LowerPoint {
         self.distance
     }
 
-    /// The direction from the axis, of unit length.
+    /// The unit vector in plan from the axis to the point.
     pub fn away(&self) -> Vector2<f64> {
         self.away
     }
 }
 
-/// A quadratic form of the plane by its values along a direction and across; 1/mm.
+/// A quadratic form in plan, 1/mm. Its value is `along` for the unit vector `away`, and `across` for a unit
+/// vector at right angles to `away`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Form {
     away: Vector2<f64>,
@@ -70,7 +75,7 @@ impl Form {
         self.away * (self.along * along) + (v - self.away * along) * self.across
     }
 
-    /// The largest value for a unit vector; both are zero or more.
+    /// The largest value for a unit vector, if `along` and `across` are zero or more.
     pub fn norm(&self) -> f64 {
         self.along.max(self.across)
     }
@@ -87,12 +92,12 @@ impl Cutter {
         Self { flat: 0.0, corner: radius }
     }
 
-    /// A cutter of `radius` mm whose edge is rounded by `corner` mm, at most the radius.
+    /// A cutter of `radius` mm with a corner radius of `corner` mm, at most `radius`.
     pub fn bull_nose(radius: f64, corner: f64) -> Self {
         Self { flat: radius - corner, corner }
     }
 
-    /// The cutter with `by` mm more all around: its tip is that much lower.
+    /// The cutter enlarged by `by` mm on all sides. Its tip lies `by` mm lower.
     pub fn enlarged(self, by: f64) -> Self {
         Self { corner: self.corner + by, ..self }
     }
@@ -122,19 +127,19 @@ impl Cutter {
         }
     }
 
-    /// The depth of the corner below its centre, `out` mm beyond the flat.
+    /// How far the lower side lies below the corner circle's centre, mm, at `out` mm beyond the flat.
     fn depth(&self, out: f64) -> f64 {
         ((self.corner - out) * (self.corner + out)).max(0.0).sqrt()
     }
 
-    /// The slope of the lower side at a distance from the axis; it grows with the distance, and is infinite
-    /// from the radius on.
+    /// The slope of the lower side at a distance from the axis. It grows with the distance, and is infinite
+    /// from the radius outwards.
     pub fn slope(&self, distance: f64) -> f64 {
         let out = distance - self.flat;
         if out <= 0.0 { 0.0 } else { out / self.depth(out) }
     }
 
-    /// The second derivative of the height away from the axis; it grows with the distance.
+    /// The second derivative of the height away from the axis, 1/mm; it grows with the distance.
     fn bend(&self, distance: f64) -> f64 {
         let out = distance - self.flat;
         if out < 0.0 || (out == 0.0 && self.flat > 0.0) {
@@ -144,7 +149,8 @@ impl Cutter {
         }
     }
 
-    /// The point below or above a place that the cutter covers, with a finite slope.
+    /// The point of the lower side at `place`, a position in plan relative to the axis. `None` beyond the
+    /// radius, and where the slope is infinite.
     pub fn lower_point(&self, place: Vector2<f64>) -> Option<LowerPoint> {
         let distance = place.norm();
         let slope = self.slope(distance);
@@ -162,7 +168,8 @@ impl Cutter {
         })
     }
 
-    /// The point at which the lower side has a gradient; on the flat, which has one everywhere, its rim.
+    /// The point at which the lower side has the given gradient. The whole flat has a zero gradient; a point
+    /// of its rim stands for the flat.
     pub fn tangent_point(&self, gradient: Vector2<f64>) -> LowerPoint {
         let slope = gradient.norm();
         let away = if slope > 0.0 { gradient / slope } else { Vector2::x() };
@@ -178,7 +185,7 @@ impl Cutter {
         }
     }
 
-    /// How the tangent point moves with the gradient, mm.
+    /// The derivative of the tangent point's place by the gradient, mm.
     pub fn compliance(&self, point: &LowerPoint) -> Matrix2<f64> {
         let rise = 1.0 / (1.0 + point.slope * point.slope).sqrt();
         let along = self.corner * rise * rise * rise;
@@ -187,21 +194,23 @@ impl Cutter {
         if across.is_finite() { out * along + (Matrix2::identity() - out) * across } else { out * along }
     }
 
-    /// The second derivatives of the height.
+    /// The second derivatives of the height at `point`, 1/mm.
     pub fn curvature(&self, point: &LowerPoint) -> Form {
         let along = self.bend(point.distance);
         let across = if point.distance > 0.0 { point.slope / point.distance } else { along };
         Form { away: point.away, along, across }
     }
 
-    /// Forms Q for which the height at p is at least that of the tangent plane at `point` and Q(p - point) /
-    /// 2, for every p that is at least `least` mm (negative on the near side) farther out than the point; for
-    /// the first of them anywhere.
+    /// Forms Q that support the lower side from below: the height at p is at least the height of the tangent
+    /// plane at `point`, plus Q(p - point) / 2. The first form supports every p. The others support each p
+    /// that lies at least `least` mm farther out than the point, along `away`; a negative `least` admits
+    /// places nearer to the axis.
     pub fn support_forms(&self, point: &LowerPoint, least: f64) -> [Form; 4] {
-        // The height is convex as a function of the squared distance: its tangent there is a paraboloid.
+        // The height is a convex function of the squared distance. Its tangent in that variable is a
+        // paraboloid below the height.
         let round = if point.distance > 0.0 { point.slope / point.distance } else { self.bend(0.0) };
         let all = Form { away: point.away, along: round, across: round };
-        // And h(|p|) is at least h of the part along `away`, and grows across it.
+        // h(|p|) is at least h of the component of p along `away`, and grows with the component across.
         let inner = point.distance + least.min(0.0);
         let across = if inner > 0.0 { self.slope(inner) / inner } else { 0.0 };
         let at_least = if inner > 0.0 { self.bend(inner.min(point.distance)) } else { 0.0 };

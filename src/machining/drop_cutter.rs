@@ -1,33 +1,34 @@
-//! Where a cutter that comes down from above touches a surface first.
+//! Finds where a cutter that comes down from above touches a surface first.
 //!
 //! # Method
-//! With the cutter's axis at a, a surface point P within its radius R lifts the tip to P_z - h(|P - a|), h
-//! the height of the cutter's lower side over its tip ([`Cutter`]). The tip's height is the largest lift over
-//! all of the surface: an upper envelope, so that folds of the offset, loops, sharp edges, overhangs and
-//! boundaries need no care of their own.
-//! 1. The surface is kept in small parts under a hierarchy of boxes, each with a plane over what is in it
-//!    (`tree`).
-//! 2. On a part the largest lift is found by Newton's method (`climb`): for the place whose tangent plane
-//!    touches the cutter over the axis, which knows no steep slopes, or within the square for the lift
-//!    itself, which knows edges and corners.
-//! 3. That no other place lifts more is proved part by part: by boxes and planes, by the tangent plane of the
-//!    contact known with the paraboloid that supports the cutter, by the side of the cutter for parts along
-//!    it, by a concave quadratic bound (`bound`), or by round bodies about the cutter (`round`, `side`). What
-//!    that does not decide is halved.
+//! Let a be the position of the cutter's axis in plan. A surface point P within the cutter's radius R of the
+//! axis lifts the tip to P_z - h(|P - a|). h is the height of the cutter's lower side over its tip
+//! ([`Cutter`]). The tip's height is the largest lift over the whole surface. This is an upper envelope, so
+//! folds of the offset, loops, sharp edges, overhangs and boundaries need no special care.
+//! 1. The surface is divided into small parts under a hierarchy of boxes. Each box has a plane above
+//!    everything in the box (`tree`).
+//! 2. Newton's method finds the largest lift on a part (`newton`), in one of two ways. One seeks the place
+//!    whose tangent plane the cutter touches with its axis at a; it works on steep slopes too. The other
+//!    maximizes the lift within the part's square of parameters; it handles edges and corners.
+//! 3. A proof shows, part by part, that no other place lifts more. It uses boxes and planes; the tangent
+//!    plane of the known contact, with the paraboloid that supports the cutter (`support`); the side of the
+//!    cutter, for parts along it; a concave quadratic bound (`lift_bound`); and round bodies about the cutter
+//!    (`round`, `side`). A part that none of these decides is halved.
 //!
 //! # Guarantees
-//! A tip is below the true height by no more than [`Contact::gap_mm`], at most some 1e-9 mm (or the accuracy
-//! asked for) but where the limit of work is reached; rounding comes on top. The surface may be anything:
-//! only control nets count.
+//! A tip is below the true height by at most [`Contact::gap_mm`]. The gap is at most about 1e-9 mm, or the
+//! accuracy asked for, unless the work limit is reached. Rounding is not included. The surface may have any
+//! shape: the proof uses only its control nets.
 //!
 //! # Cost
-//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes some 3 us a point
-//! along lines, without a neighbour 10 and 20; where the cutter touches all around, as on the axis of a bowl,
-//! tens of milliseconds.
+//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes about 3 us a point
+//! along lines, where each drop starts from its neighbour. Without a neighbour the ball takes 10 us and the
+//! flat end 20 us. Where the cutter touches all around, as on the axis of a bowl, a drop takes tens of
+//! milliseconds.
 //!
 //! # Differences from the papers
-//! Ju traces sections of the offset and Koo et al. unite shifted wires: neither sees what lies beside the
-//! section or the wire.
+//! Ju traces sections of the offset, and Koo et al. unite shifted wires. Neither method sees the surface
+//! beside the section or the wire; this one does.
 
 mod axis_above_surface;
 mod drop;
@@ -52,46 +53,53 @@ use lift_bound::AxisMove;
 pub use tip_section::TipSections;
 use tree::{SubPatch, Tree};
 
-/// Parts are not halved below this share of the coordinates: they are points to the arithmetic.
+/// Least size of a part, as a share of the largest coordinate plus the radius. Smaller parts are not halved:
+/// rounding does not tell their points apart.
 const SMALLEST_PART: f64 = 1e-13;
 
-/// Whoever is nearer to the radius than by this part of it is beside the cutter: heights there are not known
-/// to the arithmetic.
+/// A point counts as beside the cutter if its distance from the axis exceeds 1 minus this, in radii. The
+/// lower side may be so steep there that rounding hides its height.
 const GRAZING: f64 = 1e-12;
 
-/// What is large against a surface, as a part of its diagonal in plan.
+/// The length scale of a surface, as a share of its diagonal in plan.
 const SCALE_SHARE: f64 = 0.1;
 
-/// Sides whose ends are this near to each other are no edges: they close, or are a point.
+/// Largest distance between two points that count as the same, mm. A side whose points are all the same is a
+/// point. Two opposite sides with the same points close the surface. Neither kind of side is an edge.
 const CLOSED_MM: f64 = 1e-7;
 
-/// Places along a side that are compared.
+/// Number of intervals of a side between the points that are compared.
 const SIDE_SAMPLES: usize = 8;
 
-/// Parts that are halved for one question; beyond that the bound at hand is taken.
+/// Largest number of parts halved for one drop. At this limit the drop returns the bound it has, as a larger
+/// gap.
 const HALVING_LIMIT: usize = 20_000;
 
-/// Parameters this near to those of an edge are on it: a tip is as high there to the arithmetic.
+/// Largest distance from an edge, in parameters, at which a place counts as on the edge. The tip's height
+/// does not change measurably within it.
 const ON_EDGE: f64 = 1e-8;
 
-/// And so are places this near to it, which may be far apart in parameters where a side is a point.
+/// Largest distance from an edge, mm, at which a place counts as on the edge. Near a side that is a point,
+/// places this close together may be far apart in parameters.
 const ON_EDGE_MM: f64 = 1e-8;
 
-/// Normals that differ by more than this: the cutter rolls over an edge; radians.
+/// Largest angle between the normals of surface and cutter, radians, at which the cutter does not roll over
+/// an edge.
 const ROLLING: f64 = 1e-9;
 
-/// A surface and a cutter, made ready for the question where they touch.
+/// A surface and a cutter, prepared for finding contacts.
 pub struct Contacts<'a, P> {
     surface: &'a BezierSurface<P>,
     cutter: Cutter,
     tree: Tree<P>,
-    /// Bounds of the second derivatives over each patch, mm: by u, by both, by v.
+    /// Bounds of the second derivatives over each patch, mm: by u twice, by u and v, by v twice.
     bends: Vec<[f64; 3]>,
     /// Whether the sides u = 0, u = nu, v = 0, v = nv are edges of the surface.
     edges: [bool; 4],
-    /// Parts of this size are not halved, mm.
+    /// Parts of this size or smaller are not halved, mm.
     smallest: f64,
-    /// What is large against the cutter or the surface, whichever is smaller, mm.
+    /// The length scale, mm: the cutter's radius, or `SCALE_SHARE` of the surface's diagonal in plan if that
+    /// is smaller.
     scale: f64,
 }
 
@@ -100,26 +108,27 @@ pub struct Contacts<'a, P> {
 pub struct Contact {
     /// The tip.
     pub tip: Point3<f64>,
-    /// A surface point that it touches.
+    /// A surface point that the cutter touches.
     pub point: Point3<f64>,
     /// The parameters of that point.
     pub place: [f64; 2],
     /// The true tip is at most this much higher, mm.
     pub gap_mm: f64,
-    /// The slope of the cutter where it touches.
+    /// The slope of the cutter's lower side where it touches.
     pub slope: f64,
-    /// Whether the cutter hangs on an edge where the surface ends, and turned from its normal.
+    /// Whether the cutter touches an edge where the surface ends, and its normal there differs from the
+    /// surface's normal.
     pub is_rolling: bool,
 }
 
-/// A cutter or a surface whose slope is less counts as level: rounding of a height alone can make a contact
+/// Slope below which a contact or a surface counts as level. Rounding of heights alone can make a contact
 /// this steep.
 const LEVEL_SLOPE: f64 = 1e-6;
 
-/// A tip is proved to be this exact, mm.
+/// Accuracy to which [`Contacts::drop`] proves the height of a tip, mm.
 const ACCURACY_MM: f64 = 1e-9;
 
-/// Halvings of a patch for bounds of its second derivatives.
+/// Depth to which a patch is halved for bounds of its second derivatives.
 const BEND_HALVINGS: u32 = 6;
 
 impl<'a, P: Patch> Contacts<'a, P> {
@@ -144,8 +153,9 @@ impl<'a, P: Patch> Contacts<'a, P> {
         &self.cutter
     }
 
-    /// The contact with the axis at `at`; `None` beside the surface. Parameters near those of the contact
-    /// make it faster and change nothing but the last digits.
+    /// The contact of the cutter with its axis at `at`; `None` if the cutter misses the surface. `near` are
+    /// parameters near those of the contact. They make the drop faster, and change only the last digits of
+    /// the answer.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -158,7 +168,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
         self.drop_within(ACCURACY_MM, at, near, budget)
     }
 
-    /// As [`Self::drop`], with the tip proved to within `accuracy` mm. A larger accuracy is faster where
+    /// As [`Self::drop`], with the tip proved to within `accuracy` mm. A larger value is faster where several
     /// contacts are nearly equally high.
     ///
     /// # Errors
@@ -176,7 +186,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         }
         self.tree.visit(&mut drop);
         drop.close(HALVING_LIMIT, budget)?;
-        // A contact on an edge may be as high to the accuracy, and not quite so, as one beside it.
+        // A true contact beside the edge may be higher than the contact found on the edge, by less than the
+        // accuracy. Another climb from there finds it.
         match drop.contact() {
             Some(contact) if contact.is_rolling => drop.try_at(contact.place),
             _ => {}
@@ -184,22 +195,23 @@ impl<'a, P: Patch> Contacts<'a, P> {
         Ok(drop.contact())
     }
 
-    /// A contact that Newton's method finds from parameters near it: other places may lift the cutter more.
-    /// `None` where it finds none.
+    /// The contact that Newton's method finds from the parameters `place`; `None` where it finds none. Other
+    /// places may lift the cutter more, so the gap is infinite.
     pub fn near(&self, at: Vector2<f64>, place: [f64; 2]) -> Option<Contact> {
         let mut drop = Drop::new(self, at, Some(place), ACCURACY_MM);
         drop.try_at(place);
         drop.contact().map(|contact| Contact { gap_mm: f64::INFINITY, ..contact })
     }
 
-    /// Places spread over the surface, about so many.
+    /// About `count` places spread over the surface, as parameters.
     pub fn places(&self, count: usize) -> impl Iterator<Item = [f64; 2]> {
         let step = self.tree.parts.len().div_ceil(count);
         self.tree.parts.iter().step_by(step).map(|part| part.on_surface([0.5, 0.5]))
     }
 
-    /// The tip of the cutter that touches the surface with the tangent plane at a place, whatever else is in
-    /// its way; with the upward normal and the surface point. `None` where the normal does not point up.
+    /// The tip while the cutter touches the tangent plane of a place, with the upward unit normal and the
+    /// surface point. The rest of the surface may be in the cutter's way. `None` where the normal does not
+    /// point up.
     pub fn touching(&self, [u, v]: [f64; 2]) -> Option<(Point3<f64>, Vector3<f64>, Point3<f64>)> {
         let jet = self.surface.jet(u, v);
         let normal = jet.normal().try_normalize(0.0)?;
@@ -212,7 +224,8 @@ impl<'a, P: Patch> Contacts<'a, P> {
         Some((Point3::new(axis.x, axis.y, jet.point.z - lower.height), normal, jet.point))
     }
 
-    /// The most that anything in a box can lift the tip along a track.
+    /// Upper bound of the height to which anything in a box lifts the tip, for every position of a track, mm.
+    /// Minus infinity if the box is beside the cutter.
     fn lift_of_box(&self, bounds: &Bounds, track: &AxisMove) -> f64 {
         let squared = track.squared_distance(bounds, &track.center);
         let most = (1.0 - GRAZING) * self.cutter.radius();
@@ -225,9 +238,10 @@ impl<'a, P: Patch> Contacts<'a, P> {
 }
 
 impl<P: Patch> Contacts<'_, P> {
-    /// The most that a part can lift the tip along a track, as seen along the line from the axis to it, or at
-    /// right angles to a steep part: parts that lie along the side of the cutter are beside it by less than
-    /// their boxes know. Infinite where boxes say as much.
+    /// Upper bound of the height to which a part lifts the tip, for every position of a track, mm. It uses
+    /// the part's distance from the axis in two directions: towards the part's centre, and at right angles to
+    /// a steep part. A part along the side of the cutter may be clear of the cutter although its box is not.
+    /// Infinite where the box gives as good a bound.
     fn lift_of_part(&self, part: &SubPatch<P>, track: &AxisMove) -> f64 {
         let from = track.nearest(&part.center);
         let outward = part.center - from;
@@ -256,8 +270,8 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// The slope below which a contact counts as level: a point of the rounded corner with this slope lies
-    /// higher than the flat of the cutter by less than the accuracy of a drop.
+    /// The slope below which a contact counts as level. A point of the rounded corner with this slope lies
+    /// above the flat of the cutter by only a few times the accuracy of a drop.
     fn level_slope(&self) -> f64 {
         let [flat, corner] = [self.cutter.flat_radius(), self.cutter.corner_radius()];
         if flat > 0.0 && corner > 0.0 {
@@ -267,7 +281,7 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// Whether the surface is level at a place, on any patch that meets there.
+    /// Whether the surface is level at a place, on any of the patches that meet there.
     fn is_level_at(&self, [u, v]: [f64; 2]) -> bool {
         patches_at([u, v], self.surface.spans()).any(|[i, j]| {
             let jet = self.surface.patch(i, j).jet(u - i as f64, v - j as f64);
@@ -275,7 +289,7 @@ impl<P: Patch> Contacts<'_, P> {
         })
     }
 
-    /// Whether a contact lies on an edge of the surface and is none of its tangent plane.
+    /// Whether the cutter touches an edge of the surface without touching the surface's tangent plane there.
     fn is_rolling(&self, best: &Best) -> bool {
         let [nu, nv] = self.surface.spans().map(|n| n as f64);
         let [u, v] = best.place;
@@ -288,7 +302,8 @@ impl<P: Patch> Contacts<'_, P> {
             return false;
         }
         let cutter = Vector3::new(-best.lower.gradient.x, -best.lower.gradient.y, 1.0).normalize();
-        // Any patch that meets there may be the one that is touched.
+        // The cutter may touch any of the patches that meet there: it rolls only if it is turned from all of
+        // them.
         let is_turned = |[i, j]: [usize; 2]| {
             let jet = self.surface.patch(i, j).jet(u - i as f64, v - j as f64);
             let normal = jet.normal().try_normalize(0.0);
@@ -307,7 +322,7 @@ fn patches_at([u, v]: [f64; 2], [nu, nv]: [usize; 2]) -> impl Iterator<Item = [u
     at(u, nu).into_iter().flat_map(move |i| at(v, nv).map(|j| [i, j]))
 }
 
-/// Which sides of a surface are edges: not those that are a point, and not those that close.
+/// Which sides of a surface are edges: a side is none if it is a point or coincides with the opposite side.
 fn edges(surface: &BezierSurface<impl Patch>) -> [bool; 4] {
     let [nu, nv] = surface.spans().map(|n| n as f64);
     let points = |place: &dyn Fn(f64) -> [f64; 2]| -> Vec<Point3<f64>> {

@@ -1,41 +1,45 @@
-//! How deep a moving cutter cuts into a surface: an upper bound that knows nothing of how the path was made.
+//! Bounds from above how deep a moving cutter cuts into a surface. The bound uses no knowledge of how the
+//! path was made.
 //!
 //! # Method
-//! A cutter is everything within its corner radius of a convex core: a level disc with all that stands above
-//! it (`solid`). While the tip follows a curve, a surface point P is as deep in the cutter as it is from the
-//! cutter's outside; the deepest P is wanted. It is found by branch and bound over pairs of a piece of the
+//! The cutter is all points within the corner radius of a convex core: a level disc with everything above the
+//! disc (`solid`). The depth of a surface point P in the cutter is its distance from the cutter's outside.
+//! The deepest P is sought while the tip follows a curve. Branch and bound runs over pairs of a piece of the
 //! path and a part of a patch with its control net:
-//! 1. *Planes*: for a unit vector m that does not point up, P is no deeper than reach(m) + max m . C - min m
-//!    . P, with C over the piece and P over the control points of the part. Four m are tried: away from the
-//!    core, against the part's normal, down, and to the side.
-//! 2. *Ball*: a ball cutter holds the cutter and touches it along the circle that faces along m; a ball
-//!    cutter is its own. The squared distance to a line, to a point, or (`ball`) a lower bound of that to a
-//!    circle is a polynomial of twice the part's degree, or the quotient of two. Its least Bernstein
-//!    coefficient bounds it. Along the line of contact this polynomial hardly varies, so the bound is tight
-//!    on large parts.
-//! 3. *Shank*: a point of the part that is above the ball's centre keeps from its axis at least what m shows,
-//!    over the length of the horizontal part of m. Where this is enough, the ball alone matters.
-//! 4. *Rims*: a sharp rim reaches farther below a slope than any point of the slope is deep in the cutter, by
-//!    up to the root of 2. Where the lowest point of the cutter lies below the part, and no edge of the
-//!    surface is nearer than that, the m against the part's normal counts for more than the others (`planes`,
-//!    `part`), so that the bound covers both depths.
-//! 5. An undecided pair is halved: the piece or the part, whichever reaches farther along m. A pair whose
-//!    bound is no deeper than the deepest penetration found so far is dropped, and one that is small against
-//!    the gap is as good as exact.
+//! 1. *Planes*: let m be a unit vector that does not point up, and C the centre of the disc. P is no deeper
+//!    than reach(m) + max m . C - min m . P, with C over the piece and P over the control points of the part.
+//!    Four m are tried: away from the core, against the part's normal, down, and to the side.
+//! 2. *Ball*: a ball cutter contains the cutter and touches it along the circle that faces along m. For a
+//!    ball cutter this is the cutter itself. The squared distance of P to a line or a point is a polynomial
+//!    of twice the part's degree, or the quotient of two. So is a lower bound of the squared distance to a
+//!    circle (`ball`). The least Bernstein coefficient bounds the distance. Along the line of contact the
+//!    polynomial hardly varies, so the bound is tight on large parts.
+//! 3. *Shank*: m also bounds the distance from the axis of points above the ball's centre. It is at least the
+//!    part's distance from the centre along m, divided by the length of the horizontal component of m. Where
+//!    this is enough, only the ball matters.
+//! 4. *Rims*: a sharp rim reaches below a slope by up to sqrt(2) times the depth of any surface point in the
+//!    cutter. Where the farthest point of the cutter along m lies below the part, and no edge of the surface
+//!    is as near, the m against the part's normal takes precedence over the others (`planes`, `part`). The
+//!    bound then covers both depths.
+//! 5. An undecided pair is halved: the piece or the part, whichever extends farther along m. A pair is
+//!    dropped when its bound exceeds the deepest penetration found so far by no more than the gap. A pair
+//!    that is small against the gap is not halved: its bound is as good as exact.
 //!
 //! # Guarantees
 //! `bound_mm` is never below the true depth of a surface point in the cutter, for every point of every move;
-//! rounding is counted. The cutter reaches no farther below the surface either, where the surface is smooth
-//! around the place. It exceeds the larger of both by about `gap` and the slack of the path, unless the limit
-//! of work is reached, where it is larger but still a bound. `found_mm` is the depth of a surface point.
-//! Nothing about the path is assumed, nor about the surface beyond its nets.
+//! rounding is counted. Where the surface is smooth around the place, the cutter also reaches no farther than
+//! `bound_mm` below the surface. `bound_mm` exceeds the larger of the two depths by about `gap` and the slack
+//! of the path. When the work limit is reached it exceeds them by more, but it is still a bound. `found_mm`
+//! is the depth of a surface point. The proof assumes nothing about the path, and nothing about the surface
+//! beyond its control nets.
 //!
 //! # Degenerate input
-//! Curves of length zero are points. Helices are replaced by chords, and the chords' height is counted.
+//! Curves of length zero are points. Helices and parabolas are replaced by chords, and the chords' height is
+//! counted.
 //!
 //! # Cost
 //! O(n log m) for n pieces of path and m patches, and O(1) parts examined for a piece. In the benchmark a
-//! move of a ball takes 35 microseconds, whether there are a thousand or four thousand.
+//! move of a ball takes 35 microseconds, among a thousand moves as among four thousand.
 
 mod ball;
 mod part;
@@ -57,21 +61,23 @@ use piece::PathPiece;
 use planes::{Planes, Shown, sideways};
 use solid::Solid;
 
-/// Pairs halved for one piece; beyond this the bound at hand is taken.
+/// Largest number of pairs halved for one piece. At this limit the search returns the bound it has, which may
+/// exceed the true depth by more than the gap.
 const PAIR_LIMIT: usize = 20_000;
 
-/// Pairs of a part and a piece that are shorter than this part of the gap are not halved: their bound is as
+/// Length, as a share of the gap, below which a pair of a part and a piece is not halved: its bound is as
 /// good as exact.
 const SMALLEST: f64 = 0.25;
 
-/// Where piece and part reach less far along m than this part of the bound, something else keeps it large:
-/// the longer one is halved.
+/// Spread of piece and part along m, as a share of the bound, below which the spread is not what keeps the
+/// bound large. The longer of the two is halved then.
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// Pairs between two looks at the budget.
+/// Pairs between two checks of the budget.
 const PAIRS_BETWEEN_CHECKS: usize = 256;
 
-/// Rounding of one bound in parts of the coordinates' magnitude: some hundred operations of half an ulp each.
+/// Rounding of one bound, as a share of the coordinates' magnitude: several hundred operations of half an ulp
+/// each.
 const ROUNDING: f64 = 1e-13;
 
 /// The deepest penetration of a cutter into a surface.
@@ -79,34 +85,34 @@ const ROUNDING: f64 = 1e-13;
 pub struct Penetration {
     /// Proved upper bound, mm, zero or more.
     pub bound_mm: f64,
-    /// The deepest that was found, mm; zero where none was.
+    /// Depth of the deepest surface point found, mm; zero where none was found.
     pub found_mm: f64,
-    /// The surface point where it was found.
+    /// The surface point at that depth.
     pub at: Option<Point3<f64>>,
 }
 
 impl Penetration {
     pub const NONE: Penetration = Penetration { bound_mm: 0.0, found_mm: 0.0, at: None };
 
-    /// The deepest of this and of `other`.
+    /// The deeper of the two penetrations found, with the larger of the two bounds.
     pub fn or_deeper(self, other: Self) -> Self {
         let deeper = if other.found_mm > self.found_mm { other } else { self };
         Self { bound_mm: self.bound_mm.max(other.bound_mm), ..deeper }
     }
 }
 
-/// A surface and a cutter made ready for the question how deep the cutter cuts.
+/// A surface and a cutter, prepared for proofs of how deep the cutter cuts.
 pub struct GougeProof<'a, P> {
     surface: &'a BezierSurface<P>,
     tree: BoundingTree<Bounds, [usize; 2]>,
-    /// Of each patch.
+    /// For each patch, which of its sides are sharp edges.
     edges: Vec<Sides>,
     solid: Solid,
     /// Height of the corner circle's centre over the tip, mm.
     rise: f64,
     /// The largest absolute coordinate of a control point, mm.
     magnitude: f64,
-    /// Length of the pieces into which a path is cut before the search, mm: the mean size of a patch, at
+    /// Length of the pieces into which a path is cut before the search, mm: the mean size of a patch, but at
     /// least the cutter's diameter.
     piece_length: f64,
 }
@@ -133,8 +139,8 @@ impl Visitor<Bounds, [usize; 2]> for Near {
 }
 
 impl<'a, P: Patch> GougeProof<'a, P> {
-    /// The axis of `cutter` is along +z. With `stock` mm to be left on the surface, the cutter counts as that
-    /// much larger all around.
+    /// The axis of `cutter` is along +z. `stock` is the material to be left on the surface, mm: the proof
+    /// enlarges the cutter by it on all sides.
     pub fn new(surface: &'a BezierSurface<P>, cutter: &Cutter, stock: f64) -> Self {
         let tree = surface.bounding_tree();
         let magnitude = tree.volume().magnitude();
@@ -147,8 +153,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         Self { surface, tree, edges, solid, rise: cutter.corner_radius(), magnitude, piece_length }
     }
 
-    /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm.
-    /// The control may leave the curve by `slack` mm; that much is added to the bound.
+    /// Raises `deepest` to the penetration of the cutter while its tip follows `tip`, to within `gap` mm. The
+    /// control may leave the curve by `slack` mm; the slack is added to the bound.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -164,8 +170,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
             budget.check()?;
             let mut near = Near { reach: piece.reach(&self.solid), patches: Vec::new() };
             self.tree.search(&mut near);
-            // What the slack adds is the same for every part, so the search need not know it; but a piece
-            // with slack must be found less deep to be good enough.
+            // The search leaves the slack out, because it adds the same to every part. So a piece with slack
+            // must be found less deep to be good enough.
             let bound = deepest.bound_mm.max(deepest.found_mm + gap) - piece.slack;
             let mut own = Penetration::NONE;
             self.search(piece, &near.patches, Enough { gap, bound }, &mut own, budget)?;
@@ -189,8 +195,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         Ok(deepest)
     }
 
-    /// Raises `deepest` to the penetration by one piece without its slack. Best first: the pair with the
-    /// largest bound is halved next, until that bound is good enough.
+    /// Raises `deepest` to the penetration by one piece without its slack. The search is best first: it
+    /// halves the pair with the largest bound next, until that bound is good enough.
     fn search(
         &self,
         piece: PathPiece,
@@ -234,7 +240,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         Ok(())
     }
 
-    /// Examines a pair and keeps it open where it may matter.
+    /// Bounds a pair, and queues it for halving unless its bound is good enough.
     fn add(
         &self,
         piece: PathPiece,
@@ -289,7 +295,8 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         }
     }
 
-    /// Bounds the penetration of one part by one piece; the search ends at `enough`.
+    /// Bounds the penetration of one part by one piece. Tries no further bounds once one is at most `enough`
+    /// mm.
     fn examine(&self, piece: &PathPiece, part: &SubPatch<P>, enough: f64) -> Depth {
         let center = part.patch.center();
         let nearest = piece.nearest(&center, self.solid.flat);
@@ -311,7 +318,7 @@ impl<'a, P: Patch> GougeProof<'a, P> {
             || (away.is_none() || !is_ball)
                 && (planes.add(look_along(&-Vector3::z()), false)
                     || sideways(&off).is_some_and(|m| planes.add(look_along(&m), false)));
-        // No point is farther from the outside than the axis.
+        // No point of the cutter is deeper than a point of its axis.
         let bound = planes.bound().clamp(0.0, self.solid.radius());
         let by_plane = Depth { bound, found: None, shown_by: ShownBy::Planes(planes.halved()) };
         if is_settled {
@@ -322,21 +329,21 @@ impl<'a, P: Patch> GougeProof<'a, P> {
         let m = facing.unwrap_or(planes.halved()[0]);
         let Some(around) = self.solid.ball_around(&m) else { return by_plane };
         let rounding = rounding + ROUNDING * (around.radius + around.rise);
-        // From the ball's centre, along m.
+        // The part's least distance along m from the ball's centre.
         let apart = part.patch.lowest_along(&m) - piece.support(&m) - m.z * around.rise - rounding;
         let shank = if apart > 0.0 { around.radius - apart / m.xy().norm() } else { around.radius };
         if shank > enough {
             return by_plane;
         }
         let ball = ball::nearness(piece, around.rise, &part.patch);
-        // The lowest point of the cutter may lie beside this part, by as much as it lies below it. So far
-        // beside, the ball is higher by no more than depth^2 / radius.
+        // The cutter's farthest point along m may lie beside this part, by as much as it lies below the part.
+        // There the ball is higher by no more than depth^2 / radius.
         let beside = planes
             .along_normal()
             .map_or(0.0, |depth| if is_ball { 0.0 } else { depth * depth / around.radius });
         let by_ball = (around.radius - ball.lowest_distance + rounding).max(shank).max(0.0) + beside;
-        // A ball that is larger than the cutter may never show enough, nor may one on an arc about the part:
-        // planes do in the end.
+        // The bound by a ball larger than the cutter may stay too large however small the pair is. So may the
+        // bound by a ball on an arc about the part. Planes decide such pairs in the end.
         let shown_by = if is_ball && by_ball < bound {
             ShownBy::Ball { varies_along_u: ball.varies_along_u }
         } else {
@@ -349,14 +356,14 @@ impl<'a, P: Patch> GougeProof<'a, P> {
 /// The penetration of one part by one piece: its bound, and the depth found.
 struct Depth {
     bound: f64,
-    /// A depth that is reached, and where.
+    /// The depth of one surface point, mm, and that point.
     found: Option<(f64, Vector3<f64>)>,
     shown_by: ShownBy,
 }
 
-/// What showed a bound.
+/// What gave a bound.
 enum ShownBy {
-    /// Those at right angles to these.
+    /// Planes at right angles to these unit vectors.
     Planes([Vector3<f64>; 2]),
     Ball {
         varies_along_u: bool,
@@ -369,11 +376,11 @@ enum Halving {
     Piece,
     AlongU,
     AlongV,
-    /// Part and piece are as good as points.
+    /// Part and piece are so small that halving them changes nothing.
     Never,
 }
 
-/// A piece and a part that are not decided yet.
+/// An undecided piece and part, and what to halve next.
 #[derive(Clone, Copy)]
 struct Pair<P> {
     piece: PathPiece,
@@ -381,12 +388,12 @@ struct Pair<P> {
     halving: Halving,
 }
 
-/// When a bound is good enough.
+/// States which bounds are good enough.
 #[derive(Clone, Copy)]
 struct Enough {
-    /// Within this of the deepest penetration that the piece was found to make, mm.
+    /// A bound that exceeds the deepest penetration found by no more than this, mm, is good enough.
     gap: f64,
-    /// Or not above this, mm.
+    /// So is a bound that is not above this, mm.
     bound: f64,
 }
 

@@ -7,19 +7,22 @@
 //! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
 //!    at the centre;
 //!
-//! otherwise it is halved across the direction in which its tangents change more. So it is for a while where
-//! the steepness across the planes is only roughly known, and more so where it may be the steepest or the
-//! most hollow. A centre that violates a condition is the place of the answer `Overhang`; so is a box that is
-//! still undecided at the limits of depth and number: there the condition fails, or holds by less than could
-//! be proved. `Folds` names the most concave place that is found on the whole surface.
+//! otherwise it is halved across the direction in which its tangents change more. A finished box is halved
+//! further, to a limited depth, while its [`Slope::share`] is only roughly known. The share must be known
+//! better where the box may be the steepest or the most concave place of the surface.
+//!
+//! A centre that violates condition 1 is the place of the error `Overhang`, and a centre that violates
+//! condition 2 shows that the offset `Folds`. A box may still be undecided at the limits of depth and number.
+//! Then the condition in doubt gives the error: it fails there, or holds by less than could be proved.
+//! `Folds` names the most concave place that is found on the whole surface.
 //!
 //! # Guarantees
-//! `Ok` is a proof over the whole surface: n . z > 0, every concave curvature below 1 / R. The bounds hold
-//! for the offset surface and for its plane sections.
+//! `Ok` is a proof over the whole surface: n . z > 0, and every concave curvature is below 1 / R. The bounds
+//! hold for the offset surface and for its plane sections.
 //!
 //! # Cost
-//! O(boxes); the number of boxes a patch falls with the square of its size over its radius of curvature and
-//! grows with the inverse square of the margin of condition 2.
+//! O(boxes). The number of boxes of a patch grows with the square of its size over its radius of curvature,
+//! and with the inverse square of the margin of condition 2.
 
 use nalgebra::Point3;
 
@@ -38,7 +41,8 @@ pub enum Irregular {
     Folds { at: Point3<f64> },
 }
 
-/// What is proved of a surface and of the sections of its offset with the planes at right angles to one axis.
+/// What is proved about a surface, and about the sections of its offset with planes at right angles to one
+/// axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regularity {
     spans: [usize; 2],
@@ -47,31 +51,32 @@ pub struct Regularity {
     slopes: Vec<Slope>,
 }
 
-/// Places on the offset of a surface that are alike to a cutter that moves along parallel planes.
+/// A class of places on the offset of a surface that are about equally steep across parallel planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope {
-    /// Distance of two planes over that of the sections in them, along the surface: 1 where the surface does
-    /// not rise across the planes, less where it is steeper. A lower bound.
+    /// Distance of two planes, divided by the distance of the sections in them along the surface. It is 1
+    /// where the surface does not rise across the planes, and less where the surface is steeper. A lower
+    /// bound.
     pub share: f64,
-    /// Largest curvature of the offset where it is concave, here or where it is less steep, 1/mm; zero or
+    /// Largest concave curvature of the offset at places that are this steep or less steep, 1/mm; zero or
     /// more. An upper bound.
     pub concavity: f64,
 }
 
-/// Classes of steepness, of equal shares.
+/// Number of classes of steepness. Each covers an equal range of shares.
 const SLOPE_CLASSES: usize = 64;
 
-/// What is known of a part that a ball can follow.
+/// What is proved about a box that a ball can follow.
 #[derive(Debug, Clone, Copy)]
 struct Followed {
     section_curvature: f64,
     slope: Slope,
-    /// Whether the slope's share is nearly that at the centre.
+    /// Whether the slope's share is nearly the share at the box's centre.
     is_sharp: bool,
 }
 
 impl Regularity {
-    /// The worst of the kinds of places on the offset, by steepness.
+    /// The worst values of each class of steepness that occurs, the least steep class first.
     pub fn slopes(&self) -> &[Slope] {
         &self.slopes
     }
@@ -89,26 +94,27 @@ impl Regularity {
     }
 }
 
-/// Halvings of one patch. Two million times smaller than a patch, a box that is still undecided violates the
-/// condition, or holds it by less than a micrometre's part of the cutter.
+/// Largest number of halvings of one patch. A box at this depth is two million times smaller than its patch.
+/// If it is still undecided, it violates the condition, or holds it by less than a micrometre's part of the
+/// cutter.
 const DEPTH_LIMIT: u32 = 42;
 
-/// A slope is sharp when its share is at least this part of that at the box's centre. Scallops grow with the
-/// inverse square of the share, so they are overestimated by no more than a tenth.
+/// A slope is sharp when its share is at least this part of the share at the box's centre. Scallops grow with
+/// the inverse square of the share, so they are overestimated by about a tenth at most.
 const SHARPNESS: f64 = 0.95;
 
-/// Where a slope is neither as steep nor as hollow as others on the surface this will do: nothing is left
-/// there that is as high.
+/// The same for a box that is less steep and less concave than other places of the surface. The other places
+/// leave higher scallops, so this is sharp enough.
 const SHARPNESS_ELSEWHERE: f64 = 0.85;
 
-/// Places of a patch, each way, at which the steepest and the most hollow are looked for.
+/// Samples of a patch, each way, in the search for the steepest and the most concave place.
 const SAMPLES: usize = 3;
 
-/// Halvings of one patch for the sake of sharp slopes alone.
+/// Depth to which a patch is halved only to make slopes sharp.
 const SHARP_DEPTH: u32 = 14;
 
-/// Boxes of one patch. A fold or an overhang is found at a box's centre long before; only a surface that
-/// touches the condition along a curve comes here.
+/// Largest number of boxes of one patch. A fold or an overhang is found at a box's centre long before. Only a
+/// surface that reaches the limit of a condition along a curve needs so many boxes.
 const BOX_LIMIT: usize = 200_000;
 
 /// Proves that a ball of `radius` mm can follow `surface`, whose normal points up at its first corner, and
@@ -132,7 +138,7 @@ pub fn prove(
             Err(other) => return Err(other),
         }
     }
-    // A way up or down a slope passes places that are less steep: what is concave there counts here too.
+    // A move up or down a slope passes places that are less steep. Their concavity counts here too.
     let mut concavity = 0.0f64;
     let from_level = proof.slopes.into_iter().rev().flatten();
     let slopes = from_level
@@ -144,7 +150,7 @@ pub fn prove(
     Ok(Regularity { spans: surface.spans(), section_curvatures, slopes })
 }
 
-/// The fold at the most concave of 5 x 5 points a patch, or at `at` where none is concave.
+/// The error `Folds` at the most concave of 5 x 5 points of each patch, or at `at` if no point is concave.
 fn tightest(
     surface: &BezierSurface<impl Patch>,
     at: Point3<f64>,
@@ -165,7 +171,7 @@ fn tightest(
     Ok(Irregular::Folds { at: worst.1 })
 }
 
-/// The least share and the largest concavity that are seen, at whatever places.
+/// The least share and the largest concavity among samples of the surface, which may be at different places.
 fn worst_slope(
     surface: &BezierSurface<impl Patch>,
     radius: f64,
@@ -189,7 +195,7 @@ fn worst_slope(
     Ok(worst)
 }
 
-/// The share of a slope: the length of the part of the unit normal in the plane.
+/// The share at a place: the length of the unit normal's component in the plane.
 fn share_at(jet: &Jet, axis: usize) -> f64 {
     let normal = jet.normal();
     (1.0 - (normal[axis] / normal.norm()).powi(2)).sqrt()
@@ -207,7 +213,7 @@ struct Proof<'a> {
 }
 
 impl Proof<'_> {
-    /// The bound of the sections' curvature over one patch.
+    /// Proves one patch. Returns the bound of the sections' curvature over it, 1/mm.
     fn of_patch(&mut self, patch: &impl Patch) -> Result<f64, Irregular> {
         let mut bound = 0.0f64;
         let mut stack = vec![(*patch, 0u32)];
@@ -282,8 +288,8 @@ impl Proof<'_> {
         if margin < 0.5 * (1.0 - radius * true_high) || margin <= 0.0 {
             return Finding::Undecided(Doubt::Curvature);
         }
-        // The section's curvature is the normal curvature of the offset over the part of the normal in the
-        // plane.
+        // The section's curvature is the normal curvature of the offset, divided by the length of the unit
+        // normal's component in the plane.
         let mut in_plane = cross.center;
         in_plane[axis] = 0.0;
         let share = (in_plane.norm() - cross.radius) / (length + cross.radius);
@@ -330,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_above_the_truth_and_not_far() {
+    fn curvature_bounds_are_above_the_true_curvature_and_close() {
         // A cylinder of radius 40 along y, convex: its offset's sections at constant y have radius 45.
         let dome = grid(41, 30.0, |x, _| (1600.0 - x * x).sqrt());
         let bound = prove(&dome, 5.0, 1, &Budget::unlimited()).unwrap();

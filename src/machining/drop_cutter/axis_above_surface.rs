@@ -1,4 +1,5 @@
-//! Whether the axis of a cutter is over the surface: where it stands level, it counts only there.
+//! Whether the axis of a cutter is over the surface. A contact at which the cutter stands level counts only
+//! there.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -9,10 +10,10 @@ use crate::geometry::surface::patch::{Bounds, Patch};
 /// Steps of Newton's method on one part.
 const STEPS: usize = 10;
 
-/// A place this near to the axis in plan is under it, mm.
+/// Distance in plan, mm, up to which a place counts as under the axis.
 const UNDER_MM: f64 = 1e-9;
 
-/// Halvings of one part that may be under the axis.
+/// Largest number of halvings of one part that may be under the axis.
 const HALVINGS: usize = 32;
 
 impl<P: Patch> Contacts<'_, P> {

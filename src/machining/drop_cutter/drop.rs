@@ -1,5 +1,5 @@
-//! The search for the contact at one place: Newton's method for the best, and the proof that nothing lifts
-//! the tip higher.
+//! The search for the contact at one position. Newton's method finds the highest contact, and a proof shows
+//! that nothing lifts the tip higher.
 
 use nalgebra::{Point3, Vector2};
 
@@ -15,11 +15,12 @@ use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
-/// Newton steps where the contact is expected, on one patch, and patches that are tried one after another.
+/// Newton steps on one patch where the contact is expected, and number of patches that are tried one after
+/// another.
 const FIRST_STEPS: usize = 5;
 const PATCHES_TRIED: usize = 3;
 
-/// The best contact known while others are looked for.
+/// The highest contact found so far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Best {
     pub(super) height: f64,
@@ -28,21 +29,21 @@ pub(super) struct Best {
     pub(super) lower: LowerPoint,
 }
 
-/// A search for the contact at one place.
+/// A search for the contact at one position.
 pub(super) struct Drop<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
     track: AxisMove,
-    /// The tip is proved to be this exact, mm.
+    /// Accuracy to which the tip is proved, mm.
     accuracy: f64,
-    /// Where the contact is expected.
+    /// The parameters near which the contact is expected.
     guess: Option<[f64; 2]>,
     best: Option<Best>,
-    /// What the best says of other parts.
+    /// The bounds on other parts by the best contact.
     support: Option<Support>,
     round: Option<RoundBodies>,
-    /// Parts that may lift the tip higher, with how high.
+    /// Parts that may lift the tip higher, with bounds of the height to which they lift it.
     open: BestFirst<SubPatch<P>>,
-    /// What could not be proved to be lower.
+    /// Bound of the tip's height, mm, where the search ended early; else minus infinity.
     above: f64,
 }
 
@@ -92,12 +93,12 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// What is no higher does not matter.
+    /// Parts that lift the tip no higher than this, mm, do not matter.
     fn level(&self) -> f64 {
         self.best.map_or(f64::NEG_INFINITY, |best| best.height + self.accuracy)
     }
 
-    /// Looks first where the contact is expected, and goes on over joints of patches.
+    /// Climbs from the parameters `place`, and goes on over joints of patches.
     pub(super) fn try_at(&mut self, mut place: [f64; 2]) {
         let spans = self.contacts.surface.spans();
         let mut patch = [0, 1].map(|k| span_of(place[k], spans[k]));
@@ -116,7 +117,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         self.renew_support();
     }
 
-    /// What the best says of other parts, once it stands.
+    /// Computes the bounds by the best contact, unless they are up to date.
     fn renew_support(&mut self) {
         if let (None, Some(best)) = (&self.support, &self.best) {
             self.support = Some(Support::of(&self.contacts.cutter, &best.lower, &self.track));
@@ -124,12 +125,12 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// The height of the best.
+    /// The height of the best contact, as a level.
     fn flat_level(&self) -> Level {
         Level { level: self.best.map_or(f64::NEG_INFINITY, |best| best.height), slope: 0.0 }
     }
 
-    /// Climbs one patch; answers where it ends.
+    /// Climbs on one patch. Returns the parameters at which the climb ends.
     fn climb_patch(&mut self, [i, j]: [usize; 2], place: [f64; 2]) -> [f64; 2] {
         let patch = self.contacts.surface.patch(i, j);
         let start = [i as f64, j as f64];
@@ -157,8 +158,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// Halves what may lift the tip higher, the most promising first, until nothing is left or so many are
-    /// halved.
+    /// Halves the parts that may lift the tip higher, the one with the highest bound first, until none is
+    /// left or `most` parts are halved.
     pub(super) fn close(&mut self, most: usize, budget: &Budget) -> Result<(), Stopped> {
         for halvings in 1.. {
             let Some((highest, part)) = self.open.pop() else { return Ok(()) };
@@ -182,8 +183,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         Ok(())
     }
 
-    /// The most that a part can lift the tip, as far as it matters; what is found on the way may become the
-    /// best.
+    /// Upper bound of the height to which a part lifts the tip. It is refined only until it is no higher than
+    /// [`Self::level`]. A contact found on the way may become the best.
     fn highest(&mut self, part: &SubPatch<P>) -> f64 {
         if let (Some(best), Some(support)) = (&self.best, &self.support) {
             let highest = best.height + support.excess(part, &self.track, &self.flat_level());
@@ -201,7 +202,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
         let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
         let (under, is_found) = self.climb_part(part, start);
-        // Whoever starts beside the cutter may never get under it.
+        // A climb that starts beside the cutter may never get under it.
         let under = if is_found || under <= self.level() {
             under
         } else {
@@ -210,8 +211,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         highest.min(under)
     }
 
-    /// Climbs a part from a place in its own parameters: the most that it can lift the tip, as seen on the
-    /// way, and whether any place of the way lifts it.
+    /// Climbs on a part from a place in the part's own parameters. Returns an upper bound of the height to
+    /// which the part lifts the tip, and whether any place of the climb lifts it.
     fn climb_part(&mut self, part: &SubPatch<P>, start: [f64; 2]) -> (f64, bool) {
         let (contacts, track) = (self.contacts, self.track);
         let bends = part.bends();
@@ -225,7 +226,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             let least = self.best.map_or(jet.point.z, |best| best.height);
             let level = Level { level: least, slope: 0.0 };
             let seen_from = |climb: &Climb| least + climb.excess(part, &bends, &jet, &level);
-            // The first place and the last say most.
+            // The first and the last place of a climb give the best bounds.
             if k == 1 {
                 highest = seen_from(&climb);
                 if highest <= self.level() {

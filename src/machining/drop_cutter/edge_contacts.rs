@@ -1,5 +1,5 @@
-//! Where the cutter is when it touches a side of a surface with its tangent plane: there sections begin and
-//! end.
+//! Positions of the axis at which the cutter touches the tangent plane on a side of a surface. Sections begin
+//! and end there.
 
 use nalgebra::Vector2;
 
@@ -9,20 +9,20 @@ use crate::geometry::solve::largest_place;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::patch::Patch;
 
-/// Places along a side of a patch at which positions are looked at. What bends more than once between two of
-/// them is not seen.
+/// Samples of the positions along a side of a patch. A turn back and forth between two samples is not seen.
 const SAMPLES: usize = 24;
 
-/// A surface is upright where its normal of unit length rises by less.
+/// The z coordinate of the unit normal below which a surface counts as upright.
 const UPRIGHT: f64 = 1e-9;
 
-/// Positions of the axis in plan over the four sides, in their order; gaps where the surface has no normal.
+/// Positions of the axis in plan along each of the four sides, in order; `None` where the surface has no
+/// normal.
 pub(super) struct Sides {
     positions: Vec<Vec<Option<Vector2<f64>>>>,
 }
 
 impl Sides {
-    /// The positions, with the farthest each way along `axis` among them.
+    /// Samples the positions, with those among them that are farthest each way along `axis`.
     pub(super) fn new<P: Patch>(
         contacts: &Contacts<P>,
         axis: usize,
@@ -31,7 +31,7 @@ impl Sides {
         let [nu, nv] = contacts.surface.spans();
         let sides = [(0, 0.0), (0, nv as f64), (1, 0.0), (1, nu as f64)];
         let mut positions = Vec::new();
-        // Along u or v, at a value of the other.
+        // `free` is the parameter along the side, `fixed` the value of the other parameter.
         for (free, fixed) in sides {
             budget.check()?;
             let place = |t: f64| if free == 0 { [t, fixed] } else { [fixed, t] };
@@ -45,7 +45,7 @@ impl Sides {
         self.positions.iter().flatten().flatten()
     }
 
-    /// Where the line at the coordinate `at` along `axis` meets the sides, by the other coordinate, rising.
+    /// Where the line at the coordinate `at` along `axis` meets the sides: the other coordinates, rising.
     pub(super) fn crossings(&self, axis: usize, at: f64) -> Vec<f64> {
         let mut crossings = Vec::new();
         for pair in self.positions.iter().flat_map(|side| side.windows(2)) {
@@ -61,13 +61,15 @@ impl Sides {
     }
 }
 
-/// Positions along a side of `n` patches, with those that are farther along `axis` than both neighbours.
+/// Positions along a side of `n` patches. Added to the samples are positions that are farther along `axis`
+/// than both neighbours.
 fn along(n: usize, position: impl Fn(f64) -> Option<Vector2<f64>>, axis: usize) -> Vec<Option<Vector2<f64>>> {
     let step = 1.0 / SAMPLES as f64;
     let even: Vec<_> = (0..=n * SAMPLES).map(|k| position(k as f64 * step)).collect();
     let mut positions = vec![even[0]];
     for k in 1..even.len() {
-        // A turn near one end of the interval, as the neighbour beyond that end tells.
+        // The positions may turn back within this interval, near one of its ends: the sample beyond that end
+        // shows it.
         for (near, far, beyond) in [(k - 1, k, k.checked_sub(2)), (k, k - 1, Some(k + 1))] {
             let beyond = beyond.and_then(|beyond| even.get(beyond).copied().flatten());
             let (Some(near), Some(far), Some(beyond)) = (even[near], even[far], beyond) else { continue };
@@ -82,7 +84,8 @@ fn along(n: usize, position: impl Fn(f64) -> Option<Vector2<f64>>, axis: usize) 
     positions
 }
 
-/// Where the axis of the cutter is when it touches the surface at a place with its tangent plane.
+/// The position of the axis while the cutter touches the tangent plane at a place; `None` where the surface
+/// has no normal.
 pub(super) fn position<P: Patch>(contacts: &Contacts<P>, [u, v]: [f64; 2]) -> Option<Vector2<f64>> {
     let jet = contacts.surface.jet(u, v);
     let gradient = jet.gradient();

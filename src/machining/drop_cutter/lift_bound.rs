@@ -1,11 +1,11 @@
-//! How high a part can lift a cutter: an upper bound by quadratic functions.
+//! Bounds from above how high a part can lift a cutter, by quadratic functions.
 //!
 //! # Method
-//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). The height h of the cutter's lower
-//! side is supported by a tangent plane and a quadratic form ([`Cutter::support_forms`]), so that over the
-//! part the lift is at most a function of the parameters, and of the way t of the axis along a line, whose
-//! second derivatives are known within bounds. If it is concave in the parameters, its largest value over the
-//! part is that of a quadratic function in a square.
+//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). A tangent plane plus a quadratic
+//! form supports the height h of the cutter's lower side from below ([`Cutter::support_forms`]). So over the
+//! part the lift is at most a function of the parameters and of t, the position of the axis along a line. The
+//! second derivatives of this function are known within bounds. If it is concave in the parameters, its
+//! largest value over the part is at most that of a quadratic function in a square.
 //!
 //! # Guarantees
 //! An upper bound for every point of the part and every t, but for rounding.
@@ -18,15 +18,16 @@ use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::geometry::surface::vector_ball::VectorBall;
 use crate::machining::cutter::{Cutter, Form, LowerPoint};
 
-/// The part of the least curvature that pays for what is not known of how it changes with the way.
+/// Share of the least curvature that is given up to bound how the gradient by the parameters changes along
+/// the track.
 const SHARE_FOR_DOUBT: f64 = 0.2;
 
-/// A form is definite where its least value is this part of its largest: the smaller part for lifts that are
-/// level along a line, as those of swept and turned surfaces, the larger where the form must make up for
-/// doubt.
+/// A form is definite where its least value is this share of its size. Both shares are tried. The smaller one
+/// suits lifts that are level along a line, as on swept and turned surfaces. The larger one suits forms that
+/// must also cover uncertainty.
 const LEAST_SHARES: [f64; 2] = [1e-13, 1e-6];
 
-/// Positions of the axis: `center` + t `way`, |t| <= `reach`.
+/// Positions of the axis in plan: `center` + t `way`, |t| <= `reach`, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AxisMove {
     pub(super) center: Vector2<f64>,
@@ -40,7 +41,7 @@ impl AxisMove {
         Self { center, way: Vector2::zeros(), reach: 0.0 }
     }
 
-    /// The positions from one to another.
+    /// The straight move from one position to another.
     pub(super) fn between(from: Vector2<f64>, to: Vector2<f64>) -> Self {
         let length = (to - from).norm();
         let way = if length > 0.0 { (to - from) / length } else { Vector2::zeros() };
@@ -52,8 +53,8 @@ impl AxisMove {
         self.center + self.way * self.way.dot(&(place - self.center)).clamp(-self.reach, self.reach)
     }
 
-    /// The squared distance in plan between a box and `at` moved along with the axis, at least, mm^2; exact
-    /// along x and y.
+    /// Lower bound of the squared distance in plan, mm^2, between a box and the place `at`, which moves along
+    /// with the axis. It is exact for moves along x or y.
     pub(super) fn squared_distance(&self, bounds: &Bounds, at: &Vector2<f64>) -> f64 {
         let beyond = |k: usize| {
             let half = self.way[k].abs() * self.reach;
@@ -64,7 +65,7 @@ impl AxisMove {
     }
 }
 
-/// What a lift is compared with: `level` + t `slope`, mm.
+/// The height with which lifts are compared, mm: `level` + t `slope`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
     pub(super) level: f64,
@@ -99,7 +100,7 @@ pub(super) struct Touch<'a, P> {
 }
 
 impl<P: Patch> Touch<'_, P> {
-    /// By how much the part lifts the tip above `level`, at most, mm; infinite where that is not known.
+    /// Upper bound of how far the part lifts the tip above `level`, mm; infinite where no bound is known.
     pub(super) fn excess(&self, cutter: &Cutter, track: &AxisMove, level: &Level) -> f64 {
         let from_touch = self.part.center - track.center - self.lower.place;
         let width = self.part.half_diagonal + track.reach;
@@ -121,7 +122,8 @@ impl<P: Patch> Touch<'_, P> {
         lowest
     }
 
-    /// The same by one form that is made definite by a share, and whether it was clearly so before.
+    /// The bound of [`Self::excess`] by one form that `least_share` makes definite; and whether the form was
+    /// clearly definite without that.
     fn excess_by(
         &self,
         form: &Form,
@@ -134,7 +136,8 @@ impl<P: Patch> Touch<'_, P> {
         let Bends { derivatives, first, second: by } = self.bends;
         let norm = form.norm();
         let gradient = &self.lower.gradient;
-        // The tangent plane's gradient over the part: at the centre, and how it changes.
+        // The gradient of the supporting function over the part: its value at the part's centre, and how much
+        // it changes.
         let middle = gradient + form.times(from_touch);
         let changes = norm * width;
         let length = (1.0 + middle.norm_squared()).sqrt();
@@ -154,7 +157,8 @@ impl<P: Patch> Touch<'_, P> {
         let mut n_uu = fu.dot(&cu) - uu - duu - norm * ru * (2.0 * nu + ru) - doubt_uv;
         let mut n_vv = fv.dot(&cv) - vv - dvv - norm * rv * (2.0 * nv + rv) - doubt_uv;
         let n_uv = fu.dot(&cv) - uv;
-        // What is not concave is bounded by what is, and by how much less it bends over the part.
+        // A function that is not concave is bounded by a more concave one, plus how much less that bends over
+        // the part.
         let (lacking, least) = lacking_curvature([n_uu, n_uv, n_vv], least_share);
         if !lacking.is_finite() {
             return (f64::INFINITY, true);
@@ -162,7 +166,7 @@ impl<P: Patch> Touch<'_, P> {
         let is_definite = lacking == 0.0 && least > LEAST_SHARES[1] * (n_uu + n_vv);
         n_uu += lacking;
         n_vv += lacking;
-        // How the gradient by the parameters changes with the way.
+        // How the gradient by the parameters changes along the track.
         let (with_u, with_v) = (fu.dot(&track.way), fv.dot(&track.way));
         let mut doubt_square = 0.0;
         if track.reach > 0.0 {
@@ -177,7 +181,8 @@ impl<P: Patch> Touch<'_, P> {
         let lift = self.jet.point.z - self.lower.height - gradient.dot(&off) - 0.5 * off.dot(&bent);
         let g = [self.jet.du, self.jet.dv].map(|d| d.z - slope.dot(&d.xy()));
         let own = Quadratic {
-            // Over the square no place is farther off than a diagonal.
+            // Two places of the square are at most a diagonal apart, so the added curvature lowers the
+            // function by no more than this.
             constant: lift - level.level + lacking,
             linear: slope.dot(&track.way) - level.slope,
             square: doubt_square - 0.5 * track.way.dot(&form.times(&track.way)),
@@ -193,8 +198,8 @@ impl<P: Patch> Touch<'_, P> {
     }
 }
 
-/// What makes a symmetric form definite, if it is added to both squares, zero where it is so; and the least
-/// value for a unit vector then.
+/// What must be added to both squares of a symmetric form to make it definite, zero if it is so already; and
+/// the form's least value for a unit vector after that.
 fn lacking_curvature([n_uu, n_uv, n_vv]: [f64; 3], least_share: f64) -> (f64, f64) {
     let half = 0.5 * (n_uu - n_vv);
     let least = 0.5 * (n_uu + n_vv) - (half * half + n_uv * n_uv).sqrt();
@@ -211,14 +216,15 @@ struct Bowl {
     n: Matrix2<f64>,
     /// The least value of N for a unit vector.
     least: f64,
-    /// Whether that is so little that N has no inverse to the arithmetic.
+    /// Whether `least` is so small that rounding forbids to invert N.
     is_level: bool,
     g: [f64; 2],
     with: [f64; 2],
 }
 
 impl Bowl {
-    /// The largest value of `own` and this over the square about `place`, for |t| <= reach.
+    /// Upper bound of `own` plus this function, for |t| <= reach and x over the unit square seen from
+    /// `place`.
     fn added(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
         if self.is_level {
             return self.in_square(own, place, reach);
@@ -233,8 +239,8 @@ impl Bowl {
             square: own.square + 0.5 * with.dot(&bent_with),
         };
         let mut largest = free.largest(reach);
-        // Where the place is on a side and the function falls from there for every t, that side holds the
-        // largest value.
+        // Where the place is on a side and the function falls inward from that side for every t, the largest
+        // value lies on that side.
         for (axis, at) in place.into_iter().enumerate() {
             let other = 1 - axis;
             let inward = match at {
@@ -264,16 +270,17 @@ impl Bowl {
                 slope <= 0.0
             })
         };
-        // With both falling, a concave function is largest in the corner.
+        // A concave function that falls along both sides from a corner is largest in the corner.
         if at_corner && falls_both(reach) && falls_both(-reach) {
             largest = largest.min(own.largest(reach));
         }
-        // Nearly flat, the function has its largest value far outside the square.
+        // A nearly flat function may be largest far outside the square: then the bound within the square is
+        // better.
         if largest > 0.0 { largest.min(self.in_square(own, place, reach)) } else { largest }
     }
 
-    /// The largest value of `own` without its downward bend, and this, over the square about `place`: convex
-    /// in t, it is at an end.
+    /// Upper bound of `own` plus this function over the square seen from `place`. `own` is taken without a
+    /// downward bend. So the sum is convex in t, and largest at an end of the track.
     fn in_square(&self, own: Quadratic, place: [f64; 2], reach: f64) -> f64 {
         let at = |t: f64| {
             let g = [0, 1].map(|k| self.g[k] + t * self.with[k]);
@@ -307,7 +314,7 @@ impl Bowl {
                 }
             }
         }
-        // From a place within, the way to a side along which N is least costs no more than this.
+        // Going from a place inside to a side, in the direction in which N is least, costs no more than this.
         if self.is_level { largest + self.least } else { largest }
     }
 }

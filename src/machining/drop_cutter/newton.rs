@@ -1,11 +1,14 @@
 //! Newton's method for the place of a part that lifts the cutter most.
 //!
 //! # Method
-//! Two ways to the same place. *By the tangent plane*: the cutter's point with the gradient of the surface
-//! lies over the surface point when the axis is where it should be; how that point moves with the parameters
-//! is bounded on the steepest walls and for sharp rims, too. *By the lift*: the gradient of z - h in the
-//! square of the part; it knows sides and corners, but a rim that is sharp has no gradient. The first is
-//! taken as long as it stays inside, the second at sides.
+//! Two methods lead to the same place.
+//! 1. *By the tangent plane*: the cutter has one point with the gradient of the surface. When the axis is
+//!    where it should be, this point lies over the surface point. Its movement with the parameters is
+//!    bounded, even on the steepest walls and for sharp rims.
+//! 2. *By the lift*: the gradient of z - h in the square of the part vanishes at the place. This method
+//!    handles sides and corners, but a sharp rim has no gradient.
+//!
+//! The first is used while its steps stay inside the part, the second at sides.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -16,26 +19,26 @@ use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::cutter::{Cutter, LowerPoint};
 
-/// Steps before a part is halved.
+/// Newton steps on a part before the part is halved.
 pub(super) const STEPS: usize = 7;
 
-/// A surface is level where its slope is less.
+/// Slope below which a surface counts as level.
 const LEVEL_SLOPE: f64 = 1e-12;
 
-/// A tangent point this near to its surface point touches it, in radii of the cutter.
+/// Largest distance, in radii of the cutter, at which a tangent point touches its surface point.
 pub(super) const TOUCHING: f64 = 1e-10;
 
-/// Slopes that are less are rounding: nothing is held by them.
+/// Slope below which a rise towards a side is only rounding, and the side does not hold the search back.
 const HELD_SLOPE: f64 = 1e-12;
 
-/// A lift that bends less than this part of the other way is level along a line: the step is across that
-/// line.
+/// A lift counts as level along a line if it bends there by less than this share of its bend across the line.
+/// The step then goes across the line.
 const LEVEL_SHARE: f64 = 1e-9;
 
-/// Places that are no farther outside, in parameters of the part, are on the side.
+/// Distance outside the part, in the part's parameters, up to which a place counts as on the side.
 const ON_SIDE: f64 = 1e-12;
 
-/// Steps shorter than this, in parameters of the part, are none.
+/// Length, in the part's parameters, up to which a step is none: the search ends.
 const NO_STEP: f64 = 1e-15;
 
 /// A place that lifts the cutter, in parameters of the part.
@@ -51,7 +54,7 @@ pub(super) struct Climb<'a> {
     cutter: &'a Cutter,
     track: &'a AxisMove,
     place: [f64; 2],
-    /// The cutter's point with the gradient of the surface, where there is one.
+    /// The cutter's point that has the gradient of the surface, where there is one.
     tangent: Option<LowerPoint>,
     /// The cutter's point over the surface point, where there is one.
     over: Option<LowerPoint>,
@@ -62,7 +65,7 @@ impl<'a> Climb<'a> {
         Self { cutter, track, place, tangent: None, over: None }
     }
 
-    /// The jet at the place, and what the cutter has to do with it.
+    /// Evaluates the surface at the place, and finds the cutter's points there. Returns the surface's jet.
     pub(super) fn look(&mut self, patch: &impl Patch) -> Jet {
         let jet = patch.jet(self.place[0], self.place[1]);
         let gradient = jet.gradient();
@@ -75,8 +78,8 @@ impl<'a> Climb<'a> {
         jet
     }
 
-    /// The point of a sharp rim that a side of the part crosses at the place, rising outwards, with the
-    /// gradient that keeps the side beneath the plane through it.
+    /// The point of a sharp rim that a side of the part crosses at the place, rising outwards. Its gradient
+    /// makes the plane through it contain the tangent of the side.
     fn on_rim(&self, jet: &Jet) -> Option<LowerPoint> {
         let off = self.off(jet);
         let radius = self.cutter.radius();
@@ -99,8 +102,8 @@ impl<'a> Climb<'a> {
         self.cutter.corner_radius() == 0.0
     }
 
-    /// The last place under a sharp rim on the straight way to `next`, where that lies beyond it; `next`
-    /// otherwise.
+    /// Where the cutter has a sharp rim and `next` lies beyond it: the last place under the rim on the
+    /// straight way to `next`. Otherwise `next`.
     fn under_rim(&self, patch: &impl Patch, next: [f64; 2]) -> [f64; 2] {
         let place = |t: f64| [0, 1].map(|k| self.place[k] + t * (next[k] - self.place[k]));
         let beyond = |t: f64| {
@@ -117,7 +120,7 @@ impl<'a> Climb<'a> {
         self.place
     }
 
-    /// A point of the cutter that may touch there.
+    /// A point of the cutter that may touch the surface at the place.
     pub(super) fn lower(&self) -> Option<LowerPoint> {
         self.tangent.or(self.over)
     }
@@ -126,8 +129,8 @@ impl<'a> Climb<'a> {
         jet.point.coords.xy() - self.track.center
     }
 
-    /// Whether the cutter touches with the tangent plane at the place that was looked at: to rounding, along
-    /// that plane too.
+    /// Whether the cutter touches the tangent plane at the place last evaluated. The distance along that
+    /// plane must be within rounding, too.
     fn touches(&self, jet: &Jet) -> bool {
         let limit = TOUCHING * self.cutter.radius();
         self.tangent.is_some_and(|tangent| {
@@ -136,12 +139,12 @@ impl<'a> Climb<'a> {
         })
     }
 
-    /// The lift at the place that was looked at.
+    /// The lift at the place last evaluated; `None` where the cutter is beside it.
     pub(super) fn found(&self, jet: &Jet) -> Option<Found> {
         let found = |height, lower| Some(Found { height, jet: *jet, place: self.place, lower });
         match (&self.tangent, &self.over) {
             (Some(tangent), _) if self.touches(jet) => {
-                // At steep places the height over the surface point knows less.
+                // At steep places this is more exact than the cutter's height over the surface point.
                 let beside = tangent.gradient.dot(&(self.off(jet) - tangent.place));
                 found(jet.point.z - tangent.height - beside, *tangent)
             }
@@ -150,7 +153,8 @@ impl<'a> Climb<'a> {
         }
     }
 
-    /// By how much the part lifts the tip above `level`, at most, as seen from the place that was looked at.
+    /// Upper bound of how far the part lifts the tip above `level`, mm, computed from the place last
+    /// evaluated.
     pub(super) fn excess<P: Patch>(
         &self,
         part: &SubPatch<P>,
@@ -169,12 +173,12 @@ impl<'a> Climb<'a> {
         excess
     }
 
-    /// Goes on to a better place of the unit square; whether there is one.
+    /// Moves to a better place of the unit square. Returns whether there is one.
     pub(super) fn step(&mut self, patch: &impl Patch, jet: &Jet) -> bool {
         if self.touches(jet) {
             return false;
         }
-        // Where a side holds it back, the surface's tangent plane has no say.
+        // Where a side holds the search back, the surface's tangent plane does not determine the contact.
         let is_held = self.over.as_ref().is_some_and(|over| self.is_held(jet, over));
         let by_tangent =
             (!is_held).then(|| self.by_tangent(jet)).flatten().filter(|next| self.is_inside(next));
@@ -189,7 +193,7 @@ impl<'a> Climb<'a> {
         !is_same
     }
 
-    /// Whether the lift would go on growing beyond a side.
+    /// Whether the lift would go on growing beyond a side that the place is on.
     fn is_held(&self, jet: &Jet, over: &LowerPoint) -> bool {
         [jet.du, jet.dv].iter().zip(self.place).any(|(d, t)| {
             let rise = d.z - over.gradient.dot(&d.xy());
@@ -201,7 +205,7 @@ impl<'a> Climb<'a> {
         place.iter().all(|t| (-ON_SIDE..=1.0 + ON_SIDE).contains(t))
     }
 
-    /// Newton's step for the tangent point to lie over the surface point.
+    /// The place after Newton's step that brings the tangent point over the surface point.
     fn by_tangent(&self, jet: &Jet) -> Option<[f64; 2]> {
         let tangent = self.tangent.as_ref()?;
         let off = self.off(jet) - tangent.place;
@@ -215,7 +219,8 @@ impl<'a> Climb<'a> {
         next.iter().all(|t| t.is_finite()).then_some(next)
     }
 
-    /// Newton's step for the lift, along the sides that it does not leave.
+    /// The place after Newton's step towards the largest lift. The step goes along a side that it cannot
+    /// leave inwards.
     fn by_lift(&self, jet: &Jet) -> Option<[f64; 2]> {
         let over = self.over.as_ref()?;
         let form = self.cutter.curvature(over);
@@ -246,7 +251,8 @@ impl<'a> Climb<'a> {
         next.iter().all(|t| t.is_finite()).then_some(next)
     }
 
-    /// The corner towards which the lift rises: where it does not bend down, it is largest at a side.
+    /// A place in the direction in which the lift rises, beyond the square. A lift that does not bend down is
+    /// largest at a side.
     fn uphill(&self, jet: &Jet) -> Option<[f64; 2]> {
         let over = self.over.as_ref()?;
         let rises = [jet.du, jet.dv].map(|d| d.z - over.gradient.dot(&d.xy()));
@@ -254,7 +260,7 @@ impl<'a> Climb<'a> {
         next.iter().all(|t| t.is_finite()).then_some(next)
     }
 
-    /// The free step, or the best one along the side that it would cross first.
+    /// The step `free` if it stays in the square, else the best step to the side that it would cross.
     fn within(&self, free: [f64; 2], g: [f64; 2], [uu, uv, vv]: [f64; 3]) -> [f64; 2] {
         let [u, v] = self.place;
         let room = |t: f64, step: f64| if step > 0.0 { 1.0 - t } else { -t };
@@ -270,7 +276,7 @@ impl<'a> Climb<'a> {
     }
 }
 
-/// Whether a function that rises by so much at a parameter has its largest value there.
+/// Whether `t` is at the end of 0..=1 beyond which a function with the derivative `rise` at `t` would grow.
 fn is_blocked(t: f64, rise: f64) -> bool {
     (t <= 0.0 && rise < 0.0) || (t >= 1.0 && rise > 0.0)
 }

@@ -1,23 +1,27 @@
-//! Whether a part stays outside a round body that holds the lower side of the cutter: exact where cutter and
-//! surface are both round.
+//! Proves that a part stays outside a round body that contains the lower side of the cutter. The proof is
+//! exact where cutter and surface are both round.
 //!
 //! # Method
-//! Two spheroids about the axis touch the cutter along the circle of one slope and hold all of its lower
-//! side. *The ball*: its centre sees the edge of the flat at that slope. *The flattened one*, for the rounded
-//! corner of a bull nose: with r the radius of the flat, q the squared distance from the axis and h the
-//! height over the corner's centre, the squared distance from the edge of the flat is q + r^2 - 2 r sqrt(q) +
-//! h^2. The root is concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2. Hence
-//! no point lies in the corner where q (c - r) / c + h^2 is at least the squared corner radius and r (c - r);
-//! c is the distance of the contact from the axis. On steep places it bends as the corner itself does.
+//! Two spheroids about the axis contain the whole lower side of the cutter and touch it along the circle of
+//! one slope.
 //!
-//! *A straight move*: with 2 m the vector of the move and x the coordinate along it from the middle, the
+//! *The ball*: the line from its centre to the edge of the flat is at right angles to the cutter at that
+//! slope.
+//!
+//! *The flattened spheroid*, for the rounded corner of a bull nose: let r be the radius of the flat, q the
+//! squared distance of a point from the axis, and h its height over the corner's centre. The squared distance
+//! of the point from the edge of the flat is q + r^2 - 2 r sqrt(q) + h^2. The square root is concave, so
+//! sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2. Hence a point does not lie in the
+//! corner where q (c - r) / c + h^2 is at least the squared corner radius plus r (c - r). c is the distance
+//! of the contact from the axis. On steep places this spheroid bends as the corner itself does.
+//!
+//! *A straight move*: let 2 m be the vector of the move, and x the coordinate along it from its middle. The
 //! squared distance from the nearest centre is at least d^2 + x^2 k / (1 + k) - k m^2 for every k >= 0, where
-//! d is the distance from the line of the centres. It is exact at
-//! |x| = (1 + k) |m|.
+//! d is the distance from the line of the centres. The bound is exact at |x| = (1 + k) |m|.
 //!
 //! Over a part, such a sum of squares is a polynomial or a quotient of two; its least Bernstein coefficient
-//! bounds it. Where the cutter fits a fillet, every point of an arc is as far from the centre as the others:
-//! no other bound sees that on more than tiny parts.
+//! bounds it. Where the cutter fits a fillet, all points of an arc are equally far from the centre. The other
+//! bounds decide such an arc only on tiny parts.
 
 use nalgebra::Vector3;
 
@@ -28,23 +32,24 @@ use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::cutter::{Cutter, LowerPoint};
 
-/// Contacts with a smaller slope have a ball as good as a plane.
+/// Least slope of a contact for which the ball is used. For a smaller slope the ball bounds no better than a
+/// plane.
 const LEAST_SLOPE: f64 = 0.02;
 
-/// A flattened spheroid with less weight in plan is as good as a plane.
+/// Least weight of a flattened spheroid. With less weight it bounds no better than a plane.
 const LEAST_WEIGHT: f64 = 1e-3;
 
-/// The round bodies about a cutter that touches where its slope is known.
+/// The round bodies that contain a cutter and touch it at the slope of a known contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RoundBodies {
     spheroids: [Option<Spheroid>; 2],
     side: Side,
-    /// The horizontal unit vector along the cutter at the place where it touches.
+    /// The horizontal unit vector that is tangent to the cutter at the contact.
     along: Vector3<f64>,
 }
 
-/// All places where `weight` times the squared distance from the axis, plus the squared height over the
-/// centre, is less than `squared`.
+/// All points for which `weight` times the squared distance from the axis, plus the squared height over the
+/// centre, is less than `squared` mm^2.
 #[derive(Debug, Clone, Copy)]
 struct Spheroid {
     squared: f64,
@@ -53,11 +58,11 @@ struct Spheroid {
     rise: f64,
 }
 
-/// Where a body is on its way: its centre in the middle of it, and half the way.
+/// A straight move of a body: the body's centre in the middle of the move, and half the vector of the move.
 struct Way {
     center: Vector3<f64>,
     half: Vector3<f64>,
-    /// The direction of view, level and of unit length, if the body is a cylinder along it.
+    /// A level unit vector, if the body is replaced by its cylinder along that vector.
     seen_along: Option<Vector3<f64>>,
 }
 
@@ -69,8 +74,8 @@ impl RoundBodies {
         Self { spheroids: Spheroid::around(cutter, lower), side: Side::new(cutter, lower, jet), along }
     }
 
-    /// Whether no point of a part lifts the tip over the level, for any position of the track. A `false` may
-    /// mean that this is not known.
+    /// Whether it is proved that no point of a part lifts the tip over the level, for any position of the
+    /// track.
     pub(super) fn keep_below<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> bool {
         let tip = Vector3::new(track.center.x, track.center.y, level.level);
         let half = Vector3::new(track.way.x, track.way.y, level.slope) * track.reach;
@@ -90,14 +95,16 @@ impl RoundBodies {
 }
 
 impl Spheroid {
-    /// Those that touch the cutter where its slope is that at `lower`, unless they are as good as a plane.
+    /// The ball and the flattened spheroid that touch the cutter at the slope of `lower`; `None` for a body
+    /// that bounds no better than a plane.
     fn around(cutter: &Cutter, lower: &LowerPoint) -> [Option<Self>; 2] {
         let (flat, corner, slope) = (cutter.flat_radius(), cutter.corner_radius(), lower.slope());
         let ball = |radius: f64, rise: f64| Self { squared: radius * radius, weight: 1.0, rise };
         if flat == 0.0 {
             return [Some(ball(corner, corner)), None];
         }
-        // Seen from the centre, the edge of the flat lies as steep below as the slope.
+        // The line from the ball's centre to the edge of the flat is at right angles to the cutter at this
+        // slope.
         let is_steep = slope > LEAST_SLOPE && slope.is_finite();
         let ball = is_steep.then(|| ball(corner + flat * 1f64.hypot(slope) / slope, corner + flat / slope));
         let beyond = lower.distance() - flat;
@@ -106,13 +113,13 @@ impl Spheroid {
         [ball, (corner > 0.0 && weight > LEAST_WEIGHT).then_some(flattened)]
     }
 
-    /// Whether the body, or its cylinder along the direction of view, is clear of a part on all of the way.
+    /// Whether a part is proved to be clear of the body, or of its cylinder, during the whole move.
     fn keeps_below<P: Patch>(&self, part: &SubPatch<P>, way: &Way) -> bool {
-        // Beside the centre it is the shank that counts.
+        // A part that reaches above the centre may meet the shank, which the body does not contain.
         if part.bounds.max.z > way.center.z - way.half.z.abs() {
             return false;
         }
-        // Scaled so, the spheroid is a ball.
+        // In coordinates scaled by `scale` the spheroid is a ball.
         let root = self.weight.sqrt();
         let scale = Vector3::new(root, root, 1.0);
         let scaled = |v: Vector3<f64>| v.component_mul(&scale);

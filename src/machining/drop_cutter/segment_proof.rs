@@ -1,15 +1,17 @@
-//! How far the tips of a stretch of positions leave the chord of those at its ends.
+//! Compares the tips over a stretch of positions with the chord of the tips at its ends.
 //!
 //! # Method
-//! While the axis follows a line from a to b, the tip follows a curve z. Its chord is the line between both
-//! tips. *Above*: no part lifts the tip more than `height` over the chord, for no position: the bound of
-//! `bound` with the way as a third variable. *Below*: the points of the surface on the straight line of
-//! parameters between both contacts lift the tip at least to the chord, but for how far their curve bends
-//! away from its own chord, because the lower side of the cutter is convex; or else, the contact of each end
-//! lifts the tip high enough up to the middle.
+//! The axis follows a line from a to b, and the tip follows a curve. The chord is the line between the tips
+//! at both ends.
+//! 1. *Above*: no part lifts the tip more than `height` over the chord, at any position. This uses the bound
+//!    of `lift_bound`, with the position as a third variable.
+//! 2. *Below*: take the surface points on the straight line of parameters between both contacts. They lift
+//!    the tip at least to the chord, less the distance by which their curve leaves its own chord, because the
+//!    lower side of the cutter is convex. Otherwise, the contact of each end must lift the tip high enough up
+//!    to the middle.
 //!
 //! # Guarantees
-//! What is confirmed holds for every position of the stretch, but for rounding.
+//! A confirmed verdict holds for every position of the stretch, but for rounding.
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
@@ -23,16 +25,17 @@ use crate::geometry::surface::patch::Patch;
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
-/// Halvings of parts for one stretch of a length that is large; a stretch that needs more is too long.
-/// Shorter ones may have as many more as they are shorter: where contacts change place, it is they that
-/// decide.
+/// Halvings of parts that are allowed for a stretch as long as [`Contacts::scale`]. The number is inversely
+/// proportional to the length of the stretch, and stays within `HALVING_LIMITS`. A stretch that needs more
+/// counts as too long. Short stretches get more because they decide where the contact changes place.
 const HALVINGS: f64 = 0.5;
 const HALVING_LIMITS: [f64; 2] = [4.0, 2048.0];
 
-/// Steps on one part.
+/// Newton steps on one part.
 const STEPS: usize = 2;
 
-/// Joints of patches between the contacts of a stretch; more are too many.
+/// Largest number of joints of patches, in u and in v, on the line of parameters between two contacts. A line
+/// with more joints proves nothing.
 const JOINT_LIMIT: usize = 6;
 
 /// A bound of a second derivative is loose if it exceeds `LOOSE` times the value in the middle of the patch
@@ -40,26 +43,26 @@ const JOINT_LIMIT: usize = 6;
 const LOOSE: f64 = 1.5;
 const LOOSE_SHARE: f64 = 0.01;
 
-/// How much nearer to the axis points are taken than they may leave their chord.
+/// How far points are moved towards the axis, as a multiple of how far they may leave their chord.
 const INWARD_SHARE: f64 = 1.01;
 
-/// What of that must be left where the surface bends.
+/// Least share of that move by which a place on the bent surface must be nearer to the axis.
 const ENOUGH_INWARD: f64 = 0.995;
 
-/// Where the tips of a stretch lie by their chord.
+/// Where the tips of a stretch lie relative to their chord.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ChordVerdict {
-    /// Near it, from both sides.
+    /// Proved to be near the chord, on both sides.
     Within,
-    /// Perhaps too far below it.
+    /// Perhaps too far below the chord.
     Lower,
-    /// Not too far below it, perhaps too far above.
+    /// Proved not to be too far below the chord, perhaps too far above it.
     Higher,
 }
 
 impl<P: Patch> Contacts<'_, P> {
-    /// Compares the tips between two contacts with the chord of theirs: they may lie `below` mm under it and
-    /// `above` mm over it.
+    /// Compares the tips between two contacts with the chord of the contacts' tips. The tips may lie up to
+    /// `below` mm under the chord and up to `above` mm over it.
     pub(super) fn stretch(&self, from: &Contact, to: &Contact, [below, above]: [f64; 2]) -> ChordVerdict {
         let guess = [0, 1].map(|k| 0.5 * (from.place[k] + to.place[k]));
         if !self.is_above(from, to, below) {
@@ -71,15 +74,15 @@ impl<P: Patch> Contacts<'_, P> {
         }
     }
 
-    /// Whether no part is near enough to lift the tip anywhere between two positions. A `false` may mean that
-    /// this is not known.
+    /// Whether it is proved that no part is near enough to lift the tip anywhere between two positions.
     pub(super) fn is_free(&self, [from, to]: [Vector2<f64>; 2]) -> bool {
         let mut near = Near { contacts: self, track: AxisMove::between(from, to), is_found: false };
         self.tree.visit(&mut near);
         !near.is_found
     }
 
-    /// Whether no part lifts the tip more than `height` over the chord; the contact is expected near `guess`.
+    /// Whether it is proved that no part lifts the tip more than `height` mm over the chord. The contact is
+    /// expected near the parameters `guess`.
     fn is_below(&self, [from, to]: [Point3<f64>; 2], guess: [f64; 2], height: f64) -> bool {
         let length = (to - from).xy().norm();
         let center = 0.5 * (from.coords + to.coords);
@@ -108,13 +111,14 @@ impl<P: Patch> Contacts<'_, P> {
         look.is_below
     }
 
-    /// Whether the surface is known to lift the tip to `height` below the chord everywhere.
+    /// Whether it is proved that the surface lifts the tip everywhere to at most `height` mm below the chord.
     pub(super) fn is_above(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         self.is_above_by_line(from, to, height) || self.is_above_by_ends(from, to, height)
     }
 
-    /// By points of the surface on the line of parameters between the contacts, or, where the cutter is too
-    /// steep there to say much, on one as much nearer to its axis as the points may leave their chord.
+    /// Proves [`Self::is_above`] by the surface points on the line of parameters between the contacts. Where
+    /// the cutter is too steep at these points, the line is moved towards the axis by as much as the points
+    /// may leave their chord.
     fn is_above_by_line(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         let tips = [from.tip, to.tip];
         let Some(dip) = self.dip([from.place, to.place], tips, [0.0, 0.0]) else { return false };
@@ -130,13 +134,15 @@ impl<P: Patch> Contacts<'_, P> {
         self.dip([nearer_from, nearer_to], tips, ends).is_some_and(|dip| dip.depth <= height)
     }
 
-    /// How far below the chord of two tips the points of the surface on the line of parameters between two
-    /// `places` lift the tip, at most; at its ends they do so by `ends`, mm. `None` where the line crosses
-    /// too many joints.
+    /// Takes the surface points on the line of parameters between two `places`, and bounds how far below the
+    /// chord of two tips they let the tip sink. At the ends of the line that distance is `ends`, mm. `None`
+    /// where the line crosses too many joints.
     ///
-    /// A curve of points leaves its chord by `bend`. Points of the chord, seen from the axis, go straight on:
-    /// there the height of the cutter is convex, and their lift is no less than between the ends. It changes
-    /// with the point no more than the cutter is steep at the farthest place from the axis.
+    /// The curve of these points leaves its own chord by at most `bend`. Seen from the moving axis, the
+    /// points of that chord lie on a straight line. The height of the cutter is convex along this line, so
+    /// these points lift the tip, relative to the tips' chord, no less than the lower end does. Moving a
+    /// point by `bend` changes the lift by at most `bend` times the steepness of the cutter at the largest
+    /// distance from the axis.
     fn dip(&self, places: [[f64; 2]; 2], tips: [Point3<f64>; 2], ends: [f64; 2]) -> Option<Dip> {
         let [nu, nv] = self.surface.spans();
         let step = [0, 1].map(|k| places[1][k] - places[0][k]);
@@ -167,15 +173,16 @@ impl<P: Patch> Contacts<'_, P> {
         Some(dip)
     }
 
-    /// The height to which a place of the surface lifts the tip with the axis at `axis`; minus infinity where
-    /// it is beside the cutter.
+    /// The height to which a place of the surface lifts the tip with the axis at `axis`, mm; minus infinity
+    /// where the place is beside the cutter.
     fn lift(&self, [u, v]: [f64; 2], axis: Vector2<f64>) -> f64 {
         let point = self.surface.jet(u, v).point.coords;
         point.z - self.cutter.height((point.xy() - axis).norm())
     }
 
-    /// A place about `by` mm nearer to the axis than the contact, the one that lifts the tip most: straight
-    /// inward on a patch that meets at the contact, or along one of its parameters, as along a crest.
+    /// A place about `by` mm nearer to the axis than the contact. It lies straight inward on a patch that
+    /// meets at the contact, or along u or v from the contact, as along a crest. Among these places the one
+    /// that lifts the tip most is returned; `None` if there is none.
     fn nearer_to_axis(&self, contact: &Contact, by: f64) -> Option<[f64; 2]> {
         let [u, v] = contact.place;
         let axis = contact.tip.xy().coords;
@@ -207,7 +214,7 @@ impl<P: Patch> Contacts<'_, P> {
         best.map(|(place, _)| place)
     }
 
-    /// By the contacts of both ends, each up to the middle.
+    /// Proves [`Self::is_above`] by the contacts at both ends, each up to the middle.
     fn is_above_by_ends(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         let middle = nalgebra::center(&from.tip, &to.tip);
         [from, to].iter().all(|contact| {
@@ -217,15 +224,15 @@ impl<P: Patch> Contacts<'_, P> {
     }
 }
 
-/// How far points of the surface stay below a chord.
+/// How far surface points let the tip sink below a chord, at most, mm.
 struct Dip {
     depth: f64,
-    /// How far they leave their own chord, mm.
+    /// How far the points leave their own chord, at most, mm.
     bend: f64,
 }
 
-/// Bounds of the lengths of the second derivatives of a patch: by u, by both, by v. A patch with a loose
-/// bound is halved, at most `halvings` times.
+/// Bounds of the lengths of the second derivatives of a patch: by u twice, by u and v, by v twice. A patch
+/// with a loose bound is halved, to a depth of at most `halvings`.
 pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
     let derivatives = patch.derivatives();
     let bounds = [derivatives.duu, derivatives.duv, derivatives.dvv].map(|ball| ball.reach());
@@ -243,8 +250,8 @@ pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
     [0, 1, 2].map(|k| bounds[k].min(shares[k] * first[k].max(second[k])))
 }
 
-/// Where a line of parameters meets joints of patches, and its ends, in fractions of it; `None` where there
-/// are too many.
+/// Fractions of a line of parameters: its ends, and where it crosses joints of patches. `None` where it
+/// crosses too many joints.
 fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
     let mut joints = vec![0.0, 1.0];
     for k in 0..2 {
@@ -262,7 +269,7 @@ fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
     Some(joints)
 }
 
-/// A look at all parts that may lift the tip over the chord.
+/// A search among all parts that may lift the tip over the chord.
 struct Look<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
     track: AxisMove,
@@ -344,7 +351,7 @@ impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
     }
 }
 
-/// A look for any part near a track.
+/// A search for any part near a track.
 struct Near<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
     track: AxisMove,

@@ -1,12 +1,14 @@
-//! Whether a part stays clear of the cutter as seen from the side: exact for swept fillets.
+//! Proves that a part stays clear of the cutter in a view from the side. The proof is exact for swept
+//! fillets.
 //!
 //! # Method
 //! Seen along a level direction, one side of the cutter is a flat, a corner that is a circle or sharp, and
-//! the shank. Let Q be the place with the least distance of the part from the axis and the largest height of
-//! the part. The part can meet only a piece of the cutter: the one between the point of the flat beneath Q,
-//! the corner, and the point of the shank beside Q. Any circle that holds the corner and these three points
-//! at both ends of a straight move holds that piece all the way, because circles are convex. Over a swept
-//! fillet the centre of the fillet is the best one: all points of its arc are equally far from it.
+//! the shank. Let Q be the place at the part's least distance from the axis and at the part's largest height.
+//! The part can meet only one piece of the cutter: from the point of the flat beneath Q, over the corner, to
+//! the point of the shank beside Q. Take a circle that contains the corner, Q and these two points, at both
+//! ends of a straight move. It contains that piece during the whole move, because circles are convex. Over a
+//! swept fillet the centre of the fillet is the best centre: all points of the fillet's arc are equally far
+//! from it.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -15,28 +17,30 @@ use crate::geometry::surface::Jet;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::cutter::{Cutter, LowerPoint};
 
-/// Larger circles, in radii of the cutter, are as good as a plane.
+/// Largest radius of a circle that is tried, in radii of the cutter. A larger circle bounds no better than a
+/// plane.
 const LARGEST: f64 = 50.0;
 
-/// A cutter from the side, touching a surface.
+/// A cutter that touches a surface, seen from the side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     flat: f64,
     corner: f64,
-    /// Sine and cosine of the angle of the slope where the cutter touches.
+    /// Sine and cosine of the slope's angle at the contact.
     steepness: [f64; 2],
-    /// The direction in plan from the axis to that place.
+    /// The unit vector in plan from the axis to the contact.
     away: Vector2<f64>,
-    /// Where that is on the surface.
+    /// The surface point of the contact.
     touched: Vector3<f64>,
-    /// The radius of curvature of the surface there, along its steepest way, if it is hollow.
+    /// The radius of curvature of the surface at the contact, along its steepest direction, mm; `None` where
+    /// the surface is not concave.
     hollow: Option<f64>,
-    /// The largest radius of circles that are looked at.
+    /// The largest radius of circles that are tried, mm.
     largest: f64,
 }
 
 impl Side {
-    /// Of a cutter that touches a surface, with the surface's jet there.
+    /// `lower` is the point of the cutter that touches the surface, `jet` the surface's jet there.
     pub(super) fn new(cutter: &Cutter, lower: &LowerPoint, jet: &Jet) -> Self {
         let slope = lower.slope();
         let cosine = 1f64.hypot(slope).recip();
@@ -52,8 +56,9 @@ impl Side {
         }
     }
 
-    /// Whether no point of a part lifts the tip higher, as seen along a level direction: on a straight move
-    /// with its middle at `tip`, and `half` of it.
+    /// Whether it is proved, in the view along the level vector `along`, that no point of a part lifts the
+    /// tip higher. The tip makes a straight move with its middle at `tip`; `half` is half the vector of the
+    /// move.
     pub(super) fn keeps_below<P: Patch>(
         &self,
         part: &SubPatch<P>,
@@ -63,7 +68,7 @@ impl Side {
         let right = Vector3::new(along.y, -along.x, 0.0);
         let side = right.dot(&(part.middle() - tip)).signum() * right;
         let seen = |p: &Vector3<f64>| Vector2::new(side.dot(p), p.z);
-        // The centre of the corner at both ends.
+        // The centre of the corner at both ends of the move.
         let corner = seen(&tip) + Vector2::new(self.flat, self.corner);
         let half = seen(&half);
         let ends = [corner - half, corner + half];
@@ -89,7 +94,7 @@ impl Side {
             radius < self.largest
                 && part.is_beyond(&origin, &[side, Vector3::z()], &[1.0; 2], radius * radius)
         };
-        // The way up from the surface.
+        // The upward normal of the surface at the contact, in this view.
         let [sine, cosine] = self.steepness;
         let up = Vector2::new(-sine, cosine);
         if let Some(hollow) = self.hollow
@@ -100,15 +105,15 @@ impl Side {
         if is_clear(corner) {
             return true;
         }
-        // The smallest circle through the corner that holds the rest.
+        // The smallest circle that touches the corner at the contact and contains the other points.
         let from_corner =
             |p: &Vector2<f64>| (p - corner).norm_squared() / (2.0 * up.dot(&(p - corner))).max(0.0);
         let more = held.iter().flatten().map(from_corner).fold(0.0, f64::max);
         more.is_finite() && is_clear(corner + up * more)
     }
 
-    /// The same by a ball about the centre of curvature, which holds all of the cutter up to the highest
-    /// point of the part: exact for bowls.
+    /// As [`Self::keeps_below`], by a ball about the surface's centre of curvature. It contains the cutter up
+    /// to the highest point of the part. Exact for bowls.
     pub(super) fn ball_keeps_below<P: Patch>(
         &self,
         part: &SubPatch<P>,
@@ -130,7 +135,8 @@ impl Side {
     }
 }
 
-/// The radius of curvature of a surface along the steepest way up, mm, where the cutter touches it.
+/// The radius of curvature of a surface, mm, along the steepest way up at the place where the cutter touches.
+/// `None` where the surface is not concave along it.
 fn hollow(jet: &Jet, lower: &LowerPoint) -> Option<f64> {
     let across = Matrix2::from_columns(&[jet.du.xy(), jet.dv.xy()]);
     let [u, v]: [f64; 2] = (across.try_inverse()? * lower.away()).into();

@@ -1,4 +1,4 @@
-//! What a contact that is known says of other parts.
+//! Bounds how high other parts lift the tip, by a known contact.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -7,7 +7,7 @@ use super::tree::{Cover, SubPatch};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::machining::cutter::{Cutter, LowerPoint};
 
-/// What the contact known says of other parts: its tangent plane, and the paraboloid about it.
+/// The tangent plane of a known contact, and the paraboloid about it that supports the cutter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Support {
     /// Where the cutter touches in plan, mm.
@@ -27,7 +27,7 @@ impl Support {
         }
     }
 
-    /// By how much a part lifts the tip above a level, at most, mm.
+    /// Upper bound of how far a part lifts the tip above `level`, mm.
     pub(super) fn excess<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> f64 {
         let tilted = |p: Vector3<f64>| p.z - self.gradient.dot(&(p.xy() - self.at));
         let higher = |highest: f64, height: f64| if height > highest { height } else { highest };
@@ -35,12 +35,13 @@ impl Support {
         self.excess_of(highest, &part.bounds, track, level)
     }
 
-    /// By how much anything under a cover does so.
+    /// As [`Self::excess`], for anything under a cover.
     pub(super) fn excess_under(&self, cover: &Cover, track: &AxisMove, level: &Level) -> f64 {
         self.excess_of(cover.highest_over(&self.gradient, &self.at), &cover.bounds, track, level)
     }
 
-    /// What is in a box, no higher than `highest` over the tangent plane.
+    /// As [`Self::excess`], for anything in a box that lies at most `highest` mm above the plane with the
+    /// contact's gradient that is zero at the contact.
     fn excess_of(&self, highest: f64, bounds: &Bounds, track: &AxisMove, level: &Level) -> f64 {
         let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
         let squared = track.squared_distance(bounds, &self.at);

@@ -7,10 +7,9 @@ use super::segment_proof::ChordVerdict;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 
-/// A surface of one patch z = f over a rectangle, f of degree 3 at most each way, by blossoms of sampled
-/// polynomials.
+/// A surface of one patch z = f over a rectangle. f is a polynomial of degree at most 3 each way.
 fn graph(low: [f64; 2], high: [f64; 2], f: impl Fn(f64, f64) -> f64) -> BezierSurface {
-    // Values at thirds to control values of a cubic.
+    // Control values of a cubic from its values at thirds.
     let control = |y: [f64; 4]| {
         [
             y[0],
@@ -162,7 +161,7 @@ fn chords_are_confirmed_only_where_tips_keep_to_them() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(120))]
     #[test]
-    fn what_round_bodies_keep_below_lifts_no_higher(
+    fn parts_that_round_bodies_keep_below_lift_no_higher(
         bends in prop::array::uniform6(-0.08f64..0.08),
         (corner, shape) in (0.0f64..1.0, 0usize..3),
         (x, y) in (-6.0f64..6.0, -6.0f64..6.0),

@@ -1,11 +1,12 @@
-//! Tips along a line of positions: what a pass follows, with a proved distance from what lies between.
+//! Tips along a line of positions: the points that a pass follows, with a proved distance of the tips between
+//! them.
 //!
 //! # Method
-//! The line is bisected (`trace`) into chords that the tips are proved to keep to ([`Contacts::stretch`]),
-//! upright walls, and stretches without a section.
+//! The line is bisected (`trace`) into three kinds of stretches: chords to which the tips are proved to keep
+//! ([`Contacts::stretch`]), upright walls, and stretches without a section.
 //!
-//! A tip counts where the cutter touches the surface with its tangent plane, or an edge within the surface.
-//! Where it only hangs on an edge at which the surface ends, the section ends.
+//! A tip counts where the cutter touches the tangent plane of the surface, or an edge within the surface. The
+//! section ends where the cutter touches only an edge at which the surface ends.
 //!
 //! # Cost
 //! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
@@ -21,16 +22,17 @@ use crate::geometry::surface::patch::Patch;
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
 use trace::{Trace, WALL_MM};
 
-/// The cutter just grazes the surface from farther out, in parts of the radius.
+/// Share of the radius by which the searched range is shortened at both ends. Beyond it the cutter only just
+/// grazes the surface.
 const GRAZING: f64 = 1e-6;
 
-/// Sections beside a plane are looked for so far from it, in parts of the cutter's radius.
+/// Distance from a plane at which sections beside it are traced, as a share of the cutter's radius.
 const BESIDE: f64 = 4e-6;
 
-/// Sections, and how far beside their plane they were found, mm.
+/// Sections, and how far beside their plane they were traced, mm.
 type Found = (Vec<Vec<Point3<f64>>>, f64);
 
-/// The tips over lines at right angles to an axis.
+/// Sections of tips over lines at right angles to the x or y axis.
 pub struct TipSections<'a, P> {
     pub(super) contacts: &'a Contacts<'a, P>,
     /// 0 is x, 1 is y.
@@ -39,7 +41,7 @@ pub struct TipSections<'a, P> {
 }
 
 impl<'a, P: Patch> TipSections<'a, P> {
-    /// Over lines at right angles to `axis` (0 is x, 1 is y).
+    /// Prepares sections over lines at right angles to `axis` (0 is x, 1 is y).
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -47,7 +49,7 @@ impl<'a, P: Patch> TipSections<'a, P> {
         Ok(Self { contacts, axis, sides: Sides::new(contacts, axis, budget)? })
     }
 
-    /// The sections over `plane`, in the sense of the growing coordinate.
+    /// The sections over `plane`, each in the direction of the growing coordinate.
     ///
     /// # Errors
     /// When a section has too many points, or the budget stops.
@@ -63,9 +65,9 @@ impl<'a, P: Patch> TipSections<'a, P> {
         Ok(found.into_iter().map(chain).collect())
     }
 
-    /// The sections, and how far beside the plane they were found, mm. Over a plane in which the cutter only
-    /// grazes a wall, rounding tells on which side of it the cutter is: the lower of the two sections beside
-    /// it is taken.
+    /// The sections, and how far beside the plane they were traced, mm. Over some planes the cutter only
+    /// grazes a wall, and rounding decides on which side of the wall it is. There the sections are traced a
+    /// little beside the plane on both sides, and the lower ones are taken.
     fn found(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Found, SectionError> {
         let mut trace = Trace::new(self, plane, spacing, budget);
         if trace.all()? {
@@ -99,15 +101,16 @@ impl<'a, P: Patch> TipSections<'a, P> {
         Trace::new(self, plane, spacing, budget).has_any()
     }
 
-    /// Between which positions along a line the cutter is over the surface, mm.
+    /// The range of positions along a line at which the cutter may touch the surface, mm.
     pub(super) fn range(&self) -> [f64; 2] {
         let along = 1 - self.axis;
         let radius = (1.0 - GRAZING) * self.contacts.cutter.radius();
         [self.contacts.bounds().min[along] - radius, self.contacts.bounds().max[along] + radius]
     }
 
-    /// The least and the largest coordinate of positions along the axis that may count, mm: those whose
-    /// cutter touches a side of the surface with its tangent plane, or any part of it at the middle.
+    /// The least and the largest coordinate along the axis of positions that may count, mm. Examined are
+    /// positions at which the cutter touches the tangent plane on a side of the surface, or in the middle of
+    /// a part.
     pub fn extent(&self) -> [f64; 2] {
         let contacts = self.contacts;
         let middles =

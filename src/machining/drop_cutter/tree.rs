@@ -1,5 +1,4 @@
-//! The parts that a surface is looked at in: small patches with what is known of each, under a hierarchy of
-//! boxes.
+//! The parts in which a surface is examined: small patches with bounds for each, under a hierarchy of boxes.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -8,28 +7,28 @@ use crate::geometry::bounding_tree::{BoundingTree, Visitor, Volume};
 use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
 use crate::geometry::surface::{BezierSurface, PatchRange, Surface};
 
-/// Parts are about this part of the cutter's radius long, if that does not make too many.
+/// Size of the parts, as a share of the cutter's radius. Parts are larger if this size makes too many.
 const PART_SIZE: f64 = 0.4;
 
-/// Parts of a surface with few patches.
+/// Number of parts, about, that a surface with few patches may have.
 const PART_LIMIT: usize = 20_000;
 
-/// Steeper parts are under level covers.
+/// Slope of a part above which its cover has a level plane.
 const STEEPEST_COVER: f64 = 1e3;
 
-/// Slopes of parts that are steep: they are beside the cutter or far up in it.
+/// Slope above which a part counts as steep: it lies beside the cutter or far up on its side.
 const LEAST_STEEPNESS: f64 = 5.0;
 
-/// A part is level whose normal leans by less.
+/// Sine of the angle between a part's normal and the vertical up to which the part counts as level.
 const LEVEL_SHARE: f64 = 1e-9;
 
-/// Halvings of one patch in advance.
+/// Depth to which a patch is halved when the tree is built.
 const DEPTH_LIMIT: u32 = 14;
 
-/// Rounding of a sum of squared coordinates, in parts of its largest term.
+/// Rounding of a sum of squared coordinates, as a share of its largest term.
 const ROUNDING: f64 = 2e-13;
 
-/// Rounding of such a sum at one point, more than enough.
+/// Share that is more than enough for the rounding of such a sum at one point.
 const NEARLY: f64 = 1e-9;
 
 /// A part of a patch, over a unit square of its own.
@@ -37,18 +36,18 @@ const NEARLY: f64 = 1e-9;
 pub(super) struct SubPatch<P> {
     pub(super) patch: P,
     pub(super) bounds: Bounds,
-    /// The middle of its box in plan, and half the diagonal.
+    /// The middle of the part's box in plan; `half_diagonal` is half the diagonal of the box in plan, mm.
     pub(super) center: Vector2<f64>,
     pub(super) half_diagonal: f64,
     /// Bounds of the derivatives: stored for the parts of the tree, computed on demand for their halves.
     bends: Option<Bends>,
-    /// The parameters of the surface at its start.
+    /// The parameters of the surface at the part's start.
     pub(super) start: [f64; 2],
-    /// Parameters of the surface over one of the part, each way.
+    /// How much the parameters of the surface grow over the part, each way.
     pub(super) scale: [f64; 2],
-    /// The direction in plan at right angles to the part, of unit length, if it is not level.
+    /// The unit vector in plan at right angles to the part; `None` if the part is level.
     pub(super) outward: Option<Vector2<f64>>,
-    /// The same where it is steep.
+    /// The same as `outward`, but only if the part is steep.
     pub(super) facing: Option<Vector2<f64>>,
 }
 
@@ -56,9 +55,9 @@ pub(super) struct SubPatch<P> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bends {
     pub(super) derivatives: DerivativeBounds,
-    /// Lengths of the first ones in plan, at the centres of their sets.
+    /// Lengths in plan of the first derivatives, at the centres of their bounds.
     pub(super) first: [f64; 2],
-    /// The largest lengths of the second ones: by u, by both, by v.
+    /// Largest lengths of the second derivatives: by u twice, by u and v, by v twice.
     pub(super) second: [f64; 3],
 }
 
@@ -116,18 +115,18 @@ impl<P: Patch> SubPatch<P> {
         corners[nearest.unwrap_or(0)]
     }
 
-    /// Parameters of the surface of a place of the part.
+    /// The parameters of the surface at a place of the part.
     pub(super) fn on_surface(&self, place: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|k| self.start[k] + self.scale[k] * place[k])
     }
 
-    /// The middle of its box.
+    /// The middle of the part's box.
     pub(super) fn middle(&self) -> Vector3<f64> {
         0.5 * (self.bounds.min + self.bounds.max)
     }
 
-    /// Whether every point p of the part has a sum of `weights` times squared coordinates, along `axes` from
-    /// `origin`, of at least `least` mm^2. Rounding is not counted.
+    /// Whether a sum is proved to be at least `least` mm^2 for every point of the part: the sum of `weights`
+    /// times the squared coordinates of the point, along `axes` from `origin`. Rounding is not counted.
     pub(super) fn is_beyond<const N: usize>(
         &self,
         origin: &Vector3<f64>,
@@ -139,7 +138,7 @@ impl<P: Patch> SubPatch<P> {
             axes.iter().zip(weights).map(|(axis, weight)| weight * axis.dot(&(p - origin)).powi(2)).sum()
         };
         let is_near = |p: &Vector3<f64>| squares(p) < (1.0 - NEARLY) * least;
-        // A look at the corners mostly tells where there is nothing to prove.
+        // The corners mostly show at once that the sum is too small.
         if self.patch.corners().iter().any(is_near) {
             return false;
         }
@@ -152,13 +151,13 @@ impl<P: Patch> SubPatch<P> {
     }
 }
 
-/// A box, and a plane over all that is in it.
+/// A box, and a plane above everything in the box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cover {
     pub(super) bounds: Bounds,
-    /// Of the plane.
+    /// The gradient of the plane.
     gradient: Vector2<f64>,
-    /// Of the plane over the centre of the box, mm.
+    /// The height of the plane over the centre of the box, mm.
     height: f64,
 }
 
@@ -172,8 +171,8 @@ impl Cover {
         Self { bounds: part.bounds, gradient, height }
     }
 
-    /// How far anything under the cover lies above the plane through `at` with a gradient, at most, and zero
-    /// there; mm.
+    /// Upper bound of how far anything under the cover lies above the plane that has `gradient` and is zero
+    /// at `at`, mm.
     pub(super) fn highest_over(&self, gradient: &Vector2<f64>, at: &Vector2<f64>) -> f64 {
         let center = (0.5 * (self.bounds.min + self.bounds.max)).xy();
         let half = (0.5 * (self.bounds.max - self.bounds.min)).xy();
@@ -191,15 +190,15 @@ impl Volume for Cover {
     }
 }
 
-/// The parts with the covers over them.
+/// The parts of a surface, with the covers over them.
 pub(super) struct Tree<P> {
-    /// Over the indices of the parts.
+    /// The hierarchy of covers over the indices of the parts.
     covers: BoundingTree<Cover, usize>,
     pub(super) parts: Vec<SubPatch<P>>,
 }
 
 impl<P: Patch> Tree<P> {
-    /// Parts in which a cutter of `radius` mm sees little change.
+    /// Divides a surface into parts that are small against a cutter of `radius` mm.
     pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
         let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
         let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
@@ -241,7 +240,7 @@ impl<P: Patch> Tree<P> {
         &self.covers.volume().bounds
     }
 
-    /// Shows the visitor the parts that may matter to it, the more promising ones first.
+    /// Shows the visitor the parts that may matter to it, the more promising parts first.
     pub(super) fn visit<V: PartVisitor<P>>(&self, visitor: &mut V) {
         self.covers.search(&mut OfParts { parts: &self.parts, visitor });
     }
@@ -249,7 +248,7 @@ impl<P: Patch> Tree<P> {
 
 /// A search among parts.
 pub(super) trait PartVisitor<P> {
-    /// The most that may be found under a cover.
+    /// Upper bound of what may be found under a cover.
     fn promise(&self, cover: &Cover) -> f64;
 
     /// Whether a promise no longer matters.

@@ -1,11 +1,14 @@
 //! A lower bound of the distance between a part of a patch and a piece of the centre's path.
 //!
-//! With (a, b, h) the coordinates of a surface point about the centre of a circle of radius r, h along its
-//! normal, and q = a^2 + b^2, the squared distance to the circle is q + r^2 - 2 r sqrt(q) + h^2. The root is
-//! concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2; hence
+//! Let (a, b, h) be the coordinates of a surface point about the centre of a circle of radius r, with h along
+//! the circle's normal, and q = a^2 + b^2. The squared distance of the point to the circle is q + r^2 - 2 r
+//! sqrt(q) + h^2. The square root is concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality
+//! at q = c^2. Hence
+//!
 //! distance^2 >= q (c - r) / c + r (r - c) + h^2,
-//! a polynomial in the parameters of the part. With c taken at the part's centre the loss is of second order
-//! in the change of q, and along the line of contact q is nearly constant.
+//!
+//! which is a polynomial in the parameters of the part. c is taken at the part's centre. The loss is then of
+//! second order in the change of q, and along the line of contact q is nearly constant.
 
 use nalgebra::Vector3;
 
@@ -14,12 +17,12 @@ use crate::geometry::curve::{Arc, Direction, Line};
 use crate::geometry::surface::Patch;
 use crate::geometry::surface::patch::SquareBound;
 
-/// Rounding of a squared distance in parts of its largest term.
+/// Rounding of a squared distance, as a share of its largest term.
 const ROUNDING: f64 = 1e-13;
 
 /// How near a part is to a piece.
 pub(super) struct Nearness {
-    /// Never above the least distance, mm, but for the rounding of the coordinates, which is the caller's.
+    /// A lower bound of the distance, mm. The caller adds the rounding of the coordinates.
     pub(super) lowest_distance: f64,
     /// Whether the distance bends more along u than along v.
     pub(super) varies_along_u: bool,
@@ -59,8 +62,8 @@ fn to_arc(arc: &Arc, part: &impl Patch) -> SquareBound {
     let center = arc.center().coords;
     let axes = arc.plane().axes().map(|c| Vector3::ith(c, 1.0));
     let (start, end) = (arc.start().coords, arc.end().coords);
-    // Beyond an end: behind the radius to it, and on its side of the bisector of both ends. The arc turns by
-    // at most a quarter, so the nearest point of the arc is then that end.
+    // A part is beyond an end of the arc if it lies behind the radius to that end, and on that end's side of
+    // the bisector of both ends. The arc turns by at most 90 degrees, so its nearest point is then that end.
     let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
     let forward = |p: &Vector3<f64>| axes[2].cross(&(p - center)) * sense;
     let to_end = end - start;
@@ -76,7 +79,8 @@ fn to_arc(arc: &Arc, part: &impl Patch) -> SquareBound {
     let r = arc.radius();
     let at_center = part.center() - center;
     let c = at_center.dot(&axes[0]).hypot(at_center.dot(&axes[1]));
-    // Any c is right; at the arc's own centre, where every point of it is equally near, none is good.
+    // Every c > 0 gives a true bound. At the arc's centre all points of the arc are equally near, and no c
+    // gives a good bound.
     let c = c.max(1e-3 * r);
     let weight = (c - r) / c;
     let mut squared = part.bound_squares(&center, &axes, &[weight, weight, 1.0]);

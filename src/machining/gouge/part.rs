@@ -1,4 +1,4 @@
-//! Parts of patches that know which sides of their patch are sharp edges.
+//! Parts of patches, with a record of which sides of the patch are sharp edges.
 
 use nalgebra::Vector3;
 
@@ -7,32 +7,34 @@ use crate::geometry::surface::{BezierSurface, Patch, Surface};
 /// A part is upright where the z coordinate of its unit normal is smaller than this.
 const UPRIGHT: f64 = 1e-9;
 
-/// Places along a common side of two patches at which their normals are compared.
+/// Fractions of a common side of two patches at which their normals are compared.
 const SIDE_SAMPLES: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// Sides at which normals differ by no more than this are no edges, as a sine.
+/// Sine of the largest angle between the normals of two patches along a common side that is smooth, and so no
+/// edge.
 const SMOOTH: f64 = 0.1;
 
-/// How far beside a part a point of the cutter may lie that counts as below it, in depths.
+/// How far beside a part a point of the cutter may lie and still count as below the part, as a multiple of
+/// its depth below.
 const NEAR: f64 = 1.5;
 
-/// Which sides of a patch are edges, where the surface turns: u = 0, u = 1, v = 0, v = 1.
+/// Which sides of a patch are edges, where the surface turns sharply: u = 0, u = 1, v = 0, v = 1.
 pub(super) type Sides = [bool; 4];
 
 /// A part of a patch.
 #[derive(Clone, Copy)]
 pub(super) struct SubPatch<P> {
     pub(super) patch: P,
-    /// Its ranges of the parameters of the patch.
+    /// The ranges of the patch's parameters that the part covers.
     ranges: [[f64; 2]; 2],
     edges: Sides,
 }
 
-/// Where the point of the cutter that is farthest along m, against the normal of a part, lies below it.
+/// Where the cutter's farthest point along m lies relative to a part. m points against the part's normal.
 pub(super) struct Beneath {
-    /// Whether it lies below the part, or no farther beside it than about that.
+    /// Whether the point lies below the part, or beside it by no more than about its depth.
     pub(super) is_near: bool,
-    /// Whether an edge is nearer than that.
+    /// Whether an edge of the surface is nearer to the point than its depth.
     pub(super) is_at_edge: bool,
 }
 
@@ -57,14 +59,14 @@ impl<P: Patch> SubPatch<P> {
         halves
     }
 
-    /// The unit vector against the normal, which does not point up; `None` of an overhanging part.
+    /// The unit vector against the part's normal, which does not point up; `None` for an overhanging part.
     pub(super) fn against_normal(&self) -> Option<Vector3<f64>> {
         let [p00, p01, p10, p11] = self.patch.corners();
         let m = (p11 - p00).cross(&(p10 - p01)).try_normalize(0.0)?;
         if m.z < UPRIGHT { Vector3::new(m.x, m.y, m.z.min(0.0)).try_normalize(0.0) } else { None }
     }
 
-    /// How a point at `beside` from the centre of the part lies below it along `m`.
+    /// Where the point at `beside`, seen from the centre of the part, lies relative to the part along `m`.
     pub(super) fn beneath(&self, m: &Vector3<f64>, beside: &Vector3<f64>) -> Beneath {
         let [p00, p01, p10, p11] = self.patch.corners();
         let (along_u, along_v) = (0.5 * (p10 - p00 + p11 - p01), 0.5 * (p01 - p00 + p11 - p10));

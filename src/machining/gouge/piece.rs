@@ -6,16 +6,17 @@ use super::solid::Solid;
 use crate::geometry::curve::{Arc, Curve, Line};
 use crate::geometry::surface::patch::Bounds;
 
-/// Arcs of a piece turn by no more than this, so that beyond an end means nearer to that end.
+/// Largest sweep of an arc piece, radians. Up to this sweep, the nearest point for a place beyond an end of
+/// the arc is that end.
 const LARGEST_SWEEP: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Steps in the search for the nearest place of a disc.
+/// Steps in the search for the place of the track at which a disc is nearest to a point.
 const DISC_STEPS: usize = 2;
 
-/// Pieces of one curve; a longer curve has longer pieces.
+/// Largest number of pieces of one curve. A longer curve has longer pieces.
 const PIECE_LIMIT: f64 = 1e5;
 
-/// What bounds are known for: a line, or an arc in its plane.
+/// The curves for which bounds exist: a line, or an arc in its plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum PieceCurve {
     Line(Line),
@@ -30,8 +31,9 @@ pub(super) struct PathPiece {
     pub(super) slack: f64,
 }
 
-/// The centre's path while the tip follows `tip`, `rise` mm below it, in pieces of at most `length` mm. A
-/// helix or a parabola becomes chords of a height of at most `chord_height` mm, which adds to the slack.
+/// The path of the corner circle's centre, `rise` mm above the tip, while the tip follows `tip`. It is cut
+/// into pieces of at most `length` mm. A helix or a parabola becomes chords with a height of about
+/// `chord_height` mm. The distance of the chords from the curve is added to the slack.
 pub(super) fn pieces(
     tip: &Curve,
     rise: f64,
@@ -50,13 +52,14 @@ pub(super) fn pieces(
         Curve::Arc(arc) => {
             let chord_angle = (8.0 * chord_height / arc.radius()).sqrt().min(LARGEST_SWEEP);
             let count = limited((arc.sweep() / chord_angle).ceil());
-            // A chord and its arc, both rising evenly, part by no more than the arc's height at equal
-            // fractions of the sweep, which exceeds the least distance.
+            // At equal fractions of the sweep a helix and its chord are at the same height, and apart by no
+            // more than this. Their least distance is no larger.
             let angle = arc.sweep() / count;
             (count, slack + arc.radius() * (0.25 * angle * angle).min(2.0))
         }
         Curve::Parabola(parabola) => {
-            // At equal parameters chord and curve part by this much at one chord, and by its square at more.
+            // At equal parameters a single chord leaves the curve by `height`, and each of n chords by height
+            // / n^2.
             let height = parabola.bend().norm() / 4.0;
             let count = limited(by_length.max((height / chord_height).sqrt().ceil()));
             (count, slack + height / (count * count))
@@ -126,8 +129,8 @@ impl PathPiece {
         }
     }
 
-    /// A point of the track from which a level disc of radius `flat` mm is at or near its least distance from
-    /// `p`.
+    /// A point of the track. A level disc of radius `flat` mm about that point is at or near its least
+    /// distance from `p`.
     pub(super) fn nearest(&self, p: &Vector3<f64>, flat: f64) -> Vector3<f64> {
         let mut nearest = self.nearest_point(p);
         if flat > 0.0 {
@@ -154,13 +157,13 @@ impl PathPiece {
         }
     }
 
-    /// How deep `p` lies in a cutter at `nearest` or at an end of the piece.
+    /// The largest depth of `p` in the cutter at `nearest` and at the ends of the piece, mm.
     pub(super) fn depth(&self, solid: &Solid, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
         let at = [*nearest, self.track.start(), self.track.end()];
         at.iter().map(|c| solid.depth(&(p - c))).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// How far the track reaches along `m` and back, mm.
+    /// The extent of the track along `m`, mm.
     pub(super) fn spread(&self, m: &Vector3<f64>) -> f64 {
         self.support(m) + self.support(&-m)
     }

@@ -1,32 +1,33 @@
-//! What planes show of the depth of a part in the cutter.
+//! Bounds of the depth of a part in the cutter, by planes at right angles to unit vectors m.
 
 use nalgebra::Vector3;
 
-/// A sharp rim in a slope reaches farther below the surface than any point of it is deep in the cutter, by up
-/// to the root of 2. The larger counts: what other m show counts where it is less than this part of what the
-/// part's normal shows.
+/// The bound by another m replaces the bound by the part's normal only if it is less than this share of it. A
+/// sharp rim in a slope reaches below the surface by up to sqrt(2) times the depth of any surface point in
+/// the cutter. The larger depth counts, and only the bound by the normal covers it.
 const OTHER_SHARE: f64 = 0.6;
 
-/// What a plane at right angles to m shows.
+/// The depths by a plane at right angles to m.
 #[derive(Clone, Copy)]
 pub(super) struct Shown {
     pub(super) m: Vector3<f64>,
     /// The depth of the centre of the part, mm.
     pub(super) at_center: f64,
-    /// The depth of the whole part, mm.
+    /// Upper bound of the depth of the whole part, mm.
     pub(super) bound: f64,
 }
 
-/// What planes at right angles to several m show of a part.
+/// The bounds by several m for one part.
 pub(super) struct Planes {
-    /// Depths below this do not matter, mm.
+    /// A bound up to this is good enough, mm.
     enough: f64,
-    /// By the m against the part's normal: it shows how far the cutter reaches below the part.
+    /// The bound by the m against the part's normal. It covers how far the cutter reaches below the part.
     along_normal: Option<Shown>,
-    /// The least by any other.
+    /// The least bound by any other m.
     other: Option<Shown>,
     count: usize,
-    /// The one that is halved along: the first, or a later one that shows clearly less.
+    /// The m along which pairs are halved: the first that was added, or a later one with a clearly smaller
+    /// depth.
     halved: Option<Shown>,
 }
 
@@ -35,7 +36,7 @@ impl Planes {
         Self { enough, along_normal: None, other: None, count: 0, halved: None }
     }
 
-    /// Whether the part is settled.
+    /// Adds the bound by one m. Returns whether the part is settled: the bound is good enough.
     pub(super) fn add(&mut self, shown: Shown, is_along_normal: bool) -> bool {
         self.count += 1;
         let at_center = |shown: &Shown| shown.at_center.max(self.enough);
@@ -46,13 +47,14 @@ impl Planes {
         if known.is_none_or(|known| shown.bound < known.bound) {
             *known = Some(shown);
         }
-        // The first m may be followed by the normal, which shows up to 1 / OTHER_SHARE of its depth.
+        // The m against the normal may follow later. Only a bound up to OTHER_SHARE of `enough` stands
+        // whatever that m shows.
         let enough =
             if self.count == 1 && self.along_normal.is_none() { OTHER_SHARE } else { 1.0 } * self.enough;
         self.bound() <= enough
     }
 
-    /// What the part's normal shows, or the least that another m shows, if it is clearly less.
+    /// The bound by the part's normal, or the least bound by another m if that is clearly less.
     pub(super) fn bound(&self) -> f64 {
         match (self.along_normal, self.other) {
             (Some(normal), Some(other)) if other.bound >= OTHER_SHARE * normal.at_center.max(self.enough) => {
@@ -67,8 +69,8 @@ impl Planes {
         self.along_normal.map(|shown| shown.at_center.max(self.enough))
     }
 
-    /// Two m: one with the least depth at the part's centre, and the one that gave the bound. What reaches
-    /// farthest along them is halved.
+    /// Two m: the one with the least depth at the part's centre, and the one that gave the bound. The search
+    /// halves what extends farthest along them.
     pub(super) fn halved(&self) -> [Vector3<f64>; 2] {
         let first = self.halved.map_or(-Vector3::z(), |shown| shown.m);
         let is_by_normal = self.along_normal.filter(|normal| normal.bound == self.bound());
@@ -76,7 +78,7 @@ impl Planes {
     }
 }
 
-/// The level unit vector towards the point at `off`.
+/// The level unit vector towards the point at `off`; `None` if the point is on the axis.
 pub(super) fn sideways(off: &Vector3<f64>) -> Option<Vector3<f64>> {
     Vector3::new(off.x, off.y, 0.0).try_normalize(0.0)
 }

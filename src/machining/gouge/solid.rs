@@ -8,7 +8,8 @@
 
 use nalgebra::Vector3;
 
-/// Slopes for which [`Solid::ball_around`] is asked: for smaller ones the ball is as good as a plane.
+/// Least horizontal component of m for which [`Solid::ball_around`] gives a ball. For a smaller one the ball
+/// bounds no better than a plane.
 const LEAST_SIDEWAYS: f64 = 0.02;
 
 /// A cutter: a disc of radius `flat` mm, rounded by `corner` mm all around, with its shank.
@@ -18,7 +19,7 @@ pub(super) struct Solid {
     pub(super) corner: f64,
 }
 
-/// A ball cutter that holds another cutter: its radius, and how far its centre lies above C, mm.
+/// A ball cutter that contains another cutter: its radius, and how far its centre lies above C, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BallAround {
     pub(super) radius: f64,
@@ -35,7 +36,7 @@ impl Solid {
         self.flat * m.xy().norm() + self.corner
     }
 
-    /// The point of the cutter that is farthest along `m`, from C.
+    /// The point of the cutter that is farthest along `m`, seen from C.
     pub(super) fn farthest(&self, m: &Vector3<f64>) -> Vector3<f64> {
         let sideways = m.xy().try_normalize(0.0).unwrap_or_default() * self.flat;
         Vector3::new(sideways.x, sideways.y, 0.0) + m * self.corner
@@ -60,9 +61,9 @@ impl Solid {
         Vector3::new(off.x * share, off.y * share, off.z.min(0.0)).try_normalize(0.0)
     }
 
-    /// A ball cutter that holds this one and touches it along the circle where its lower side faces along
-    /// `m`: about the point of the axis from which the circle of the disc's edge is seen along `m`. `None`
-    /// where it would be as good as a plane.
+    /// A ball cutter that contains this cutter and touches it along the circle where its lower side faces
+    /// along `m`. The ball's centre is the point of the axis from which the disc's edge lies in the direction
+    /// of `m`. `None` where the ball would bound no better than a plane.
     pub(super) fn ball_around(&self, m: &Vector3<f64>) -> Option<BallAround> {
         if self.flat == 0.0 {
             return Some(BallAround { radius: self.corner, rise: 0.0 });
@@ -82,10 +83,10 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Seen along any vector the cutter, and the ball around it, reach at least as far as a point is
-        /// deep.
+        /// For every m, the reach of the cutter exceeds the place of a point along m by at least the point's
+        /// depth. The same holds for the ball around the cutter.
         #[test]
-        fn no_direction_shows_a_point_less_deep(
+        fn no_direction_bounds_a_point_below_its_depth(
             flat in 0.0f64..4.0, corner in 0.0f64..4.0, off in prop::array::uniform3(-6.0f64..6.0),
             m in prop::array::uniform3(-1.0f64..1.0),
         ) {
@@ -104,9 +105,9 @@ mod tests {
             }
         }
 
-        /// Outside the core the shortest way to it shows the depth itself.
+        /// Outside the core, the direction from the core to the point gives the exact depth.
         #[test]
-        fn the_way_from_the_core_shows_the_depth(
+        fn the_direction_from_the_core_gives_the_exact_depth(
             flat in 0.0f64..4.0, corner in 0.0f64..4.0, off in prop::array::uniform3(-6.0f64..6.0),
         ) {
             let solid = Solid { flat, corner };

@@ -94,7 +94,7 @@ fn the_exact_arc_in_a_bowl_cuts_nothing() {
 }
 
 #[test]
-fn a_full_circle_on_a_plane_is_a_torus() {
+fn a_full_circle_cuts_a_plane_as_deep_as_it_is_lowered() {
     let plate = grid(4, 60.0, |_, _| 0.0);
     for depth in [0.0, 0.05] {
         let at = Point3::new(15.0, 0.0, -depth);
@@ -105,7 +105,7 @@ fn a_full_circle_on_a_plane_is_a_torus() {
 }
 
 #[test]
-fn a_helix_is_bounded_by_its_lowest_turn() {
+fn a_helix_cuts_a_plane_as_deep_as_its_lowest_end() {
     let plate = grid(4, 60.0, |_, _| 0.0);
     let (from, to) = (Point3::new(10.0, 0.0, 6.0), Point3::new(0.0, 10.0, -0.03));
     let arc = Arc::new(Plane::Xy, Direction::Cw, from, to, Point3::new(0.0, 0.0, 6.0)).unwrap();
@@ -115,7 +115,7 @@ fn a_helix_is_bounded_by_its_lowest_turn() {
 }
 
 #[test]
-fn a_parabola_is_bounded_by_its_lowest_place() {
+fn a_parabola_cuts_a_plane_as_deep_as_its_lowest_point() {
     let plate = grid(4, 60.0, |_, _| 0.0);
     let (from, control, to) =
         (Point3::new(-10.0, 0.0, 1.0), Point3::new(0.0, 8.0, -1.06), Point3::new(10.0, 0.0, 1.0));

@@ -1,15 +1,17 @@
-//! The sections over one line of positions, by bisection.
+//! Finds the sections over one line of positions by bisection.
 //!
 //! # Method
-//! The line is cut into intervals with the contact known at both ends:
-//! * Neither counts: nothing is near, or the interval is shorter than a section may be; else it is halved.
-//! * One counts: the section ends on the way, at a place that bisection finds to 1e-8 mm.
-//! * Both count: the tips between are proved to keep to the chord, or the interval is a millionth of a
-//!   millimetre long and its ends are foot and head of a wall; else it is halved.
+//! A position counts if a section runs through the contact there. The line is cut into intervals with the
+//! contact known at both ends:
+//! * Neither end counts: the interval has no section if nothing is near, or if it is shorter than the search
+//!   step. Otherwise it is halved.
+//! * One end counts: the section ends within the interval, at a place that bisection finds to 1e-8 mm.
+//! * Both ends count: the tips between are proved to keep to the chord, or the interval is a millionth of a
+//!   millimetre long and its ends are foot and head of a wall. Otherwise it is halved.
 //!
 //! In the middle of an interval Newton's method starts from the contact at one end. It may find a contact
-//! that is not the highest; then the proof of the chord fails. Contacts are proved to be the highest where
-//! that happens, and where a section ends.
+//! that is not the highest; then the proof of the chord fails. Contacts are proved to be the highest only
+//! where that happens, and where a section ends.
 
 use nalgebra::{Point3, Vector2};
 
@@ -20,52 +22,52 @@ use crate::machining::drop_cutter::Contact;
 use crate::machining::drop_cutter::segment_proof::ChordVerdict;
 use crate::machining::offset_section::{PlaneAt, SectionError, Spacing};
 
-/// Tips this near to each other may be at any height: the wall between them is upright.
+/// Distance in plan, mm, up to which two tips may be foot and head of an upright wall.
 pub(super) const WALL_MM: f64 = 1e-6;
 
-/// How exactly the ends of a section are known, mm.
+/// Accuracy of the ends of a section, mm.
 const END_MM: f64 = 1e-8;
 
-/// The longest interval between two positions that do not count which is not halved again, in parts of the
-/// cutter's radius or a tenth of the surface, whichever is smaller. A shorter section is found only between
-/// two crossings of the line with sides of the surface.
+/// Length, in units of `Contacts::scale`, up to which an interval between two positions that do not count is
+/// not halved again. A shorter section is found only between two crossings of the line with sides of the
+/// surface.
 const SEARCH_STEP: f64 = 0.05;
 
-/// Points of one section.
+/// Largest number of points over one line.
 const POINT_LIMIT: usize = 1_000_000;
 
-/// Halvings between a position that counts and one that does not.
+/// Largest number of halvings between a position that counts and one that does not.
 const HALVINGS: usize = 60;
 
 /// Intervals between two looks at the budget.
 const INTERVALS_BETWEEN_CHECKS: usize = 16;
 
-/// Tips that differ by more are not of the same contact, mm.
+/// Height difference, mm, above which two tips belong to different contacts.
 const HIGHER_MM: f64 = 1e-8;
 
-/// Where the cutter touches steeper, the tip is as near to its plane by a move to the side.
+/// Largest slope of a contact at which the tip's height is corrected for the distance between the traced
+/// plane and the plane of the pass. On a steeper slope a tiny move to the side has the same effect.
 const STEEPEST_RISE: f64 = 10.0;
 
-/// Shorter intervals, in parts of [`Contacts::scale`], have ends that are proved before they are halved.
+/// Length, in units of `Contacts::scale`, below which the ends of an interval are proved before it is halved.
 const TRUSTED_LENGTH: f64 = 0.01;
 
-/// When a contact that Newton's method found turns out not to be the highest, this many of the next ones are
-/// found by drops.
+/// Number of contacts that are found by drops after a contact of Newton's method was not the highest.
 const DISTRUSTED: usize = 32;
 
-/// An interval of this length, mm, is halved only at walls and at ends of sections, some seven times each. A
-/// line on which more than `SHORT_LIMIT` of them are halved grazes a wall.
+/// Intervals shorter than this, mm, are halved only at walls and at ends of sections, about seven times each.
+/// A line on which more than `SHORT_LIMIT` of them are halved grazes a wall.
 const SHORT_MM: f64 = 1e-4;
 const SHORT_LIMIT: usize = 1000;
 
-/// Tips outside of sections are looked for to this part of what they may leave their chord by.
+/// Accuracy of tips at positions that do not count, as a share of the chord height.
 const ROUGH_SHARE: f64 = 0.05;
 
-/// Contacts this near to the border of the flat, in parts of its radius, are its own: how steep they are is
-/// not known to the arithmetic.
+/// Distance from the rim of the flat, as a share of the flat's radius, up to which a contact counts as on the
+/// rim. Rounding hides how steep it is.
 const ON_RIM: f64 = 1e-6;
 
-/// A position along the line, with the contact there if it counts.
+/// A position along the line, mm, with the contact there if it counts.
 #[derive(Debug, Clone, Copy)]
 struct Probe {
     at: f64,
@@ -84,7 +86,7 @@ pub(super) struct Trace<'a, P> {
     spacing: Spacing,
     budget: &'a Budget,
     pub(super) chains: Vec<Vec<Point3<f64>>>,
-    /// The section that is being joined.
+    /// The points so far of the section that is being traced.
     points: Vec<Point3<f64>>,
     n_points: usize,
     /// How many of the next middles are found by drops, not by Newton's method.
@@ -113,14 +115,14 @@ impl<'a, P: Patch> Trace<'a, P> {
         }
     }
 
-    /// Finds every section; `false` where the line only grazes something, and jumps more often than there are
-    /// walls.
+    /// Finds every section. Returns `false` if the line only grazes something, so that the contact jumps more
+    /// often than walls explain.
     pub(super) fn all(&mut self) -> Result<bool, SectionError> {
         self.until(|trace| trace.n_short > SHORT_LIMIT)?;
         Ok(self.n_short <= SHORT_LIMIT)
     }
 
-    /// The same, however often it jumps.
+    /// Finds every section, however often the contact jumps.
     pub(super) fn all_jumps(&mut self) -> Result<(), SectionError> {
         self.until(|_| false)
     }
@@ -133,9 +135,9 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(is_found(self))
     }
 
-    /// Finds sections until something holds.
+    /// Finds sections until `is_enough` holds.
     fn until(&mut self, is_enough: impl Fn(&Self) -> bool) -> Result<(), SectionError> {
-        // Intervals that are open, the first on top.
+        // The intervals still to be examined; the next along the line is the last element.
         let mut open = self.first_intervals()?;
         for tries in 0usize.. {
             if is_enough(self) {
@@ -191,12 +193,12 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(())
     }
 
-    /// How long an interval is at least whose ends are trusted without a proof, mm.
+    /// Length of an interval, mm, above which its ends are trusted without a proof.
     fn trusted_length(&self) -> f64 {
         if self.n_distrusted > 0 { f64::INFINITY } else { TRUSTED_LENGTH * self.sections.contacts.scale }
     }
 
-    /// Opens the halves of an interval.
+    /// Puts the halves of an interval on `open`.
     fn halve(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
         let at = 0.5 * (from.at + to.at);
         self.n_short += usize::from(to.at - from.at < SHORT_MM);
@@ -211,8 +213,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(())
     }
 
-    /// Opens an interval again with contacts that are proved to be the highest; a step leads from one that
-    /// was not to it.
+    /// Puts an interval on `open` again, with contacts at its ends that are proved to be the highest. If the
+    /// proved contact at its start is another one, a step in the section leads to it.
     fn prove(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
         let proved = |probe: Probe| match probe.contact {
             Some(contact) if !is_proved(&contact) => self.probe(probe.at, Some(contact.place)),
@@ -240,8 +242,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(())
     }
 
-    /// The range of the line, cut where it meets sides of the surface and between these places: sections that
-    /// are shorter than a step lie between two sides.
+    /// The range of the line, cut midway between neighbouring crossings with sides of the surface. Sections
+    /// shorter than a search step lie between two sides, where such a cut meets them.
     fn first_intervals(&mut self) -> Result<Vec<[Probe; 2]>, SectionError> {
         let [low, high] = self.sections.range();
         let crossings = self.sections.sides.crossings(self.sections.axis, self.plane.traced_at);
@@ -255,7 +257,7 @@ impl<'a, P: Patch> Trace<'a, P> {
         Ok(probes?.windows(2).rev().map(|pair| [pair[0], pair[1]]).collect())
     }
 
-    /// Whether no section may lie between two positions that do not count.
+    /// Whether the search finds no section between two positions that do not count.
     fn is_empty(&self, from: &Probe, to: &Probe) -> bool {
         let contacts = self.sections.contacts;
         let [low, high] = self.sections.range();
@@ -263,7 +265,7 @@ impl<'a, P: Patch> Trace<'a, P> {
         to.at - from.at <= search_step || contacts.is_free([from, to].map(|probe| self.position(probe.at)))
     }
 
-    /// Begins a section, if none is being joined.
+    /// Begins a section, if none is being traced.
     fn begin(&mut self, first: &Contact) {
         if self.points.is_empty() {
             self.points.push(self.point(first));
@@ -278,7 +280,7 @@ impl<'a, P: Patch> Trace<'a, P> {
         self.points.clear();
     }
 
-    /// Whether the tips between two contacts are proved to keep to the chord of these.
+    /// Compares the tips between two contacts with the chord of these.
     fn stretch(&self, from: &Contact, to: &Contact) -> ChordVerdict {
         let way = to.tip - from.tip;
         if way.norm() > self.spacing.step_length_mm {
@@ -286,8 +288,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         }
         let (across, rise) = (way.xy().norm(), way.z);
         let height = self.spacing.chord_height_mm;
-        // Vertical heights are larger than distances where the chord is steep and long enough, if its ends
-        // are no lower than the section.
+        // On a steep chord, vertical distances are larger than distances from the chord. The larger height is
+        // allowed if the chord is long enough, and if its ends are no lower than the section.
         let steep = height * (1.0 + (rise / across).powi(2)).sqrt();
         let below = if steep <= 0.25 * way.norm() { steep } else { height };
         let above = if is_proved(from) && is_proved(to) { below } else { height };
@@ -301,7 +303,8 @@ impl<'a, P: Patch> Trace<'a, P> {
         self.points.extend((1..=steps as usize).map(|k| from + (to - from) * (k as f64 / steps)));
     }
 
-    /// The tip as a point of the pass, whose plane may lie a little beside that over which it was found.
+    /// The tip as a point of the pass. The plane of the pass may lie a little beside the plane over which the
+    /// tip was found.
     fn point(&self, contact: &Contact) -> Point3<f64> {
         let axis = self.sections.axis;
         let mut point = contact.tip;
@@ -322,14 +325,15 @@ impl<'a, P: Patch> Trace<'a, P> {
         position
     }
 
-    /// To rounding: which of two contacts is the higher decides where a section ends.
+    /// Drops the cutter at a position, exact to rounding: the higher of two contacts decides where a section
+    /// ends.
     fn probe(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
         let contact = self.sections.contacts.drop(self.position(at), near, self.budget)?;
         Ok(Probe { at, contact: contact.filter(|contact| self.counts(contact)) })
     }
 
-    /// The same, where mostly none counts: a contact that does not is known to a part of what tips may leave
-    /// their chord by.
+    /// As [`Self::probe`], for positions that mostly do not count. A contact that does not count is found
+    /// only to a share of the chord height.
     fn probe_roughly(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
         let accuracy = ROUGH_SHARE * self.spacing.chord_height_mm;
         match self.sections.contacts.drop_within(accuracy, self.position(at), near, self.budget)? {
@@ -338,14 +342,14 @@ impl<'a, P: Patch> Trace<'a, P> {
         }
     }
 
-    /// A contact near an expected one that counts, without a proof.
+    /// The contact that Newton's method finds from `guess`, if it counts. It is not proved to be the highest.
     fn followed(&self, at: f64, guess: [f64; 2]) -> Option<Contact> {
         let contact = self.sections.contacts.near(self.position(at), guess)?;
         self.counts(&contact).then_some(contact)
     }
 
-    /// Whether a section runs through a contact: not where the cutter hangs on an edge at which the surface
-    /// ends, and where it stands level only while its axis is over the surface.
+    /// Whether a section runs through a contact. It does not where the cutter touches an edge at which the
+    /// surface ends. Where the cutter stands level, it does only while its axis is over the surface.
     fn counts(&self, contact: &Contact) -> bool {
         let contacts = self.sections.contacts;
         if contact.is_rolling {
@@ -359,9 +363,10 @@ impl<'a, P: Patch> Trace<'a, P> {
         !is_level || contacts.is_over(contact)
     }
 
-    /// The last position from one that counts on to one that does not, and one beyond it.
+    /// The last position that counts on the way from `counting` to `outside`, which does not count; and a
+    /// position just beyond it.
     fn last_counting(&self, counting: Contact, outside: f64) -> Result<[Probe; 2], SectionError> {
-        // Mostly it is that to which the contact can be followed.
+        // Mostly it is the last position to which Newton's method can follow the contact.
         let followed = self.last(counting, outside, |at, near| Ok(self.followed(at, near)))?;
         if let [Probe { at, contact: Some(last) }, beyond] = followed {
             let found = self.probe(at, Some(last.place))?.contact;

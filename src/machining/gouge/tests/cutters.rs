@@ -59,7 +59,7 @@ fn beside_an_upright_wall_a_cutter_is_as_deep_as_it_stands_too_near() {
             let found = depth(&step(), &cutter, at(-5.0 + too_near));
             assert!((found.bound_mm - too_near).abs() < 1.1 * GAP, "{cutter:?} {too_near}: {found:?}");
         }
-        // A plunge along the wall ends in the floor, and a way past its foot goes through the wall.
+        // A plunge along the wall cuts the floor, and a move that leans into the wall cuts the wall.
         let found = depth(&step(), &cutter, line([-5.0, 0.0, 15.0], [-5.0, 0.0, -0.8]));
         assert!((found.bound_mm - 0.8).abs() < 1.1 * GAP, "{cutter:?}: {found:?}");
         let found = depth(&step(), &cutter, line([-5.0, 0.0, 0.0], [-5.0 + 0.3, 0.0, 15.0]));
@@ -91,8 +91,7 @@ fn stock_to_be_left_counts_as_a_larger_cutter() {
     }
 }
 
-/// How deep the deepest of dense points of the surface lies in the cutter on the way, as far as places of the
-/// way show.
+/// The largest depth in the cutter among a dense grid of surface points, over 61 places of the move.
 fn sampled(surface: &BezierSurface, cutter: &Cutter, tip: &Curve) -> f64 {
     let solid = Solid { flat: cutter.flat_radius(), corner: cutter.corner_radius() };
     let (n, m) = (80, 60);
@@ -137,8 +136,7 @@ proptest! {
         let sampled = sampled(&surface, &cutter, &tip);
         let found = depth(&surface, &cutter, tip);
         prop_assert!(sampled <= found.bound_mm + 1e-9, "{} {:?}", sampled, found);
-        // Deep in the part, where every direction shows as little, the search may reach its limit.
-        // A sharp rim reaches farther below a slope than any point of it is deep in the cutter.
+        // Deep in the part all directions give nearly the same depth, and the search may reach its limit.
         let most = if cutter.flat_radius() > 0.0 { 2f64.sqrt() } else { 1.0 } * found.found_mm + 1.01 * GAP;
         prop_assert!(found.found_mm > 0.5 || found.bound_mm <= most, "{:?}", found);
     }

@@ -1,9 +1,8 @@
-//! What a computation may spend: a deadline, a cancel flag, a place to report progress, and threads that
-//! help.
+//! The limits of one computation: a deadline, a cancel flag, a receiver of progress, and threads that help.
 //!
-//! This is the only door through which the core sees the outside world while it computes. A budget is
-//! asked at every step of every long loop; it answers `Err(Stopped)` when the caller has gone away or the
-//! time is up, and the computation ends there, without a result.
+//! This is the only way in which the core notices the outside world while it computes. Every long loop checks
+//! the budget at every step. The check answers `Err(Stopped)` when the caller has gone away or the time is
+//! up. The computation ends there, without a result.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,7 +34,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// No deadline, nobody listening; it still can be cancelled.
+    /// A budget without a deadline and without a receiver of progress. It can still be cancelled.
     pub fn unlimited() -> Self {
         Self::default()
     }
@@ -50,7 +49,8 @@ impl Budget {
         self
     }
 
-    /// Shares threads with other computations instead of having all of the machine's.
+    /// Uses `helpers`, whose threads other computations may share. The default is one thread for each
+    /// processor of the machine but one.
     pub fn with_helpers(mut self, helpers: Helpers) -> Self {
         self.helpers = helpers;
         self

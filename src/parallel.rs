@@ -1,8 +1,8 @@
 //! Work shared out to threads, with the results in order.
 //!
-//! A computation starts its own threads and never waits for the work of another computation. Computations
-//! that share [`Helpers`] have so many threads together, beside the threads that they were called on; a
-//! computation that finds no helper free works alone.
+//! A computation starts its own threads and never waits for the work of another computation. [`Helpers`]
+//! limits the number of threads that all computations sharing it start together. The threads that the
+//! computations were called on are not counted. A computation that finds no helper free works alone.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;
@@ -17,7 +17,7 @@ pub struct Helpers {
 }
 
 impl Default for Helpers {
-    /// One for each processor but one: the caller's own thread works too.
+    /// One helper for each processor but one: the caller's own thread works too.
     fn default() -> Self {
         let processors = thread::available_parallelism().map_or(1, NonZero::get);
         Self { free: Arc::new(AtomicUsize::new(processors - 1)) }
@@ -63,7 +63,7 @@ pub fn in_order<T: Send, E: Send>(
     made.into_iter().map(|(_, result)| result).collect()
 }
 
-/// The right to start `count` threads, given back when dropped.
+/// The right to start `count` threads. Dropping it gives the threads back.
 struct Taken<'a> {
     count: usize,
     from: &'a Helpers,
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_error_counts_and_what_follows_is_left() {
+    fn the_first_error_is_returned_and_later_work_is_not_begun() {
         let begun = AtomicUsize::new(0);
         let made = in_order(&Helpers::default(), 10_000, |k| {
             begun.fetch_add(1, Ordering::Relaxed);
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "seven")]
-    fn a_panic_is_the_callers() {
+    fn a_panic_reaches_the_caller() {
         let _ = in_order(&Helpers::default(), 50, |k| if k == 7 { panic!("seven") } else { Ok::<_, ()>(k) });
     }
 }

@@ -4,28 +4,28 @@
 //! Ju, section 3, for a plane x_axis = c and the offset S + R n:
 //! 1. `boundary` cuts the four boundary curves of the offset into stretches on which x_axis is monotone; the
 //!    plane meets each stretch at most once. These are the initial intersection points (3.1).
-//! 2. From each of them that no section has reached yet, [`trace`](Sections::chains) follows the section
-//!    (3.2): a step along the tangent m x n to the predicted point G, then Newton's method to the point of
-//!    the section in the plane through G at right angles to the tangent.
+//! 2. From each of these points that no section has reached yet, [`trace`](Sections::chains) follows the
+//!    section (3.2). A step along the tangent m x n gives the predicted point G. Newton's method then finds
+//!    the point of the section in the plane through G at right angles to the tangent.
 //! 3. A section ends at another initial intersection point.
 //!
 //! # Guarantees
-//! Given the proof of [`regularity`](super::regularity): every point lies on the section to within
-//! rounding, and between consecutive points the section leaves the chord by at most the chord height asked
-//! for, because its curvature is bounded over the patches around both.
+//! Given the proof of [`regularity`](super::regularity), every point lies on the section to within rounding.
+//! Between consecutive points the section leaves the chord by at most 1.01 times the chord height asked for,
+//! because its curvature is bounded over the patches around both points.
 //!
 //! # Degenerate input
-//! A plane that touches the boundary only, or contains a part of it, is the caller's to avoid: sections on
+//! The caller must avoid planes that only touch the boundary or contain a part of it: sections at the ends of
 //! the extent are traced [`INSET_MM`] inside it.
 //!
 //! # Cost
-//! O(boundary stretches + points) a plane.
+//! O(boundary stretches + points) for each plane.
 //!
 //! # Differences from the paper
-//! The boundary is not replaced by a polygon whose corners might step over a pair of intersections between
-//! them: extremes are found from sign changes of the derivative, at 16 places a span. The step follows the
-//! curvature bound. Sections that never meet the boundary do not exist, by the same proof (a closed section
-//! needs a fold or an overhang).
+//! The boundary is not replaced by a polygon: a pair of intersections could lie between two of its corners
+//! and be missed. Extremes are found from sign changes of the derivative, at 16 places a span. The step
+//! length follows the curvature bound. Sections that never meet the boundary do not exist: a closed section
+//! needs a fold or an overhang, and the proof excludes both.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", eq. 2 and 3.
@@ -40,17 +40,17 @@ use crate::geometry::surface::offset::{OffsetJet, offset};
 use crate::geometry::surface::{Surface, span_of};
 use boundary::{Boundary, BoundaryPoint};
 
-/// How far inside the extent of the offset its outermost sections are to be traced, mm: enough for a plane
-/// along a straight edge to meet the edges at its ends, invisible in any program.
+/// How far inside the extent of the offset its outermost sections are traced, mm. It is large enough for a
+/// plane along a straight edge to meet the edges at its ends, and too small to show in any program.
 pub const INSET_MM: f64 = 1e-6;
 
-/// Points of one section; at 0.01 mm apart this is a section of ten metres.
+/// Largest number of points of one section. At 0.01 mm apart this is a section of ten metres.
 const POINT_LIMIT: usize = 1_000_000;
 
-/// Newton steps for one point; two or three are usual.
+/// Largest number of Newton steps for one point; two or three are usual.
 const NEWTON_LIMIT: usize = 12;
 
-/// A section that is this near to the boundary has reached it.
+/// Step length, mm, below which a section has reached the boundary.
 const SHORTEST_STEP_MM: f64 = 1e-9;
 
 /// A step is halved at most this often before the section counts as lost.
@@ -70,7 +70,7 @@ pub enum SectionError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     pub points: Vec<Point3<f64>>,
-    /// The section leaves the polygon through the points by at most this, mm.
+    /// The section leaves the polygon through the points by at most this distance, mm.
     pub chord_height_mm: f64,
 }
 
@@ -84,10 +84,10 @@ impl Chain {
 /// A plane at right angles to the axis of [`Sections`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneAt {
-    /// Where the points of its sections lie, mm.
+    /// The coordinate of the points of the sections, mm.
     pub at: f64,
-    /// Where the sections are traced, mm: the same, but for a plane along an edge [`INSET_MM`] inside. Its
-    /// points are then brought to the edge.
+    /// The coordinate at which the sections are traced, mm. It differs from `at` only for a plane along an
+    /// edge, which is traced [`INSET_MM`] inside; the points are then moved to the edge.
     pub traced_at: f64,
 }
 
@@ -177,8 +177,8 @@ impl<'a> Sections<'a> {
         Ok(chains)
     }
 
-    /// Follows the section from `start`; with the chain comes the index in `open` of the crossing it reached.
-    /// `None` when the section does not enter the surface there.
+    /// Follows the section from `start`. Returns the chain, and the index in `open` of the crossing it
+    /// reached, if it reached one of them. `None` when the section does not enter the surface at `start`.
     fn trace(
         &self,
         start: &Crossing,
@@ -211,7 +211,7 @@ impl<'a> Sections<'a> {
                     chain.points.push(self.on_plane(&end.place, plane));
                     return Ok(Some((chain, None)));
                 }
-                // A shorter step leaves the boundary nearer to where the section does.
+                // A shorter step crosses the boundary nearer to the place where the section does.
                 spacing.step_length_mm = 0.5 * (next.jet.point - here.jet.point).norm();
                 if spacing.step_length_mm < SHORTEST_STEP_MM {
                     return Ok(Some((chain, None)));
@@ -223,7 +223,8 @@ impl<'a> Sections<'a> {
         }
     }
 
-    /// The point of the offset, continued past its edge, that lies next to a traced one where the plane is.
+    /// The point of the offset next to a traced one, in the plane of the pass. The offset is continued past
+    /// its edge for it.
     fn on_plane(&self, traced: &Place, plane: PlaneAt) -> Point3<f64> {
         if plane.at == plane.traced_at {
             return traced.jet.point;
@@ -266,7 +267,8 @@ impl<'a> Sections<'a> {
         Err(SectionError::Lost { at: here.jet.point })
     }
 
-    /// Newton's method for the point of the section in the plane at `length` along `tangent`.
+    /// Newton's method for the point of the section in the plane at right angles to `tangent`, at `length`
+    /// from `here`. `None` where it does not converge.
     fn corrected(&self, here: &Place, tangent: Vector3<f64>, length: f64, at: f64) -> Option<Place> {
         let predicted = here.jet.point + tangent * length;
         let mut place = *here;
@@ -280,7 +282,8 @@ impl<'a> Sections<'a> {
             let du = (residual[0] * hv - residual[1] * gv) / det;
             let dv = (residual[1] * gu - residual[0] * hu) / det;
             let (u, v) = (place.u - du, place.v - dv);
-            // Half a span at a time, so that the curvature bounds around both ends cover what lies between.
+            // A step covers at most half a span, so that the curvature bounds around both ends cover what
+            // lies between.
             if !((u - here.u).abs() <= 0.5 && (v - here.v).abs() <= 0.5) {
                 return None;
             }
@@ -330,8 +333,8 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// The first of the crossings that the section passes between `here` and `next`. It may leave the surface
-/// there even if `next` lies inside again.
+/// The index of the first crossing that the section passes between `here` and `next`. The section may leave
+/// the surface there even if `next` lies inside again.
 fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spacing) -> Option<usize> {
     let step = next.jet.point - here.jet.point;
     let length = step.norm();
@@ -346,8 +349,8 @@ fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spac
     passed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k)| k)
 }
 
-/// Height over its chord of an arc of curvature `curvature` (1/mm), mm; infinite where the chord is too long
-/// for the bound to say anything.
+/// Height of an arc of curvature `curvature` (1/mm) over its chord, mm. Infinite where the chord is too long
+/// for the curvature to bound the height.
 pub fn chord_height(chord: f64, curvature: f64) -> f64 {
     let half_turn = 0.5 * chord * curvature;
     if half_turn >= 1.0 {
@@ -356,7 +359,7 @@ pub fn chord_height(chord: f64, curvature: f64) -> f64 {
     0.5 * chord * half_turn / (1.0 + (1.0 - half_turn * half_turn).sqrt())
 }
 
-/// The chord with the given height under an arc of curvature `curvature`, mm.
+/// The length of the chord with the given height under an arc of curvature `curvature` (1/mm), mm.
 fn chord_for_height(height: f64, curvature: f64) -> f64 {
     if curvature > 0.0 { (8.0 * height / curvature).sqrt().min(1.0 / curvature) } else { f64::INFINITY }
 }

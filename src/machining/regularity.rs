@@ -1,11 +1,10 @@
 //! Proof that a ball cutter can follow a surface: the normal points up and the offset does not fold.
 //!
 //! # Method
-//! The proof runs on boxes, sub-patches with their control nets. On a box every derivative lies in a ball,
-//! from which come bounds for the principal curvatures ([`curvature`]). A box is finished when
+//! The proof runs on boxes: sub-patches with their control nets. On a box every derivative lies in a ball,
+//! and these balls bound the principal curvatures ([`curvature`]). A box is finished when
 //! 1. the upward component of the normal is positive over all of it, and
-//! 2. R times the largest concave curvature is below 1, by a margin that is no worse than twice the margin
-//!    at the centre;
+//! 2. R times the largest concave curvature is below 1, by at least half the margin at the centre;
 //!
 //! otherwise it is halved across the direction in which its tangents change more. A finished box is halved
 //! further, to a limited depth, while its [`Slope::share`] is only roughly known. The share must be known

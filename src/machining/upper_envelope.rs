@@ -1,29 +1,30 @@
-//! The skyline of a surface over a plane of constant y: the largest z of their section over every x.
+//! The skyline of a surface over a plane of constant y: the largest z of their section for every x.
 //!
 //! # Method
-//! 1. Patches that the plane may meet are halved until on a part one parameter of the section follows from
-//!    the other, v from u say: S_y has one sign along v (`part`).
-//! 2. The section of a part runs between points that are found exactly, on the sides of the part. The second
-//!    derivative of the section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far it leaves
-//!    their chord in height. Where that is too much the part is halved.
-//! 3. Where the section is so steep that its height says nothing, a part narrower than the width asked for
-//!    becomes a [`Segment`] at the height of its top.
-//! 4. The upper envelope of the stretches of one section, or of several, is their skyline ([`union`]).
+//! 1. Patches that the plane may meet are halved until, on each part, one parameter of the section is a
+//!    function of the other, say v of u: S_y has one sign along v (`part`).
+//! 2. The section of a part runs between two points on the sides of the part, which are found exactly. The
+//!    second derivative of the section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far the
+//!    section leaves its chord in height. A part on which that is too far is halved.
+//! 3. Where the section is too steep for a bound in height, a part narrower than the width asked for becomes
+//!    a level [`Segment`] at the height of the part's top.
+//! 4. The skyline is the upper envelope of the stretches of one section, or of several ([`union`]).
 //!
 //! # Guarantees
 //! Heights over x of the stretches and of the sections differ by at most [`Accuracy::height_mm`], at places
-//! that are at most [`Accuracy::width_mm`] apart; where the section is not upright they are the same places.
-//! The largest of several functions differs from the largest of others by no more than they differ, so the
-//! same holds for unions. Only slots between upright walls that are narrower than the width may be missing.
-//! The surface may be anything: creases, folds and overhangs need no care.
+//! that are at most [`Accuracy::width_mm`] apart. Where the section is not upright, these are the same
+//! places. The largest of several functions changes by no more than the functions do, so the same holds for
+//! unions. Only slots between upright walls that are narrower than the width may be missing. The surface may
+//! have any shape: creases, folds and overhangs need no special care.
 //!
 //! # Degenerate input
-//! Where an edge of the surface grazes the plane, the section may begin or end as that of a plane at most
-//! `height_mm` from it would. A surface that lies upright in the plane itself has no section; that is an
-//! error where it takes too many parts.
+//! Where an edge of the surface grazes the plane, the section may begin or end as the section of a plane up
+//! to `height_mm` away would. A surface that lies upright in the plane itself has no section. It is an error
+//! if its search takes too many parts.
 //!
 //! # Cost
-//! O(stretches), with some halvings for each; the envelope O(n log n + n m) for m stretches over one x.
+//! O(stretches), with a few halvings for each. The envelope takes O(n log n + n m) for n stretches of which
+//! at most m lie over one x.
 
 mod envelope;
 mod part;
@@ -34,10 +35,10 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::{BezierSurface, Patch};
 pub use envelope::{UpperEnvelope, union};
 
-/// Parts that are looked at for one plane; some hundred are usual.
+/// Largest number of parts examined for one plane; a few hundred are usual.
 const PART_LIMIT: usize = 1_000_000;
 
-/// Parts between two looks at the budget.
+/// Parts between two checks of the budget.
 const PARTS_BETWEEN_CHECKS: usize = 256;
 
 /// A straight stretch of a section: points (x, z), mm, the first at the smaller x.
@@ -55,12 +56,12 @@ impl Segment {
     }
 }
 
-/// How exact stretches are.
+/// The accuracy of stretches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
-    /// In height, mm.
+    /// The accuracy of heights, mm.
     pub height_mm: f64,
-    /// In place where the section is nearly upright, mm.
+    /// The accuracy of x where the section is nearly upright, mm.
     pub width_mm: f64,
 }
 
@@ -72,7 +73,7 @@ pub enum EnvelopeError {
     Lost { at: Point3<f64> },
 }
 
-/// A surface made ready for its sections.
+/// A surface, prepared for its sections with planes of constant y.
 pub struct Profiles<'a, P> {
     surface: &'a BezierSurface<P>,
     /// The least and the largest y of each patch, mm.

@@ -1,10 +1,10 @@
-//! Curves on a surface: a wire model, and what pictures show of it.
+//! Curves on a surface: wire models, and sketches of a surface for pictures.
 //!
 //! # Method
-//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Along a
-//! parameter they are curves of constant other parameter; along an axis they are plane sections ([`Sections`]
-//! of the offset by nothing). Neighbouring curves of constant parameter are at most the pitch apart along the
-//! three curves across them that are looked at: both sides and the middle.
+//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Wires along a
+//! parameter are curves on which the other parameter is constant. Wires along an axis are plane sections
+//! ([`Sections`] of the offset by zero). Neighbouring curves of constant parameter are at most the pitch
+//! apart, measured along three curves that cross them: both sides and the middle.
 //!
 //! # Guarantees
 //! Chords leave the surface's curves by at most the chord height asked for.
@@ -26,7 +26,7 @@ use crate::geometry::surface::{BezierSurface, Patch, Surface, span_of};
 /// A curve through points, mm.
 pub type Wire = Vec<Point3<f64>>;
 
-/// What wires run along.
+/// The parameter or the axis along which wires run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Along {
     U,
@@ -35,7 +35,7 @@ pub enum Along {
     Y,
 }
 
-/// What a wire model is to be like.
+/// The wire model that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WireJob {
     pub along: Along,
@@ -43,7 +43,7 @@ pub struct WireJob {
     pub pitch_mm: f64,
     /// Largest height of a wire over the chords of its points, mm.
     pub chord_height_mm: f64,
-    /// More wires are refused.
+    /// Largest number of wires; a model that needs more is refused.
     pub wire_limit: usize,
 }
 
@@ -54,10 +54,10 @@ impl WireJob {
     }
 }
 
-/// Points of one model.
+/// Largest number of points of one model.
 pub const POINT_LIMIT: usize = 2_000_000;
 
-/// Chords over one patch by which lengths across wires are measured.
+/// Chords over one patch with which lengths across wires are measured.
 const LENGTH_CHORDS: usize = 16;
 
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -76,7 +76,7 @@ pub enum WireError {
     SectionLost { at: Point3<f64> },
 }
 
-/// The wires of `surface`; for sections its normal must point up where it starts.
+/// The wires of `surface`. For wires along x or y, its normal must point up at its first corner.
 ///
 /// # Errors
 /// One of [`WireError`].
@@ -93,8 +93,8 @@ pub fn wires(
     }
 }
 
-/// Curves of constant v, at equal distances along three curves of constant u, of which the one that is
-/// longest between two places counts there.
+/// Curves of constant v at equal distances. Distances are measured along three curves of constant u; between
+/// two places the longest of the three counts.
 fn along_u(
     surface: &BezierSurface<impl Patch>,
     job: &WireJob,
@@ -115,7 +115,7 @@ fn along_u(
 
 /// Lengths along v.
 struct Rule {
-    /// The length up to every place that is looked at, mm.
+    /// The length from v = 0 to each sample, mm.
     lengths: Vec<f64>,
 }
 
@@ -195,7 +195,7 @@ fn sections(
         let at = low + width * (k as f64 / n as f64);
         let plane = PlaneAt { at, traced_at: at.clamp(low + inset, high - inset) };
         for Chain { points: mut wire, .. } in sections.chains(plane, spacing, budget)? {
-            // All in one sense.
+            // All wires run in the direction of the growing coordinate.
             if wire[0][1 - axis] > wire[wire.len() - 1][1 - axis] {
                 wire.reverse();
             }
@@ -221,8 +221,8 @@ fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
     Ok(spaces as usize)
 }
 
-/// A few curves along both parameters, the sides among them, to show a surface by: some ten thousand points
-/// however large the surface is.
+/// A few curves along both parameters, the sides among them, for pictures of a surface. They have about ten
+/// thousand points, however large the surface is.
 pub fn sketch(surface: &dyn Surface) -> Vec<Wire> {
     /// Spaces between the curves each way.
     const SPACES: usize = 16;
@@ -242,7 +242,7 @@ impl From<Irregular> for WireError {
     fn from(irregular: Irregular) -> Self {
         match irregular {
             Irregular::Stopped(stopped) => Self::Stopped(stopped),
-            // Without an offset nothing folds; what is left is a place without a tangent plane.
+            // Without an offset nothing folds: the place has no tangent plane.
             Irregular::Overhang { at } | Irregular::Folds { at } => Self::Overhang { at },
         }
     }
@@ -307,7 +307,7 @@ mod tests {
                 assert!((p.x.hypot(p.z) - 20.0).abs() < 1e-9, "{p}");
             }
         }
-        // Upward may have exchanged u and v; between them they run both ways.
+        // `upward` may have exchanged u and v. The wires along both parameters together run both ways.
         let both =
             [Along::U, Along::V].map(|along| wires(&surface, &job(along), &Budget::unlimited()).unwrap());
         let mut found = both.map(|wires| (wires.len(), lengths(&wires)[0].round()));

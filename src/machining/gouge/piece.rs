@@ -58,8 +58,8 @@ pub(super) fn pieces(
             (count, slack + arc.radius() * (0.25 * angle * angle).min(2.0))
         }
         Curve::Parabola(parabola) => {
-            // At equal parameters a single chord leaves the curve by `height`, and each of n chords by height
-            // / n^2.
+            // At equal parameters one chord leaves the curve by `height`, and n chords leave it by
+            // `height / n^2`.
             let height = parabola.bend().norm() / 4.0;
             let count = limited(by_length.max((height / chord_height).sqrt().ceil()));
             (count, slack + height / (count * count))

@@ -5,10 +5,10 @@ use crate::geometry::solve::bisect;
 use crate::geometry::surface::Surface;
 use crate::geometry::surface::offset::offset;
 
-/// Places a span at which the derivative's sign is looked at.
+/// Samples a span at which the derivative's sign is examined.
 const SAMPLES: usize = 16;
 
-/// Bisections of a stretch: the parameter's last bit.
+/// Largest number of bisections of a stretch; enough for the parameter's last bit.
 const BISECTION_LIMIT: usize = 60;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,14 +83,15 @@ impl Boundary {
         [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Where the boundary passes the value `at`.
+    /// The points at which the boundary passes the value `at`.
     pub(super) fn crossings(&self, surface: &dyn Surface, at: f64) -> Vec<BoundaryPoint> {
         let crossed = self.stretches.iter().filter(|s| (s.value[0] < at) != (s.value[1] < at));
         crossed.map(|s| self.root(surface, s, at)).collect()
     }
 
-    /// The crossing of `at` on the side that the step from `inside` to `outside` (parameters) leaves through,
-    /// within one sample of where the straight line between them does.
+    /// The crossing of the value `at` on the side through which the step from `inside` to `outside`
+    /// (parameters) leaves the surface. It is sought within one sample of the place where the straight line
+    /// of the step leaves.
     pub(super) fn crossing_between(
         &self,
         surface: &dyn Surface,
@@ -165,7 +166,7 @@ impl Boundary {
         0.5 * (a + b)
     }
 
-    /// The place of the value `at` on a stretch that crosses it: Newton's method kept inside the bracket.
+    /// The point of the value `at` on a stretch that crosses it: Newton's method kept inside the bracket.
     fn root(&self, surface: &dyn Surface, stretch: &MonotoneRange, at: f64) -> BoundaryPoint {
         let [mut a, mut b] = stretch.t;
         let rising = stretch.value[1] > stretch.value[0];

@@ -5,11 +5,11 @@ use nalgebra::Vector2;
 use super::Segment;
 use crate::budget::{Budget, Stopped};
 
-/// Stretches that begin or end between two looks at the budget.
+/// Places at which stretches begin or end, between two checks of the budget.
 const EVENTS_BETWEEN_CHECKS: usize = 1024;
 
-/// Ends this near to each other are at one place, mm: rounding leaves no slits between neighbours, nor walls
-/// where several end.
+/// Distance along x, mm, up to which ends of stretches count as one place. So rounding leaves no slits
+/// between neighbours, and no walls where several stretches end.
 const SAME_MM: f64 = 1e-7;
 
 /// A connected skyline: points (x, z), mm, with x that never falls; two at the same x are a wall.
@@ -22,7 +22,7 @@ pub type UpperEnvelope = Vec<Vector2<f64>>;
 pub fn union(stretches: &[Segment], gap_mm: f64, budget: &Budget) -> Result<Vec<UpperEnvelope>, Stopped> {
     let mut waiting: Vec<Segment> =
         stretches.iter().copied().filter(|s| s.to.x > s.from.x + SAME_MM).collect();
-    // The next to begin is the last.
+    // The next stretch to begin is the last element.
     waiting.sort_by(|a, b| b.from.x.total_cmp(&a.from.x));
     let mut places: Vec<f64> = waiting.iter().flat_map(|s| [s.from.x, s.to.x]).collect();
     places.sort_by(f64::total_cmp);
@@ -53,7 +53,7 @@ pub fn union(stretches: &[Segment], gap_mm: f64, budget: &Budget) -> Result<Vec<
     Ok(skylines)
 }
 
-/// Follows the highest of stretches that all run from one place to another.
+/// Appends the highest of the `open` stretches, all of which run from one place to another.
 fn follow(open: &[Segment], [from, to]: [f64; 2], skyline: &mut UpperEnvelope) {
     let heights: Vec<[f64; 2]> = open.iter().map(|s| [s.height(from), s.height(to)]).collect();
     let higher = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));

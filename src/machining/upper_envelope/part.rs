@@ -6,16 +6,16 @@ use super::{Accuracy, Segment};
 use crate::geometry::solve::bisect;
 use crate::geometry::surface::patch::{DerivativeBounds, Patch};
 
-/// Halvings between a place before the plane and one behind it: to the last bit.
+/// Bisection steps between a place before the plane and one behind it; 60 reach the last bit.
 const HALVINGS: usize = 60;
 
-/// Newton steps towards the plane; two or three are usual.
+/// Largest number of Newton steps towards the plane; two or three are usual.
 const NEWTON_LIMIT: usize = 20;
 
-/// Rounding of a coordinate in parts of the coordinates: a side that is this near to the plane lies in it.
+/// Rounding of a coordinate, as a share of the coordinates. A side that is this near to the plane lies in it.
 const ROUNDING: f64 = 1e-13;
 
-/// What is known of the section of a part.
+/// What is known about the section of a part.
 pub(super) enum Section {
     /// The plane does not meet the part.
     Missed,
@@ -29,7 +29,7 @@ pub(super) enum Section {
 enum Crossing {
     /// On the part, at this v.
     At(f64),
-    /// At v < 0, or at v > 1.
+    /// Outside the part: at v < 0 (`Below`) or at v > 1 (`Above`).
     Below,
     Above,
 }
@@ -41,7 +41,7 @@ struct End {
     at: Vector2<f64>,
 }
 
-/// The section with the plane at `y` mm.
+/// The section of a part with the plane at `y` mm.
 pub(super) fn section<P: Patch>(patch: &P, y: f64, accuracy: Accuracy) -> Section {
     let bounds = patch.bounds();
     let rounding = ROUNDING * bounds.magnitude();
@@ -86,7 +86,7 @@ fn along_u<P: Patch>(
     }
 }
 
-/// The ends in the order of x.
+/// The stretch between two points, with the smaller x first.
 fn ordered(a: Vector2<f64>, b: Vector2<f64>) -> Segment {
     if a.x <= b.x { Segment { from: a, to: b } } else { Segment { from: b, to: a } }
 }
@@ -101,7 +101,7 @@ struct Sides<'a, P> {
 }
 
 impl<P: Patch> Sides<'_, P> {
-    /// Where the section enters and leaves the part.
+    /// Where the section enters and leaves the part; `None` where it misses the part.
     fn ends(&self) -> Option<[End; 2]> {
         let crossings = [0.0, 1.0].map(|u| self.crossing(u));
         let on = |u: f64, crossing: Crossing, other: Crossing| match (crossing, other) {
@@ -118,7 +118,7 @@ impl<P: Patch> Sides<'_, P> {
         End { u, at: Vector2::new(point.x, point.z) }
     }
 
-    /// How far the point is behind the plane, in the sense in which that grows along v; mm.
+    /// How far the surface point is behind the plane, mm, with the sign that makes it grow along v.
     fn behind(&self, u: f64, v: f64) -> f64 {
         self.sense * (self.patch.jet(u, v).point.y - self.y)
     }
@@ -138,7 +138,8 @@ impl<P: Patch> Sides<'_, P> {
         }
     }
 
-    /// The v at which y is reached, by Newton's method kept between places before and behind the plane.
+    /// The v at which the plane is reached, by Newton's method kept between a place before the plane and one
+    /// behind it.
     fn root(&self, u: f64, mut v: f64) -> f64 {
         let (mut before, mut behind) = (0.0, 1.0);
         for _ in 0..NEWTON_LIMIT {
@@ -158,7 +159,8 @@ impl<P: Patch> Sides<'_, P> {
         v
     }
 
-    /// The u at which the plane meets the side of constant v, at whose ends y lies on different sides of it.
+    /// The u at which the plane meets the side of constant v. The ends of that side must lie on different
+    /// sides of the plane.
     fn crossing_along(&self, v: f64) -> f64 {
         let is_behind = self.behind(0.0, v) > 0.0;
         let [same, other] = bisect([0.0, 1.0], HALVINGS, |u| (self.behind(u, v) > 0.0) == is_behind);
@@ -189,12 +191,13 @@ impl<'a> Bend<'a> {
         Some(Self { derivatives, sense: dv.center.y.signum(), least, across })
     }
 
-    /// How far the section leaves its chord on the surface, mm: by so much it may leave the part unseen.
+    /// How far the section leaves its chord on the surface, at most, mm. The section may leave the part by as
+    /// much without being seen.
     fn aside(&self) -> f64 {
         self.across / 8.0 * self.derivatives.dv.reach() / self.least
     }
 
-    /// The largest second derivative of a coordinate (of the sum of `weights` times x and z), mm.
+    /// Bound of the second derivative of the sum of `weights` times x and z, mm.
     fn of(&self, weights: Vector2<f64>) -> f64 {
         let along_v = &self.derivatives.dv;
         let sum = weights.x * along_v.center.x + weights.y * along_v.center.z;
@@ -202,12 +205,13 @@ impl<'a> Bend<'a> {
         self.across * Vector3::new(weights.x, weights.y, by_v / self.least).norm()
     }
 
-    /// The chord between the ends, if it is as near to the section as `accuracy` says.
+    /// The chord between the ends, or a level stretch where the section is nearly upright. `None` where
+    /// neither is as near to the section as `accuracy` asks for.
     fn stretch(&self, from: End, to: End, accuracy: Accuracy) -> Option<Segment> {
         let way = to.at - from.at;
         let part = (to.u - from.u).abs();
         let height = |second: f64| second * part * part / 8.0;
-        // x is monotone where its derivative stays nearer to its mean than that is to nothing.
+        // x is monotone where its derivative differs from its mean by less than the mean itself.
         let rise = way.y / way.x;
         let along_x = self.of(Vector2::x());
         let is_monotone = way.x.abs() > 4.0 * height(along_x);
@@ -219,7 +223,7 @@ impl<'a> Bend<'a> {
         if way.x.abs() + 2.0 * beyond > 0.5 * accuracy.width_mm || over > accuracy.height_mm {
             return None;
         }
-        // An upright wall has a top as wide as this at least.
+        // The top of an upright wall is at least this much wider on each side.
         let beyond = beyond.max(0.25 * accuracy.width_mm);
         let [low, high] = [from.at.x.min(to.at.x), from.at.x.max(to.at.x)];
         Some(level(low - beyond, high + beyond, from.at.y.max(to.at.y)))

@@ -67,7 +67,7 @@ fn a_cylinder_has_the_circle_as_its_upper_envelope() {
 }
 
 #[test]
-fn of_an_overhang_the_highest_sheet_counts() {
+fn the_highest_sheet_of_an_overhang_counts() {
     use std::f64::consts::PI;
     // Three quarters of a turn, from low on the left under the right; upright on both sides.
     let turn = cylinder(10.0, -0.25 * PI, 0.75 * PI).patch(0, 0).to_owned();
@@ -87,7 +87,7 @@ fn of_an_overhang_the_highest_sheet_counts() {
 }
 
 #[test]
-fn skew_patches_are_met_where_dense_points_lie() {
+fn skew_patches_have_the_heights_of_dense_points() {
     let surface = bumps();
     for y in [0.0, 3.0, 14.9, 29.0] {
         let stretches = stretches(&surface, y);

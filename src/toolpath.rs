@@ -4,8 +4,8 @@
 //! * Every coordinate is finite.
 //! * A toolpath is continuous: a move stores where it ends and starts where the last one ended.
 //! * The radii at both ends of an arc agree.
-//! * A rapid has no feed. A feed move has one, or says that nobody has chosen it: then it has no time, and no
-//!   program is written of it.
+//! * A rapid has no feed. A feed move has a feed, or states that none was chosen: then it has no time, and
+//!   its toolpath makes no program.
 //! * Nothing is modal and nothing is text; modal words belong to `post` alone.
 
 pub mod contour;

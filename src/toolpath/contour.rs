@@ -1,5 +1,5 @@
-//! The toolpath along chains of curves that are cut once: down at the start of each, along it, and up at its
-//! end.
+//! The toolpath along chains of curves that are cut once: down at the start of each chain, along it, and up
+//! at its end.
 
 use nalgebra::Point3;
 
@@ -8,14 +8,16 @@ use super::linking::at_height;
 use super::{PathError, Role, Toolpath};
 use crate::geometry::curve::Curve;
 
-/// The top of the part where nothing else is known of it: zero, or what is cut if that is higher, mm.
+/// The height of the part's top where nothing else gives it, mm. A higher point of the path counts as the top
+/// instead.
 pub const TOP_MM: f64 = 0.0;
 
-/// How far the tool is lifted between chains of which nobody said how to cut them, mm.
+/// Height above the part's top at which the tool crosses from chain to chain where there are no cutting
+/// conditions, mm.
 const LIFT_MM: f64 = 2.0;
 
-/// Goes along each chain. Without cutting conditions nothing has a feed, and a single chain is all there is;
-/// several are joined by way of `top_mm` and a little more.
+/// Goes along each chain. Without cutting conditions no move has a feed, and a single chain has no moves
+/// before or after it. Several chains are then joined by rapids a little above `top_mm`.
 ///
 /// # Errors
 /// When the curves of a chain do not follow each other.

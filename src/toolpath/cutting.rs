@@ -1,4 +1,5 @@
-//! The conditions of a cut: feeds by role, spindle, coolant and heights, as asked for and with every default.
+//! The conditions of a cut: feeds by role, spindle, coolant and heights. [`CuttingRequest`] holds what is
+//! asked for, [`Cutting`] also every default.
 
 use super::path::Role;
 use super::program::Program;
@@ -11,7 +12,8 @@ pub const CLEARANCE_ABOVE_TOP_MM: f64 = 20.0;
 /// Default distance of the retract plane from the top of the part, mm.
 const RETRACT_ABOVE_TOP_MM: f64 = 2.0;
 
-/// Tops are computed: a height that is lower by this much is still at the top, mm.
+/// How far a height may lie below the part's top and still count as at the top, mm: tops are computed with
+/// rounding.
 const TOP_ACCURACY_MM: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,7 +48,7 @@ pub struct CuttingRequest {
     pub retract_z_mm: Option<f64>,
 }
 
-/// Why heights do not go with a part or with each other.
+/// Why a height contradicts the part or another height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum HeightError {
     #[error("{field} is {value_mm} mm, below the top of the part at {top_mm} mm")]
@@ -74,7 +76,7 @@ impl CuttingRequest {
         }
     }
 
-    /// The feed of moves of this role, which depends on no height.
+    /// The feed of moves of this role; it depends on no height.
     pub fn feed_of(&self, role: Role) -> FeedRate {
         self.at_heights(0.0, 0.0).feed_of(role)
     }
@@ -101,10 +103,10 @@ impl CuttingRequest {
         Ok(self.at_heights(clearance_z_mm, retract_z_mm))
     }
 
-    /// The conditions between planes that are chosen already.
+    /// The conditions with the clearance plane and the retract plane already chosen.
     pub fn at_heights(&self, clearance_z_mm: f64, retract_z_mm: f64) -> Cutting {
         let feed = self.feed;
-        // Half of a positive feed is a feed, unless it is the smallest number there is.
+        // Half of a positive feed is positive, unless the feed is the smallest positive number.
         let half = FeedRate::from_mm_per_min(0.5 * feed.mm_per_min()).unwrap_or(feed);
         let plunge_feed = self.plunge_feed.unwrap_or(half);
         Cutting {
@@ -159,7 +161,7 @@ impl Cutting {
         }
     }
 
-    /// What somebody should look at before `program` is cut with `tool`.
+    /// What an operator should check before `program` is cut with `tool`.
     pub fn cautions(&self, tool: Option<&Tool>, program: &Program) -> Vec<Caution> {
         let mut cautions = Vec::new();
         if self.spindle_rpm.is_none() {
@@ -183,11 +185,11 @@ impl Cutting {
 pub enum Caution {
     /// There is no spindle speed: the program starts no spindle.
     NoSpindleSpeed,
-    /// Nobody said which tool it is: the first of the table is called.
+    /// No tool number was given: the first tool of the table is called.
     NoToolNumber,
-    /// Nobody said which work offset: the program takes the one that is active.
+    /// No work offset was given: the program uses the one that is active.
     NoWorkOffset,
-    /// The tool is cut with the length of another place of the table.
+    /// The tool is used with the length offset of another place in the table.
     LengthOffsetDiffers { number: u32, length_offset: u32 },
 }
 
@@ -256,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_often_a_mistake_is_named() {
+    fn missing_and_contradicting_settings_are_named() {
         let cutting = request().above(TOP).unwrap();
         let other = Tool { number: Some(3), length_offset: Some(4), ..Tool::ball(5.0) };
         let differs = Caution::LengthOffsetDiffers { number: 3, length_offset: 4 };

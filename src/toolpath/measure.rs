@@ -1,8 +1,9 @@
 //! Lengths, times, counts and bounds of a toolpath: computed here once, never by an operation.
 //!
 //! # Guarantees
-//! Lengths are closed forms; bounds hold the start, rapids and the extremes of arcs and parabolas. Times are
-//! those of a machine without ramps: length by feed. Where a move has no feed they cannot be told.
+//! Lengths are closed forms. Bounds contain the start, rapids and the extremes of arcs and parabolas. Times
+//! are length divided by feed, as on a machine with unlimited acceleration. There is no cutting time where a
+//! move has no feed.
 //!
 //! # Cost
 //! O(n) in the moves.

@@ -1,31 +1,31 @@
-//! The time a machine needs that cannot change its speed at once.
+//! The time that a machine with a limited acceleration needs for a toolpath.
 //!
 //! # Method
 //! 1. A chain is a run of moves of one kind, feed or rapid. The machine is at rest where a chain begins and
 //!    ends: at the ends of the path, at a dwell, and between rapid and feed.
-//! 2. Within a move the speed is at most its feed; on an arc also sqrt(a / k), where k is the curvature, so
-//!    that the centripetal acceleration is at most a. A parabola is taken in parts, each at its own largest
-//!    curvature.
-//! 3. At the joint of two moves that meet at the angle w (pi where they go straight on) the speed v is at
-//!    most that of a circle which touches both and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w /
-//!    2)), with d = 0.01 mm, Grbl's default.
-//! 4. Look-ahead: a pass backward and one forward along the chain lower the speeds at the joints until each
-//!    follows from its neighbours within the acceleration, v1^2 <= v0^2 + 2 a l.
+//! 2. Within a move the speed is at most its feed. On an arc the speed is also at most sqrt(a / k), where k
+//!    is the curvature, so that the centripetal acceleration is at most a. A parabola is taken in parts, each
+//!    at its own largest curvature.
+//! 3. Let two moves meet at the angle w (pi where they go straight on). The speed v at their joint is at most
+//!    that on a circle which touches both moves and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w
+//!    / 2)), with d = 0.01 mm, Grbl's default.
+//! 4. Look-ahead: a pass backward and a pass forward along the chain lower the speeds at the joints, until
+//!    each speed follows from its neighbours within the acceleration: v1^2 <= v0^2 + 2 a l.
 //! 5. Each move then takes the time of the trapezoid, or triangle, of speed between its two joints.
 //!
 //! # Guarantees
-//! The time is at least that of length by feed, falls as the acceleration grows, tends to it where no move
-//! turns back, and does not change when a line or an arc is divided.
+//! The time is at least length divided by feed. It falls as the acceleration grows, and tends to length
+//! divided by feed where no move turns back. It does not change when a line or an arc is divided.
 //!
 //! # Degenerate input
-//! Moves without length take no time and are no joints.
+//! Moves without length take no time and make no joints.
 //!
 //! # Cost
 //! O(n) in the moves: 0.05 microseconds each.
 //!
 //! # Differences from a control
-//! One acceleration stands for all axes, along the path and across it; jerk, the limits of single axes and
-//! the number of blocks a control looks ahead are not known here. So this is an estimate.
+//! One acceleration stands for all axes, along the path and across it. Jerk, the limits of single axes and
+//! the number of blocks that a control looks ahead are not known here. So this is an estimate.
 //!
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
@@ -39,10 +39,11 @@ use super::path::{Move, Toolpath};
 use super::units::{Acceleration, FeedRate};
 use crate::geometry::curve::Curve;
 
-/// How far the circle that stands for a corner leaves it, mm.
+/// How far the circle that stands for a corner leaves the corner, mm. A larger value allows higher speeds at
+/// corners.
 const JUNCTION_DEVIATION_MM: f64 = 0.01;
 
-/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`; none where a feed
+/// Seconds for `toolpath`, dwells included, on a machine that traverses at `rapid_feed`; `None` where a feed
 /// move has no feed.
 pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acceleration) -> Option<f64> {
     let a = acceleration.mm_per_s2();
@@ -93,7 +94,7 @@ impl Chain {
         sum
     }
 
-    /// Squares of the speeds before, between and after the moves.
+    /// Squares of the speeds before, between and after the moves, mm2/s2.
     fn joint_speeds(&self, acceleration: f64) -> Vec<f64> {
         let moves = &self.stretches;
         let mut squares = vec![0.0; moves.len() + 1];
@@ -112,7 +113,8 @@ impl Chain {
     }
 }
 
-/// Radius of the circle that stands for the corner between two directions; infinite where there is none.
+/// Radius of the circle that stands for the corner between two directions, mm; infinite where there is no
+/// corner.
 fn corner_radius_mm(before: &Vector3<f64>, after: &Vector3<f64>) -> f64 {
     let cosine = before.dot(after).clamp(-1.0, 1.0);
     // sin(w / 2) for the angle w between the way back and the way on.
@@ -120,7 +122,7 @@ fn corner_radius_mm(before: &Vector3<f64>, after: &Vector3<f64>) -> f64 {
     JUNCTION_DEVIATION_MM * sine / (1.0 - sine)
 }
 
-/// Seconds for one move between the squares of two speeds.
+/// Seconds for one move. `entry` and `exit` are the squares of the speeds at its ends, mm2/s2.
 fn trapezoid(stretch: &SpeedSegment, entry: f64, exit: f64, acceleration: f64) -> f64 {
     let &SpeedSegment { length_mm, most, .. } = stretch;
     let ends = entry.sqrt() + exit.sqrt();
@@ -219,7 +221,8 @@ mod tests {
             let parabola = Parabola::new(start, control, end).unwrap();
             let mut path = Toolpath::builder(start);
             path.parabola(end, control, feed(20.0), Role::Cut).unwrap();
-            // As very many short lines, which slow down at every joint as little as the turn there asks for.
+            // The same curve as very many short lines. They slow down at each joint only as much as the small
+            // turn there demands.
             let mut lines = Toolpath::builder(start);
             for k in 1..=2000 {
                 lines.line(parabola.point_at(f64::from(k) / 2000.0), feed(20.0), Role::Cut).unwrap();
@@ -240,7 +243,7 @@ mod tests {
 
     #[test]
     fn it_looks_ahead_over_many_moves() {
-        // A hundredth of a millimetre at a time, to a standstill: as one line.
+        // Moves of a hundredth of a millimetre to a standstill take the time of one line.
         let mut path = Toolpath::builder(Point3::origin());
         for k in 1..=1000 {
             line(&mut path, [0.01 * f64::from(k), 0.0, 0.0], 1000.0);
@@ -299,7 +302,7 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn it_is_never_below_the_plain_time_and_falls_to_it(hops in hops()) {
+        fn the_time_is_never_below_length_by_feed_and_falls_to_it(hops in hops()) {
             let path = path(&hops, 1);
             let plain = measure(&path.clone().finish().unwrap(), feed(100.0)).total_time_s.unwrap();
             let times = [1.0, 100.0, 1e4, 1e6, 1e12].map(|a| time(&path, a));
@@ -309,7 +312,7 @@ mod tests {
         }
 
         #[test]
-        fn it_does_not_see_where_moves_are_divided(hops in hops(), parts in 2u32..6) {
+        fn dividing_moves_does_not_change_the_time(hops in hops(), parts in 2u32..6) {
             let (whole, divided) = (time(&path(&hops, 1), 1000.0), time(&path(&hops, parts), 1000.0));
             prop_assert!((whole - divided).abs() <= 1e-6 * whole, "{whole} {divided}");
         }

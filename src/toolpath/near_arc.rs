@@ -1,14 +1,14 @@
-//! Arcs whose two radii do not quite agree: what other software has rounded, made exact again.
+//! Makes arcs exact whose radii at the two ends do not quite agree, because other software has rounded them.
 //!
 //! # Method
-//! The centre is moved to the bisector of the ends. On a short arc that changes little; on one that nearly
-//! closes, where the bisector leans with the smallest difference of the radii, it can change much. Such an
-//! arc is divided at the middle of its sweep, at the mean of the radii, and each half is made exact on its
-//! own.
+//! The centre is moved to the perpendicular bisector of the ends. On a short arc that changes little. On an
+//! arc that nearly closes, the smallest difference of the radii tilts the bisector, and the arc can change
+//! much. Such an arc is divided at the middle of its sweep, at the mean of the radii, and each half is made
+//! exact on its own.
 //!
 //! # Guarantees
-//! The bound that is returned holds for every curve a control may run for the arc as it came: about the given
-//! centre, at any radius between those of the two ends, both ways.
+//! The bound that is returned holds for every path that a control may run for the arc as given: about the
+//! given centre, at any radius between those of the two ends. It holds both ways.
 
 use std::f64::consts::TAU;
 
@@ -18,18 +18,18 @@ use super::quantize::bound::{self, Circular, Family};
 use crate::geometry::curve::{Arc, ArcError, Direction};
 use crate::geometry::plane::Plane;
 
-/// Exact arcs, one or two, that stand for one that is nearly an arc.
+/// One or two exact arcs that stand for an arc that is nearly exact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearArc {
     pub arcs: Vec<Arc>,
-    /// Upper bound for the distance between what was asked for and `arcs`, mm; zero where nothing was moved.
+    /// Upper bound of the distance between the arc as given and `arcs`, mm; zero where nothing was moved.
     pub moved_mm: f64,
 }
 
-/// The arcs for three points of which `center` may be off by what rounding does.
+/// The exact arcs for three points, where `center` may be off by rounding.
 ///
 /// # Errors
-/// When the points make no arc, or only one that is farther than `allowed_mm` from what they say.
+/// When the points make no arc, or no exact arc lies within `allowed_mm` of the arc as given.
 pub fn near_arc(
     (plane, direction): (Plane, Direction),
     start: Point3<f64>,
@@ -52,7 +52,7 @@ pub fn near_arc(
     whole.or_else(|| given.halves().filter(|near| near.moved_mm <= allowed_mm)).ok_or(refused)
 }
 
-/// An arc as it came, in its plane: (first, second, normal), mm.
+/// An arc as given, in coordinates of its plane: (first, second, normal), mm.
 struct Given {
     turn: (Plane, Direction),
     s: Vector3<f64>,
@@ -73,7 +73,7 @@ impl Given {
         (bound::sense(self.turn.1) * bound::angle(&from, &to)).rem_euclid(TAU)
     }
 
-    /// One exact arc between the same ends.
+    /// One exact arc between the same ends, with its bound.
     fn exact(&self) -> Option<NearArc> {
         let (plane, direction) = self.turn;
         let [start, end, near] = [self.s, self.e, Vector3::new(self.c.x, self.c.y, self.s.z)]
@@ -92,8 +92,8 @@ impl Given {
         Some(NearArc { arcs: vec![arc], moved_mm })
     }
 
-    /// Two exact arcs that meet at the middle of the sweep. Whatever radius a control takes there, it is no
-    /// farther from the mean than half the difference of the radii.
+    /// Two exact arcs that meet at the middle of the sweep. Any radius that a control takes there differs
+    /// from the mean by at most half the difference of the radii.
     fn halves(&self) -> Option<NearArc> {
         let [from, to] = self.radii();
         let spoke = self.s.xy() - self.c;
@@ -138,9 +138,10 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// Rounded to four decimals by somebody else, every arc is taken, and lies where its points say.
+        /// Every arc that other software rounded to four decimals is accepted, and lies near the arc before
+        /// rounding.
         #[test]
-        fn rounded_arcs_are_taken(
+        fn rounded_arcs_are_accepted(
             plane in prop::sample::select(Plane::ALL.to_vec()), ccw: bool, radius in 0.5..500.0f64,
             from in 0.0..TAU, sweep in 0.05..6.27f64, slope in -0.5..0.5f64, flat: bool,
         ) {
@@ -150,7 +151,7 @@ mod tests {
                 let angle = from + sense * sweep * t;
                 Vector3::new(7.0 + radius * angle.cos(), -3.0 + radius * angle.sin(), z)
             };
-            // The distance to a helix is measured at equal angles, which says little of a steep one.
+            // The distance to a helix is measured at equal angles, which overestimates it for a steep helix.
             let rise = if flat { 0.0 } else { slope * radius * sweep };
             let [s, e, c] = [at(0.0, 2.0), at(1.0, 2.0 + rise), Vector3::new(7.0, -3.0, 2.0)]
                 .map(|local| rounded(plane.to_workpiece(&local), 4));

@@ -23,7 +23,8 @@ pub enum Move {
     Rapid {
         line: Line,
     },
-    /// Without a rate where nobody has said how fast: it has a length, but no time and no place in a program.
+    /// `rate` is `None` where no feed was chosen. The move then has a length, but no time, and no program can
+    /// hold it.
     Feed {
         along: Curve,
         rate: Option<FeedRate>,

@@ -50,7 +50,7 @@ pub struct Program {
 /// ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SafeHome {
-    /// It does not.
+    /// The tool does not go up.
     #[default]
     None,
     /// To the reference point.

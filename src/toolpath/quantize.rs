@@ -1,21 +1,23 @@
-//! Rounds curves to the grid of the output: what a program will say, as geometry.
+//! Rounds curves to the grid of the output: the geometry that a program will state.
 //!
 //! # Method
-//! 1. Each end is rounded on its own: rounding is a function of the point alone, so curves that share a joint
-//!    share its rounded point.
+//! 1. Each end is rounded on its own. Rounding depends on the point alone, so curves that share a joint share
+//!    its rounded point.
 //! 2. An arc's centre is projected onto the perpendicular bisector of the rounded ends, and its offsets from
-//!    the rounded start are rounded; of the 3 x 3 grid points there, the one whose path lies nearest to the
-//!    source is taken among those whose two radii agree within one step.
-//! 3. The distance from the source to whatever a control may run for the block is bounded. An arc whose bound
-//!    is too large, whose sense or sweep would change, or whose centre cannot be found is split in two.
-//! 4. An arc that is flatter than half a step becomes a line, one of more than [`MAX_RADIUS_MM`] chords.
-//! 5. A parabola's three control points are rounded (`parabola`), and divided as arcs are; one that is
-//!    flatter than half a step becomes a line, and where there are no blocks for it, chords no farther from
-//!    it than half a step.
+//!    the rounded start are rounded. The 3 x 3 grid points about that place are tried. Among those whose two
+//!    radii agree within one step, the point whose path lies nearest to the source is taken.
+//! 3. The distance from the source to every path that a control may run for the block is bounded. An arc is
+//!    split in two if its bound is too large, if its sense or sweep would change, or if no centre is found.
+//! 4. An arc that is flatter than half a step becomes a line. An arc of more than [`MAX_RADIUS_MM`] becomes
+//!    chords.
+//! 5. A parabola's three control points are rounded (`parabola`), and it is divided as arcs are. A parabola
+//!    that is flatter than half a step becomes a line. Where there are no blocks for it, a parabola becomes
+//!    chords no farther from it than half a step.
 //!
 //! # Guarantees
 //! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
-//!   order, whatever radius between those at its two ends a control takes; each curve carries its own bound.
+//!   order. This holds for every radius, between those at the two ends of an arc, that a control may take.
+//!   Each curve carries its own bound.
 //! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] and [`MAX_MISMATCH_MM`].
 //! * A full turn is written only for a full turn.
 //!
@@ -36,35 +38,37 @@ use nalgebra::Point3;
 use super::program::Resolution;
 use crate::geometry::curve::{Arc, Curve, Line};
 
-/// A written curve and its source are this near to each other, in units of the last decimal.
+/// Largest distance between a written curve and its source, in units of the last decimal.
 pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
 
 /// The largest difference of the radii at a written arc's ends, in units of the last decimal. The best of the
-/// nine centres reaches it for nearly all arcs; the others are split.
+/// nine centres is within it for nearly all arcs; the others are split.
 pub const MAX_MISMATCH_STEPS: f64 = 1.0;
 
-/// With few decimals a step is more than controls accept: LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
+/// The largest difference of the radii at a written arc's ends, mm. With few decimals one step is more than
+/// controls accept: LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
 pub const MAX_MISMATCH_MM: f64 = 0.015;
 
 /// Arcs flatter than this, in units of the last decimal, are written as lines: rounding could turn them over,
 /// or into a full circle.
 pub const MIN_SAGITTA_STEPS: f64 = 0.5;
 
-/// Arcs of smaller radius are written as lines: LinuxCNC refuses radii under 0.00005 inch (0.00127 mm) as
-/// zero, and other controls lose as much in rounding.
+/// Arcs of smaller radius, mm, are written as lines. LinuxCNC refuses radii under 0.00005 inch (0.00127 mm)
+/// as zero, and other controls lose as much in rounding.
 const LEAST_RADIUS_MM: f64 = 0.0013;
 
-/// Arcs of larger radius are written as chords: controls have run whole circles on them.
+/// Arcs of larger radius, mm, are written as chords: controls have run whole circles instead of such arcs.
 pub const MAX_RADIUS_MM: f64 = 1e4;
 
-/// One curve becomes at most this many; the chords of a full circle of radius 1 km at three decimals are half
-/// as many.
+/// Largest number of curves written for one curve. The chords of a full circle of radius 1 km at three
+/// decimals are half as many.
 pub const MAX_PIECES: usize = 200_000;
 
-/// Beyond this many steps from zero the products of two coordinates no longer fit their integers.
+/// Largest coordinate, in steps. Up to it the products of two coordinates fit their integers.
 const MAX_UNITS: f64 = 1e15;
 
-/// What is accepted of the bound; the rest is for lengths that were themselves computed with rounding.
+/// Largest bound that is accepted, in steps. The rest is for lengths that were themselves computed with
+/// rounding.
 const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
 
 /// One curve as it will be written.
@@ -78,16 +82,17 @@ pub struct Written {
     pub form: Form,
     /// Difference of the written radii at the two ends, mm.
     pub radius_mismatch_mm: f64,
-    /// Upper bound for the distance between `curve` and any curve a control may run for the block: one about
-    /// the written centre with a radius anywhere between those at the ends, and arcs in place of a parabola.
-    /// mm, both ways.
+    /// Upper bound of the distance between `curve` and any path that a control may run for the block, mm,
+    /// both ways. For an arc this is any path about the written centre, with a radius anywhere between those
+    /// at the ends. For a parabola it is the arcs that the control runs instead.
     pub slack_mm: f64,
-    /// Upper bound for the distance of the source from `curve` and from any curve a control may run for the
-    /// block, mm, both ways and in order.
+    /// Upper bound of the distance of the source from `curve`, and from any path that a control may run for
+    /// the block, mm, both ways and in order.
     pub displacement_mm: f64,
 }
 
-/// What is said of a curve beside its end, in units of the last decimal from the start along two axes.
+/// What a block states besides the end of its curve: a point along two axes, in units of the last decimal
+/// from the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     Line,
@@ -101,12 +106,12 @@ pub enum Form {
     },
 }
 
-/// Which parabolas are written as such.
+/// Which parabolas are written as parabolas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parabolas {
-    /// None: all are lines.
+    /// None: all parabolas become lines.
     AsLines,
-    /// Those that lie at one height.
+    /// The parabolas that lie at one height.
     InXy,
 }
 
@@ -144,7 +149,7 @@ impl Grid {
     /// The nearest number of steps.
     ///
     /// # Errors
-    /// When the number would be too large, or is none.
+    /// When the number would be too large, or is not a number.
     pub fn units(&self, value_mm: f64) -> Result<i64, QuantizeError> {
         let units = (value_mm / self.unit_mm * self.per_unit).round();
         if units.abs() <= MAX_UNITS { Ok(units as i64) } else { Err(QuantizeError::OutOfRange { value_mm }) }
@@ -174,8 +179,8 @@ impl Grid {
 pub struct Rounded {
     /// In order; none where the curve vanishes on the grid.
     pub curves: Vec<Written>,
-    /// Upper bound for the distance of the source from all that a control may run for it, mm, both ways: that
-    /// of the curves, and of the parts that vanish to the point they vanish to.
+    /// Upper bound of the distance of the source from every path that a control may run for it, mm, both
+    /// ways. It covers the curves, and the distance of parts that vanish from the point to which they vanish.
     pub displacement_mm: f64,
 }
 
@@ -207,7 +212,7 @@ pub fn round(curve: &Curve, resolution: Resolution, parabolas: Parabolas) -> Res
 }
 
 impl Written {
-    /// Whether a control may take it for an arc without a radius.
+    /// Whether the radius is so small that a control may take it for zero.
     fn is_too_small(&self) -> bool {
         match &self.curve {
             Curve::Arc(arc) => arc.radius() - self.radius_mismatch_mm < LEAST_RADIUS_MM,
@@ -248,16 +253,17 @@ impl ArcPart<'_> {
         2.0 * self.arc.radius() * (self.sweep() / 4.0).sin().powi(2)
     }
 
-    /// Distance from the piece to its chord, mm, matched by fractions; for sweeps up to half a turn.
+    /// Bound of the distance from the piece to its chord, mm, compared at equal fractions; for sweeps up to
+    /// half a turn.
     ///
-    /// Along the chord a point runs ahead by r |sin(u a) - u sin a| <= r a^3 (u - u^3) / 6 <= 0.0642 r a^3,
-    /// with a half of the sweep and u in 0..=1.
+    /// Along the chord the point of the arc runs ahead by r |sin(u a) - u sin a| <= r a^3 (u - u^3) / 6 <=
+    /// 0.0642 r a^3, where a is half the sweep and u is in 0..=1.
     fn chord_distance(&self) -> f64 {
         self.sagitta().hypot(0.0642 * self.arc.radius() * (self.sweep() / 2.0).powi(3))
     }
 }
 
-/// What has been written of one curve.
+/// What has been written so far for one curve.
 struct Output {
     grid: Grid,
     curves: Vec<Written>,
@@ -291,7 +297,8 @@ impl Output {
         Ok(())
     }
 
-    /// Lines along a piece, each no farther from it than half a step before its ends are rounded.
+    /// Writes lines along a piece. Before its ends are rounded, each line is no farther from the piece than
+    /// half a step.
     fn chords(&mut self, piece: &ArcPart) -> Result<(), QuantizeError> {
         let sagitta = MIN_SAGITTA_STEPS * self.grid.step_mm();
         // At most half a turn each.
@@ -310,8 +317,8 @@ impl Output {
         Ok(())
     }
 
-    /// The line between the rounded points, or nothing where they coincide; `added_mm` is the distance from
-    /// the source to the line between the points themselves.
+    /// Writes the line between the rounded points, or nothing where they coincide. `added_mm` is the distance
+    /// from the source to the line between the points before rounding.
     fn line(&mut self, start: &Point3<f64>, end: &Point3<f64>, added_mm: f64) -> Result<(), QuantizeError> {
         let (from, to) = (self.grid.round(start)?, self.grid.round(end)?);
         let line = Line { start: self.grid.point(from), end: self.grid.point(to) };

@@ -20,13 +20,13 @@ pub struct Tool {
     pub shape: Shape,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Number in the tool table, where somebody said it.
+    /// Number in the tool table, if one was given.
     pub number: Option<u32>,
     /// Number of the length offset; the tool's own number if absent.
     pub length_offset: Option<u32>,
 }
 
-/// The tool that is called where nobody says which.
+/// The number of the tool that is called if none was given.
 pub const DEFAULT_NUMBER: u32 = 1;
 
 impl Tool {
@@ -39,12 +39,12 @@ impl Tool {
         }
     }
 
-    /// A ball cutter of which nobody said where it is in the tables.
+    /// A ball cutter without numbers in the control's tables.
     pub fn ball(radius_mm: f64) -> Self {
         Self { shape: Shape::Ball, radius_mm, number: None, length_offset: None }
     }
 
-    /// The numbers of the tool and its length offset as they are written.
+    /// The numbers of the tool and of its length offset, as they are written.
     pub fn places(&self) -> (u32, u32) {
         let number = self.number.unwrap_or(DEFAULT_NUMBER);
         (number, self.length_offset.unwrap_or(number))

@@ -5,7 +5,7 @@
 pub struct FeedRate(f64);
 
 impl FeedRate {
-    /// The traverse rate of a machine of which nothing is known.
+    /// The traverse rate that is assumed for an unknown machine.
     pub const DEFAULT_RAPID: FeedRate = FeedRate(10_000.0);
 
     pub fn from_mm_per_min(value: f64) -> Option<Self> {
@@ -26,7 +26,8 @@ impl FeedRate {
 pub struct Acceleration(f64);
 
 impl Acceleration {
-    /// That of a mid-sized machining centre, a tenth of gravity.
+    /// The acceleration that is assumed for an unknown machine: that of a mid-sized machining centre, a tenth
+    /// of gravity.
     pub const DEFAULT: Acceleration = Acceleration(1000.0);
 
     pub fn from_mm_per_s2(value: f64) -> Option<Self> {

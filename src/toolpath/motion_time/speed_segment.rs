@@ -1,4 +1,4 @@
-//! Moves as their speed sees them: lengths, directions at the ends, and the largest speed.
+//! What limits the speed of moves: lengths, directions at the ends, and the largest speed.
 
 use nalgebra::Vector3;
 
@@ -17,7 +17,7 @@ pub struct SpeedSegment {
     pub to: Vector3<f64>,
 }
 
-/// Appends the stretches of `curve`; none where it has no length.
+/// Appends the segments of `curve`; none where it has no length.
 pub fn push(stretches: &mut Vec<SpeedSegment>, curve: &Curve, rate: FeedRate, acceleration: f64) {
     let mut add = |length_mm: f64, [from, to]: [Vector3<f64>; 2], curvature: f64| {
         let most = rate.mm_per_s().powi(2).min(acceleration / curvature);
@@ -43,13 +43,13 @@ pub fn push(stretches: &mut Vec<SpeedSegment>, curve: &Curve, rate: FeedRate, ac
 enum ParabolaPart {
     /// Its curvature varies little: by no more than a factor of eight.
     Even(Parabola),
-    /// One end is curved sharply, but so short that it is a corner to the machine.
+    /// One end is curved sharply, but the part is so short that it is a corner to the machine.
     Corner(Parabola),
 }
 
-/// The parts of a parabola, in order. From the place of largest curvature on, each is twice as long in its
-/// parameter as the one before, for there the speed by the parameter no more than doubles, and the curvature
-/// goes with its cube.
+/// The parts of a parabola, in order. Away from the place of largest curvature, each part covers twice the
+/// parameter range of the part before. Over such a part the derivative's length no more than doubles, and the
+/// curvature falls with its cube.
 fn parts(parabola: &Parabola) -> Vec<ParabolaPart> {
     let slowest = parabola.slowest();
     let mut parts = Vec::new();
@@ -81,7 +81,7 @@ fn towards(parabola: &Parabola, slowest: f64, far: f64, parts: &mut Vec<Parabola
     parts.extend(ends.windows(2).rev().map(|pair| ParabolaPart::Even(between(pair[1], pair[0]))));
 }
 
-/// Curvature, 1/mm; that of the helix where there is one.
+/// Curvature of an arc or a helix, 1/mm.
 fn curvature(arc: &Arc) -> f64 {
     let (r, rise) = (arc.radius(), arc.rise() / arc.sweep());
     r / (r * r + rise * rise)

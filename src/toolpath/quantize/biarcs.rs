@@ -1,58 +1,59 @@
-//! What a control makes of a quadratic spline block, and how far that is from the parabola.
+//! How far the path that a control runs for a quadratic spline block is from the parabola.
 //!
-//! LinuxCNC, whose blocks these are, runs none: it divides the parameter into twelve equal parts and runs
-//! each as two arcs that touch each other and the tangents at its ends (`NURBS_FEED` and `biarc` in its
-//! `emccanon.cc`). The tangents it takes from differences over 1e-5 of the parameter, which at the ends of a
-//! block are one-sided.
+//! These blocks are LinuxCNC's, but LinuxCNC runs no parabola. It divides the parameter into twelve equal
+//! parts and runs each part as two arcs. The arcs touch each other, and the tangents at the ends of the part
+//! (`NURBS_FEED` and `biarc` in its `emccanon.cc`). LinuxCNC takes the tangents from differences over 1e-5 of
+//! the parameter to each side; at the ends of a block the differences are one-sided.
 //!
 //! # Method
 //! 1. The same arcs are computed here, without the cancellation that the control's own formulas have.
 //! 2. The normal at the point where two arcs meet divides their part of the parabola. So each arc and its
-//!    share have common normals at both ends, and are compared along the normals of the arc.
-//! 3. With x the parabola seen from the arc's start, and n the way from there to its centre, the distance to
-//!    the circle of radius r is (|x|^2 - 2 x . n) / (|x - n| + r). Numerator and x are polynomials in the
-//!    parameter, and bounded by their Bernstein coefficients.
-//! 4. For what the control's rounding does is added: half an ulp a thousand times over in its differences,
-//!    and the cancellation in its quadratic equation.
+//!    share of the parabola have common normals at both ends. They are compared along the normals of the arc.
+//! 3. Let x be the parabola seen from the arc's start, and n the vector from the arc's start to its centre.
+//!    The distance of x to the circle of radius r is (|x|^2 - 2 x . n) / (|x - n| + r). The numerator and x
+//!    are polynomials in the parameter, and are bounded by their Bernstein coefficients.
+//! 4. An allowance for the control's own rounding is added: for its differences of points, and for the
+//!    cancellation in its quadratic equation.
 //!
 //! # Guarantees
 //! An upper bound, both ways and in order. A part that hardly turns is refused: the control divides by the
-//! square of the turn, and at zero it moves to no number.
+//! square of the turn, and a turn of zero leads to coordinates that are not numbers.
 //!
 //! # Reference
 //! K. M. Bolton, *Biarc curves*, Computer-Aided Design 7, 1975.
 
 use nalgebra::Vector2;
 
-/// Parts of a block.
+/// Parts into which the control divides a block.
 const PARTS: u32 = 12;
 
-/// The difference of parameters over which the control takes tangents.
+/// The step of the parameter, to each side, over which the control takes tangents.
 const DIFFERENCE: f64 = 1e-5;
 
 /// The control runs an arc as a line where twice its chord times the sine of its angle at the start is below
 /// this, in units of the program. That is eight times the height of the arc.
 const STRAIGHT_UNITS: f64 = 1e-6;
 
-/// A part turns by at least this, radians: ten thousand roundings fit in its square.
+/// Least turn of a part, radians. Its square is ten thousand times the rounding of a number.
 const LEAST_TURN: f64 = 1e-6;
 
-/// A part turns by at most this, radians, so that arcs and parabola run along each other.
+/// Largest turn of a part, radians. Up to it, arcs and parabola run along each other.
 const LARGEST_TURN: f64 = 1.0;
 
-/// The rounding of a coordinate in the control, as a part of the largest, with that of the few products it is
-/// made of.
+/// Rounding of a coordinate in the control, as a share of the largest coordinate. It includes the few
+/// products from which the coordinate is computed.
 const ROUNDING: f64 = 1e-15;
 
-/// Why a bound cannot be told.
+/// Why there is no bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotRun {
     TooStraight,
     TurnsTooFar,
 }
 
-/// An upper bound for the distance between the parabola from the origin through the control point `control`
-/// to `end`, mm, and what the control runs for it, mm. `reach` is the largest coordinate in the program, mm.
+/// An upper bound of the distance, mm, between a parabola and the path that the control runs for it. The
+/// parabola goes from the origin through the control point `control` to `end`, mm. `reach` is the largest
+/// coordinate in the program, mm, and `unit_mm` one unit of the program.
 pub fn distance(control: &Vector2<f64>, end: &Vector2<f64>, reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
     let parabola = Quadratic { b: *control, a: end - control * 2.0 };
     let mut farthest: f64 = 0.0;
@@ -74,7 +75,7 @@ impl Quadratic {
         self.b * (2.0 * u) + self.a * (u * u)
     }
 
-    /// Half the derivative, as the control finds it.
+    /// Half the derivative, as the control computes it from differences.
     fn velocity(&self, u: f64) -> Vector2<f64> {
         let (low, high) = ((u - DIFFERENCE).max(0.0), (u + DIFFERENCE).min(1.0));
         self.b + self.a * ((low + high) / 2.0)
@@ -89,11 +90,11 @@ impl Quadratic {
     fn distance(&self, [from, to]: [f64; 2], reach: f64, unit_mm: f64) -> Result<f64, NotRun> {
         let velocities = [from, to].map(|u| self.velocity(u));
         let slowest = velocities[0].norm().min(velocities[1].norm());
-        // A tangent is the difference of two rounded points over the way between them.
+        // The control computes a tangent as the difference of two rounded points, divided by its length.
         let wrong = ROUNDING * reach / (DIFFERENCE * slowest);
         let [t0, t1] = velocities.map(|velocity| velocity / velocity.norm());
         let turn = t0.perp(&t1).atan2(t0.dot(&t1)).abs();
-        // Where a velocity vanishes there is no direction, and no turn.
+        // Where a velocity vanishes there is no direction, and the turn is not a number.
         if turn.is_nan() || turn < LEAST_TURN.max(8.0 * wrong) {
             return Err(NotRun::TooStraight);
         }
@@ -102,7 +103,7 @@ impl Quadratic {
         }
         let (start, end) = (self.at(from), self.at(to));
         let chord = end - start;
-        // The way along both tangents: the positive root of -|t1 - t0|^2 s^2 - 2 chord . (t0 + t1) s +
+        // The length along each tangent: the positive root of -|t1 - t0|^2 s^2 - 2 chord . (t0 + t1) s +
         // |chord|^2.
         let (square, half, rest) = ((t1 - t0).norm_squared(), chord.dot(&(t0 + t1)), chord.norm_squared());
         let reach_along = rest / (half + (half * half + square * rest).sqrt());
@@ -123,7 +124,8 @@ impl Quadratic {
         [-c / (b + root), -c / (b - root)].into_iter().find(|u| (from..=to).contains(u) && b + a * u > 0.0)
     }
 
-    /// The largest distance of a part from the arc between two points that starts along `tangent`.
+    /// The largest distance, mm, of a part of the parabola from the arc that joins two points and starts
+    /// along `tangent`.
     fn to_arc(
         &self,
         [start, end]: [&Vector2<f64>; 2],
@@ -135,7 +137,8 @@ impl Quadratic {
         let leaning = 2.0 * tangent.perp(&chord);
         let [x0, x1, x2] = self.seen_from(start, part);
         if leaning.abs() <= 2.0 * STRAIGHT_UNITS * unit_mm {
-            // Near the limit it may be run as either, and the arc is no higher than a quarter of the limit.
+            // Near the limit the control may run an arc or a line. The arc is no higher than a quarter of the
+            // limit.
             let across = chord.normalize();
             let farthest = [x0, x1, x2].iter().map(|x| across.perp(x).abs()).fold(0.0, f64::max);
             return farthest + STRAIGHT_UNITS * unit_mm / 4.0;
@@ -152,7 +155,8 @@ impl Quadratic {
             x2.dot(&x2) + l2,
         ];
         let numerator = bernstein.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        // At first the distance from the centre is only known to be above zero, then to be near the radius.
+        // At first |x - n| is only known to be above zero. The bound from that shows that it is near the
+        // radius.
         let crude = numerator / radius.abs();
         if crude < radius.abs() { numerator / (2.0 * radius.abs() - crude) } else { crude }
     }
@@ -164,8 +168,7 @@ mod tests {
 
     use super::*;
 
-    /// The points of LinuxCNC's own biarcs for a block, by its own formulas: `emccanon.cc`, `biarc` and
-    /// `arc`.
+    /// The points of LinuxCNC's own arcs for a block, by its own formulas: `emccanon.cc`, `biarc` and `arc`.
     fn run(control: &Vector2<f64>, end: &Vector2<f64>) -> Vec<Vector2<f64>> {
         let point = |u: f64| control * (2.0 * u * (1.0 - u)) + end * (u * u);
         let tangent = |u: f64| {
@@ -220,7 +223,7 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn what_linuxcnc_runs_is_within_the_bound(
+        fn the_arcs_of_linuxcnc_are_within_the_bound(
             control in prop::array::uniform2(-50.0..50.0f64), end in prop::array::uniform2(-50.0..50.0f64),
             flatness in prop_oneof![Just(1.0), 1e-6..1.0f64],
         ) {
@@ -242,13 +245,13 @@ mod tests {
     }
 
     #[test]
-    fn what_the_control_would_fail_on_is_refused() {
+    fn parabolas_on_which_the_control_would_fail_are_refused() {
         let v = Vector2::new;
         assert_eq!(distance(&v(1.0, 0.0), &v(3.0, 0.0), 3.0, 1.0), Err(NotRun::TooStraight));
         assert_eq!(distance(&v(0.0, 0.0), &v(0.0, 0.0), 0.0, 1.0), Err(NotRun::TooStraight));
         assert_eq!(distance(&v(500.0, 1e-6), &v(1000.0, 0.0), 1000.0, 1.0), Err(NotRun::TooStraight));
         assert!(distance(&v(5.0, 0.01), &v(4.0, 0.0), 5.0, 1.0).is_err());
-        // Ten micrometres of a 20 mm arch.
+        // Less than a micrometre on an arch of 20 mm.
         assert!(distance(&v(10.0, 5.0), &v(20.0, 0.0), 20.0, 1.0).is_ok_and(|mm| mm < 0.001));
     }
 }

@@ -1,18 +1,20 @@
-//! The distance between an arc and everything a control may run for the block that stands for it.
+//! Bounds the distance between an arc and every path that a control may run for the block that stands for the
+//! arc.
 //!
 //! # Method
 //! A control turns about the written centre W, at a radius somewhere between those of the block's two ends.
-//! Against the circle of centre C and radius R two matchings are tried, and the better bound is returned:
-//! * by angle about C: the distance from C of a point at radius r is |r e + W - C|, which grows with r and
-//!   with the part of e along W - C; both have closed extremes over the sweep. At the ends the rest of the
-//!   turn counts as a chord. For a helix the height differs by the rise of the angle between the two
-//!   fractions.
-//! * by fraction of the sweep, for helices: the difference of the two points at 33 fractions, plus the
-//!   largest it can grow between them by its second derivative.
+//! The arc has the centre C and the radius R. Points are matched in two ways, and the smaller bound is
+//! returned:
+//! * by angle about C. A point at radius r in the unit direction e has the distance |r e + W - C| from C.
+//!   This grows with r and with the component of e along W - C, and both have closed extremes over the sweep.
+//!   At the ends the rest of the turn counts as a chord. For a helix the height differs by the rise over the
+//!   angle between the two fractions.
+//! * by fraction of the sweep, for helices: the largest distance of the two points at 33 fractions, plus the
+//!   most that it can grow between these by its second derivative.
 //!
 //! # Guarantees
-//! An upper bound, both ways and in order, but for the rounding of the computation itself, for which 64 units
-//! in the last place of the largest coordinate are added.
+//! An upper bound, both ways and in order. For the rounding of the computation itself, 64 units in the last
+//! place of the largest coordinate are added.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,11 +22,12 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::geometry::curve::{Arc, Direction};
 
-/// The fractions at which helices are compared. With 32 intervals the remainder is below 0.5 % of the turn's
-/// square times the distance of the centres.
+/// Number of intervals between the fractions at which helices are compared. With 32 intervals the remainder
+/// is below 0.5 % of the turn's square times the distance of the centres.
 const INTERVALS: u32 = 32;
 
-/// A rounded end may turn about the centre by this many radians at most; more than that is another arc.
+/// Largest angle, radians, by which rounding may turn an end about the centre. An end that turns farther
+/// belongs to another arc.
 const MAX_TURN: f64 = 0.5;
 
 /// An arc in its plane: coordinates are (first, second, normal), mm.
@@ -59,13 +62,14 @@ pub fn sense(direction: Direction) -> f64 {
     }
 }
 
-/// What a control may run for a block.
+/// The paths that a control may run for a block.
 pub struct Family {
-    /// As written.
+    /// The centre as written, in coordinates of the plane: (first, second), mm.
     pub center: Vector2<f64>,
     pub start: Vector3<f64>,
     pub end: Vector3<f64>,
-    /// From the centre to the start and to the end, without the rounding of their difference.
+    /// The vectors from the centre to the start and to the end, mm. They are not computed as differences of
+    /// rounded coordinates.
     pub to_start: Vector2<f64>,
     pub to_end: Vector2<f64>,
     pub sweep: f64,
@@ -73,7 +77,7 @@ pub struct Family {
 }
 
 impl Family {
-    /// Nothing but `arc` itself.
+    /// The family that holds only `arc` itself.
     pub fn of(arc: &Circular) -> Self {
         Self {
             center: arc.center,
@@ -87,7 +91,7 @@ impl Family {
     }
 }
 
-/// An upper bound for the distance between `family` and `arc`, mm; none where they are not the same turn.
+/// An upper bound of the distance between `family` and `arc`, mm; `None` where their turns differ too much.
 pub fn distance(family: &Family, arc: &Circular) -> Option<f64> {
     let between = Between::new(family, arc)?;
     let by_angle = between.by_angle();
@@ -134,7 +138,8 @@ impl<'a> Between<'a> {
         let uneven = ((arc.end.xy() - arc.center).norm() - arc.radius).abs();
         let radial =
             self.radial(self.radii[1], most).max(-self.radial(self.radii[0], least)).max(0.0) + uneven;
-        // Of the directions in which the family's ends lie, at either radius.
+        // The angle, seen from the arc's centre, between an end of the arc and the family's end at either
+        // radius.
         let turned = |own: &Vector3<f64>, to_end: &Vector2<f64>| {
             let own = own.xy() - arc.center;
             let at = |r: f64| angle(&own, &(self.shift + to_end * (r / to_end.norm()))).abs();
@@ -149,15 +154,17 @@ impl<'a> Between<'a> {
         radial.hypot(tangential).hypot(at_ends + rise * lag / arc.sweep)
     }
 
-    /// Distance from the arc's circle of a point at radius `r` about the family's centre, whose direction has
-    /// the part `along` on the shift. Written so that no two large numbers are subtracted but the radii.
+    /// Signed distance from the arc's circle of a point at radius `r` about the family's centre. `along` is
+    /// the component of the point's unit direction along the shift, times the shift's length. The formula
+    /// subtracts no two large numbers but the radii.
     fn radial(&self, r: f64, along: f64) -> f64 {
         let reach = (r * r + 2.0 * r * along + self.shift.norm_squared()).max(0.0).sqrt();
         let radius = self.arc.radius;
         ((r - radius) * (r + radius) + 2.0 * r * along + self.shift.norm_squared()) / (reach + radius)
     }
 
-    /// The least and the largest part along the shift of the family's directions.
+    /// The least and the largest component along the shift of the family's directions, times the shift's
+    /// length.
     fn extremes_along_shift(&self) -> [f64; 2] {
         let family = self.family;
         let ends = [&family.to_start, &family.to_end].map(|v| v.dot(&self.shift) / v.norm());

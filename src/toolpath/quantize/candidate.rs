@@ -1,4 +1,4 @@
-//! The centres on the grid that an arc may be written with.
+//! The centres on the grid with which an arc may be written.
 
 use std::f64::consts::TAU;
 
@@ -11,10 +11,11 @@ use super::{
 };
 use crate::geometry::curve::{Arc, Curve};
 
-/// A written radius may pass the limit by this much, for the source's own radius is what the limit is for.
+/// Factor by which a written radius may exceed [`MAX_RADIUS_MM`], because that limit is meant for the
+/// source's radius.
 const RADIUS_MARGIN: f64 = 1.01;
 
-/// A piece with its ends rounded, in its plane: (first, second, normal).
+/// A piece with its ends rounded, in coordinates of its plane: (first, second, normal), mm.
 struct Rounded<'a> {
     piece: &'a ArcPart<'a>,
     grid: &'a Grid,
@@ -73,7 +74,7 @@ impl<'a> Rounded<'a> {
         [units[a], units[b]]
     }
 
-    /// The source's centre on the bisector of the rounded ends.
+    /// The source's centre, projected onto the bisector of the rounded ends.
     fn wanted_center(&self) -> Vector2<f64> {
         let chord = (self.end - self.start).xy();
         let length = chord.norm();
@@ -85,7 +86,7 @@ impl<'a> Rounded<'a> {
         self.source.center - along * (self.source.center - middle).dot(&along)
     }
 
-    /// The arc about the start plus `offsets` (units), if it may stand for the piece.
+    /// The arc about the point at `offsets` units from the start, if it may stand for the piece.
     fn with_offsets(&self, offsets: [i64; 2]) -> Option<Written> {
         let (arc, grid, step) = (self.piece.arc, self.grid, self.grid.step_mm());
         let [i, j] = offsets;
@@ -133,8 +134,8 @@ impl<'a> Rounded<'a> {
     }
 }
 
-/// The difference of the lengths of two vectors of integers, from the exact difference of their squares; none
-/// for a vector of length zero.
+/// The difference of the lengths of two vectors of integers, from the exact difference of their squares;
+/// `None` if a vector has length zero.
 fn mismatch(from: [i64; 2], to: [i64; 2]) -> Option<f64> {
     let squared = |v: [i64; 2]| v.iter().map(|&x| i128::from(x) * i128::from(x)).sum::<i128>();
     let (s, e) = (squared(from), squared(to));

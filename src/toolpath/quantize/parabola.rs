@@ -1,10 +1,10 @@
-//! What is written for a parabola: one block or several, lines where it is flat or the control knows no such
-//! blocks.
+//! What is written for a parabola: one block or several; lines where the parabola is flat, or where the
+//! control has no such blocks.
 //!
 //! # Method
-//! The three control points are rounded each on its own: a quadratic Bezier curve moves nowhere by more than
-//! the one of them that moves most. What a control adds by running the block as arcs is bounded by `biarcs`;
-//! a parabola for which both together are too much is divided in two.
+//! The three control points are rounded each on its own. No point of a quadratic Bezier curve then moves
+//! farther than the control point that moves most. `biarcs` bounds what a control adds by running the block
+//! as arcs. A parabola for which both together are too much is divided in two.
 
 use nalgebra::Vector2;
 
@@ -14,7 +14,7 @@ use super::{
 };
 use crate::geometry::curve::{Curve, Parabola};
 
-/// Appends what is written for `parabola`.
+/// Writes `parabola`.
 pub fn write(output: &mut Output, parabola: &Parabola, parabolas: Parabolas) -> Result<(), QuantizeError> {
     let grid = output.grid;
     let heights = [parabola.start().z, parabola.control().z, parabola.end().z];
@@ -45,21 +45,24 @@ pub fn write(output: &mut Output, parabola: &Parabola, parabolas: Parabolas) -> 
     Ok(())
 }
 
-/// The distance between a parabola and its chord, mm, both ways and in order, where it is below `limit_mm`.
+/// Bound of the distance between a parabola and its chord, mm, both ways and in order; `None` unless it is
+/// below `limit_mm`.
 fn flat(parabola: &Parabola, limit_mm: f64) -> Option<f64> {
     let (to_control, chord) = (parabola.control() - parabola.start(), parabola.end() - parabola.start());
     let along = chord.try_normalize(0.0).map(|along| (along, to_control.dot(&along)));
     if let Some((direction, along)) = along.filter(|(_, along)| (0.0..=chord.norm()).contains(along)) {
-        // It does not turn back, and its height is half that of the control point.
+        // The parabola does not turn back along its chord, and its height is half that of the control point.
         let height = (to_control - direction * along).norm() / 2.0;
         return Some(height).filter(|height| *height < limit_mm);
     }
-    // At equal fractions of the length two ways between the same ends are no farther apart than half of it.
+    // At equal fractions of their lengths, a curve and its chord are no farther apart than half the curve's
+    // length.
     let half = (to_control.norm() + (parabola.end() - parabola.control()).norm()) / 2.0;
     Some(half).filter(|half| *half < limit_mm)
 }
 
-/// Lines along a parabola, each no farther from it than half a step before its ends are rounded.
+/// Writes lines along a parabola. Before its ends are rounded, each line is no farther from the parabola than
+/// half a step.
 fn chords(output: &mut Output, parabola: &Parabola) -> Result<(), QuantizeError> {
     let height = parabola.bend().norm() / 4.0;
     let count = (height / (MIN_SAGITTA_STEPS * output.grid.step_mm())).sqrt().ceil().max(1.0);
@@ -73,11 +76,11 @@ fn chords(output: &mut Output, parabola: &Parabola) -> Result<(), QuantizeError>
     Ok(())
 }
 
-/// What comes of writing a parabola as one block.
+/// The outcome of writing a parabola as one block.
 enum Attempt {
     Written(Written),
     TooFar,
-    /// A control may fail on it, and dividing makes it straighter still.
+    /// A control may fail on the block, and dividing the parabola makes its parts straighter still.
     TooStraight,
 }
 

@@ -13,8 +13,9 @@ use crate::toolpath::program::Units;
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
 
-/// The curve a control may run for a block at the fraction `t`: about the written centre, at a radius that is
-/// the share `mix` of those at both ends and otherwise grows with the angle.
+/// The point at the fraction `t` of a path that a control may run for a block, about the written centre. Its
+/// radius is the mean of the radii at both ends, weighted by `mix`; without `mix` it changes evenly with the
+/// angle.
 fn run(written: &Written, grid: &Grid, t: f64, mix: Option<f64>) -> Point3<f64> {
     let (Curve::Arc(arc), Form::Arc { center: [i, j] }) = (written.curve, written.form) else {
         return written.curve.point_at(t);
@@ -32,7 +33,7 @@ fn run(written: &Written, grid: &Grid, t: f64, mix: Option<f64>) -> Point3<f64> 
     plane.to_workpiece(&(center + Vector3::new(r * angle.cos(), r * angle.sin(), rise)))
 }
 
-/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`.
+/// Distance from `p` to the curve `at(fraction)`. The nearest fraction is within `width` of `guess`.
 fn nearest(p: &Point3<f64>, guess: f64, width: f64, at: impl Fn(f64) -> Point3<f64>) -> f64 {
     let off = |t: f64| (p - at(t)).norm();
     let (mut from, mut to) = ((guess - width).clamp(0.0, 1.0), (guess + width).clamp(0.0, 1.0));
@@ -189,7 +190,7 @@ proptest! {
     }
 }
 
-/// How much of the promised distance is used, how large mismatches are and how rarely an arc is split.
+/// How large mismatches are, and how rarely an arc is split.
 #[test]
 fn nearly_every_arc_stays_one_block_and_its_radii_agree_within_one_unit() {
     let mut state = 1u64;
@@ -230,7 +231,7 @@ fn a_full_circle_stays_one_block_and_only_a_full_circle_becomes_one() {
 }
 
 #[test]
-fn what_vanishes_leaves_nothing_and_small_circles_stay_near() {
+fn curves_below_the_grid_vanish_and_small_circles_stay_near() {
     let tiny = arc(Plane::Xy, true, 4e-4, [0.0, TAU], [0.0; 3], 0.0).unwrap();
     assert!(check(&tiny, MM).len() <= 4);
     let line = Curve::Line(Line { start: Point3::new(0.0001, 0.0, 0.0), end: Point3::new(0.0004, 0.0, 0.0) });
@@ -243,7 +244,7 @@ fn what_vanishes_leaves_nothing_and_small_circles_stay_near() {
 }
 
 #[test]
-fn what_cannot_be_written_is_an_error() {
+fn curves_that_cannot_be_written_are_errors() {
     let far = Curve::Line(Line { start: Point3::origin(), end: Point3::new(1e13, 0.0, 0.0) });
     assert_eq!(quantize(&far, MM, Parabolas::AsLines), Err(QuantizeError::OutOfRange { value_mm: 1e13 }));
     let fine = Resolution { units: Units::Mm, decimals: 6 };

@@ -33,7 +33,7 @@ fn check(source: &Parabola, resolution: Resolution, parabolas: Parabolas) -> Vec
         }
         at = block.end_units;
     }
-    // And in order: the block that is nearest to a point of the source never goes back by more than one.
+    // The order is kept: the block nearest to a point of the source never goes back by more than one.
     let mut reached = 0;
     for k in 0..=200 {
         let p = source.at(f64::from(k) / 200.0);
@@ -92,7 +92,7 @@ fn a_parabola_of_common_size_is_one_block_and_its_rounding_is_exact() {
 }
 
 #[test]
-fn what_is_straight_is_lines_and_what_vanishes_is_nothing() {
+fn straight_parabolas_become_lines_and_tiny_ones_vanish() {
     for (control, count) in
         [([3.0, 0.0, 0.0], 1), ([0.0; 3], 1), ([9.0, 0.0009, 0.0], 1), ([4.0, 0.0, 2e-4], 1)]
     {
@@ -116,14 +116,14 @@ fn what_is_straight_is_lines_and_what_vanishes_is_nothing() {
 }
 
 #[test]
-fn a_long_flat_one_is_lines_where_a_control_would_divide_by_nothing() {
+fn a_long_flat_parabola_becomes_lines_where_a_control_would_divide_by_zero() {
     let fine = Resolution { units: Units::Mm, decimals: 6 };
     let flat = parabola([0.0; 3], [500.0, 2e-6, 0.0], [1000.0, 0.0, 0.0]);
     assert!(check(&flat, fine, Parabolas::InXy).iter().all(|block| block.form == Form::Line));
 }
 
 #[test]
-fn one_that_needs_too_many_blocks_is_an_error() {
+fn a_parabola_that_needs_too_many_blocks_is_an_error() {
     let fine = Resolution { units: Units::Mm, decimals: 6 };
     let huge = Curve::Parabola(parabola([0.0; 3], [1e6, 1e6, 0.0], [-1e6, 1e6, 0.0]));
     let limit = MAX_PIECES;

@@ -69,8 +69,8 @@ const PAIR_LIMIT: usize = 20_000;
 /// good as exact.
 const SMALLEST: f64 = 0.25;
 
-/// Spread of piece and part along m, as a share of the bound, below which the spread is not what keeps the
-/// bound large. The longer of the two is halved then.
+/// Least spread of piece and part along m, as a share of the bound. With less spread something else keeps the
+/// bound large, and the longer of the two is halved.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// Pairs between two checks of the budget.
@@ -361,7 +361,7 @@ struct Depth {
     shown_by: ShownBy,
 }
 
-/// What gave a bound.
+/// The origin of a bound.
 enum ShownBy {
     /// Planes at right angles to these unit vectors.
     Planes([Vector3<f64>; 2]),
@@ -370,7 +370,7 @@ enum ShownBy {
     },
 }
 
-/// What to halve next.
+/// The next halving of a pair.
 #[derive(Clone, Copy)]
 enum Halving {
     Piece,
@@ -393,7 +393,7 @@ struct Pair<P> {
 struct Enough {
     /// A bound that exceeds the deepest penetration found by no more than this, mm, is good enough.
     gap: f64,
-    /// So is a bound that is not above this, mm.
+    /// A bound that is not above this, mm, is good enough, too.
     bound: f64,
 }
 

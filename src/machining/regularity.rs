@@ -40,7 +40,7 @@ pub enum Irregular {
     Folds { at: Point3<f64> },
 }
 
-/// What is proved about a surface, and about the sections of its offset with planes at right angles to one
+/// The proved bounds for a surface, and for the sections of its offset with planes at right angles to one
 /// axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regularity {
@@ -65,7 +65,7 @@ pub struct Slope {
 /// Number of classes of steepness. Each covers an equal range of shares.
 const SLOPE_CLASSES: usize = 64;
 
-/// What is proved about a box that a ball can follow.
+/// The proved bounds for a box that a ball can follow.
 #[derive(Debug, Clone, Copy)]
 struct Followed {
     section_curvature: f64,
@@ -102,8 +102,8 @@ const DEPTH_LIMIT: u32 = 42;
 /// the inverse square of the share, so they are overestimated by about a tenth at most.
 const SHARPNESS: f64 = 0.95;
 
-/// The same for a box that is less steep and less concave than other places of the surface. The other places
-/// leave higher scallops, so this is sharp enough.
+/// The sharpness that is enough for a box less steep and less concave than other places of the surface: the
+/// other places leave higher scallops.
 const SHARPNESS_ELSEWHERE: f64 = 0.85;
 
 /// Samples of a patch, each way, in the search for the steepest and the most concave place.

@@ -161,7 +161,7 @@ impl Cutting {
         }
     }
 
-    /// What an operator should check before `program` is cut with `tool`.
+    /// Settings that an operator should check before `program` is cut with `tool`.
     pub fn cautions(&self, tool: Option<&Tool>, program: &Program) -> Vec<Caution> {
         let mut cautions = Vec::new();
         if self.spindle_rpm.is_none() {

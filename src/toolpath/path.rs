@@ -6,7 +6,7 @@ use super::units::FeedRate;
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola, ParabolaError};
 use crate::geometry::plane::Plane;
 
-/// What a feed move is for.
+/// The purpose of a feed move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Role {
     Plunge,

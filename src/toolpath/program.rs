@@ -33,7 +33,7 @@ impl Resolution {
     }
 }
 
-/// What a program says beside its moves.
+/// Everything that a program states besides its moves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Program {
     pub resolution: Resolution,
@@ -53,8 +53,8 @@ pub enum SafeHome {
     /// The tool does not go up.
     #[default]
     None,
-    /// To the reference point.
+    /// The tool goes to the reference point.
     G28,
-    /// To zero of the machine's coordinates.
+    /// The tool goes to zero of the machine's coordinates.
     G53,
 }

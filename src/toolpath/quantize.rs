@@ -91,7 +91,7 @@ pub struct Written {
     pub displacement_mm: f64,
 }
 
-/// What a block states besides the end of its curve: a point along two axes, in units of the last decimal
+/// The words of a block besides the end of its curve: a point along two axes, in units of the last decimal
 /// from the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
@@ -174,7 +174,7 @@ impl Grid {
     }
 }
 
-/// What will be written for one curve.
+/// The curves that will be written for one curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounded {
     /// In order; none where the curve vanishes on the grid.
@@ -263,7 +263,7 @@ impl ArcPart<'_> {
     }
 }
 
-/// What has been written so far for one curve.
+/// The curves written so far for one curve.
 struct Output {
     grid: Grid,
     curves: Vec<Written>,

@@ -93,7 +93,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         }
     }
 
-    /// Parts that lift the tip no higher than this, mm, do not matter.
+    /// Parts that lift the tip no higher than this height, mm, do not matter.
     fn level(&self) -> f64 {
         self.best.map_or(f64::NEG_INFINITY, |best| best.height + self.accuracy)
     }

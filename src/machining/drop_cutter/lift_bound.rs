@@ -31,7 +31,7 @@ const LEAST_SHARES: [f64; 2] = [1e-13, 1e-6];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AxisMove {
     pub(super) center: Vector2<f64>,
-    /// Of unit length, or zero with a reach of zero.
+    /// A unit vector, or zero if `reach` is zero.
     pub(super) way: Vector2<f64>,
     pub(super) reach: f64,
 }
@@ -157,8 +157,8 @@ impl<P: Patch> Touch<'_, P> {
         let mut n_uu = fu.dot(&cu) - uu - duu - norm * ru * (2.0 * nu + ru) - doubt_uv;
         let mut n_vv = fv.dot(&cv) - vv - dvv - norm * rv * (2.0 * nv + rv) - doubt_uv;
         let n_uv = fu.dot(&cv) - uv;
-        // A function that is not concave is bounded by a more concave one, plus how much less that bends over
-        // the part.
+        // A function that is not concave is made concave by adding the lacking curvature. The most that this
+        // lowers the function over the part is added to the bound.
         let (lacking, least) = lacking_curvature([n_uu, n_uv, n_vv], least_share);
         if !lacking.is_finite() {
             return (f64::INFINITY, true);
@@ -198,8 +198,8 @@ impl<P: Patch> Touch<'_, P> {
     }
 }
 
-/// What must be added to both squares of a symmetric form to make it definite, zero if it is so already; and
-/// the form's least value for a unit vector after that.
+/// The curvature that must be added to both squares of a symmetric form to make it definite, zero if it is so
+/// already; and the form's least value for a unit vector after that.
 fn lacking_curvature([n_uu, n_uv, n_vv]: [f64; 3], least_share: f64) -> (f64, f64) {
     let half = 0.5 * (n_uu - n_vv);
     let least = 0.5 * (n_uu + n_vv) - (half * half + n_uv * n_uv).sqrt();
@@ -216,7 +216,7 @@ struct Bowl {
     n: Matrix2<f64>,
     /// The least value of N for a unit vector.
     least: f64,
-    /// Whether `least` is so small that rounding forbids to invert N.
+    /// Whether `least` is so small that rounding makes the inverse of N useless.
     is_level: bool,
     g: [f64; 2],
     with: [f64; 2],

@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! Two methods lead to the same place.
-//! 1. *By the tangent plane*: the cutter has one point with the gradient of the surface. When the axis is
-//!    where it should be, this point lies over the surface point. Its movement with the parameters is
+//! 1. *By the tangent plane*: the cutter has one point with the gradient of the surface. At the place that is
+//!    sought, this point and the surface point coincide in plan. The point's movement with the parameters is
 //!    bounded, even on the steepest walls and for sharp rims.
 //! 2. *By the lift*: the gradient of z - h in the square of the part vanishes at the place. This method
 //!    handles sides and corners, but a sharp rim has no gradient.
@@ -38,7 +38,7 @@ const LEVEL_SHARE: f64 = 1e-9;
 /// Distance outside the part, in the part's parameters, up to which a place counts as on the side.
 const ON_SIDE: f64 = 1e-12;
 
-/// Length, in the part's parameters, up to which a step is none: the search ends.
+/// Length of a step, in the part's parameters, up to which the search ends.
 const NO_STEP: f64 = 1e-15;
 
 /// A place that lifts the cutter, in parameters of the part.
@@ -219,8 +219,8 @@ impl<'a> Climb<'a> {
         next.iter().all(|t| t.is_finite()).then_some(next)
     }
 
-    /// The place after Newton's step towards the largest lift. The step goes along a side that it cannot
-    /// leave inwards.
+    /// The place after Newton's step towards the largest lift. Where a side blocks the step, it goes along
+    /// that side.
     fn by_lift(&self, jet: &Jet) -> Option<[f64; 2]> {
         let over = self.over.as_ref()?;
         let form = self.cutter.curvature(over);

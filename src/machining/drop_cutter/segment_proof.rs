@@ -46,7 +46,7 @@ const LOOSE_SHARE: f64 = 0.01;
 /// How far points are moved towards the axis, as a multiple of how far they may leave their chord.
 const INWARD_SHARE: f64 = 1.01;
 
-/// Least share of that move by which a place on the bent surface must be nearer to the axis.
+/// A place on the curved surface must be nearer to the axis by at least this share of that move.
 const ENOUGH_INWARD: f64 = 0.995;
 
 /// Where the tips of a stretch lie relative to their chord.

@@ -15,7 +15,7 @@ const NEWTON_LIMIT: usize = 20;
 /// Rounding of a coordinate, as a share of the coordinates. A side that is this near to the plane lies in it.
 const ROUNDING: f64 = 1e-13;
 
-/// What is known about the section of a part.
+/// The result for the section of a part.
 pub(super) enum Section {
     /// The plane does not meet the part.
     Missed,

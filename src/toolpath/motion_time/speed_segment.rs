@@ -1,4 +1,4 @@
-//! What limits the speed of moves: lengths, directions at the ends, and the largest speed.
+//! Moves as segments of limited speed: lengths, directions at the ends, and the largest speed.
 
 use nalgebra::Vector3;
 

@@ -7,8 +7,8 @@
 //! returned:
 //! * by angle about C. A point at radius r in the unit direction e has the distance |r e + W - C| from C.
 //!   This grows with r and with the component of e along W - C, and both have closed extremes over the sweep.
-//!   At the ends the rest of the turn counts as a chord. For a helix the height differs by the rise over the
-//!   angle between the two fractions.
+//!   At the ends the rest of the turn counts as a chord. For a helix the heights differ by the rise times the
+//!   angle between the matched points, divided by the sweep.
 //! * by fraction of the sweep, for helices: the largest distance of the two points at 33 fractions, plus the
 //!   most that it can grow between these by its second derivative.
 //!

@@ -1,5 +1,5 @@
-//! What is written for a parabola: one block or several; lines where the parabola is flat, or where the
-//! control has no such blocks.
+//! Writes a parabola: as one block or several, or as lines where it is flat or the control has no such
+//! blocks.
 //!
 //! # Method
 //! The three control points are rounded each on its own. No point of a quadratic Bezier curve then moves

@@ -1,4 +1,4 @@
-//! What is written for parabolas.
+//! Parabolas written as blocks and as lines.
 
 use super::*;
 use crate::geometry::curve::Parabola;
@@ -84,7 +84,7 @@ fn a_parabola_of_common_size_is_one_block_and_its_rounding_is_exact() {
     assert_eq!(written.len(), 1);
     assert_eq!(written[0].form, Form::Parabola { control: [10_000, 8_000] });
     assert!((written[0].displacement_mm - written[0].slack_mm - 0.0004).abs() < 1e-12);
-    // A control's own arcs are too far from a large one.
+    // The arcs of a control are too far from a large parabola.
     let large = parabola([0.0; 3], [500.0, 400.0, 0.0], [1000.0, 0.0, 0.0]);
     let blocks = check(&large, MM, Parabolas::InXy).len();
     assert!((2..=8).contains(&blocks), "{blocks}");

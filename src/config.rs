@@ -1,4 +1,4 @@
-//! The settings: every one a flag, each with an environment variable.
+//! The settings of the program. Each setting is a flag and an environment variable.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use axum::http::{HeaderValue, Uri};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-/// What the program is asked to do.
+/// The command line of the program.
 #[derive(Debug, Parser)]
 #[command(name = "toolpathd", version, about = "Turns part data into CNC toolpaths, over HTTP")]
 pub struct Cli {
@@ -18,11 +18,11 @@ pub struct Cli {
 
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum Command {
-    /// Serve requests (what happens without a subcommand, too)
+    /// Serve requests; also the default without a subcommand
     Serve,
     /// Print the OpenAPI contract
     Openapi,
-    /// Ask the service at the listen address of this machine whether it lives; exit code 0 if so
+    /// Check that the service at the listen address answers; exit code 0 if it does
     Healthcheck,
 }
 
@@ -35,36 +35,37 @@ pub enum LogFormat {
 
 #[derive(Debug, Clone, Args)]
 pub struct Settings {
-    /// Address to listen on; port 0 takes a free one, which the log names
+    /// Address to listen on; port 0 takes a free port, and the program prints the address that it uses
     #[arg(long, env = "TOOLPATHD_LISTEN", default_value = "127.0.0.1:8080", global = true)]
     pub listen: SocketAddr,
 
-    /// Listen on an address that other machines reach; there is no authentication
+    /// Permit an address that other machines reach; the service has no authentication
     #[arg(long, env = "TOOLPATHD_ALLOW_PUBLIC", value_parser = clap::builder::BoolishValueParser::new(), global = true)]
     pub allow_public: bool,
 
-    /// Origins whose pages may call this service, such as `https://mes.example`; several with commas or
-    /// repeated
+    /// Origins whose pages may call this service, such as `https://mes.example`; separate several with commas,
+    /// or repeat the flag
     #[arg(long, env = "TOOLPATHD_CORS_ORIGIN", value_delimiter = ',', value_parser = origin, global = true)]
     pub cors_origin: Vec<HeaderValue>,
 
-    /// Most open connections; one more is closed at once
+    /// Most connections open at a time; a further connection is closed at once
     #[arg(long, env = "TOOLPATHD_CONNECTIONS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000), global = true)]
     pub connections: u32,
 
-    /// Computations at a time [default: the number of processors]
+    /// Most computations at a time [default: the number of processors]
     #[arg(long, env = "TOOLPATHD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
     pub workers: Option<u16>,
 
-    /// Requests that may wait for a worker; one more is refused with 503
+    /// Most requests that may wait for a worker; a further request is refused with 503
     #[arg(long, env = "TOOLPATHD_QUEUE", default_value_t = 64, value_parser = clap::value_parser!(u16).range(0..=10_000), global = true)]
     pub queue: u16,
 
-    /// Largest request body, bytes
+    /// Largest request body, in bytes; a larger body is refused with 413
     #[arg(long, env = "TOOLPATHD_BODY_LIMIT", default_value_t = Limits::DEFAULT.body_bytes, global = true)]
     pub body_limit: usize,
 
-    /// Most bytes of request bodies held at a time, over all requests; what goes beyond is refused with 503
+    /// Most bytes of all request bodies held at a time; a body beyond that is refused with 503. Must be at
+    /// least --body-limit
     #[arg(long, env = "TOOLPATHD_BODY_MEMORY", default_value_t = 256 * 1024 * 1024, global = true)]
     pub body_memory: usize,
 
@@ -80,42 +81,44 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_ELEMENTS", default_value_t = Limits::DEFAULT.elements, global = true)]
     pub max_elements: usize,
 
-    /// Most points at which one cutter is dropped
+    /// Most places at which one request drops a cutter
     #[arg(long, env = "TOOLPATHD_MAX_DROP_POINTS", default_value_t = Limits::DEFAULT.drop_points, global = true)]
     pub max_drop_points: usize,
+
     /// Most section planes of a milling job
     #[arg(long, env = "TOOLPATHD_MAX_SECTIONS", default_value_t = Limits::DEFAULT.sections, global = true)]
     pub max_sections: usize,
 
-    /// Most moves of a toolpath that is sent
+    /// Most moves of a toolpath in a request
     #[arg(long, env = "TOOLPATHD_MAX_MOVES", default_value_t = Limits::DEFAULT.moves, global = true)]
     pub max_moves: usize,
 
-    /// Programs that may be rewritten as streams at a time; one more is refused with 503
+    /// Most programs rewritten as streams at a time; a further program is refused with 503
     #[arg(long, env = "TOOLPATHD_STREAMS", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
     pub streams: u16,
 
-    /// Most bytes of a program that is rewritten as a stream
+    /// Largest program that is rewritten as a stream, in bytes
     #[arg(long, env = "TOOLPATHD_STREAM_BYTES", default_value_t = 16 * 1024 * 1024 * 1024, global = true)]
     pub stream_bytes: u64,
 
-    /// Seconds a stream may last
+    /// Longest duration of a stream, in seconds
     #[arg(long, env = "TOOLPATHD_STREAM_DEADLINE_S", default_value = "3600", value_parser = seconds, global = true)]
     pub stream_deadline_s: Duration,
 
-    /// Seconds within which a request's headers must be complete
+    /// Time within which the headers of a request must be complete, in seconds
     #[arg(long, env = "TOOLPATHD_HEADER_TIMEOUT_S", default_value = "10", value_parser = seconds, global = true)]
     pub header_timeout_s: Duration,
 
-    /// Seconds a request body may go without progress
+    /// Longest pause within a request body, in seconds; a longer pause is answered with 408
     #[arg(long, env = "TOOLPATHD_BODY_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub body_timeout_s: Duration,
 
-    /// Seconds a caller may take no byte of its answer
+    /// Longest time in which a caller takes no byte of the answer, in seconds; then the connection is closed
     #[arg(long, env = "TOOLPATHD_WRITE_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub write_timeout_s: Duration,
 
-    /// Seconds a request may wait and compute; at shutdown nothing is waited for longer than 28 s
+    /// Longest time for waiting and computing together, in seconds; a longer computation is answered with 504.
+    /// At shutdown the program ends after at most 28 s, whatever this setting is
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
 
@@ -123,16 +126,16 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_LOG_FORMAT", value_enum, default_value = "text", global = true)]
     pub log_format: LogFormat,
 
-    /// What is logged: a level, or directives such as `info,hyper=debug`
+    /// Which events are logged: a level, or directives such as `info,hyper=debug`
     #[arg(long, env = "TOOLPATHD_LOG", default_value = "info", global = true)]
     pub log: String,
 }
 
 impl Settings {
-    /// What no flag can tell alone.
+    /// Checks the rules that concern several settings together.
     ///
     /// # Errors
-    /// The settings that do not go together, in words.
+    /// A message for people that names the settings which contradict each other.
     pub fn check(&self) -> Result<(), String> {
         if !self.allow_public && !self.listen.ip().to_canonical().is_loopback() {
             return Err(format!(
@@ -150,7 +153,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Computations at a time.
+    /// Number of computations that run at a time: the setting, else the number of processors.
     pub fn workers(&self) -> usize {
         match self.workers {
             Some(workers) => usize::from(workers),
@@ -171,7 +174,7 @@ impl Settings {
     }
 }
 
-/// How large a request may be.
+/// The largest size of each part of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of a request body.
@@ -182,16 +185,16 @@ pub struct Limits {
     pub curve_points: usize,
     /// Elements of one interpolated curve.
     pub elements: usize,
-    /// Points at which one cutter is dropped.
+    /// Places at which one request drops a cutter.
     pub drop_points: usize,
     /// Section planes of one milling job.
     pub sections: usize,
-    /// Moves of one toolpath that is sent.
+    /// Moves of one toolpath in a request.
     pub moves: usize,
 }
 
 impl Limits {
-    /// The limits written into the contract; a server may be set otherwise and says so at `/v1/limits`.
+    /// The limits in the contract. A service with other settings answers its own limits at `/v1/limits`.
     pub const DEFAULT: Limits = Limits {
         body_bytes: 16 * 1024 * 1024,
         surface_points: 250_000,
@@ -212,7 +215,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// An origin as browsers send it: scheme, host and perhaps port, in lower case and nothing else.
+/// Parses an origin as browsers send it: scheme, host and perhaps a port, in lower case, without a path.
 fn origin(text: &str) -> Result<HeaderValue, String> {
     let uri: Uri = text.parse().map_err(|_| format!("`{text}` is not an origin"))?;
     let (scheme, authority) = (uri.scheme_str().unwrap_or_default(), uri.authority());
@@ -245,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_serves() {
+    fn without_a_subcommand_the_program_serves_with_default_settings() {
         let cli = Cli::parse_from(["toolpathd"]);
         assert!(cli.command.is_none());
         assert_eq!(cli.settings.limits(), Limits::DEFAULT);
@@ -260,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn other_machines_are_served_only_when_that_is_meant() {
+    fn a_public_address_needs_allow_public() {
         let check = |flags: &[&str]| Cli::parse_from(["toolpathd"].iter().chain(flags)).settings.check();
         for loopback in ["127.0.0.1:80", "127.9.9.9:80", "[::1]:80", "[::ffff:127.0.0.1]:80"] {
             assert_eq!(check(&["--listen", loopback]), Ok(()));
@@ -274,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn origins_are_exact() {
+    fn an_origin_is_a_scheme_and_a_host_and_perhaps_a_port() {
         let parse = |list: &str| Cli::try_parse_from(["toolpathd", "--cors-origin", list]);
         let cli = parse("https://mes.example,http://localhost:3000").expect("two origins");
         assert_eq!(cli.settings.cors_origin, ["https://mes.example", "http://localhost:3000"]);
@@ -286,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_timeout_of_no_time_is_refused() {
+    fn a_time_of_zero_or_nan_is_refused() {
         assert!(Cli::try_parse_from(["toolpathd", "--deadline-s", "0"]).is_err());
         assert!(Cli::try_parse_from(["toolpathd", "--deadline-s", "nan"]).is_err());
     }

@@ -1,6 +1,6 @@
-//! The HTTP service: decodes requests into jobs, runs them on a bounded pool and represents what comes out.
+//! The HTTP service: decodes requests into jobs, runs the jobs on a bounded pool and encodes the answers.
 //!
-//! Everything about status codes, media types and JSON is in this layer and nowhere below it.
+//! Only this layer knows status codes, media types and JSON.
 
 mod admission;
 mod answer;
@@ -51,13 +51,13 @@ pub use openapi::contract;
 use program_stream::Streams;
 use serve::Connections;
 
-/// The version of the engine: the same request gives the same bytes as long as it stands.
+/// The version of the service. The same request to the same version gives the same bytes.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What the handlers share.
+/// The state that all handlers share.
 pub struct App {
     pub compute: Compute,
-    /// Turns of decoding large bodies.
+    /// Permits for decoding large bodies: one for each worker.
     decoders: Arc<Semaphore>,
     metrics: Metrics,
     body_memory: Arc<BodyMemory>,
@@ -94,7 +94,7 @@ impl App {
         }))
     }
 
-    /// From now on the service only finishes what it has.
+    /// Begins the shutdown: `/readyz` answers 503, so that load balancers send new work elsewhere.
     pub fn drain(&self) {
         self.draining.store(true, Ordering::Relaxed);
     }
@@ -104,7 +104,7 @@ impl App {
     }
 }
 
-/// Every route, in the layers that give each answer its shape, the outermost last.
+/// All routes, inside the layers that every request passes. The outermost layer stands last.
 pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
@@ -118,7 +118,7 @@ pub fn router(app: &Arc<App>) -> Router {
         .layer(from_fn_with_state(Arc::clone(app), observe::observe))
 }
 
-/// Lets the pages of these origins call the service and read what its answers say.
+/// Lets pages of these origins call the service and read the headers of its answers. `None` without origins.
 fn cors(origins: &[HeaderValue]) -> Option<CorsLayer> {
     const EXPOSED: [HeaderName; 6] = [
         request_id::HEADER,

@@ -1,5 +1,5 @@
-//! toolpathd turns part data into CNC toolpaths. The library is the whole of it; the binary serves it over
-//! HTTP.
+//! toolpathd turns part data into CNC toolpaths. This library holds all of the code; the binary reads the
+//! settings and starts the HTTP service.
 
 pub mod budget;
 pub mod config;

@@ -36,7 +36,7 @@ fn print_contract() -> Result<(), Failure> {
     Ok(writeln!(std::io::stdout(), "{}", contract())?)
 }
 
-/// For images that hold nothing else to ask with.
+/// Asks a running service for `/livez`. An image without a shell and curl uses this as its health check.
 fn check_health(settings: &Settings) -> Result<(), Failure> {
     const PATIENCE: Duration = Duration::from_secs(3);
     let mut address = settings.listen;
@@ -62,7 +62,7 @@ fn run(settings: &Settings) -> Result<(), Failure> {
     start_log(settings)?;
     let app = App::new(settings)?;
     tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(async {
-        // Before the address is announced: whoever reads it may send a signal at once.
+        // The handlers come before the address is printed: a reader of the address may send a signal at once.
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
         let listener = TcpListener::bind(settings.listen)
@@ -80,7 +80,7 @@ fn run(settings: &Settings) -> Result<(), Failure> {
     })
 }
 
-/// Logs go to standard error; standard output is for what was asked for.
+/// Starts the log on standard error. Standard output is for the address and the contract.
 fn start_log(settings: &Settings) -> Result<(), Failure> {
     let targets: Targets = settings
         .log

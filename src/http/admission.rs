@@ -1,4 +1,5 @@
-//! What this process takes on: work while the queue has room, bodies while there is memory for them.
+//! Admission of requests: a request is refused at once when the queue is full, and a body is refused when the
+//! memory for bodies is used up.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,8 +14,8 @@ use tokio::time::sleep;
 use super::App;
 use super::error::{ApiError, Code};
 
-/// How long a refusal is held back. Callers that come back at once would otherwise take the processors from
-/// the computations that they wait for.
+/// How long a refusal is held back. Without the pause, callers that try again at once would take processor
+/// time from the running computations.
 const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 
 /// The memory for request bodies, shared by all requests.
@@ -29,7 +30,7 @@ impl BodyMemory {
         Arc::new(Self { held: AtomicUsize::new(0), most })
     }
 
-    /// Bytes held now.
+    /// Bytes of request bodies held now.
     pub fn held(&self) -> usize {
         self.held.load(Ordering::Relaxed)
     }
@@ -39,7 +40,7 @@ impl BodyMemory {
     }
 }
 
-/// What one request holds of it, until it is answered or given up.
+/// The part of the memory that one request holds, until the request is answered or given up.
 #[derive(Debug, Clone)]
 pub struct Share(Arc<Taken>);
 
@@ -53,7 +54,7 @@ impl Share {
     /// The share of this request.
     ///
     /// # Errors
-    /// When it was not given one, which is a fault of this program.
+    /// `internal_error` when [`admit`] did not run for the request, which is a fault of this program.
     pub fn of(request: &Request) -> Result<Self, ApiError> {
         let share = request.extensions().get::<Self>().cloned();
         share.ok_or_else(|| ApiError::new(Code::InternalError, "the request was not given a share of memory"))
@@ -62,7 +63,7 @@ impl Share {
     /// Takes memory for `bytes` that have arrived or were decompressed.
     ///
     /// # Errors
-    /// `overloaded` when other requests hold it.
+    /// `overloaded` when the bodies of all requests together would exceed the limit.
     pub fn take(&self, bytes: usize) -> Result<(), ApiError> {
         let Taken { memory, bytes: mine } = &*self.0;
         let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= memory.most);
@@ -85,8 +86,8 @@ impl Drop for Taken {
     }
 }
 
-/// Refuses work that would be refused after its body was read and decoded, and gives the rest its share of
-/// memory.
+/// Middleware that refuses a `POST` while the queue is full, before its body is read. Every other request gets
+/// a [`Share`] of the memory for bodies.
 pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     if request.method() == Method::POST && app.compute.is_full() {
         sleep(REFUSAL_PAUSE).await;
@@ -104,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_taken_is_bounded_over_all_and_comes_back() {
+    fn body_memory_is_bounded_over_all_requests_and_given_back() {
         let memory = BodyMemory::new(100);
         let (first, second) = (memory.share(), memory.share());
         assert_eq!(first.take(60), Ok(()));

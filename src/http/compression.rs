@@ -1,4 +1,4 @@
-//! Bodies in gzip, both ways (RFC 9110, section 8.4.1.3).
+//! Gzip for bodies of requests and of answers (RFC 9110, section 8.4.1.3).
 
 use std::io::{Read, Write};
 
@@ -16,10 +16,10 @@ pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 
 pub const GZIP: &str = "gzip";
 
-/// A smaller body fits a packet as it is.
+/// Smallest body that is compressed. A smaller body fits a packet as it is.
 pub const MIN_CODED_BYTES: u64 = 1024;
 
-/// What was done to a request's body before it was sent.
+/// The content coding of a request's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coding {
     Identity,
@@ -27,10 +27,10 @@ pub enum Coding {
 }
 
 impl Coding {
-    /// Of the body that comes with `headers`.
+    /// The coding that `headers` name.
     ///
     /// # Errors
-    /// `unsupported_coding` for any other, and for several.
+    /// `unsupported_coding` for any other coding, and for several codings.
     pub fn of(headers: &HeaderMap) -> Result<Self, ApiError> {
         let mut named = headers.get_all(header::CONTENT_ENCODING).iter();
         let coding = named.next().map(|value| value.as_bytes().to_ascii_lowercase());
@@ -45,8 +45,8 @@ impl Coding {
     }
 }
 
-/// Gzip for every answer but those that were computed: they are coded on the pool, before their digest is
-/// taken.
+/// Compresses answers without a digest. Computed answers have one: they are compressed on the pool, before
+/// their digest is taken.
 pub fn layer() -> CompressionLayer<impl Predicate> {
     let has_no_digest =
         |_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions| !headers.contains_key(REPR_DIGEST);
@@ -54,18 +54,19 @@ pub fn layer() -> CompressionLayer<impl Predicate> {
     CompressionLayer::new().compress_when(is_worth_it.and(has_no_digest))
 }
 
-/// The same bytes for the same body.
+/// Compresses `body`. The same body always gives the same bytes.
 pub fn gzip(body: &[u8]) -> std::io::Result<Vec<u8>> {
-    // Toolpaths shrink to a third or less at any level, and time on the pool is dearer than bytes.
+    // Toolpaths shrink to a third or less at any level, and time on the pool costs more than bytes.
     let mut encoder = GzEncoder::new(Vec::with_capacity(body.len() / 4), Compression::fast());
     encoder.write_all(body)?;
     encoder.finish()
 }
 
-/// What was coded, of which at most `limit` bytes are ever held.
+/// Decompresses `body`. Never holds more than `limit` + 1 decoded bytes.
 ///
 /// # Errors
-/// `payload_too_large`; `bad_request` for what is no gzip or not the whole of it.
+/// `payload_too_large` when more than `limit` bytes come out; `bad_request` when `body` is not gzip or its end
+/// is missing.
 pub fn gunzip(body: &[u8], limit: usize) -> Result<Vec<u8>, ApiError> {
     let mut decoded = Vec::new();
     let read = MultiGzDecoder::new(body).take(limit as u64 + 1).read_to_end(&mut decoded);
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_coded_is_read_within_the_limit() {
+    fn gzip_round_trips_up_to_the_limit() {
         let text = "x".repeat(100_000);
         let coded = gzip(text.as_bytes()).expect("memory");
         assert!(coded.len() < 1000);
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_whole_is_refused_wherever_it_ends() {
+    fn an_incomplete_or_corrupt_gzip_body_is_refused() {
         let coded = gzip(b"{\"tolerance_mm\": 0.01}").expect("memory");
         for end in 0..coded.len() {
             let error = gunzip(&coded[..end], 1000).expect_err("not whole");
@@ -113,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn one_coding_is_known() {
+    fn gzip_is_the_only_coding_that_is_read() {
         let of = |lines: &[&str]| {
             let mut headers = HeaderMap::new();
             for line in lines {

@@ -1,8 +1,8 @@
 //! The bounded pool on which computations run, away from the threads that serve connections.
 //!
-//! A request first takes one of `workers + queue` tickets, or is refused at once; then it waits for one of
-//! `workers` places. Both move into the computation: a client that goes away cancels its [`Budget`], but the
-//! place is free only when the thread is.
+//! A request first takes one of `workers + queue` tickets. Without a free ticket it is refused at once. With a
+//! ticket it waits for one of `workers` places. The computation holds ticket and place until it ends. A caller
+//! that goes away cancels the [`Budget`] of its computation; the place is free when the thread has stopped.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -14,10 +14,11 @@ use tokio::time::timeout_at;
 use crate::budget::{Budget, ProgressSink};
 use crate::parallel::Helpers;
 
-/// How much later than the deadline an answer is still waited for: the time between two looks at the budget.
+/// How long after the deadline an answer is still accepted. A computation checks its budget at intervals, so
+/// it may notice the deadline this much later.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
 
-/// Why there is no result.
+/// Why a computation gave no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Failure {
     /// Every worker is busy and the queue is full.
@@ -26,9 +27,10 @@ pub enum Failure {
     Panicked,
 }
 
-/// The right to wait for a place; given back when it is dropped.
+/// The right to wait for a place. Dropping the ticket gives it back.
 pub struct Ticket(#[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit);
 
+/// The pool with its tickets and places.
 pub struct Compute {
     pool: rayon::ThreadPool,
     tickets: Arc<Semaphore>,
@@ -36,12 +38,12 @@ pub struct Compute {
     workers: usize,
     queue: usize,
     deadline: Duration,
-    /// Shared by all computations.
+    /// Helping threads, shared by all computations.
     helpers: Helpers,
 }
 
 impl Compute {
-    /// A pool of `workers` threads (at least one) in front of which `queue` requests may wait.
+    /// Makes a pool of `workers` threads, at least one. At most `queue` requests wait for the pool.
     ///
     /// # Errors
     /// When the threads cannot be started.
@@ -66,12 +68,12 @@ impl Compute {
         })
     }
 
-    /// Computations now.
+    /// Number of computations that run now.
     pub fn running(&self) -> usize {
         self.workers - self.places.available_permits()
     }
 
-    /// Requests that have a ticket and wait for a worker.
+    /// Number of requests that have a ticket and wait for a place.
     pub fn waiting(&self) -> usize {
         (self.workers + self.queue - self.tickets.available_permits()).saturating_sub(self.running())
     }
@@ -81,18 +83,18 @@ impl Compute {
         self.tickets.available_permits() == 0
     }
 
-    /// Takes a ticket, with which a job may wait for its place.
+    /// Takes a ticket.
     ///
     /// # Errors
-    /// When there is none left.
+    /// `Overloaded` when no ticket is free.
     pub fn admit(&self) -> Result<Ticket, Failure> {
         Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| Failure::Overloaded)
     }
 
-    /// Runs `job` on the pool. Dropping the future cancels the budget the job was given.
+    /// Runs `job` on the pool. Dropping the future cancels the job's budget.
     ///
     /// # Errors
-    /// When the pool is full, the deadline passes before the job ends, or the job panics.
+    /// When no ticket is free, the deadline passes before the job ends, or the job panics.
     pub async fn run<T, F>(&self, job: F) -> Result<T, Failure>
     where
         T: Send + 'static,
@@ -101,8 +103,8 @@ impl Compute {
         self.run_admitted(self.admit()?, None, job).await
     }
 
-    /// As [`Self::run`], for a job that has been let in already, by what it holds until it ends: a ticket, or
-    /// a share of something else. It tells its progress to `listener`.
+    /// As [`Self::run`], for a job that is admitted already. `held` is dropped when the job ends: a ticket, or
+    /// the permit of a stream. The job reports its progress to `listener`.
     ///
     /// # Errors
     /// When the deadline passes before the job ends, or the job panics.
@@ -131,7 +133,7 @@ impl Compute {
         let (answer, result) = oneshot::channel();
         self.pool.spawn(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| job(&budget)));
-            // Freed before the answer is sent: whoever has it may count on the place.
+            // The place is freed before the answer is sent, so that the caller finds the place free.
             drop((place, held));
             let _ = answer.send(outcome);
         });
@@ -143,7 +145,7 @@ impl Compute {
     }
 }
 
-/// Writes progress to the log, in the request's own span, and tells it to the listener if there is one.
+/// Writes progress to the log, in the span of the request, and passes it to the listener if there is one.
 struct Log {
     span: tracing::Span,
     listener: Option<Arc<dyn ProgressSink>>,
@@ -164,6 +166,7 @@ impl ProgressSink for Log {
     }
 }
 
+/// Cancels the budget when the future of the request is dropped.
 struct CancelOnDrop(Budget);
 
 impl Drop for CancelOnDrop {
@@ -216,7 +219,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn the_deadline_holds_for_the_deaf_and_for_the_waiting() {
+    async fn the_deadline_ends_jobs_that_ignore_their_budget_and_requests_that_wait() {
         let compute = pool(1, 1, Duration::from_millis(50));
         assert_eq!(compute.run(spin).await, Ok(Stopped::DeadlinePassed));
         let deaf = compute.run(|_| std::thread::sleep(Duration::from_secs(1)));
@@ -229,7 +232,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_panic_is_an_answer_and_the_pool_lives_on() {
+    async fn a_panic_gives_a_failure_and_the_pool_goes_on() {
         let compute = pool(1, 0, Duration::from_secs(20));
         assert_eq!(compute.run(|_| -> u8 { panic!("on purpose") }).await, Err(Failure::Panicked));
         assert_eq!(compute.run(|_| 1).await, Ok(1));

@@ -1,4 +1,4 @@
-//! The contract as pages to read and try, all of it in this binary.
+//! Pages at `/docs` to read the contract and try requests. The binary holds all files of the pages.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use super::App;
 
-/// The pages load from this origin alone; the styles that their script sets on elements count as inline.
+/// The pages load files from this origin only. Their script sets styles on elements, which count as inline.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -20,9 +20,10 @@ const HEADERS: [(HeaderName, &str); 3] = [
     (header::REFERRER_POLICY, "no-referrer"),
 ];
 
-/// `/docs` and what it loads.
+/// The routes of `/docs` and of the files that the pages load.
 pub fn routes() -> Router<Arc<App>> {
-    // Relative, so that it is found behind a proxy that adds a prefix; nobody else is asked to validate it.
+    // The relative path also works behind a proxy that adds a prefix. `none` keeps the pages from sending the
+    // contract to a validator on another host.
     let config = Config::from("../openapi.json").validator_url("none").try_it_out_enabled(true);
     Router::from(SwaggerUi::new("/docs").config(config)).layer(map_response(guarded))
 }

@@ -1,4 +1,4 @@
-//! What every answer has: the request's id, the engine's version, and the shape of problems.
+//! Gives every answer the request's id and the engine's version, and every failure the shape of a problem.
 
 use std::any::Any;
 
@@ -30,12 +30,12 @@ pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
     let headers = response.headers_mut();
     headers.insert(request_id::HEADER, id.header_value());
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
-    // Of any answer: what is a problem today may be an answer of some type tomorrow.
+    // Every answer has `Vary`, problems too: the same request may later get an answer in one of several types.
     headers.insert(header::VARY, HeaderValue::from_static("Accept, Accept-Encoding"));
     response
 }
 
-/// What the framework refuses; where it found no handler, with what there is.
+/// The failure for a refusal by the framework. Without a handler the detail lists the paths or methods there are.
 fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
     let detail = match parts.status {
         StatusCode::NOT_FOUND => {
@@ -53,7 +53,7 @@ fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
     ApiError::from_status(parts.status).saying(detail)
 }
 
-/// The problem as an answer to the request with this id.
+/// The response that holds `error` as a problem.
 fn response_of(error: ApiError, id: &RequestId) -> Response {
     let (status, code) = (error.status(), error.code());
     let body = serde_json::to_vec(&error.problem(id.as_str())).unwrap_or_default();
@@ -68,7 +68,7 @@ fn response_of(error: ApiError, id: &RequestId) -> Response {
     if code == Code::UnsupportedCoding {
         headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));
     }
-    // For the log and the metrics.
+    // The log and the metrics read the code.
     response.extensions_mut().insert(code);
     response
 }
@@ -78,7 +78,8 @@ pub fn panicked(_: Box<dyn Any + Send>) -> Response<Body> {
     ApiError::new(Code::InternalError, "the server failed: report the request id").into_response()
 }
 
-/// Gives a failure the body it only announces, and a failure of the framework the same shape.
+/// Replaces a failure by its problem. A handler's failure is in the extensions of the response; a failure of
+/// the framework has a status alone.
 fn into_problem(response: Response, id: &RequestId, asked: &(Method, String)) -> Response {
     let (mut parts, _) = response.into_parts();
     let error = parts.extensions.remove::<ApiError>().unwrap_or_else(|| unanswered(&parts, asked));

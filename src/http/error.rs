@@ -1,5 +1,5 @@
-//! Errors as the caller sees them: problem details by RFC 9457. The only place that knows status codes of
-//! failures.
+//! Errors as the caller sees them: problem details by RFC 9457. Only this module maps failures to status
+//! codes.
 
 use std::fmt;
 
@@ -13,10 +13,10 @@ use super::pointer::Pointer;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
-/// Most entries of `errors` in one answer; `detail` tells when there are more.
+/// Most entries of `errors` in one answer. `detail` tells the number of all violations.
 pub const MAX_ERRORS: usize = 100;
 
-/// A text of the caller may be in a detail, at any length.
+/// Most characters of a detail. A detail may quote a text of the caller, which may have any length.
 const MAX_DETAIL_CHARACTERS: usize = 500;
 
 /// What went wrong, as a closed list. With `invalid_request` `errors` has one entry for each violation.
@@ -143,7 +143,7 @@ impl Code {
     }
 }
 
-/// As it is written in a problem.
+/// Writes the code as a problem holds it, such as `invalid_request`.
 impl fmt::Display for Code {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
@@ -208,7 +208,7 @@ impl FieldError {
         Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()), offset: None }
     }
 
-    /// As [`FieldError::new`], for a text in a language.
+    /// As [`FieldError::new`], for byte `offset` of an expression or a section curve.
     pub fn in_text(at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) -> Self {
         Self { offset: Some(offset), ..Self::new(at, code, detail) }
     }
@@ -247,7 +247,7 @@ pub struct Problem {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ApiError {
     code: Code,
-    /// When the framework answered with a status of its own.
+    /// The status of the answer: that of `code`, or the framework's own status.
     status: StatusCode,
     detail: String,
     errors: Vec<FieldError>,
@@ -261,13 +261,13 @@ impl ApiError {
         Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
     }
 
-    /// A body that breaks rules. When all that breaks them is merely not built yet, or a feed that is
-    /// missing, the code says so.
+    /// The error of a body that violates rules. The code is `unsupported` or `feed_required` when all
+    /// violations have that code, else `invalid_request`.
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         Self::invalid_among(errors.len(), errors)
     }
 
-    /// As [`Self::invalid`], where `errors` are the first of `total` violations.
+    /// As [`Self::invalid`], for `errors` that are the first of `total` violations.
     pub fn invalid_among(total: usize, errors: Vec<FieldError>) -> Self {
         let are_all = |code| errors.iter().all(|error| error.code == code);
         let code = match () {
@@ -282,27 +282,30 @@ impl ApiError {
         Self { errors, ..Self::new(code, detail) }
     }
 
-    /// The framework's own answer `status`, which has no detail.
+    /// The error for a bare `status` from the framework. The title of the code serves as the detail.
     pub fn from_status(status: StatusCode) -> Self {
         let code = Code::of_status(status);
         Self { status, ..Self::new(code, code.title()) }
     }
 
-    /// With another detail.
+    /// The same error with another detail.
     pub fn saying(self, detail: String) -> Self {
         Self { detail: shortened(detail), ..self }
     }
 
+    /// The same error, with a violation at `at` that has the error's own detail.
     pub fn blaming(mut self, at: &Pointer, code: FieldCode) -> Self {
         self.errors.push(FieldError::new(at, code, self.detail.clone()));
         self
     }
 
+    /// The same error, with its place on the part, in mm.
     pub fn at(mut self, place: [f64; 3]) -> Self {
         self.place = Some(place);
         self
     }
 
+    /// The same error, with the media types that the endpoint can answer.
     pub fn offering(mut self, offers: impl IntoIterator<Item = &'static str>) -> Self {
         self.offers = Some(offers.into_iter().collect());
         self
@@ -324,7 +327,7 @@ impl ApiError {
         &self.errors
     }
 
-    /// The problem of the request with this id.
+    /// The problem that answers the request with this id.
     pub fn problem(self, request_id: &str) -> Problem {
         Problem {
             kind: "about:blank",
@@ -351,7 +354,7 @@ fn first_pointer(errors: &[FieldError]) -> &str {
     errors.first().map_or("#", |error| &error.pointer)
 }
 
-/// Only marks the response: the body is written by the outermost layer, which knows the request's id.
+/// Puts the error into the extensions of the response. `envelope::wrap` knows the request's id and writes the body.
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = self.status.into_response();
@@ -365,7 +368,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_only_unsupported_says_so() {
+    fn a_body_whose_only_faults_are_unsupported_gets_the_code_unsupported() {
         let unsupported =
             FieldError::new(&Pointer::root().field("engine"), FieldCode::Unsupported, "not yet");
         let wrong =
@@ -377,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn details_do_not_return_a_whole_body() {
+    fn a_long_detail_is_shortened() {
         let error = ApiError::new(Code::MalformedJson, "\u{e9}".repeat(10_000));
         assert_eq!(error.detail.chars().count(), MAX_DETAIL_CHARACTERS + 3);
     }

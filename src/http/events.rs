@@ -1,4 +1,5 @@
-//! The answer of a computation as a stream of events: how far it is, and in the end what came of it.
+//! The answer of a computation as server-sent events: its progress while it runs, and its result or problem at
+//! the end.
 
 use std::convert::Infallible;
 use std::pin::Pin;
@@ -17,13 +18,13 @@ use super::output::Encoded;
 use super::request_id::RequestId;
 use crate::budget::ProgressSink;
 
-/// Time between two events of the same stage.
+/// Shortest time between two progress events of the same stage.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
-/// A silent connection is kept from being taken for dead by a comment after this long.
+/// Time without an event after which a comment is sent, so that proxies do not take the connection for dead.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Events that wait for a caller who does not read; what happens meanwhile it is not told.
+/// Most progress events that wait for a caller who does not read. Further progress events are dropped.
 const BACKLOG: usize = 64;
 
 /// How far a computation has come: the data of an event `progress`.
@@ -47,7 +48,8 @@ impl Progress {
     }
 }
 
-/// Passes progress on: the beginning of every stage, and then what is not too soon after the last.
+/// Passes progress to the stream: the first report of every stage, and later reports of the stage at most once
+/// in [`PROGRESS_INTERVAL`].
 struct Listener {
     sender: mpsc::Sender<Progress>,
     last: Mutex<Option<(&'static str, Instant)>>,
@@ -61,13 +63,14 @@ impl ProgressSink for Listener {
             return;
         }
         *last = Some((stage, now));
-        // Full when the caller does not read, closed when it has gone away: either way nobody misses it.
+        // The queue is full when the caller does not read, and closed when the caller has gone away. In both
+        // cases the event is dropped.
         let _ = self.sender.try_send(Progress::of(stage, done, total));
     }
 }
 
-/// Streams the computation that `start` makes with a listener for its progress, until its end as an event
-/// `result` or `problem`. Dropping the response drops the computation.
+/// Answers with the progress of a computation as events; the last event is `result` or `problem`. `start`
+/// makes the computation from the listener for its progress. Dropping the response drops the computation.
 pub fn stream<F>(request_id: RequestId, start: impl FnOnce(Arc<dyn ProgressSink>) -> F) -> Response
 where
     F: Future<Output = Result<Encoded, ApiError>> + Send + 'static,
@@ -92,7 +95,7 @@ struct Running {
 
 enum Stage {
     Computing(Computation),
-    /// What was told before the end is yet to be passed on.
+    /// The computation has ended and made the last event. Progress events that still wait are sent first.
     Ending(Event),
     Ended,
 }
@@ -123,7 +126,7 @@ fn event_of(progress: &Progress) -> Event {
 
 fn last_event(outcome: Result<Encoded, ApiError>, request_id: &RequestId) -> Event {
     match outcome {
-        // JSON has no line breaks outside of its texts, and none in them that are not escaped.
+        // Compact JSON holds no line breaks: there are none between its tokens, and texts escape them.
         Ok(encoded) => Event::default().event("result").data(encoded.into_text()),
         Err(error) => {
             let problem = error.problem(request_id.as_str());

@@ -1,4 +1,4 @@
-//! A request's body as a wire type.
+//! Reads the body of a request and decodes it into a job.
 
 use std::future::poll_fn;
 use std::pin::Pin;
@@ -16,14 +16,14 @@ use super::compression::{Coding, gunzip};
 use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
 
-/// Bodies above this are decoded on a thread of their own, lest they delay the other connections; so is gzip,
-/// of which one cannot tell.
+/// A body with more bytes is decoded on a thread of its own, so that it does not delay other connections. A body
+/// in gzip always is, because its decoded size is not known beforehand.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
 
-/// The body: JSON that was read as a `T`, and is a legal job.
+/// The job of a body: JSON that was decoded as a `T` and checked.
 pub struct JobBody<T: IntoJob> {
     pub job: T::Job,
-    /// How long decoding and converting took.
+    /// Time of decoding and converting.
     pub parsing: Duration,
 }
 
@@ -54,8 +54,8 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
     }
 }
 
-/// Runs what would delay the other connections, at most as many at a time as there are workers; whoever goes
-/// away before its turn has no turn.
+/// Runs `work` on a blocking thread, so that it does not delay other connections. At most one `work` for each
+/// worker runs at a time. A caller that goes away while it waits gives up its turn.
 async fn aside<T: Send + 'static>(
     app: &App,
     work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,
@@ -77,7 +77,8 @@ pub fn media_type(headers: &HeaderMap) -> Option<String> {
     Some(essence.to_ascii_lowercase())
 }
 
-/// What is read as JSON: JSON, any `+json`, what curl says of `-d` when told nothing, and no type at all.
+/// Checks that the body is JSON by its media type: `application/json`, any `application/...+json`, or no type.
+/// `application/x-www-form-urlencoded` counts as JSON too, because `curl -d` sends it unless told otherwise.
 fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
     let Some(essence) = media_type(headers) else { return Ok(()) };
     let is_json = essence == "application/json"
@@ -90,7 +91,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
     Ok(())
 }
 
-/// Reads the body whole, within the limit of size and as long as it makes progress.
+/// Reads the whole body. Refuses a body that is too large or that stops arriving.
 async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
     let limit = app.limits.body_bytes;
     let too_large = |size: u64| {
@@ -112,10 +113,10 @@ async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiErro
     Ok(bytes.into())
 }
 
-/// The next bytes of the body, of which there is at least one; an error where none come for too long.
+/// The next bytes of the body, at least one. `None` at the end of the body.
 ///
 /// # Errors
-/// `request_timeout`, or `bad_request` when the body cannot be read.
+/// `request_timeout` when no byte arrives within the body timeout; `bad_request` when the body cannot be read.
 pub async fn next_bytes(body: &mut Body, app: &App) -> Result<Option<Bytes>, ApiError> {
     let next = timeout(app.body_timeout, next_data(body)).await.map_err(|_| {
         let seconds = app.body_timeout.as_secs_f64();
@@ -129,7 +130,7 @@ async fn next_data(body: &mut Body) -> Option<Result<Bytes, axum::Error>> {
         match poll_fn(|context| Pin::new(&mut *body).poll_frame(context)).await? {
             Ok(frame) => match frame.into_data() {
                 Ok(data) if !data.is_empty() => return Some(Ok(data)),
-                // Trailers, and the empty frames of HTTP/2, are no progress.
+                // Trailers and the empty frames of HTTP/2 bring no bytes, so the time limit still runs.
                 _ => {}
             },
             Err(error) => return Some(Err(error)),

@@ -1,4 +1,4 @@
-//! The failures that all computing endpoints share, as the caller sees them.
+//! Problems for the failures that all computing endpoints share.
 
 use super::compute::Failure;
 use super::error::{ApiError, Code, FieldCode, FieldError};
@@ -67,10 +67,10 @@ impl From<WriteError> for ApiError {
             WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
             WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
             WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
-            // It may be the plunge feed, given or half of the other.
+            // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
             WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
-            // What is left cannot come of a legal request.
+            // No legal request causes these failures.
             WriteError::Dwell { seconds: _ }
             | WriteError::LineTooLong { limit: _ }
             | WriteError::Unreadable(_)

@@ -1,4 +1,4 @@
-//! Whether the service lives and whether it wants work.
+//! Health checks: whether the process answers, and whether it takes new work.
 
 use std::sync::Arc;
 

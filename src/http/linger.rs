@@ -1,8 +1,8 @@
-//! Request bodies that are read to their end even if nobody wants them.
+//! Request bodies that are read to their end even after the answer is sent.
 //!
-//! A caller that is still sending when its connection is closed is told so by a reset, which can overtake
-//! the answer: it never learns that its body was too large. So what is left of a body is thrown away for a
-//! while after the answer.
+//! A caller may still send its body when the service refuses the body as too large. If the service closed the
+//! connection then, the caller would get a reset, and the reset could overtake the answer. So the service
+//! reads the rest of the body for a while and throws it away.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};
@@ -13,14 +13,14 @@ use axum::http::{HeaderMap, header};
 use hyper::body::{Frame, Incoming, SizeHint};
 use tokio::time::timeout;
 
-/// How long, and how much of, an unwanted body is read.
+/// Longest time for which the rest of a body is read, and most bytes of it. Then the connection is closed.
 const MAX_TIME: Duration = Duration::from_secs(5);
 const MAX_BYTES: usize = 256 * 1024 * 1024;
 
-/// A body which is drained when it is dropped before its end.
+/// A body. When it is dropped before its end, a task reads the rest and throws it away.
 pub struct Lingering {
     body: Option<Incoming>,
-    /// Whether the caller holds the body back until it is asked for (`Expect: 100-continue`).
+    /// Whether the caller waits for permission to send the body (`Expect: 100-continue`).
     is_held_back: bool,
 }
 
@@ -38,7 +38,7 @@ impl HttpBody for Lingering {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, hyper::Error>>> {
-        // Asking for the first part releases the body.
+        // Reading the first part makes hyper send the permission.
         self.is_held_back = false;
         let Some(body) = &mut self.body else { return Poll::Ready(None) };
         let frame = Pin::new(body).poll_frame(context);

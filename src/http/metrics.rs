@@ -1,6 +1,7 @@
-//! Figures for supervisors, in the text form that Prometheus reads.
+//! Metrics of this process, in the text form that Prometheus reads.
 //!
-//! Every label is from a closed set: route templates, known methods, statuses, problem codes, stages.
+//! Every label comes from a closed set, so that no caller can add series: route templates, known methods,
+//! statuses, problem codes, stages.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -37,7 +38,7 @@ pub async fn get_metrics(State(app): State<Arc<App>>) -> Result<Response, ApiErr
     Ok(([(header::CONTENT_TYPE, OPENMETRICS)], text).into_response())
 }
 
-/// What is under way at the moment.
+/// The load of this moment.
 struct Load {
     running: usize,
     waiting: usize,
@@ -61,7 +62,7 @@ pub struct Answered<'a> {
     pub route: &'a str,
     pub method: &'a Method,
     pub status: StatusCode,
-    /// What the body says, of a failure.
+    /// The code of the problem; `None` for a success.
     pub code: Option<Code>,
     pub timing: Option<Timing>,
     pub duration: Duration,
@@ -126,7 +127,7 @@ impl Default for Metrics {
             body_bytes: Gauge::default(),
         };
         metrics.register();
-        // What an alarm looks for is there before it happens.
+        // These counters exist from the start, so that an alarm can watch them before the first failure.
         for code in [Code::Overloaded, Code::DeadlinePassed, Code::InternalError] {
             let _ = metrics.problems.get_or_create(&Problem { code: code.to_string() });
         }
@@ -211,12 +212,12 @@ impl Metrics {
     }
 }
 
-/// From a millisecond to half a minute, which is above the deadline.
+/// Buckets from 1 ms to 33 s, which is above the default deadline of 25 s.
 fn histogram() -> Histogram {
     Histogram::new(exponential_buckets(0.001, 2.0, 16))
 }
 
-/// A caller may invent methods without end.
+/// The label of a method. Other methods share one label, because a caller may invent any number of methods.
 fn known(method: &Method) -> &'static str {
     match *method {
         Method::GET => "GET",

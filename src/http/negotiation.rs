@@ -1,4 +1,5 @@
-//! How an answer is wanted: by the query, by `Accept`, and among what its endpoint offers.
+//! The form in which the caller wants an answer: chosen by the query and by `Accept` from the forms that the
+//! endpoint offers.
 
 use std::sync::Arc;
 
@@ -17,12 +18,12 @@ use super::error::{ApiError, Code};
 use super::output::{self, Representation, accept};
 use super::request_id::RequestId;
 
-/// What the endpoints of one kind answer in, and the query that they read.
+/// The forms in which endpoints of one kind answer, and the query parameters that they read.
 pub trait Offers {
     /// The forms of the answer, the default first.
     const OFFERS: &'static [Representation];
 
-    /// The names of the parameters that endpoints share, as far as these endpoints read them.
+    /// The names of the shared parameters that these endpoints read.
     const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc"];
 
     /// The names of the endpoint's own parameters, which are the fields of `Query`.
@@ -32,11 +33,11 @@ pub trait Offers {
     type Query: DeserializeOwned;
 }
 
-/// The own parameters of an endpoint that has none.
+/// The query of an endpoint without parameters of its own.
 #[derive(Debug, Deserialize)]
 pub struct NoQuery {}
 
-/// A job that ends in a toolpath, whose program can be written.
+/// Endpoints that answer a toolpath, whose program can be written.
 pub enum Toolpaths {}
 
 impl Offers for Toolpaths {
@@ -51,7 +52,7 @@ impl Offers for Toolpaths {
     ];
 }
 
-/// A job that ends in the text of a program.
+/// Endpoints that answer the text of a program.
 pub enum Programs {}
 
 impl Offers for Programs {
@@ -66,7 +67,7 @@ impl Offers for Programs {
     ];
 }
 
-/// A surface that is looked at.
+/// Endpoints that describe a surface and make no toolpath.
 pub enum Models {}
 
 impl Offers for Models {
@@ -88,12 +89,13 @@ struct AnswerQuery {
 #[derive(Debug, Clone)]
 pub struct Form {
     pub representation: Representation,
-    /// One of the representation's, as it was asked for.
+    /// The media type of the representation that the caller asked for.
     pub media_type: &'static str,
-    /// Whether the JSON answer holds the toolpath, where the caller says.
+    /// Whether the JSON answer holds the toolpath. `None` where the caller did not say.
     pub with_toolpath: Option<bool>,
     /// Whether the JSON answer holds the program's text too.
     pub with_nc: bool,
+    /// Whether the caller takes gzip.
     pub with_gzip: bool,
     pub request_id: RequestId,
 }
@@ -139,13 +141,14 @@ fn check_names<O: Offers>(uri: &Uri) -> Result<(), String> {
     }
 }
 
-/// The parameters of a query that `T` has.
+/// The parameters that `T` names, read from the query.
 fn read<T: DeserializeOwned>(uri: &Uri) -> Result<T, String> {
     let Query(query) = Query::try_from_uri(uri).map_err(|rejection| plain(&rejection.body_text()))?;
     Ok(query)
 }
 
-/// What the decoder of a query says, in plain words: the name of a parameter and a fault, or a fault alone.
+/// The message of the query decoder in plain words. The decoder names the parameter and the fault, or the fault
+/// alone.
 fn plain(message: &str) -> String {
     let message = message.strip_prefix("Failed to deserialize query string: ").unwrap_or(message);
     let (name, fault) = message.split_once(": ").unwrap_or(("", message));
@@ -165,7 +168,7 @@ fn plain(message: &str) -> String {
     }
 }
 
-/// The query as the endpoint's own offers leave it.
+/// The shared parameters for the contract, with the values that the endpoint offers.
 impl<O: Offers> IntoParams for Wanted<O> {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
         let names = O::OFFERS.iter().filter_map(|offer| offer.name());

@@ -1,4 +1,5 @@
-//! What is told of every request, outermost of all: one line in the log, metrics, and the caller's trace.
+//! The outermost layer: for every request it writes one log line, counts metrics and continues the caller's
+//! trace.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -22,10 +23,10 @@ use super::request_id::RequestId;
 use super::timing::Timing;
 use super::trace::{self, Trace};
 
-/// The route of what no route was found for.
+/// The route in logs and metrics of a request that matches no route.
 const NO_ROUTE: &str = "none";
 
-/// Names the request and follows it until its answer is with the caller, or the caller has gone.
+/// Gives the request an id and follows it until the caller has the whole answer or goes away.
 pub async fn observe(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     let id = RequestId::of(request.headers());
     let trace = Trace::of(request.headers());
@@ -50,7 +51,7 @@ pub async fn observe(State(app): State<Arc<App>>, mut request: Request, next: Ne
     response.map(|body| Body::new(Watched { body, tell: move |seen| record.sent(seen) }))
 }
 
-/// What is known of a request; told when it is dropped.
+/// What the log and the metrics say about a request. Dropping the record writes both.
 struct Record {
     app: Arc<App>,
     span: Span,
@@ -73,7 +74,7 @@ struct Answer {
 
 impl Record {
     fn new(app: Arc<App>, request: &Request, id: &RequestId, trace: Option<&Trace>) -> Self {
-        // Paths and ids only: bodies and queries are the caller's business.
+        // The log holds paths and ids only. Bodies and queries may be confidential.
         let span = tracing::info_span!(
             "request",
             request_id = id.as_str(),
@@ -164,17 +165,17 @@ impl Drop for Record {
 }
 
 fn milliseconds(duration: Duration) -> f64 {
-    // To the microsecond: more is noise.
+    // Rounded to a microsecond: further digits are noise.
     (duration.as_secs_f64() * 1e6).round() / 1e3
 }
 
-/// What passes through a body.
+/// An event of a body: some bytes, or its end.
 enum Seen {
     Data(usize),
     End,
 }
 
-/// A body of which `tell` hears.
+/// A body that reports every event to `tell`.
 struct Watched<F> {
     body: Body,
     tell: F,

@@ -58,7 +58,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(get_contract))
 }
 
-/// Every path that is answered.
+/// Every path of the contract.
 pub fn paths() -> Vec<&'static str> {
     static PATHS: LazyLock<Vec<String>> =
         LazyLock::new(|| routes().into_openapi().paths.paths.into_keys().collect());

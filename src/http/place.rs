@@ -1,4 +1,4 @@
-//! Points that are answered.
+//! Points in answers.
 
 use nalgebra::Point3;
 use serde::Serialize;
@@ -6,7 +6,7 @@ use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-/// A point `[x, y, z]` in mm that is answered, wherever the point lies.
+/// A point `[x, y, z]` in an answer, in mm. Unlike a point in a request it may have any coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Place(pub [f64; 3]);
 

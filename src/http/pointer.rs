@@ -12,7 +12,7 @@ impl Pointer {
         Self("#".into())
     }
 
-    /// The member `name` of what this points at.
+    /// The pointer to the member `name` of the object at this pointer.
     pub fn field(&self, name: &str) -> Self {
         let mut text = self.0.clone();
         text.push('/');
@@ -20,7 +20,7 @@ impl Pointer {
             match byte {
                 b'~' => text.push_str("~0"),
                 b'/' => text.push_str("~1"),
-                // What RFC 3986 allows in a fragment.
+                // RFC 3986 allows these characters in a fragment.
                 b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' => text.push(char::from(byte)),
                 _ if b"-._!$&'()*+,;=:@?".contains(&byte) => text.push(char::from(byte)),
                 _ => {
@@ -31,12 +31,12 @@ impl Pointer {
         Self(text)
     }
 
-    /// The element `index` of the array this points at.
+    /// The pointer to the element `index` of the array at this pointer.
     pub fn index(&self, index: usize) -> Self {
         Self(format!("{}/{index}", self.0))
     }
 
-    /// The pointer to `below`, seen from what this points at.
+    /// The pointer `below`, which starts at the value of this pointer, as a pointer from the root of the body.
     pub fn join(&self, below: &str) -> Self {
         Self(format!("{}{}", self.0, below.trim_start_matches('#')))
     }
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_escaped_twice() {
+    fn a_name_is_escaped_for_json_pointers_and_for_uri_fragments() {
         let at = Pointer::root().field("a/b~c").index(3).field("d e\u{e9}\"");
         assert_eq!(at.as_str(), "#/a~1b~0c/3/d%20e%C3%A9%22");
         assert_eq!(Pointer::root().field("a").join("#/b/0").as_str(), "#/a/b/0");

@@ -1,9 +1,10 @@
-//! NC programs that are rewritten while they arrive: larger than memory, and answered before they end.
+//! Rewrites NC programs while they arrive. A program may be larger than memory, and its answer begins before
+//! the program has arrived.
 //!
-//! A stream holds one of the places for streams, and a place on the pool only while it has bytes to work on.
-//! What is ready is sent through a short queue: a caller that reads slowly slows down its own stream, and
-//! nothing is held beyond the queue. As long as nothing has been answered, a failure is a problem; later it
-//! ends the connection without the end of the body.
+//! A stream holds one of the places for streams. It takes a place on the pool only while it has bytes to work
+//! on. The rewritten text goes to the caller through a short queue. A caller that reads slowly slows down its
+//! own stream, and no text is held beyond the queue. A failure before the first byte of the answer is answered
+//! as a problem. A later failure ends the connection without the end of the body.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -27,27 +28,27 @@ use crate::budget::Budget;
 use crate::config::Settings;
 use crate::post::rewrite::{Figures, RewriteError, Rewriter};
 
-/// Bytes of an answer that wait for a caller who does not read: enough for small programs of callers that
-/// send all of theirs before they read.
+/// Most bytes of an answer that wait for a caller who does not read. Small programs fit whole, so a caller may
+/// send its whole program before it reads the answer.
 const BACKLOG_BYTES: u32 = 4 * 1024 * 1024;
 
-/// Parts in that queue: small ones cost memory of their own.
+/// Most parts in that queue. Each part costs some memory, however small its text is.
 const BACKLOG_PARTS: usize = 1024;
 
-/// Bytes of a body that are worked on at a time; of coded ones, which may decode to a thousand times as much,
-/// fewer.
+/// Bytes of a body that one step on the pool takes. A step takes fewer bytes of a gzip body, because they may
+/// decode to a thousand times as many.
 const STEP_BYTES: usize = 256 * 1024;
 const CODED_STEP_BYTES: usize = 4096;
 
-/// Bytes that are held back until something moves: a text that is no program is refused before any of it is
-/// answered.
+/// Bytes of rewritten text that are held back until the first block that moves the machine. A shorter text
+/// without such a block is refused as no program before any of it is answered.
 const HELD_BYTES: usize = 64 * 1024;
 
-/// What streams may take.
+/// The limits of streams.
 #[derive(Debug)]
 pub struct Streams {
     places: Arc<Semaphore>,
-    /// Bytes of one program.
+    /// Most bytes of one program.
     pub bytes: u64,
     pub deadline: Duration,
 }
@@ -64,8 +65,9 @@ impl Streams {
 
 /// A part of the answer.
 enum Part {
-    /// With its share of the queue.
+    /// Text, with the permit for its bytes in the queue.
     Text(Bytes, #[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit),
+    /// The end of the text, with the figures of the whole program.
     End(Figures),
 }
 
@@ -93,17 +95,17 @@ impl ProgramStream {
         let app = Arc::clone(app);
         tokio::spawn(async move {
             if let Err(error) = pump(&app, request.into_body(), work, Arc::new(place), &sender).await {
-                // Whoever has gone away misses nothing.
+                // Sending fails when the caller has gone away; then nobody waits for the error.
                 let _ = sender.send(Err(error)).await;
             }
         });
         Ok(Self { parts })
     }
 
-    /// The figures, when all is done; the text is thrown away.
+    /// Rewrites the whole program, throws the text away and returns the figures.
     ///
     /// # Errors
-    /// Whatever ended the stream.
+    /// The error that ended the stream.
     pub async fn figures(mut self) -> Result<Figures, ApiError> {
         while let Some(part) = self.parts.recv().await {
             if let Part::End(figures) = part? {
@@ -113,10 +115,10 @@ impl ProgramStream {
         Err(given_up())
     }
 
-    /// The text as it becomes ready, under `media_type`, to be saved as `file_name`.
+    /// Answers the text as it becomes ready, under `media_type`, to be saved as `file_name`.
     ///
     /// # Errors
-    /// What fails before the first byte is ready.
+    /// The error that ended the stream before its first byte was ready.
     pub async fn text(mut self, media_type: &'static str, file_name: &str) -> Result<Response, ApiError> {
         let first = match self.parts.recv().await {
             Some(Ok(Part::Text(text, _))) => text,
@@ -137,14 +139,14 @@ impl ProgramStream {
             };
             Some((part, (None, parts)))
         });
-        // Layers may ask once more after the end.
+        // `fuse`, because layers may poll the body again after its end.
         let mut response = Encoded::gcode(String::new(), media_type, file_name).into_response();
         *response.body_mut() = Body::from_stream(body.fuse());
         Ok(response)
     }
 }
 
-/// Passes the body through the rewriter, piece by piece, as it comes; ends when nobody reads any more.
+/// Passes the body through the rewriter, piece by piece, as it arrives. Ends early when the caller has gone away.
 async fn pump(
     app: &App,
     mut body: Body,
@@ -180,7 +182,7 @@ async fn pump(
     }
 }
 
-/// One piece of the body, or its end, through the rewriter on the pool.
+/// Passes one piece of the body, or its end (`None`), through the rewriter on the pool.
 async fn step(
     app: &App,
     mut work: Work,
@@ -195,20 +197,20 @@ async fn step(
     app.compute.run_admitted(Arc::clone(place), None, job).await?
 }
 
-/// Queues what is ready, when there is room for it.
+/// Puts the rewritten text into the queue, and waits until the queue has room.
 async fn send(out: &mut Vec<u8>, queue: &Arc<Semaphore>, sender: &mpsc::Sender<Result<Part, ApiError>>) {
     if out.is_empty() {
         return;
     }
     let text = Bytes::from(std::mem::take(out));
     let room = u32::try_from(text.len()).unwrap_or(BACKLOG_BYTES).min(BACKLOG_BYTES);
-    // Neither is closed while this runs, but when nobody reads any more.
+    // The semaphore is never closed. Sending fails only when the caller has gone away.
     if let Ok(room) = Arc::clone(queue).acquire_many_owned(room).await {
         let _ = sender.send(Ok(Part::Text(text, room))).await;
     }
 }
 
-/// A program between two pieces of its body.
+/// The state of a program between two pieces of its body.
 struct Work {
     rewriter: Rewriter,
     decoder: Decoder,
@@ -217,7 +219,7 @@ struct Work {
 }
 
 impl Work {
-    /// Takes the next bytes of the body, or its end.
+    /// Rewrites the next bytes of the body, or its end (`None`). `most` is the largest number of decoded bytes.
     fn take(&mut self, data: Option<&[u8]>, most: u64, budget: &Budget) -> Result<(), ApiError> {
         let Self { rewriter, decoder, out, n_bytes } = self;
         let text = |text: &[u8]| {
@@ -248,7 +250,7 @@ impl Work {
     }
 }
 
-/// A body on its way out of its coding.
+/// Undoes the content coding of a body.
 enum Decoder {
     Identity,
     Gzip(Box<MultiGzDecoder<Vec<u8>>>),
@@ -262,7 +264,7 @@ impl Decoder {
         }
     }
 
-    /// Gives the decoded bytes to `take`.
+    /// Decodes `data` and gives the decoded bytes to `take`.
     fn each(
         &mut self,
         data: &[u8],
@@ -275,7 +277,7 @@ impl Decoder {
         Ok(())
     }
 
-    /// How much it is given at a time.
+    /// Bytes of the body that one step takes.
     fn step_bytes(&self) -> usize {
         match self {
             Self::Identity => STEP_BYTES,
@@ -283,7 +285,7 @@ impl Decoder {
         }
     }
 
-    /// Says that no more will come; what is left goes to `take`.
+    /// Ends the decoding. The last decoded bytes go to `take`.
     fn end(&mut self, mut take: impl FnMut(&[u8]) -> Result<(), ApiError>) -> Result<(), ApiError> {
         let Self::Gzip(decoder) = self else { return Ok(()) };
         decoder.try_finish().map_err(no_gzip)?;

@@ -1,7 +1,7 @@
-//! What the HTTP parser refuses, answered like everything else.
+//! Requests that the HTTP parser refuses get a problem, as every other failure does.
 //!
-//! A head that hyper cannot read, or finds too large, reaches no layer: hyper writes a bare status and closes
-//! the connection. On its way out that answer gets the problem it lacks.
+//! When hyper cannot read the head of a request, or finds it too large, no layer sees the request: hyper writes
+//! a status without a body and closes the connection. [`Explained`] replaces that answer by a whole one.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -14,10 +14,10 @@ use super::ENGINE_VERSION;
 use super::error::{ApiError, PROBLEM_JSON};
 use super::request_id::{self, RequestId};
 
-/// A connection on which no refusal is bare.
+/// A connection on which every refusal of the parser gets a problem as its body.
 pub struct Explained<S> {
     stream: S,
-    /// What is left to write of a refusal.
+    /// The bytes of a refusal that are still to be written.
     refusal: Vec<u8>,
 }
 
@@ -27,12 +27,12 @@ impl<S> Explained<S> {
     }
 }
 
-/// The whole answer in place of `head`, where that is a refusal of the parser's own.
+/// The answer with a problem that replaces `head`. `None` unless `head` is a refusal by the parser itself.
 fn explained(head: &[u8]) -> Option<Vec<u8>> {
     let text = std::str::from_utf8(head).ok()?;
     let status = text.strip_prefix("HTTP/1.1 ")?.get(..3)?;
     let status = StatusCode::from_bytes(status.as_bytes()).ok()?;
-    // Every answer of a handler or a layer names its request.
+    // Every answer of a handler or a layer has the header with the request's id.
     let is_bare = text.ends_with("\r\n\r\n") && !text.contains(request_id::HEADER.as_str());
     if !status.is_client_error() || !is_bare {
         return None;
@@ -73,7 +73,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Explained<S> {
     ) -> Poll<io::Result<usize>> {
         ready!(self.write_refusal(context))?;
         if let Some(refusal) = explained(bytes) {
-            // Sent with the flush that follows.
+            // The next flush sends it.
             self.refusal = refusal;
             return Poll::Ready(Ok(bytes.len()));
         }
@@ -85,7 +85,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Explained<S> {
         context: &mut Context<'_>,
         parts: &[IoSlice<'_>],
     ) -> Poll<io::Result<usize>> {
-        // A refusal has no body, so it comes in one part.
+        // A refusal of the parser has no body, so it comes in one part.
         if let [only] = parts {
             return self.poll_write(context, only);
         }

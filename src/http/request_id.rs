@@ -1,4 +1,4 @@
-//! The name by which a caller and the log know a request.
+//! The id of a request, in its answer and in the log.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -9,14 +9,14 @@ use super::error::{ApiError, Code};
 
 pub const HEADER: HeaderName = HeaderName::from_static("x-request-id");
 
-/// Longer ids than this are replaced.
+/// Most characters of a caller's id. A longer id is replaced.
 const MAX_LENGTH: usize = 128;
 
 #[derive(Debug, Clone)]
 pub struct RequestId(String);
 
 impl RequestId {
-    /// The caller's own id if it can stand in a log line, else one of ours.
+    /// The caller's own id if it is safe in a log line, else a new id.
     pub fn of(headers: &HeaderMap) -> Self {
         let sent = headers.get(HEADER).and_then(|value| value.to_str().ok());
         match sent {
@@ -45,7 +45,7 @@ fn is_sane(id: &str) -> bool {
         && id.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_.:/+=@~".contains(&byte))
 }
 
-/// Given to the request by the outermost layer.
+/// Takes the id that the outermost layer gave to the request.
 impl<S: Sync> FromRequestParts<S> for RequestId {
     type Rejection = ApiError;
 

@@ -1,4 +1,4 @@
-//! The accept loop: connections with time limits, and an end in which no request is lost.
+//! The accept loop: serves connections with time limits, and shuts down without losing a request.
 
 use std::io;
 use std::sync::Arc;
@@ -23,28 +23,30 @@ use super::linger::Lingering;
 use super::refusal::Explained;
 use crate::config::Settings;
 
-/// How long connections are still accepted after the signal: callers that were told of this service a moment
-/// ago, and probes that are to see it leave.
+/// How long the service still accepts connections after the signal. A load balancer may still send callers
+/// here, and probes must be able to read the 503 of `/readyz`.
 const LAST_CALL: Duration = Duration::from_millis(500);
 
-/// How long an idle connection is kept after the signal, for a request that is already on its way.
+/// How long an idle connection stays open after the signal, because a request may already be on its way.
 const IDLE_GRACE: Duration = Duration::from_millis(500);
 
-/// All is over this long after the signal, below the 30 s that supervisors commonly allow.
+/// Longest time from the signal to the end of the program. Supervisors commonly kill a program after 30 s.
 const DRAIN_LIMIT: Duration = Duration::from_secs(28);
 
-/// Pause after a failed accept; the usual reason, no free file descriptor, does not pass at once.
+/// Pause after a failed accept. The usual reason is that no file descriptor is free, and that does not change
+/// at once.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
-/// The longest that a caller may take over what was computed, once nothing more is to be done for it.
+/// How long a caller may take, beyond the deadline of the computation, to read the last answer of a
+/// connection that is being closed.
 const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
-/// What is read ahead of a connection: the most that one holds while nobody asks for its bytes, and the most
-/// that the head of a request may have.
+/// Bytes that the service buffers for a connection while no handler reads them. The head of a request may
+/// not be longer.
 const READ_AHEAD_BYTES: u32 = 128 * 1024;
 
-/// Serves `router` until `stop` resolves, and then until every request that has reached this process is
-/// answered; `app` is told when that begins.
+/// Serves `router` until `stop` resolves. Then the service drains: it answers every request that has reached
+/// this process, within [`DRAIN_LIMIT`].
 ///
 /// # Errors
 /// When the listener cannot be used.
@@ -97,7 +99,7 @@ pub async fn serve(
     Ok(())
 }
 
-/// How connections are treated, and how many there may be.
+/// The limits of connections: how many may be open, and the time limits of each.
 #[derive(Debug)]
 pub struct Connections {
     places: Arc<Semaphore>,
@@ -105,14 +107,14 @@ pub struct Connections {
     patience: Patience,
 }
 
-/// What a caller may take its time over.
+/// Time limits of a connection.
 #[derive(Debug, Clone, Copy)]
 struct Patience {
-    /// The head of a request.
+    /// For the head of a request to arrive.
     header: Duration,
-    /// Taking no byte of an answer.
+    /// For the caller to take the next byte of an answer.
     write: Duration,
-    /// Taking the last answer of a connection, its computation included.
+    /// For the last answer of a connection that is being closed, its computation included.
     last_answer: Duration,
 }
 
@@ -127,13 +129,13 @@ impl Connections {
         Self { places: Arc::new(Semaphore::new(most)), most, patience }
     }
 
-    /// Connections now.
+    /// Number of connections that are open now.
     pub fn open(&self) -> usize {
         self.most - self.places.available_permits()
     }
 }
 
-/// What every connection is made from.
+/// Opens connections. Holds the parts that all connections share.
 struct Acceptor<'a> {
     router: Router,
     app: &'a App,
@@ -145,7 +147,7 @@ impl Acceptor<'_> {
         let Connections { places, patience, .. } = &self.app.connections;
         match (accepted, Arc::clone(places).try_acquire_owned()) {
             (Ok((stream, _)), Ok(place)) => {
-                // Answers are written whole; waiting to fill a packet only delays them.
+                // The service writes whole answers, so waiting to fill a packet would only delay them.
                 let _ = stream.set_nodelay(true);
                 let connection = connection(stream, self.router.clone(), *patience, self.draining.clone());
                 open.spawn(async move {
@@ -210,8 +212,8 @@ async fn connection(
     let connection = builder.serve_connection(TokioIo::new(Explained::new(Box::pin(stream))), service);
     tokio::pin!(connection);
 
-    // hyper's own timer does not run before the first bytes have told HTTP/1 from 2, nor between the
-    // requests of HTTP/2; this one does.
+    // hyper's own timer does not run before the first bytes show whether the connection is HTTP/1 or HTTP/2,
+    // nor between the requests of HTTP/2. The timer of this loop always runs.
     let mut idle_limit = patience.header;
     let mut is_draining = false;
     let mut idle_since = Instant::now();
@@ -234,7 +236,7 @@ async fn connection(
                 let now = activity.count();
                 let is_idle = now == seen && !activity.is_busy();
                 if is_idle || is_draining {
-                    // From here on: nothing more is read once the requests in progress are answered.
+                    // The connection answers the requests in progress, reads no further request, and closes.
                     connection.as_mut().graceful_shutdown();
                     let _ = timeout(patience.last_answer, &mut connection).await;
                     return;
@@ -246,7 +248,7 @@ async fn connection(
     }
 }
 
-/// The requests of one connection.
+/// Counts the requests of one connection.
 #[derive(Default)]
 struct Activity {
     begun: AtomicUsize,
@@ -263,7 +265,7 @@ impl Activity {
     }
 }
 
-/// Marks a request as running until it is dropped.
+/// Counts a request as running, until this value is dropped.
 struct Busy(Arc<Activity>);
 
 impl Busy {

@@ -6,15 +6,15 @@ use axum::http::{HeaderName, HeaderValue};
 
 pub const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
-/// Travels in the extensions of the response, from where it is measured to where it is told.
+/// Times of the steps. They travel in the extensions of the response to the log and the metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
-    /// Waiting for a place on the pool.
+    /// Time of waiting for a place on the pool.
     pub queue: Duration,
-    /// Decoding the body and converting it to a job; not its arrival.
+    /// Time of decoding the body and converting it to a job, without the arrival of the body.
     pub parse: Duration,
     pub compute: Duration,
-    /// Representing the outcome.
+    /// Time of encoding the answer.
     pub encode: Duration,
 }
 
@@ -25,7 +25,7 @@ impl Timing {
         [("queue", queue), ("parse", parse), ("compute", compute), ("encode", encode)]
     }
 
-    /// The header's value; milliseconds.
+    /// The value of the header, with times in milliseconds.
     pub fn header_value(&self) -> HeaderValue {
         let text =
             self.steps().map(|(name, time)| format!("{name};dur={:.3}", time.as_secs_f64() * 1e3)).join(", ");

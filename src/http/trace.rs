@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue};
 
 pub const HEADER: HeaderName = HeaderName::from_static("traceparent");
 
-/// A place in the caller's trace: this service's own span below the caller's.
+/// The trace of the caller, with a span of this service below the caller's span.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trace {
     id: String,
@@ -16,12 +16,12 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Continues the caller's trace; nothing where it sent none, or none that can be read.
+    /// Continues the caller's trace. `None` where the caller sent no `traceparent`, or one that is not legal.
     pub fn of(headers: &HeaderMap) -> Option<Self> {
         let mut lines = headers.get_all(HEADER).iter();
         let (only, None) = (lines.next()?, lines.next()) else { return None };
         let (id, flags) = parse(only.to_str().ok()?)?;
-        // Zero stands for no span.
+        // A span id of zero is not legal.
         let span = RandomState::new().build_hasher().finish().max(1);
         Some(Self { id: id.to_owned(), span, flags })
     }
@@ -41,7 +41,7 @@ impl fmt::Display for Trace {
     }
 }
 
-/// The trace's id and flags. Versions to come may append fields.
+/// The id and the flags of a `traceparent`. Versions after 00 may append fields.
 fn parse(text: &str) -> Option<(&str, u8)> {
     let mut fields = text.split('-');
     let version = hex(fields.next()?, 2)?;
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_no_trace() {
+    fn an_illegal_traceparent_gives_no_trace() {
         let zeros = "0".repeat(32);
         for bad in [
             String::new(),

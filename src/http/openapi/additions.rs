@@ -1,5 +1,5 @@
-//! What the contract says of every operation alike: headers, problems and the forms of answers. The handlers
-//! document JSON alone.
+//! Adds the parts of the contract that all operations share: headers, problems and the forms of answers. The
+//! handlers document only the JSON answer.
 
 use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
@@ -12,7 +12,7 @@ const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, 
     one line as data, or `problem`, with `Problem` as data. Comments keep a silent connection open. A request that is refused \
     before the computation starts gets a problem with its own status instead of events.";
 
-/// Statuses of failure that any operation can answer, and those of operations with a body.
+/// Statuses of failures that any operation can answer. `BODY_FAILURE` is for operations with a body.
 const ANY_FAILURE: [StatusCode; 4] = [
     StatusCode::BAD_REQUEST,
     StatusCode::URI_TOO_LONG,
@@ -29,7 +29,7 @@ const BODY_FAILURE: [StatusCode; 7] = [
     StatusCode::GATEWAY_TIMEOUT,
 ];
 
-/// The headers of answers, by the name under which the contract keeps each.
+/// The headers of answers, by their names in the `components` of the contract.
 fn headers() -> Value {
     let text = |description: &str| json!({ "description": description, "schema": { "type": "string" } });
     json!({
@@ -91,7 +91,7 @@ fn add_problems(path: &str, operation: &mut Value) {
     }
 }
 
-/// Gives a computing operation the forms of its answer: the media types of the values of its `format`, and
+/// Adds to a computing operation the other forms of its answer: the media types of all values of `format`, and
 /// events.
 fn add_forms(operation: &mut Value) {
     let mut parameters = operation["parameters"].as_array().into_iter().flatten();
@@ -108,8 +108,8 @@ fn add_forms(operation: &mut Value) {
     answer["headers"]["toolpathd-warnings"] = header("Warnings");
 }
 
-/// Puts the description of a member that may be null beside the member's alternatives, and every paragraph on
-/// one line.
+/// Tidies all descriptions: the description of a member that may be null moves beside the member's
+/// alternatives, and every paragraph becomes one line.
 pub fn tidy(value: &mut Value) {
     match value {
         Value::Object(members) => {
@@ -128,7 +128,7 @@ pub fn tidy(value: &mut Value) {
     }
 }
 
-/// The generator leaves the description of an optional reference in the reference.
+/// Moves the description of an optional reference out of the reference, where the generator leaves it.
 fn hoist(members: &mut Map<String, Value>) {
     let items = members.get_mut("oneOf").and_then(Value::as_array_mut).into_iter().flatten();
     let found = items.filter_map(Value::as_object_mut).filter(|item| item.contains_key("$ref"));

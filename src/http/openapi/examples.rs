@@ -1,4 +1,4 @@
-//! Examples of the contract: bodies of requests, and what the service answered to some of these bodies.
+//! Examples in the contract: bodies of requests, and the answers of the service to some of these bodies.
 
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ macro_rules! texts {
 
 type Texts = &'static [(&'static str, &'static str, &'static str)];
 
-/// Bodies of requests that are known to work.
+/// Bodies of requests that the service answers without a problem.
 const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],

@@ -43,8 +43,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_ALLOW_PUBLIC", value_parser = clap::builder::BoolishValueParser::new(), global = true)]
     pub allow_public: bool,
 
-    /// Origins whose pages may call this service, such as `https://mes.example`; separate several with commas,
-    /// or repeat the flag
+    /// Origins whose pages may call this service, such as `https://mes.example`; separate several with
+    /// commas, or repeat the flag
     #[arg(long, env = "TOOLPATHD_CORS_ORIGIN", value_delimiter = ',', value_parser = origin, global = true)]
     pub cors_origin: Vec<HeaderValue>,
 
@@ -117,8 +117,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_WRITE_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub write_timeout_s: Duration,
 
-    /// Longest time for waiting and computing together, in seconds; a longer computation is answered with 504.
-    /// At shutdown the program ends after at most 28 s, whatever this setting is
+    /// Longest time for waiting and computing together, in seconds; a longer computation is answered with
+    /// 504. At shutdown the program ends after at most 28 s, whatever this setting is
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
 

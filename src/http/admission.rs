@@ -86,8 +86,8 @@ impl Drop for Taken {
     }
 }
 
-/// Middleware that refuses a `POST` while the queue is full, before its body is read. Every other request gets
-/// a [`Share`] of the memory for bodies.
+/// Middleware that refuses a `POST` while the queue is full, before its body is read. Every other request
+/// gets a [`Share`] of the memory for bodies.
 pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     if request.method() == Method::POST && app.compute.is_full() {
         sleep(REFUSAL_PAUSE).await;

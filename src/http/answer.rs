@@ -1,4 +1,5 @@
-//! From a job to its answer: the computation on the pool, and the outcome in the form in which it is wanted.
+//! From a job to its answer: runs the computation on the pool and encodes the outcome in the form that the
+//! caller wants.
 
 pub mod sheet;
 
@@ -33,29 +34,29 @@ use crate::toolpath::cutting::Cutting;
 use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::units::FeedRate;
 
-/// What a computation comes to, before it is known in which form it is wanted.
+/// The result of a computation, before it is encoded in one of the forms of answers.
 pub struct Outcome<R, P> {
     pub meta: Option<Meta>,
     pub warnings: Vec<Warning>,
     pub report: R,
-    /// What the operation made beside the report.
+    /// The toolpath, or `()` for an operation that makes none.
     pub product: P,
-    /// Draws what a picture shows beside the toolpath.
+    /// Makes the parts of a picture that are not the toolpath, such as the surface.
     pub drawing: Box<dyn Fn() -> Drawing + Send>,
 }
 
-/// What an operation makes beside its report, and the members of the JSON answer that tell of the product.
+/// The product of an operation beside its report, with the members of the JSON answer that hold the product.
 pub trait Product {
     type Members: Serialize + ToSchema;
 
-    /// The toolpath of which programs are written, if there is one.
+    /// The toolpath from which a program is written. `None` where the operation makes no toolpath.
     fn cut(&self) -> Option<&Cut>;
 
     /// The members of the answer; `written` is the text of the program, where the caller asked for the text.
     fn members(self, written: Option<String>, form: &Form) -> Self::Members;
 }
 
-/// Of an operation whose report says all.
+/// The product of an operation that answers a report alone.
 impl Product for () {
     type Members = NoMembers;
 
@@ -66,16 +67,17 @@ impl Product for () {
     fn members(self, _: Option<String>, _: &Form) {}
 }
 
-/// A toolpath with all that its program is written from.
+/// A toolpath with all other data from which its program is written.
 pub struct Cut {
     pub toolpath: Toolpath,
-    /// Without them there are no feeds, and no program.
+    /// The cutting conditions. Without them there are no feeds, and no program can be written.
     pub cutting: Option<Cutting>,
     pub setup: Setup,
-    /// What is to be said of it beside the caller's own `meta`, for the program's header and below the
-    /// picture.
+    /// Remarks of the operation for the program's header and for the sheet. The caller's `meta` joins them
+    /// there.
     pub comments: Vec<String>,
-    /// The program, where the computation has written it and every JSON answer holds it.
+    /// The text of the program, where the computation itself has written it. Then every JSON answer holds the
+    /// text.
     pub nc: Option<String>,
 }
 
@@ -88,18 +90,19 @@ impl Product for Cut {
 
     fn members(self, written: Option<String>, form: &Form) -> PathMembers {
         let nc = self.nc.or(written);
-        // A caller that asked for text has the toolpath already.
+        // An answer with the text of the program leaves the toolpath out unless the caller asks for it.
         let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
         let measures = Some(Measures::of(&self.toolpath, self.cutting.as_ref()));
         PathMembers { measures, nc, toolpath: with_toolpath.then(|| self.toolpath.into()) }
     }
 }
 
-/// Computes `plan` of the body's job on the pool and answers what comes of it as it is wanted.
+/// Runs `plan` on the pool with the job of the body, and answers the outcome in the form that the caller
+/// wants.
 ///
 /// # Errors
-/// When there is no place on the pool, or the plan or its representation fails; once events are streamed,
-/// failures are among them.
+/// When the queue is full, or planning or encoding fails. An answer of events reports later failures as an
+/// event `problem`.
 pub async fn answer<O: Offers, T, R, P, F>(
     app: &Arc<App>,
     wanted: Wanted<O>,
@@ -133,7 +136,7 @@ where
     let ticket = app.compute.admit()?;
     if is_streamed {
         let app = Arc::clone(app);
-        // The stream outlives the handler, and the span in which it was called.
+        // The stream outlives the handler and the handler's span.
         let span = Span::current();
         return Ok(events::stream(request_id, |listener| {
             let computation = async move {
@@ -147,7 +150,8 @@ where
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
-/// A curve through points within the range of coordinates may leave it between them.
+/// Refuses a toolpath that leaves the range of coordinates. A curve may leave it between points that lie
+/// within it.
 fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
     let Bounds { min, max } = measure(toolpath, FeedRate::DEFAULT_RAPID).bounds;
     let farthest = min.coords.amax().max(max.coords.amax());
@@ -158,7 +162,7 @@ fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
     Err(ApiError::new(Code::LimitExceeded, detail))
 }
 
-/// What there is to say of any cut.
+/// The warnings that every toolpath gets for its cutting conditions, tool and program.
 fn cautions<P: Product>(product: &P) -> Vec<Warning> {
     let of = |cut: &Cut| {
         let Setup { tool, program, dialect: _ } = &cut.setup;
@@ -167,7 +171,7 @@ fn cautions<P: Product>(product: &P) -> Vec<Warning> {
     product.cut().and_then(of).into_iter().flatten().map(Warning::from).collect()
 }
 
-/// The codes of warnings, each once, for a header.
+/// The codes of all warnings for a header, each code once, separated by commas.
 fn warning_codes(warnings: &[Warning]) -> String {
     let mut codes: Vec<String> = Vec::new();
     for code in warnings.iter().map(|warning| warning.code.name()) {
@@ -178,6 +182,7 @@ fn warning_codes(warnings: &[Warning]) -> String {
     codes.join(", ")
 }
 
+/// Encodes the outcome in the form that the caller wants.
 fn represent<R: Serialize + ToSchema, P: Product>(
     mut outcome: Outcome<R, P>,
     form: &Form,
@@ -204,6 +209,7 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     Ok(encoded.warning_of(&codes))
 }
 
+/// The JSON answer: its head, the report and the members of the product.
 fn envelope<R, P: Product>(outcome: Outcome<R, P>, nc: Option<String>, form: &Form) -> Answer<R, P::Members> {
     let Outcome { meta, warnings, report, product, drawing: _ } = outcome;
     let head = Head::new(&form.request_id, meta, warnings);
@@ -333,7 +339,7 @@ mod tests {
         let answer = json_of(outcome(cut()), None).await;
         assert_eq!(answer["engine_version"], ENGINE_VERSION);
         assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
-        // What the operation has to say, and what there is to say of any cut.
+        // First the warning of the operation, then the warnings that every toolpath gets.
         assert_eq!(answer["warnings"][0]["code"], "passes_apart");
         assert_eq!(answer["warnings"][1]["code"], "no_spindle_speed");
         assert_eq!(answer["report"]["n_passes"], 1);
@@ -345,7 +351,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_there_is_not_or_is_not_wanted_is_left_out() {
+    async fn absent_and_unwanted_members_are_left_out() {
         let surface = json_of(outcome(()), None).await;
         let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
         assert_eq!(members, ["engine_version", "meta", "report", "request_id", "warnings"]);
@@ -367,7 +373,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn pictures_are_called_by_the_part() {
+    async fn a_picture_has_the_part_id_as_its_title() {
         let picture = shown(outcome(cut()), Representation::Svg, None).await;
         let (content_type, text) = picture.expect("a picture");
         assert_eq!(content_type, "image/svg+xml; charset=utf-8");

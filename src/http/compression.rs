@@ -65,8 +65,8 @@ pub fn gzip(body: &[u8]) -> std::io::Result<Vec<u8>> {
 /// Decompresses `body`. Never holds more than `limit` + 1 decoded bytes.
 ///
 /// # Errors
-/// `payload_too_large` when more than `limit` bytes come out; `bad_request` when `body` is not gzip or its end
-/// is missing.
+/// `payload_too_large` when more than `limit` bytes come out; `bad_request` when `body` is not gzip or its
+/// end is missing.
 pub fn gunzip(body: &[u8], limit: usize) -> Result<Vec<u8>, ApiError> {
     let mut decoded = Vec::new();
     let read = MultiGzDecoder::new(body).take(limit as u64 + 1).read_to_end(&mut decoded);

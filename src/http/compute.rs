@@ -1,8 +1,9 @@
 //! The bounded pool on which computations run, away from the threads that serve connections.
 //!
-//! A request first takes one of `workers + queue` tickets. Without a free ticket it is refused at once. With a
-//! ticket it waits for one of `workers` places. The computation holds ticket and place until it ends. A caller
-//! that goes away cancels the [`Budget`] of its computation; the place is free when the thread has stopped.
+//! A request first takes one of `workers + queue` tickets. Without a free ticket it is refused at once. With
+//! a ticket it waits for one of `workers` places. The computation holds ticket and place until it ends. A
+//! caller that goes away cancels the [`Budget`] of its computation; the place is free when the thread has
+//! stopped.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -103,8 +104,8 @@ impl Compute {
         self.run_admitted(self.admit()?, None, job).await
     }
 
-    /// As [`Self::run`], for a job that is admitted already. `held` is dropped when the job ends: a ticket, or
-    /// the permit of a stream. The job reports its progress to `listener`.
+    /// As [`Self::run`], for a job that is admitted already. `held` is dropped when the job ends: a ticket,
+    /// or the permit of a stream. The job reports its progress to `listener`.
     ///
     /// # Errors
     /// When the deadline passes before the job ends, or the job panics.

@@ -1,7 +1,8 @@
-//! Text to wire types, with a pointer to the field that is to blame.
+//! Decodes bodies into wire types. An error has a pointer to the member at fault.
 //!
-//! Two passes: the first reads the whole text as JSON and nothing more, so that what is not JSON is never
-//! mistaken for a wrong request; the second decodes. Decoding stops at its first error.
+//! Decoding has two passes. The first reads the whole text as JSON and nothing more, so that a text that is
+//! not JSON is never reported as an illegal request. The second decodes the type and stops at its first
+//! error; then `mend` looks for the other errors.
 
 mod foreign;
 mod mend;
@@ -21,22 +22,25 @@ use super::pointer::Pointer;
 use crate::config::Limits;
 use object::Object;
 
-/// Members of the contract that this version does not read yet. Asking for one is not a spelling mistake.
+/// Members of the contract that this version does not read yet. They are reported as unsupported, not as
+/// unknown.
 const LATER_FIELDS: [&str; 1] = ["axis"];
 
-/// A member with a longer name than this is not pointed at, but the object it is in.
+/// Longest name in a pointer, in bytes. For a member with a longer name the pointer names its object instead.
 const MAX_NAME_BYTES: usize = 200;
 
-/// A wire type of requests, which becomes a job.
+/// A wire type of requests that can be converted to a job.
 pub trait IntoJob: DeserializeOwned + Send + 'static {
     type Job: Send + 'static;
 
+    /// Checks the request and converts it.
+    ///
     /// # Errors
     /// `invalid_request` with every violation.
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError>;
 }
 
-/// Decodes a request body and makes a job of it.
+/// Decodes a body and converts it to a job.
 ///
 /// # Errors
 /// `malformed_json`, or `invalid_request` with every violation.
@@ -48,7 +52,10 @@ pub fn job<T: IntoJob>(body: &[u8], limits: &Limits) -> Result<T::Job, ApiError>
     }
 }
 
-/// The text of a body that is JSON.
+/// The text of a body.
+///
+/// # Errors
+/// `malformed_json` when the body is not JSON in UTF-8.
 fn json_text(body: &[u8]) -> Result<&str, ApiError> {
     let malformed = |detail: String| ApiError::new(Code::MalformedJson, detail);
     if body.iter().all(u8::is_ascii_whitespace) {
@@ -71,7 +78,7 @@ fn json_text(body: &[u8]) -> Result<&str, ApiError> {
     Ok(text)
 }
 
-/// Decodes an object from text that is known to be JSON; pointers are relative to it.
+/// Decodes an object from text that is JSON. The pointer of an error starts at this object.
 pub fn decode_at<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, FieldError> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     match serde_path_to_error::deserialize(&mut deserializer) {
@@ -83,6 +90,7 @@ pub fn decode_at<'de, T: Deserialize<'de>>(text: &'de str) -> Result<T, FieldErr
     }
 }
 
+/// The pointer of a path. It ends before the first name that is too long.
 fn pointer_of(path: &Path) -> Pointer {
     let is_short = |segment: &&Segment| match segment {
         Segment::Map { key } => key.len() <= MAX_NAME_BYTES,
@@ -95,12 +103,13 @@ fn pointer_of(path: &Path) -> Pointer {
     })
 }
 
-/// Sorts an error of the decoder, which is only text, into a code.
+/// The violation for an error of the decoder. The decoder gives only a message, so the code follows from its
+/// text.
 fn explain(at: &Pointer, message: &str) -> FieldError {
     if let Some(inner) = tagged::unpack(message) {
         return FieldError { pointer: at.join(&inner.pointer).as_str().to_owned(), ..inner };
     }
-    // The place in the text; the pointer says it better.
+    // The message ends with line and column, which the pointer replaces.
     let message = message.rsplit_once(" at line ").map_or(message, |(before, _)| before);
     let named = message.split('`').nth(1);
     if let (Some(name), true) = (named, message.starts_with("missing field")) {
@@ -137,7 +146,8 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
     FieldError::new(at, code, words::plain(message))
 }
 
-/// Any JSON value, read for its errors alone: syntax, numbers beyond f64, nesting, repeated keys.
+/// Any JSON value. Reading it finds errors and keeps nothing: syntax, numbers beyond f64, too deep nesting,
+/// repeated keys.
 struct Checked;
 
 impl<'de> Deserialize<'de> for Checked {
@@ -247,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_json_is_malformed_whatever_else_is_wrong() {
+    fn a_body_that_is_not_json_is_malformed_whatever_else_is_wrong() {
         let deep = "[".repeat(100_000);
         for body in [
             "",
@@ -271,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn pointers_reach_the_field() {
+    fn a_pointer_leads_to_the_member_at_fault() {
         for (body, pointer, code) in [
             (r#"{"_lisst": 1}"#, "#/_lisst", FieldCode::UnknownField),
             (r#"{"axis": 1}"#, "#/axis", FieldCode::Unsupported),

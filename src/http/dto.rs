@@ -1,5 +1,6 @@
-//! Wire types, apart from the core's own: each converts by exhaustive destructuring, so that a field added to
-//! one side does not compile until it is handled on the other.
+//! Wire types: the JSON of requests and answers. They are separate from the types of the core. Conversions
+//! destructure exhaustively, so a field that is added on one side does not compile until the other side
+//! handles it.
 
 pub mod answer;
 pub mod approach;

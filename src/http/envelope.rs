@@ -30,12 +30,14 @@ pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
     let headers = response.headers_mut();
     headers.insert(request_id::HEADER, id.header_value());
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
-    // Every answer has `Vary`, problems too: the same request may later get an answer in one of several types.
+    // Every answer has `Vary`, problems too: the same request may later get an answer in one of several
+    // types.
     headers.insert(header::VARY, HeaderValue::from_static("Accept, Accept-Encoding"));
     response
 }
 
-/// The failure for a refusal by the framework. Without a handler the detail lists the paths or methods there are.
+/// The failure for a refusal by the framework. Without a handler the detail lists the paths or methods there
+/// are.
 fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
     let detail = match parts.status {
         StatusCode::NOT_FOUND => {

@@ -354,7 +354,8 @@ fn first_pointer(errors: &[FieldError]) -> &str {
     errors.first().map_or("#", |error| &error.pointer)
 }
 
-/// Puts the error into the extensions of the response. `envelope::wrap` knows the request's id and writes the body.
+/// Puts the error into the extensions of the response. `envelope::wrap` knows the request's id and writes the
+/// body.
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = self.status.into_response();

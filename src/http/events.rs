@@ -1,5 +1,5 @@
-//! The answer of a computation as server-sent events: its progress while it runs, and its result or problem at
-//! the end.
+//! The answer of a computation as server-sent events: its progress while it runs, and its result or problem
+//! at the end.
 
 use std::convert::Infallible;
 use std::pin::Pin;
@@ -48,8 +48,8 @@ impl Progress {
     }
 }
 
-/// Passes progress to the stream: the first report of every stage, and later reports of the stage at most once
-/// in [`PROGRESS_INTERVAL`].
+/// Passes progress to the stream: the first report of every stage, and later reports of the stage at most
+/// once in [`PROGRESS_INTERVAL`].
 struct Listener {
     sender: mpsc::Sender<Progress>,
     last: Mutex<Option<(&'static str, Instant)>>,

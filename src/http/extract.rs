@@ -16,8 +16,8 @@ use super::compression::{Coding, gunzip};
 use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
 
-/// A body with more bytes is decoded on a thread of its own, so that it does not delay other connections. A body
-/// in gzip always is, because its decoded size is not known beforehand.
+/// A body with more bytes is decoded on a thread of its own, so that it does not delay other connections. So
+/// is every body in gzip, because its decoded size is not known beforehand.
 const DECODE_ASIDE_BYTES: usize = 64 * 1024;
 
 /// The job of a body: JSON that was decoded as a `T` and checked.
@@ -77,8 +77,9 @@ pub fn media_type(headers: &HeaderMap) -> Option<String> {
     Some(essence.to_ascii_lowercase())
 }
 
-/// Checks that the body is JSON by its media type: `application/json`, any `application/...+json`, or no type.
-/// `application/x-www-form-urlencoded` counts as JSON too, because `curl -d` sends it unless told otherwise.
+/// Checks that the body is JSON by its media type: `application/json`, any `application/...+json`, or no
+/// type. `application/x-www-form-urlencoded` counts as JSON too, because `curl -d` sends it unless told
+/// otherwise.
 fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
     let Some(essence) = media_type(headers) else { return Ok(()) };
     let is_json = essence == "application/json"
@@ -116,7 +117,8 @@ async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiErro
 /// The next bytes of the body, at least one. `None` at the end of the body.
 ///
 /// # Errors
-/// `request_timeout` when no byte arrives within the body timeout; `bad_request` when the body cannot be read.
+/// `request_timeout` when no byte arrives within the body timeout; `bad_request` when the body cannot be
+/// read.
 pub async fn next_bytes(body: &mut Body, app: &App) -> Result<Option<Bytes>, ApiError> {
     let next = timeout(app.body_timeout, next_data(body)).await.map_err(|_| {
         let seconds = app.body_timeout.as_secs_f64();

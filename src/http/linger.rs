@@ -13,8 +13,9 @@ use axum::http::{HeaderMap, header};
 use hyper::body::{Frame, Incoming, SizeHint};
 use tokio::time::timeout;
 
-/// Longest time for which the rest of a body is read, and most bytes of it. Then the connection is closed.
+/// Longest time for which the rest of a body is read. Then the connection is closed.
 const MAX_TIME: Duration = Duration::from_secs(5);
+/// Most bytes of the rest that are read. Then the connection is closed.
 const MAX_BYTES: usize = 256 * 1024 * 1024;
 
 /// A body. When it is dropped before its end, a task reads the rest and throws it away.

@@ -147,8 +147,8 @@ fn read<T: DeserializeOwned>(uri: &Uri) -> Result<T, String> {
     Ok(query)
 }
 
-/// The message of the query decoder in plain words. The decoder names the parameter and the fault, or the fault
-/// alone.
+/// The message of the query decoder in plain words. The decoder names the parameter and the fault, or the
+/// fault alone.
 fn plain(message: &str) -> String {
     let message = message.strip_prefix("Failed to deserialize query string: ").unwrap_or(message);
     let (name, fault) = message.split_once(": ").unwrap_or(("", message));

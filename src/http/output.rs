@@ -1,4 +1,4 @@
-//! What an answer is represented as, and how it is sent.
+//! The forms of answers, the choice among them, and finished bodies with their headers.
 
 pub mod accept;
 pub mod page;
@@ -19,13 +19,13 @@ const SVG: &str = "image/svg+xml";
 const HTML: &str = "text/html";
 pub const EVENTS: &str = "text/event-stream";
 
-/// The media types by which NC text is asked for, the preferred one first.
+/// The media types that stand for NC text, the preferred type first.
 pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
 
-/// The codes of all warnings of an answer.
+/// The header with the codes of all warnings of an answer.
 pub const WARNINGS: HeaderName = HeaderName::from_static("toolpathd-warnings");
 
-/// What an answer is sent as; in the query by these names, for links and for callers that cannot set headers.
+/// The form of an answer. The query parameter `format` takes these names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Representation {
@@ -36,14 +36,14 @@ pub enum Representation {
     Svg,
     /// The picture with the figures of the answer.
     Html,
-    /// How far the computation is, while it runs, and then the JSON answer; never by name, for links cannot
-    /// show it.
+    /// Progress while the computation runs, and then the JSON answer. `format` has no name for events,
+    /// because a browser cannot show them behind a link.
     #[serde(skip)]
     Events,
 }
 
 impl Representation {
-    /// The name in the query.
+    /// The value of `format`. `None` for events.
     pub fn name(self) -> Option<&'static str> {
         match self {
             Self::Json => Some("json"),
@@ -54,7 +54,7 @@ impl Representation {
         }
     }
 
-    /// The media types by which it is asked for, the preferred one first.
+    /// The media types that stand for the form, the preferred type first.
     pub fn media_types(self) -> &'static [&'static str] {
         match self {
             Self::Json => &[JSON],
@@ -66,11 +66,11 @@ impl Representation {
     }
 }
 
-/// Chooses among `offers`, the default first, by `format`, else by `Accept` (RFC 9110, section 12.5.1); with
-/// the media type by which the choice was asked for.
+/// Chooses one of `offers` by `format`, else by `Accept` (RFC 9110, section 12.5.1), else the first offer.
+/// Returns the form and the media type that the caller asked for.
 ///
 /// # Errors
-/// `not_acceptable` with the types on offer.
+/// `not_acceptable` with the media types on offer.
 pub fn choose(
     offers: &[Representation],
     headers: &HeaderMap,
@@ -103,6 +103,8 @@ pub struct Encoded {
 }
 
 impl Encoded {
+    /// `value` as JSON.
+    ///
     /// # Errors
     /// When the value cannot be written as JSON, which is a fault of this program.
     pub fn json(value: &impl Serialize) -> Result<Self, ApiError> {
@@ -129,8 +131,8 @@ impl Encoded {
         Self { content_type, disposition: None, is_gzip: false, digest: None, warnings: None, body }
     }
 
-    /// As it will be sent: in gzip where that is wanted and worth it, and with the digest of the bytes that
-    /// are left (RFC 9530).
+    /// The body as it will be sent: in gzip where `with_gzip` holds and the body is large enough, and with
+    /// the digest of the sent bytes (RFC 9530).
     ///
     /// # Errors
     /// When gzip fails, which is a fault of this program.
@@ -146,14 +148,14 @@ impl Encoded {
         Ok(self)
     }
 
-    /// Tells the codes of warnings in a header too, for callers that read no other form of them; nothing of
-    /// none.
+    /// Adds a header with the codes of warnings, for callers that read NC text or a picture. Without codes
+    /// there is no header.
     pub fn warning_of(mut self, codes: &str) -> Self {
         self.warnings = HeaderValue::from_str(codes).ok().filter(|codes| !codes.is_empty());
         self
     }
 
-    /// The body, where it is text that has not been sealed.
+    /// The body as text. Empty for a body in gzip, which is no text.
     pub fn into_text(self) -> String {
         String::from_utf8(self.body.into()).unwrap_or_default()
     }
@@ -180,9 +182,9 @@ impl IntoResponse for Encoded {
     }
 }
 
-/// A file name made of the program's own name or else its number.
+/// The name of the program's file: from the program's name, else from its number.
 pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
-    /// A name longer than this is cut: file systems allow 255 bytes.
+    /// Most characters that are kept of a name. File systems allow 255 bytes.
     const MAX_LENGTH: usize = 100;
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || "._-".contains(*c);
     let name = deunicode::deunicode_with_tofu(name.unwrap_or_default(), "");
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_names_are_those_that_the_query_is_read_by() {
+    fn the_query_reads_the_name_of_every_representation() {
         for offer in [Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html]
         {
             let read: Representation = serde_json::from_value(json!(offer.name())).expect("a name");
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn file_names_hold_nothing_that_ends_a_header() {
+    fn a_file_name_holds_no_character_that_ends_a_header() {
         assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3, "ngc"), "die7.x.ngc");
         assert_eq!(file_name(Some("\u{200b}"), 3, "ngc"), "program-3.ngc");
         assert_eq!(file_name(Some("M\u{fc}ller"), 3, "ngc"), "Muller.ngc");

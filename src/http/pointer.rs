@@ -36,7 +36,8 @@ impl Pointer {
         Self(format!("{}/{index}", self.0))
     }
 
-    /// The pointer `below`, which starts at the value of this pointer, as a pointer from the root of the body.
+    /// The pointer `below`, which starts at the value of this pointer, as a pointer from the root of the
+    /// body.
     pub fn join(&self, below: &str) -> Self {
         Self(format!("{}{}", self.0, below.trim_start_matches('#')))
     }

@@ -3,8 +3,8 @@
 //!
 //! A stream holds one of the places for streams. It takes a place on the pool only while it has bytes to work
 //! on. The rewritten text goes to the caller through a short queue. A caller that reads slowly slows down its
-//! own stream, and no text is held beyond the queue. A failure before the first byte of the answer is answered
-//! as a problem. A later failure ends the connection without the end of the body.
+//! own stream, and no text is held beyond the queue. A failure before the first byte of the answer is
+//! answered as a problem. A later failure ends the connection without the end of the body.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -28,8 +28,8 @@ use crate::budget::Budget;
 use crate::config::Settings;
 use crate::post::rewrite::{Figures, RewriteError, Rewriter};
 
-/// Most bytes of an answer that wait for a caller who does not read. Small programs fit whole, so a caller may
-/// send its whole program before it reads the answer.
+/// Most bytes of an answer that wait for a caller who does not read. Small programs fit whole, so a caller
+/// may send its whole program before it reads the answer.
 const BACKLOG_BYTES: u32 = 4 * 1024 * 1024;
 
 /// Most parts in that queue. Each part costs some memory, however small its text is.
@@ -40,8 +40,8 @@ const BACKLOG_PARTS: usize = 1024;
 const STEP_BYTES: usize = 256 * 1024;
 const CODED_STEP_BYTES: usize = 4096;
 
-/// Bytes of rewritten text that are held back until the first block that moves the machine. A shorter text
-/// without such a block is refused as no program before any of it is answered.
+/// Most bytes of rewritten text that are held back until the first block that moves the machine. A shorter
+/// text without such a block is refused as no program before any of it is answered.
 const HELD_BYTES: usize = 64 * 1024;
 
 /// The limits of streams.
@@ -146,7 +146,8 @@ impl ProgramStream {
     }
 }
 
-/// Passes the body through the rewriter, piece by piece, as it arrives. Ends early when the caller has gone away.
+/// Passes the body through the rewriter, piece by piece, as it arrives. Ends early when the caller has gone
+/// away.
 async fn pump(
     app: &App,
     mut body: Body,
@@ -219,7 +220,8 @@ struct Work {
 }
 
 impl Work {
-    /// Rewrites the next bytes of the body, or its end (`None`). `most` is the largest number of decoded bytes.
+    /// Rewrites the next bytes of the body, or its end (`None`). `most` is the largest number of decoded
+    /// bytes.
     fn take(&mut self, data: Option<&[u8]>, most: u64, budget: &Budget) -> Result<(), ApiError> {
         let Self { rewriter, decoder, out, n_bytes } = self;
         let text = |text: &[u8]| {

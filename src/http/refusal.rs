@@ -1,7 +1,8 @@
 //! Requests that the HTTP parser refuses get a problem, as every other failure does.
 //!
-//! When hyper cannot read the head of a request, or finds it too large, no layer sees the request: hyper writes
-//! a status without a body and closes the connection. [`Explained`] replaces that answer by a whole one.
+//! When hyper cannot read the head of a request, or finds it too large, no layer sees the request: hyper
+//! writes a status without a body and closes the connection. [`Explained`] replaces that answer by a whole
+//! one.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;

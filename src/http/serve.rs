@@ -46,7 +46,7 @@ const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 const READ_AHEAD_BYTES: u32 = 128 * 1024;
 
 /// Serves `router` until `stop` resolves. Then the service drains: it answers every request that has reached
-/// this process, within [`DRAIN_LIMIT`].
+/// this process, within 28 s.
 ///
 /// # Errors
 /// When the listener cannot be used.

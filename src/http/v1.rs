@@ -1,4 +1,4 @@
-//! The endpoints of version 1, a file each.
+//! The endpoints of version 1, each in a file of its own.
 
 pub mod arcs_fit;
 pub mod curves_interpolate;

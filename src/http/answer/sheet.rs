@@ -1,4 +1,4 @@
-//! The words of an answer for people: the sheet at the machine, and what a program's header says.
+//! The texts of an answer for people: on the sheet at the machine and in the header of a program.
 
 use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
@@ -12,10 +12,10 @@ use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::program::{Program, Units};
 use crate::toolpath::tool::{Shape, Tool};
 
-/// The entry of `meta` by which a picture is called.
+/// The entry of `meta` that is the title of a picture.
 const PART_ID: &str = "part_id";
 
-/// The picture with the words below it.
+/// The picture as SVG, with the notes below it.
 pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
     let mut notes: Vec<String> = warnings.chain(notes(outcome)).collect();
@@ -28,7 +28,7 @@ pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     })
 }
 
-/// The part's id, or else the program's name.
+/// The title of a picture: the part's id, else the program's name, else `Toolpath` or `Surface`.
 pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
     let name = || outcome.product.cut().and_then(|cut| cut.setup.program.name.as_ref());
@@ -36,7 +36,8 @@ pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
 }
 
-/// What a setter needs: the program, where its zero is, the tool, and how it is driven.
+/// The lines that a setter needs: program, work offset, tool, spindle, coolant, feeds, clearance and cycle
+/// time.
 fn setup(cut: &Cut) -> Vec<String> {
     let Cut { toolpath, cutting, setup: Setup { tool, program, dialect }, comments: _, nc: _ } = cut;
     let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
@@ -97,7 +98,7 @@ fn driving_lines(cutting: &Cutting) -> [String; 3] {
     ]
 }
 
-/// Warnings as people read them in a program and on a sheet.
+/// Warnings as lines for a program and a sheet: the code, then the detail.
 pub fn told(warnings: &[Warning]) -> Vec<String> {
     warnings.iter().map(|warning| format!("{} - {}", warning.code.name(), warning.detail)).collect()
 }

@@ -1,7 +1,8 @@
-//! Bodies that are no JSON, told by what they are: a spreadsheet's text, another encoding, numbers that JSON
-//! does not have.
+//! Recognises bodies that are not JSON: text of a spreadsheet, another encoding, numbers that JSON does not
+//! have.
 
-/// What a body is, where it is something well known that is not JSON in UTF-8.
+/// A message that says what `body` is and what to send instead. `fault_at` is the byte where the JSON parser
+/// stopped. `None` for a body that is not recognised.
 pub fn named(body: &[u8], fault_at: Option<usize>) -> Option<&'static str> {
     match body {
         [0xef, 0xbb, 0xbf, ..] => {

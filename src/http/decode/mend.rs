@@ -1,9 +1,13 @@
-//! All violations of a body at once, wrong types and missing members among them.
+//! Finds all violations of a body at once, also wrong types and missing members.
 //!
-//! A decoder stops at the first member that does not fit. Here that member gets a stand-in, the body is
-//! decoded again, and so on until it fits; then the rules that its values break are looked for too.
-//! Violations by stand-ins are left out. Whole numbers that were written with a point, as `12.0`, stand for
-//! themselves.
+//! A decoder stops at the first member that does not fit.
+//!
+//! 1. That member gets a stand-in, a value that may fit, and the body is decoded again. This repeats until
+//!    the whole body fits.
+//! 2. The conversion to a job then finds the violations of rules. Violations that a stand-in causes are left
+//!    out.
+//!
+//! A whole number with a decimal point, such as `12.0`, is no violation: it becomes an integer.
 
 use serde_json::{Value, json};
 
@@ -11,16 +15,18 @@ use super::{IntoJob, decode_at};
 use crate::config::Limits;
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 
-/// Bytes that may be decoded again, in sum: of a large body the first violations are enough.
+/// Most bytes that are decoded again, over all repetitions. A large body is therefore reported with fewer
+/// violations.
 const MOST_BYTES: usize = 4 << 20;
 
-/// Decodings of one body, however small.
+/// Most decodings of one body, however small the body is.
 const MOST_TRIES: usize = 400;
 
-/// Whole numbers beyond this are not exact in floating point.
+/// Whole numbers from here on may not be exact in floating point (2^53 is about 9.007e15).
 const LARGEST_WHOLE: f64 = 9e15;
 
-/// The job of a body whose first member that does not fit is `first`.
+/// The job of a body that did not decode. `first` is the error of the first decoding. There is a job only
+/// where every error was a whole number with a decimal point.
 ///
 /// # Errors
 /// `invalid_request` with all violations that were found.
@@ -57,19 +63,21 @@ pub fn job<T: IntoJob>(text: &str, first: FieldError, limits: &Limits) -> Result
     Err(ApiError::invalid_among(total, found))
 }
 
+/// A body under repair.
 struct Mending {
     body: Value,
     found: Vec<FieldError>,
-    /// Where stand-ins are.
+    /// Pointers to the members that have stand-ins.
     mended: Vec<String>,
-    /// Objects with a stand-in for a name, which decides what other members they may and must have.
+    /// Pointers to objects in which a name, such as `kind`, has a stand-in. The name decides which other
+    /// members the object has, so missing and unknown members of the object are not reported.
     renamed: Vec<String>,
-    /// The place that was mended last, and how many stand-ins it has had.
+    /// The pointer that got the last stand-in, and how many earlier stand-ins it had.
     tried: Option<(String, usize)>,
 }
 
 impl Mending {
-    /// Remembers a violation, unless it is one of a stand-in.
+    /// Remembers a violation, unless a stand-in causes it.
     fn note(&mut self, error: &FieldError) {
         let is_within = |place: &String| {
             let rest = error.pointer.strip_prefix(place.as_str());
@@ -84,7 +92,8 @@ impl Mending {
         }
     }
 
-    /// Puts a stand-in where the decoder stopped; `false` where none helps.
+    /// Puts a stand-in where the decoder stopped, or removes an unknown member. `false` where no stand-in is
+    /// left.
     fn mend(&mut self, error: &FieldError) -> bool {
         let Some(place) = path(&error.pointer) else { return false };
         if let Some(number) = self.body.pointer_mut(&place)
@@ -125,7 +134,7 @@ impl Mending {
         }
     }
 
-    /// The next value to try at a place.
+    /// The stand-in to try at a place after `tried` earlier ones. `None` where all have been tried.
     fn stand_in(&self, error: &FieldError, place: &str, tried: usize) -> Option<Value> {
         let named = error.detail.rsplit_once("; use ").map_or("", |(_, names)| names);
         let names = named.split('`').skip(1).step_by(2).map(|name| json!(name));
@@ -138,19 +147,19 @@ impl Mending {
             }
             _ => Vec::new(),
         };
-        // A large number is least in the way of the rules that others keep with it.
+        // A large number is tried first, because it seldom breaks a rule together with other members.
         let plain = [json!(1000), json!(1), json!("x"), json!({}), json!([]), json!(true)];
         names.take(1).chain(lengths).chain(plain).nth(tried)
     }
 }
 
-/// A number with a point but nothing behind it.
+/// The integer for a whole number that was written with a decimal point. `None` for other values.
 fn whole(value: &Value) -> Option<Value> {
     let number = value.as_f64().filter(|_| value.is_f64())?;
     (number.fract() == 0.0 && number.abs() < LARGEST_WHOLE).then(|| json!(number as i64))
 }
 
-/// A pointer as it counts within a value, from one that is written as a fragment.
+/// A pointer without its `#` and its percent encoding, as `Value::pointer` takes it.
 fn path(pointer: &str) -> Option<String> {
     let text = pointer.strip_prefix('#')?;
     let decoded = percent_encoding::percent_decode_str(text).decode_utf8().ok()?;

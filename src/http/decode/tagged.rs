@@ -1,8 +1,8 @@
-//! Objects that their member `kind` tells apart: the decoder, and the schema with its discriminator.
+//! Enums of objects that their member `kind` tells apart: the decoder, and the schema with its discriminator.
 //!
-//! The dispatch is by hand: a derived internally tagged enum buffers its content, and the path of an error
-//! ends at the enum. Here the object is decoded from its own text. An error of the object travels inside the
-//! message of the outer decoder, because an outer decoder passes on nothing but a message.
+//! The decoder is written by hand, because the path of an error in a derived, internally tagged enum ends at
+//! the enum. Here the object is decoded from its own text. Its error travels packed inside the message of the
+//! outer decoder, because an outer decoder passes on only a message.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
@@ -16,12 +16,12 @@ use super::words;
 use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 
-/// Begins a packed error, as no message of a decoder begins, and separates its parts.
+/// Begins a packed error and separates its parts. No other message of a decoder begins with this character.
 const MARK: char = '\u{1}';
 
-/// Gives an enum of objects its decoder and its schema. Each object has a `_kind` of type [`Kind`]; the
-/// schema of the object gets the member `kind` here. `later` names kinds that the contract has and this
-/// version cannot read yet.
+/// Makes an enum of objects with its decoder and its schema. Each object has a field `_kind` of type
+/// [`Kind`]; this macro adds the member `kind` to the schema of the object. `later` names kinds that the
+/// contract has and this version cannot read yet.
 macro_rules! by_kind {
     (
         $(#[doc = $doc:literal])+
@@ -88,24 +88,25 @@ struct Tag {
 /// The `kind` of an object.
 ///
 /// # Errors
-/// When it has none.
+/// When the object has no `kind`.
 pub fn kind_of<E: Error>(object: &RawValue) -> Result<String, E> {
     decode::<Tag, E>(object).map(|tag| tag.kind)
 }
 
-/// The object as the type that its kind asks for.
+/// Decodes the object as a `T`.
 ///
 /// # Errors
-/// When it does not fit.
+/// The packed violation, when the object does not fit.
 pub fn decode<'de, T: Deserialize<'de>, E: Error>(object: &'de RawValue) -> Result<T, E> {
-    // Keeping the path to an error takes longer than decoding: it is only asked for where there is one.
+    // Tracking the path takes longer than decoding itself, so only an object with an error is decoded again
+    // with it.
     match serde_json::from_str(object.get()) {
         Ok(Object(value)) => Ok(value),
         Err(_) => decode_at(object.get()).map_err(|error| E::custom(pack(&error))),
     }
 }
 
-/// The error for a `kind` that is none of `expected`.
+/// The packed violation for a `kind` that is not in `expected`.
 pub fn unknown<E: Error>(kind: &str, later: &[&str], expected: &[&str]) -> E {
     let at = Pointer::root().field("kind");
     let (code, detail) = if later.contains(&kind) {
@@ -117,7 +118,7 @@ pub fn unknown<E: Error>(kind: &str, later: &[&str], expected: &[&str]) -> E {
     E::custom(pack(&FieldError::new(&at, code, detail)))
 }
 
-/// The schema of one of several objects, each given by its kind and the name of its schema.
+/// The schema of an enum: one of several objects, each given by its kind and the name of its schema.
 pub fn union<'a, N: AsRef<str> + 'a>(
     description: &str,
     kinds: impl Iterator<Item = &'a (&'a str, N)>,
@@ -132,7 +133,7 @@ pub fn union<'a, N: AsRef<str> + 'a>(
     one_of.description(Some(description.trim())).discriminator(Some(discriminator)).into()
 }
 
-/// The schema of an object with its member `kind`.
+/// The schema of an object, with the member `kind` added.
 pub fn with_kind(kind: &str, schema: RefOr<Schema>) -> RefOr<Schema> {
     let RefOr::T(Schema::Object(mut object)) = schema else { return schema };
     let tag = ObjectBuilder::new()
@@ -144,12 +145,13 @@ pub fn with_kind(kind: &str, schema: RefOr<Schema>) -> RefOr<Schema> {
     RefOr::T(Schema::Object(object))
 }
 
+/// Packs a violation into a message: pointer, code and detail.
 fn pack(error: &FieldError) -> String {
     let code = CODES.iter().position(|code| *code == error.code).unwrap_or_default();
     format!("{MARK}{}{MARK}{code}{MARK}{}{MARK}", error.pointer, error.detail)
 }
 
-/// The error inside an outer decoder's message.
+/// The violation packed in the message of an outer decoder. `None` for any other message.
 pub fn unpack(message: &str) -> Option<FieldError> {
     let mut parts = message.strip_prefix(MARK)?.split(MARK);
     let (pointer, code, detail) = (parts.next()?, parts.next()?, parts.next()?);
@@ -157,7 +159,7 @@ pub fn unpack(message: &str) -> Option<FieldError> {
     Some(FieldError { pointer: pointer.to_owned(), code, detail: detail.to_owned(), offset: None })
 }
 
-/// What decoding can find.
+/// The codes that decoding can find. A packed violation holds the index of its code.
 const CODES: [FieldCode; 6] = [
     FieldCode::WrongType,
     FieldCode::WrongLength,

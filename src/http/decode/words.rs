@@ -1,12 +1,12 @@
-//! What the decoder says, in words that do not depend on the language that it is written in.
+//! Messages of the decoder in plain words, without names of Rust types.
 
-/// The message about a name that is none of `names`.
+/// The message about a name that is not in `names`.
 pub fn unknown(name: &str, names: &[&str]) -> String {
     let one_of = if names.len() > 1 { "one of " } else { "" };
     format!("`{name}` is unknown; use {one_of}`{}`", names.join("`, `"))
 }
 
-/// A message about a type, a value or a length.
+/// The plain message for an error about a type, a value or a length.
 pub fn plain(message: &str) -> String {
     if let Some((got, expected)) =
         parts(message, "invalid type: ").or_else(|| parts(message, "invalid value: "))
@@ -26,7 +26,7 @@ fn parts<'a>(message: &'a str, start: &str) -> Option<(&'a str, &'a str)> {
     message.strip_prefix(start)?.rsplit_once(", expected ")
 }
 
-/// What was to come.
+/// What the decoder expected, in plain words.
 fn expectation(expected: &str) -> String {
     match expected {
         "f64" | "f32" => "a number".to_owned(),
@@ -50,7 +50,7 @@ fn expectation(expected: &str) -> String {
     }
 }
 
-/// What came.
+/// What the caller sent, in plain words.
 fn sent(got: &str) -> String {
     for kind in ["integer ", "floating point ", "boolean "] {
         if let Some(value) = got.strip_prefix(kind) {
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_name_what_is_sent() {
+    fn a_message_says_what_to_send_and_what_was_sent() {
         for (message, words) in [
             ("invalid type: string \"ten\", expected f64", "send a number, not the text \"ten\""),
             (

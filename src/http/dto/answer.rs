@@ -1,4 +1,4 @@
-//! What every answer of a computation holds, and the members of answers with a toolpath.
+//! The members of all computed answers, and the members of answers with a toolpath.
 
 use std::borrow::Cow;
 
@@ -12,8 +12,8 @@ use super::toolpath::{Measures, Toolpath, Warning};
 use crate::http::ENGINE_VERSION;
 use crate::http::request_id::RequestId;
 
-/// The answer of a computation: what every answer holds, the report of the operation, and the operation's own
-/// members.
+/// The answer of a computation: the members of every answer, the report of the operation, and the members of
+/// its product.
 #[derive(Serialize)]
 pub struct Answer<R, M = PathMembers> {
     #[serde(flatten)]
@@ -59,7 +59,7 @@ pub struct PathMembers {
     pub toolpath: Option<Toolpath>,
 }
 
-/// The members of an answer whose report says all.
+/// The further members of an answer that has only a report: none.
 pub type NoMembers = ();
 
 impl<R: ToSchema, M: ToSchema> PartialSchema for Answer<R, M> {

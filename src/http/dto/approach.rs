@@ -1,4 +1,4 @@
-//! What stands over the surface, and how the cutter comes to a pass and leaves it, as they are sent.
+//! Stock over the surface, and entries and exits of passes, in requests.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -8,10 +8,10 @@ use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
-/// Angles of ramps with the level, degrees.
+/// Legal angles of ramps with the horizontal plane, degrees.
 const RAMP: Range = Range { min: 0.1, max: 89.0 };
 
-/// Thicknesses of stock, mm.
+/// Legal thicknesses of stock, mm.
 const THICKNESS: Range = Range { min: 0.0, max: 1000.0 };
 
 by_kind! {

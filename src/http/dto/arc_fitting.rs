@@ -1,4 +1,4 @@
-//! A request for fitting arcs to a polyline, and its conversion to a job.
+//! The request to fit arcs to a polyline or to an NC program, its conversion to a job, and the reports.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;
@@ -169,8 +169,10 @@ impl ProgramQuery {
     /// The names of the parameters.
     pub const NAMES: [&'static str; 4] = ["tolerance_mm", "dialect", "method", "continuity"];
 
+    /// The job of the query.
+    ///
     /// # Errors
-    /// `invalid_query`.
+    /// `invalid_query` when the tolerance is out of range or the dialect is unknown.
     pub fn job(&self) -> Result<RewriteJob, ApiError> {
         let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
         let Self { tolerance_mm, dialect, method, continuity } = self;
@@ -248,7 +250,7 @@ impl From<Figures> for ProgramReport {
     }
 }
 
-/// Tolerances of any fit, mm.
+/// Legal tolerances of a fit, mm.
 pub const TOLERANCES: Range = Range { min: 1e-6, max: 10.0 };
 
 impl IntoJob for FitRequest {

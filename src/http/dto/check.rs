@@ -1,12 +1,13 @@
-//! Range checks that collect every violation instead of ending at the first.
+//! Checks of numbers, counts and texts that collect every violation instead of ending at the first.
 
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 use crate::http::pointer::Pointer;
 
-/// Coordinates and lengths beyond a kilometre are mistakes, mm.
+/// Largest magnitude of a coordinate or a length, mm. A number beyond a kilometre is a mistake.
 pub const MAX_MAGNITUDE_MM: f64 = 1e6;
 
-/// Lengths, feeds and speeds below this are mistakes; it also keeps every quotient of two of them finite.
+/// Smallest legal length (mm), feed (mm/min) or speed (1/min). A smaller number is a mistake, and the
+/// quotient of two legal numbers is always finite.
 pub const MIN_POSITIVE: f64 = 1e-3;
 
 /// A closed range of numbers.
@@ -17,9 +18,9 @@ pub struct Range {
 }
 
 impl Range {
-    /// Lengths, feeds and speeds.
+    /// Legal lengths, feeds and speeds.
     pub const POSITIVE: Range = Range { min: MIN_POSITIVE, max: MAX_MAGNITUDE_MM };
-    /// Heights and coordinates.
+    /// Legal heights and coordinates.
     pub const COORDINATE: Range = Range { min: -MAX_MAGNITUDE_MM, max: MAX_MAGNITUDE_MM };
 
     pub fn holds(&self, value: f64) -> bool {
@@ -27,13 +28,13 @@ impl Range {
     }
 }
 
-/// A number with its unit; a plain number has none.
+/// A number with its unit as text. `unit` is empty for a plain number.
 fn with_unit(value: f64, unit: &str) -> String {
     let value = format!("{value:?}");
     format!("{} {unit}", value.trim_end_matches(".0")).trim_end().to_owned()
 }
 
-/// The violations found so far: the first of them, and how many there are.
+/// The violations found so far: the first [`MAX_ERRORS`] violations, and the number of all.
 #[derive(Debug, Default)]
 pub struct Violations {
     first: Vec<FieldError>,
@@ -48,7 +49,7 @@ impl Violations {
         }
     }
 
-    /// As [`Self::add`], for byte `offset` of a text in a language.
+    /// As [`Self::add`], for byte `offset` of an expression or a section curve.
     pub fn add_in_text(&mut self, at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) {
         self.total += 1;
         if self.first.len() < MAX_ERRORS {
@@ -56,7 +57,7 @@ impl Violations {
         }
     }
 
-    /// Looks at a number of the given unit.
+    /// Checks that a number of the given unit is in `range`.
     pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
         if value.abs() > MAX_MAGNITUDE_MM {
             let most = with_unit(MAX_MAGNITUDE_MM, unit);
@@ -70,21 +71,21 @@ impl Violations {
         }
     }
 
-    /// Looks at a number that may be absent.
+    /// As [`Self::number`], for a number that may be absent.
     pub fn optional(&mut self, at: &Pointer, value: Option<f64>, range: Range, unit: &str) {
         if let Some(value) = value {
             self.number(at, value, range, unit);
         }
     }
 
-    /// Looks at a whole number.
+    /// Checks that a whole number is in a range.
     pub fn integer(&mut self, at: &Pointer, value: u32, (min, max): (u32, u32)) {
         if !(min..=max).contains(&value) {
             self.add(at, FieldCode::OutOfRange, format!("{value} is not allowed; send {min} to {max}"));
         }
     }
 
-    /// Looks at how many points there are; whether it makes sense to look at the points themselves.
+    /// Checks the number of points. `false` means that there are too many points to check each of them.
     pub fn count_of_points(&mut self, at: &Pointer, count: usize, least: usize, most: usize) -> bool {
         if count > most {
             self.add(at, FieldCode::LimitExceeded, format!("there are {count} points; send at most {most}"));
@@ -95,7 +96,7 @@ impl Violations {
         count <= most
     }
 
-    /// Looks at a text of the user.
+    /// Checks the length of a text.
     pub fn text(&mut self, at: &Pointer, value: &str, max_characters: usize) {
         let characters = value.chars().count();
         if characters > max_characters {
@@ -104,18 +105,20 @@ impl Violations {
         }
     }
 
-    /// How many there are.
+    /// The number of violations.
     pub fn total(&self) -> usize {
         self.total
     }
 
-    /// The error of a body in which there is a violation.
+    /// The error of a body with at least one violation.
     pub fn into_error(self) -> ApiError {
         ApiError::invalid_among(self.total, self.first)
     }
 
+    /// `Ok` where there is no violation.
+    ///
     /// # Errors
-    /// When there is a violation, with all of them.
+    /// The error with all violations.
     pub fn result(self) -> Result<(), ApiError> {
         if self.total == 0 { Ok(()) } else { Err(self.into_error()) }
     }

@@ -1,4 +1,4 @@
-//! Plane curves as they are sent.
+//! Plane curves in requests.
 
 mod nurbs;
 
@@ -75,7 +75,7 @@ schema_of!(CurvePoints, "Points `[x, y]`, in mm, in the order of a curve.", {
     array_of(Ref::from_schema_name("PlanePoint"), 2, Limits::DEFAULT.curve_points)
 });
 
-/// Looks at the points that give a curve its size.
+/// Checks the number of points of a curve and every coordinate. `false` where there are too many points.
 fn check_points(at: &Pointer, points: &[PlanePoint], limits: &Limits, violations: &mut Violations) -> bool {
     if !violations.count_of_points(at, points.len(), 2, limits.curve_points) {
         return false;
@@ -87,7 +87,7 @@ fn check_points(at: &Pointer, points: &[PlanePoint], limits: &Limits, violations
 }
 
 impl Curve {
-    /// Collects what is wrong with the curve at `at`.
+    /// Collects the violations of the curve at `at`.
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         match self {
             Self::Graph(graph) => graph.check(at, violations),
@@ -119,10 +119,10 @@ impl Graph {
     }
 }
 
-/// Shorter domains are mistakes: they cannot be told from a point by any control, mm.
+/// Length of the shortest legal domain, mm. No control can tell a shorter curve from a point.
 const SHORTEST_DOMAIN_MM: f64 = 1e-6;
 
-/// Texts beyond their language's limit are refused before they are looked at.
+/// Refuses a text that is longer than its language allows. Such a text is not parsed.
 fn too_long(at: &Pointer, text: &str, most: usize, violations: &mut Violations) {
     if text.len() > most {
         violations.add(
@@ -133,7 +133,7 @@ fn too_long(at: &Pointer, text: &str, most: usize, violations: &mut Violations) 
     }
 }
 
-/// Converts what has been checked.
+/// Converts a curve that has been checked.
 impl From<Curve> for Source {
     fn from(curve: Curve) -> Self {
         match curve {

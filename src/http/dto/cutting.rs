@@ -1,4 +1,4 @@
-//! Cutting conditions as they are sent.
+//! Cutting conditions in requests.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -67,7 +67,8 @@ pub enum Coolant {
 into_core!(Coolant => core::Coolant, [Off, Flood, Mist]);
 
 impl Cutting {
-    /// The conditions, or nothing with the reasons in `violations`.
+    /// The conditions. Adds violations to `violations`. `None` where `feed_mm_per_min` cannot be a feed at
+    /// all.
     pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<core::CuttingRequest> {
         let Self {
             feed_mm_per_min,

@@ -1,4 +1,4 @@
-//! The dialects in which programs can be written: their names in requests, and what is answered about each.
+//! The dialects in which programs can be written: their names in requests, and their description in answers.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -7,14 +7,17 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use super::schema::schema_of;
 use crate::post::{self, DIALECTS};
 
-/// The dialect of a program that names none: the first of the table.
+/// The dialect of a program whose request names none: the first dialect of the table.
 pub const DEFAULT: &post::Dialect = DIALECTS[0];
 
 fn names() -> impl Iterator<Item = &'static str> {
     DIALECTS.iter().map(|dialect| dialect.name)
 }
 
-/// The dialect called `name`, or else what is wrong with the name.
+/// The dialect called `name`, or the default without a name.
+///
+/// # Errors
+/// A message for people, when no dialect has the name.
 pub fn find(name: Option<&str>) -> Result<&'static post::Dialect, String> {
     let Some(name) = name else { return Ok(DEFAULT) };
     post::dialect(name).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! A request for dropping a cutter onto a surface, and where it touches.
+//! The request to lower a cutter onto a surface, and the report of where the cutter touches.
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! A request for interpolating a curve, and its conversion to a job.
+//! The request to interpolate a curve, its conversion to a job, and the report.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -20,15 +20,17 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::interpolation as core;
 
-/// Sides of a band, mm: as tolerances, but one of them may be zero.
+/// Legal widths of each side of a band, mm. One side may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
 
-/// Heights of a contour, mm: what is lifted above it is a coordinate too.
+/// Legal heights of a contour, mm. Retract and clearance planes above the contour must be legal coordinates
+/// too.
 const HEIGHTS: Range = Range { min: -100_000.0, max: 100_000.0 };
 
-/// The least width of a band, mm.
+/// Smallest width of both sides of a band together, mm.
 const LEAST_WIDTH_MM: f64 = 1e-6;
 
+/// The smallest and the largest legal number of initial elements.
 const INITIAL_ELEMENTS: (u32, u32) = (1, 10_000);
 
 /// A plane curve to be replaced by lines, arcs or parabolas that stay within a band around the curve.

@@ -1,4 +1,4 @@
-//! The caller's own words about a job, returned as they came.
+//! The caller's own texts about a job. The answer repeats them unchanged.
 
 use std::collections::BTreeMap;
 
@@ -12,9 +12,11 @@ use crate::http::pointer::Pointer;
 /// Part id, operation, work order: texts of the caller under names of the caller.
 pub type Meta = BTreeMap<String, String>;
 
+/// Most entries of `meta`.
 pub const MAX_ENTRIES: usize = 32;
+/// Most characters of the name of an entry.
 pub const MAX_KEY_CHARACTERS: usize = 100;
-/// Of any text of the user that may end in a program's comment.
+/// Most characters of any text of the caller that may become a comment of a program.
 pub const MAX_TEXT_CHARACTERS: usize = 1000;
 
 schema_of!(MetaTexts, "Texts of the caller under names of the caller.", {
@@ -25,12 +27,12 @@ schema_of!(MetaTexts, "Texts of the caller under names of the caller.", {
         .max_properties(Some(MAX_ENTRIES))
 });
 
-/// The entries as notes for people, one each.
+/// The entries as lines for people, one line for each entry.
 pub fn notes(meta: Option<&Meta>) -> impl Iterator<Item = String> {
     meta.into_iter().flatten().map(|(key, value)| format!("{key}: {value}"))
 }
 
-/// Looks at the member `meta` of a request.
+/// Checks the member `meta` of a request.
 pub fn check(meta: Option<&Meta>, violations: &mut Violations) {
     let Some(meta) = meta else { return };
     let at = Pointer::root().field("meta");

@@ -1,4 +1,4 @@
-//! A request for milling a surface, and its conversion to a job.
+//! The request to mill a surface, its conversion to a job, and the report.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -101,10 +101,11 @@ pub enum Engine {
 into_core!(Interpolation => core::Interpolation, [Arcs, Lines]);
 into_core!(Engine => core::Engine, [Contact, OffsetSection]);
 
-/// Blames a surface that is so much smaller than the cutter that it cannot be meant.
+/// Refuses a surface that is far smaller than the cutter. Its points were probably sent in metres or inches.
+/// `extent` is the size along x and along y, mm.
 fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {
     let [x, y] = extent;
-    // A cutter beyond any is itself the mistake, or stands for a diameter that could not be read.
+    // An impossibly large cutter is itself the mistake, or its diameter is a stand-in of `decode::mend`.
     let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
     let is_speck = is_cutter && x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
     if is_speck && x.max(y) > 0.0 {
@@ -115,13 +116,13 @@ fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Viol
     }
 }
 
-/// No cutter has a larger diameter, mm.
+/// Largest diameter of a real cutter, mm.
 const LARGEST_CUTTER_MM: f64 = 500.0;
 
-/// Surfaces smaller than this part of the cutter's diameter are refused.
+/// Smallest size of a surface, as a fraction of the cutter's diameter. A smaller surface is refused.
 const LEAST_PART_OF_CUTTER: f64 = 0.05;
 
-/// Stock that may be left, mm.
+/// Legal thicknesses of the stock that the program leaves, mm.
 const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
 impl IntoJob for MillRequest {

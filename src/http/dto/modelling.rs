@@ -1,4 +1,4 @@
-//! A request for a surface's model, and what is said of it.
+//! The request to describe a surface, and the report.
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize, Serializer};
@@ -20,13 +20,13 @@ use crate::http::pointer::Pointer;
 use crate::machining::wire_model::{self, Wire};
 use crate::operations::surface_model as core;
 
-/// Patches of one answer: some hundred thousand control points.
+/// Most patches in one answer: some hundred thousand control points.
 pub const MAX_PATCHES: usize = 20_000;
 
-/// Height of wires over their chords where none is asked for, mm.
+/// Default of `chord_height_mm`: the largest distance of a wire from its chords, mm.
 const DEFAULT_CHORD_HEIGHT_MM: f64 = 0.01;
 
-/// Legal heights of wires over their chords, mm.
+/// Legal values of `chord_height_mm`, mm.
 const CHORD_HEIGHT: Range = Range { min: 1e-6, max: 10.0 };
 
 /// A surface to be described: patches, bounds, curvature and wires.
@@ -215,7 +215,7 @@ impl<const N: usize> From<&RationalPatch<N>> for Patch {
     }
 }
 
-/// Patches are converted one row at a time while they are written.
+/// Converts the patches one row at a time while they are written, so that no second copy of all is held.
 fn write_patches<S: Serializer>(surface: &Option<AnySurface>, serializer: S) -> Result<S::Ok, S::Error> {
     match surface {
         None => serializer.serialize_none(),

@@ -1,4 +1,4 @@
-//! Moves on the wire: the same objects in requests and in answers.
+//! The moves of a toolpath: the same JSON objects in requests and in answers.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -1,6 +1,6 @@
-//! Enums that requests and the core have under the same names.
+//! Conversions between enums of the wire and enums of the core with the same variants.
 
-/// Makes the core's enum from the enum of the wire, variant by variant.
+/// Implements the conversion from an enum of the wire to the core's enum, variant by variant.
 macro_rules! into_core {
     ($wire:ty => $core:ty, [$($variant:ident),+]) => {
         impl From<$wire> for $core {
@@ -12,7 +12,7 @@ macro_rules! into_core {
 }
 pub(in crate::http::dto) use into_core;
 
-/// Makes the enum of the wire from the core's enum, variant by variant.
+/// Implements the conversion from the core's enum to an enum of the wire, variant by variant.
 macro_rules! from_core {
     ($core:ty => $wire:ty, [$($variant:ident),+]) => {
         impl From<$core> for $wire {

@@ -1,4 +1,4 @@
-//! Points and vectors, `[x, y, z]` or `[x, y]`.
+//! Points and vectors in requests and toolpaths: `[x, y, z]` or `[x, y]`, in mm.
 
 use std::fmt;
 
@@ -13,14 +13,14 @@ use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::schema::{array_of, number};
 use crate::http::pointer::Pointer;
 
-/// A point in mm, or a vector, by its coordinates.
+/// The coordinates of a point or a vector, in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinates<const N: usize>(pub [f64; N]);
 
-/// In space.
+/// A point or a vector in space.
 pub type Point = Coordinates<3>;
 
-/// In the plane.
+/// A point or a vector in the plane.
 pub type PlanePoint = Coordinates<2>;
 
 impl<const N: usize> Serialize for Coordinates<N> {
@@ -30,14 +30,14 @@ impl<const N: usize> Serialize for Coordinates<N> {
 }
 
 impl<const N: usize> Coordinates<N> {
-    /// Whether every coordinate is of a legal magnitude.
+    /// Whether every coordinate has a legal magnitude.
     pub fn is_legal(&self) -> bool {
         self.0.iter().all(|x| x.abs() <= MAX_MAGNITUDE_MM)
     }
 
-    /// Looks at every coordinate of element `k` of the array at `at`.
+    /// Checks every coordinate of this point, which is element `k` of the array at `at`.
     pub fn check_in(&self, at: &Pointer, k: usize, violations: &mut Violations) {
-        // Pointers are built for those to blame alone: a surface has very many points.
+        // Only illegal coordinates get a pointer, because a surface has very many points.
         for (axis, value) in self.0.into_iter().enumerate().filter(|(_, x)| x.abs() > MAX_MAGNITUDE_MM) {
             violations.number(&at.index(k).index(axis), value, Range::COORDINATE, "mm");
         }
@@ -95,7 +95,7 @@ impl<'de, const N: usize> Visitor<'de> for Sequence<N> {
     }
 }
 
-/// How a point of so many coordinates is written.
+/// How a point of 2 or 3 coordinates is written.
 fn form(dimension: usize) -> &'static str {
     if dimension == 2 { "[x, y]" } else { "[x, y, z]" }
 }
@@ -113,7 +113,7 @@ impl<const N: usize> ToSchema for Coordinates<N> {
     }
 }
 
-/// A point in mm, in the plane at z = 0 or in space.
+/// A point in mm: in the plane z = 0, or in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Position {
     Flat(PlanePoint),
@@ -125,7 +125,7 @@ impl Position {
         matches!(self, Self::Flat(_))
     }
 
-    /// Looks at every coordinate of element `k` of the array at `at`.
+    /// Checks every coordinate of this point, which is element `k` of the array at `at`.
     pub fn check_in(&self, at: &Pointer, k: usize, violations: &mut Violations) {
         match self {
             Self::Flat(point) => point.check_in(at, k, violations),

@@ -1,4 +1,4 @@
-//! How the program is to be written, as it is sent.
+//! The member `program` of requests: how the NC program is written.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -12,6 +12,7 @@ use crate::http::pointer::Pointer;
 use crate::post::Dialect;
 use crate::toolpath::program as core;
 
+/// The smallest and the largest legal number of a program.
 const NUMBERS: (u32, u32) = (1, 99_999_999);
 
 /// How the NC program is written.
@@ -113,7 +114,7 @@ impl Program {
         }
     }
 
-    /// Converts what has been checked; the default of what was to blame.
+    /// The dialect and the program. Illegal values, which `check` has reported, become the defaults.
     pub fn convert(self) -> (&'static Dialect, core::Program) {
         let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home } = self;
         let dialect = dialect::find(dialect.as_deref()).unwrap_or(dialect::DEFAULT);

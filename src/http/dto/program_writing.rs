@@ -1,4 +1,4 @@
-//! A request for the program of a toolpath, and its conversion to a job.
+//! The request to write the program of a toolpath, its conversion to a job, and the report.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -23,7 +23,8 @@ use crate::toolpath::path::{Move, Role};
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{measure, program};
 
-/// How far the radii of an arc may differ, in units of the last decimal: what rounding its points does to it.
+/// How far the radii at the start and at the end of an arc may differ, in units of the last decimal. Rounding
+/// the points of an exact arc makes its radii differ by about this much.
 const ARC_TOLERANCE_STEPS: f64 = 1.5;
 
 /// A toolpath to be written as an NC program.
@@ -52,13 +53,13 @@ pub struct WriteRequest {
     meta: Option<Meta>,
 }
 
-/// What is written.
+/// The job of writing a program.
 #[derive(Debug)]
 pub struct Writing {
     pub toolpath: core::Toolpath,
-    /// Upper bound for the distance between the arcs as sent and the exact ones, mm.
+    /// Upper bound for the distance between the arcs in the request and the exact arcs in `toolpath`, mm.
     pub moved_mm: f64,
-    /// The clearance height, where nobody gave one, mm.
+    /// The clearance height that the service chose, mm. `None` where the request has one.
     pub clearance_chosen_mm: Option<f64>,
     pub cutting: cutting::Cutting,
 }
@@ -90,8 +91,8 @@ impl IntoJob for WriteRequest {
     }
 }
 
-/// The conditions for a toolpath that is planned already. The clearance plane is above everything that is
-/// cut: a program neither begins nor ends at a height where it cuts.
+/// The cutting conditions for a toolpath that is planned already. The clearance plane must be above all
+/// cutting moves, so that a program neither begins nor ends at a height where it cuts.
 fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
@@ -115,8 +116,8 @@ fn conditions(
     request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm))
 }
 
-/// The highest place that is cut: feed moves, but not where the tool comes down from and leaves to. Zero
-/// where nothing is.
+/// The highest z of cutting moves, mm. Of plunges, ramps, lead-ins and lead-outs only the lower end counts.
+/// Zero without feed moves.
 fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
     let heights = toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut | Role::Link, .. } => {
@@ -128,7 +129,7 @@ fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
     heights.reduce(f64::max).unwrap_or(0.0)
 }
 
-/// The feed of the first move that has one.
+/// The feed of the first move with a feed, else the default traverse rate.
 fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
     let feed = toolpath.moves().find_map(|step| match step {
         Move::Feed { rate, .. } => *rate,

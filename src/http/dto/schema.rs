@@ -1,12 +1,12 @@
-//! Schemas of arrays and numbers with limits. Each has a name of its own, so that the field that uses it
-//! keeps its description.
+//! Schemas of arrays and numbers with limits. Each schema has a name of its own, so that a field that refers
+//! to the schema keeps its own description.
 
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 
 use super::check::Range;
 
-/// Makes a type that stands for a schema of the contract, with the description of the schema and its builder.
+/// Makes a type that stands for a schema of the contract, from the description of the schema and its builder.
 macro_rules! schema_of {
     ($name:ident, $description:literal, $builder:expr) => {
         #[doc = $description]
@@ -23,12 +23,12 @@ macro_rules! schema_of {
 }
 pub(in crate::http::dto) use schema_of;
 
-/// An array of `least` to `most` elements.
+/// The schema of an array of `least` to `most` elements.
 pub fn array_of(items: impl Into<RefOr<Schema>>, least: usize, most: usize) -> ArrayBuilder {
     ArrayBuilder::new().items(items.into()).min_items(Some(least)).max_items(Some(most))
 }
 
-/// A number in a range.
+/// The schema of a number in a range.
 pub fn number(range: Range) -> ObjectBuilder {
     ObjectBuilder::new()
         .schema_type(Type::Number)

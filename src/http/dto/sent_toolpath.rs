@@ -1,4 +1,4 @@
-//! A toolpath as it is sent: the object that answers hold, read back.
+//! Toolpaths in requests: the same object that answers hold.
 
 use nalgebra::Point3;
 use serde::Deserialize;
@@ -14,10 +14,10 @@ use crate::toolpath::near_arc::{NearArc, near_arc};
 use crate::toolpath::path::{Builder, PathError, Toolpath};
 use crate::toolpath::units::FeedRate;
 
-/// The longest pause, s.
+/// Longest legal pause, s.
 const MAX_DWELL_S: f64 = 86_400.0;
 
-/// A toolpath of the caller.
+/// A toolpath in a request.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SentToolpath {
@@ -32,25 +32,26 @@ struct SentPass {
     moves: Vec<Move>,
 }
 
-/// What is needed to read moves that leave something out.
+/// Defaults and limits for reading moves.
 pub struct Reading<'a> {
-    /// Feeds of moves that have none of their own.
+    /// Gives the feeds of moves without a feed.
     pub cutting: Option<&'a CuttingRequest>,
-    /// How far the centre of an arc may be off, mm.
+    /// How far the radii of an arc may differ, and how far the arc may be moved to become exact, mm.
     pub arc_tolerance_mm: f64,
+    /// Most moves of a toolpath.
     pub max_moves: usize,
 }
 
-/// A toolpath that was read.
+/// A toolpath of the core, made from a request.
 #[derive(Debug)]
 pub struct Read {
     pub toolpath: Toolpath,
-    /// Upper bound for the distance between the arcs as sent and the exact ones, mm.
+    /// Upper bound for the distance between the arcs in the request and the exact arcs in `toolpath`, mm.
     pub moved_mm: f64,
 }
 
 impl SentToolpath {
-    /// The toolpath, or nothing with the reasons in `violations`.
+    /// The toolpath. `None` where it has violations, which `violations` then holds.
     pub fn convert(self, at: &Pointer, reading: &Reading, violations: &mut Violations) -> Option<Read> {
         let Self { start, passes } = self;
         let at_passes = at.field("passes");
@@ -79,8 +80,8 @@ impl SentToolpath {
     }
 }
 
-/// Reads move by move. After a violation the tool is still taken to where it was sent, so that one fault is
-/// not reported again by the moves behind it; the toolpath is then thrown away.
+/// Reads move by move. After a violation the tool still moves to the end of the illegal move, so that later
+/// moves do not report the same fault again. The toolpath is thrown away in the end.
 struct Reader<'a> {
     builder: Builder,
     moved_mm: f64,
@@ -89,7 +90,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Pointers are built for moves to blame alone: a toolpath has very many.
+    /// Reads one move. `at` builds the pointer for illegal moves only, because a toolpath has very many
+    /// moves.
     fn step(&mut self, step: &Move, at: impl Fn() -> Pointer) {
         match step {
             Move::Rapid(RapidMove { to, .. }) => {
@@ -149,7 +151,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The feed of a move. After a violation it is any.
+    /// The feed of a move. An illegal or missing feed is reported and replaced by a default.
     fn feed(&mut self, own: Option<f64>, role: Role, at: &impl Fn() -> Pointer) -> FeedRate {
         let by_role = self.reading.cutting.map(|cutting| cutting.feed_of(role.into()));
         match (own, by_role) {

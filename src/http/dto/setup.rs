@@ -1,5 +1,4 @@
-//! What every request for a toolpath says beside the part: tool, cutting conditions, program and the caller's
-//! own texts.
+//! The members that requests for toolpaths share: tool, cutting conditions, program and the caller's texts.
 
 use super::check::Violations;
 use super::cutting::Cutting;
@@ -10,7 +9,7 @@ use crate::post::Dialect;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::{program, tool};
 
-/// The members that such requests share, as they were sent; the tool is checked already.
+/// The shared members as they were sent. The tool has been checked already.
 pub struct SentSetup {
     pub tool: Option<tool::Tool>,
     pub cutting: Option<Cutting>,
@@ -35,8 +34,8 @@ pub struct JobWithSetup<J> {
 }
 
 impl SentSetup {
-    /// The setup, the cutting conditions where legal ones were sent, and the caller's texts; with what is
-    /// wrong in `violations`.
+    /// The setup, the cutting conditions (`None` where they are absent or without a usable feed), and the
+    /// caller's texts. Adds violations to `violations`.
     pub fn convert(self, violations: &mut Violations) -> (Setup, Option<CuttingRequest>, Option<Meta>) {
         let Self { tool, cutting, program, meta } = self;
         let root = Pointer::root();

@@ -1,4 +1,4 @@
-//! Milling strategies as they are sent.
+//! Milling strategies in requests.
 
 pub mod wire_union;
 
@@ -85,12 +85,12 @@ pub struct Sections {
     pub direction: core::CutDirection,
 }
 
-/// Heights that may be left between passes, mm.
+/// Legal scallop heights, mm.
 const SCALLOP_HEIGHT: Range = Range { min: 1e-6, max: 1000.0 };
 
 impl Strategy {
-    /// The strategy at `at` for a surface of the given extents along x and y, or nothing with the reasons in
-    /// `violations`.
+    /// The strategy at `at` for a surface with the given sizes along x and y, mm. `None` where the spacing is
+    /// missing or given twice. Adds all violations to `violations`.
     pub fn convert(
         self,
         at: &Pointer,
@@ -138,7 +138,7 @@ impl Strategy {
 }
 
 impl Sections {
-    /// Refuses a height of scallops where the cutter leaves none.
+    /// Refuses a scallop height for a flat cutter, which leaves steps and no scallops.
     pub fn check_scallops(&self, at: &Pointer, tool: &Tool, violations: &mut Violations) {
         if matches!(self.spacing, core::Spacing::ScallopHeight(_)) && tool.is_flat() {
             let detail = "a flat end leaves steps, not scallops: send `stepover_mm` instead";
@@ -147,8 +147,8 @@ impl Sections {
     }
 }
 
-/// Looks at the number of sections before they are made; points beyond the legal magnitude are to blame
-/// themselves.
+/// Checks the number of sections before they are made. An illegal stepover, or a size that only points beyond
+/// the legal magnitude can have, is reported elsewhere.
 fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations: &mut Violations) {
     let sections = (across / stepover.max(f64::MIN_POSITIVE)).ceil() + 1.0;
     let is_legal = stepover >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;

@@ -1,4 +1,4 @@
-//! Surfaces as they are sent, a file for each kind.
+//! Surfaces in requests. Each kind has a file of its own.
 
 mod bezier_patches;
 mod failure;
@@ -44,7 +44,7 @@ by_kind! {
 }
 
 impl Surface {
-    /// Collects what is wrong with the surface at `at`.
+    /// Collects the violations of the surface at `at`.
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         match self {
             Self::PointGrid(grid) => grid.check(at, limits, violations),
@@ -57,8 +57,8 @@ impl Surface {
         }
     }
 
-    /// The corners of the box around the points that the surface is given by, of a sweep around where these
-    /// come to.
+    /// Two corners of a box: around the given points of the surface, or, for sweeps and ruled surfaces,
+    /// around the places that their curves reach.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         match self {
             Self::PointGrid(grid) => bounds(grid.points()),
@@ -80,7 +80,7 @@ fn bounds<'a>(points: impl Iterator<Item = &'a Point>) -> (Point3<f64>, Point3<f
     })
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<Surface> for Source {
     fn from(surface: Surface) -> Self {
         match surface {

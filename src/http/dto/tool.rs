@@ -1,4 +1,4 @@
-//! Cutters as they are sent.
+//! Cutters in requests.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -8,7 +8,7 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::toolpath::tool as core;
 
-/// Numbers in tool and offset tables.
+/// The smallest and the largest legal number in tool tables and offset tables.
 const TABLE: (u32, u32) = (1, 99_999);
 
 /// The shape of a cutter's end.
@@ -43,7 +43,7 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// The tool, with what is wrong in `violations`.
+    /// The tool in the core's terms. Adds violations to `violations`.
     pub fn convert(self, at: &Pointer, violations: &mut Violations) -> core::Tool {
         let Self { shape, diameter_mm, corner_radius_mm, number, length_offset } = self;
         self.check_corner(&at.field("corner_radius_mm"), violations);
@@ -65,7 +65,7 @@ impl Tool {
         }
     }
 
-    /// Refuses other shapes for a method that knows balls alone.
+    /// Refuses any cutter but a ball, for `engine: offset_section`.
     pub fn check_is_ball(&self, at: &Pointer, violations: &mut Violations) {
         if self.shape != Shape::Ball {
             let detail = "`offset_section` supports ball cutters only; use `engine: contact`";

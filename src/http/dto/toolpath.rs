@@ -1,4 +1,4 @@
-//! A toolpath with its measures, and warnings, as they are answered.
+//! Toolpaths, their measures, and warnings in answers.
 
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
@@ -78,7 +78,7 @@ pub enum WarningCode {
 }
 
 impl WarningCode {
-    /// As it is written in answers.
+    /// The code as answers hold it, such as `not_smooth`.
     pub fn name(self) -> String {
         serde_json::to_value(self).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
     }
@@ -160,7 +160,8 @@ pub struct Bounds {
 }
 
 impl Measures {
-    /// Measures `toolpath` on the machine of `cutting`, or on one of which nothing is known.
+    /// Measures `toolpath`. Times are for the machine of `cutting`, or for the default machine without
+    /// `cutting`.
     pub fn of(toolpath: &core::Toolpath, cutting: Option<&Cutting>) -> Self {
         let rapid_feed = cutting.map_or(FeedRate::DEFAULT_RAPID, |cutting| cutting.rapid_feed);
         let acceleration = cutting.map_or(Acceleration::DEFAULT, |cutting| cutting.acceleration);
@@ -205,7 +206,7 @@ impl From<core::Toolpath> for Toolpath {
     }
 }
 
-/// Moves are converted one pass at a time while they are written: a whole second toolpath is never held.
+/// Converts the moves one pass at a time while they are written, so that no second toolpath is held.
 fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(
         toolpath
@@ -226,7 +227,7 @@ pub struct Pass {
     moves: Vec<Move>,
 }
 
-/// The highest number of a level.
+/// Highest legal number of a level.
 pub const MAX_LEVEL: u32 = 1_000_000;
 
 #[cfg(test)]

@@ -12,13 +12,14 @@ const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, 
     one line as data, or `problem`, with `Problem` as data. Comments keep a silent connection open. A request that is refused \
     before the computation starts gets a problem with its own status instead of events.";
 
-/// Statuses of failures that any operation can answer. `BODY_FAILURE` is for operations with a body.
+/// Statuses of failures that any operation can answer.
 const ANY_FAILURE: [StatusCode; 4] = [
     StatusCode::BAD_REQUEST,
     StatusCode::URI_TOO_LONG,
     StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE,
     StatusCode::INTERNAL_SERVER_ERROR,
 ];
+/// Further statuses of failures that operations with a body can answer.
 const BODY_FAILURE: [StatusCode; 7] = [
     StatusCode::NOT_ACCEPTABLE,
     StatusCode::REQUEST_TIMEOUT,
@@ -91,8 +92,8 @@ fn add_problems(path: &str, operation: &mut Value) {
     }
 }
 
-/// Adds to a computing operation the other forms of its answer: the media types of all values of `format`, and
-/// events.
+/// Adds to a computing operation the other forms of its answer: the media types of all values of `format`,
+/// and events.
 fn add_forms(operation: &mut Value) {
     let mut parameters = operation["parameters"].as_array().into_iter().flatten();
     let format = parameters.find(|parameter| parameter["name"] == "format");

@@ -9,7 +9,7 @@ struct Accepted {
     weight: u16,
 }
 
-/// Whether the caller takes gzip, and likes it no less than bytes as they are.
+/// Whether the caller accepts gzip, with a weight at least that of uncompressed bytes.
 pub fn takes_gzip(headers: &HeaderMap) -> bool {
     let accepted: Vec<Accepted> = elements(headers, header::ACCEPT_ENCODING).collect();
     let weight = |names: &[&str]| {
@@ -17,17 +17,19 @@ pub fn takes_gzip(headers: &HeaderMap) -> bool {
         named.map(|accepted| accepted.weight)
     };
     let gzip = weight(&["gzip", "x-gzip"]).or(weight(&["*"])).unwrap_or(0);
-    // Bytes as they are need not be asked for, so what was not said of them is no preference.
+    // `identity` is acceptable even where the caller does not name it, so without a weight it is no
+    // preference.
     gzip > 0 && gzip >= weight(&["identity"]).unwrap_or(0)
 }
 
-/// The offer that the caller likes best; of those liked equally the one asked for most specifically, then the
-/// earliest. The first offer when there is no `Accept`; nothing when the caller takes none.
+/// The offer with the largest weight. Among equal weights the offer that the caller asked for most
+/// specifically wins, then the earliest. Without `Accept` the first offer wins. `None` when the caller
+/// accepts no offer.
 pub fn best(headers: &HeaderMap, offers: &[&'static str]) -> Option<&'static str> {
     let ranges = elements(headers, header::ACCEPT).filter(|accepted| accepted.range.contains('/'));
     let accepted: Vec<Accepted> = ranges.collect();
     if accepted.is_empty() {
-        // Neither does what could not be read say anything.
+        // An `Accept` that cannot be read counts as none.
         return offers.first().copied();
     }
     let mut chosen: Option<(&'static str, (u16, u8))> = None;
@@ -40,7 +42,7 @@ pub fn best(headers: &HeaderMap, offers: &[&'static str]) -> Option<&'static str
     chosen.map(|(offer, _)| offer)
 }
 
-/// Weight and specificity of the most specific range that holds the offer.
+/// Weight and specificity of the most specific range that holds the offer; zeros where no range holds it.
 fn weigh(accepted: &[Accepted], offer: &str) -> (u16, u8) {
     let (main, _) = offer.split_once('/').unwrap_or((offer, ""));
     let specificity = |range: &str| match range.split_once('/') {
@@ -56,7 +58,7 @@ fn weigh(accepted: &[Accepted], offer: &str) -> (u16, u8) {
         .map_or((0, 0), |(specificity, weight)| (weight, specificity))
 }
 
-/// The elements of all lines of a header that can be read.
+/// The elements of a header, from all of its lines that are text.
 fn elements(headers: &HeaderMap, name: HeaderName) -> impl Iterator<Item = Accepted> {
     headers.get_all(name).into_iter().filter_map(|line| line.to_str().ok()).flat_map(parse)
 }
@@ -126,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn gzip_is_taken_where_it_is_liked_no_less_than_plain_bytes() {
+    fn gzip_is_used_where_its_weight_is_at_least_that_of_identity() {
         for (lines, expected) in [
             (&[][..], false),
             (&["gzip"], true),

@@ -1,6 +1,6 @@
-//! An answer as one self-contained page: the picture, and what the JSON answer says, as tables.
+//! An answer as one self-contained HTML page: the picture, and the members of the JSON answer as tables.
 //!
-//! The page asks for nothing else: no script, no font, no style sheet. In print the picture has a sheet of
+//! The page loads no other file: no script, no font, no style sheet. In print the picture fills a sheet of
 //! its own, true to its scale, and the tables follow.
 
 mod label;
@@ -15,11 +15,11 @@ const STYLE: &str = include_str!("page/style.css");
 
 /// Members of an answer that come first, in this order.
 const FIRST: [&str; 4] = ["meta", "warnings", "report", "measures"];
-/// Members that are not shown as tables: those of the footer, the toolpath, which is the picture, and NC
-/// text, which is asked for as such.
+/// Members that are not shown as tables: the footer shows the first two, the picture shows the toolpath, and
+/// NC text has a form of its own.
 const NOT_TABLES: [&str; 4] = ["engine_version", "request_id", "toolpath", "nc"];
 
-/// The page of `answer`, with `svg` in it as it is.
+/// The page of `answer`. `svg` goes into the page unchanged.
 pub fn page(title: &str, svg: &str, answer: &Value) -> String {
     let title = escape(&clean(title));
     format!(
@@ -40,10 +40,10 @@ fn sections(answer: &Value) -> String {
     FIRST.into_iter().chain(others).filter_map(|name| section(name, answer.get(name)?)).collect()
 }
 
-/// A member with a heading; nothing for one that is empty.
+/// A member as a table with a heading. `None` for an empty member.
 fn section(name: &str, value: &Value) -> Option<String> {
     let table = match name {
-        // The names are the caller's own.
+        // The names are the caller's own, so they are shown unchanged.
         "meta" => table::verbatim(value),
         _ => table::table(name, value),
     };
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_empty_has_no_heading() {
+    fn an_empty_member_has_no_heading() {
         let page = page("", "", &json!({"warnings": [], "report": {}, "meta": null}));
         assert!(!page.contains("<h2>"), "{page}");
         let _ = super::page("", "", &json!(7));
@@ -132,13 +132,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn nothing_of_the_answer_becomes_markup(name in any::<String>(), text in any::<String>()) {
+        fn no_text_of_the_answer_becomes_markup(name in any::<String>(), text in any::<String>()) {
             let told = |name: &str, text: &str| page(text, "", &json!({
                 "meta": {name: text}, "report": {name: text, "list": [{name: text}], "inner": {name: [text]}},
                 "warnings": [{"code": name, "detail": text}], name: text, "request_id": text,
             }));
             let tags = |page: &str| page.matches('<').count();
-            // With the same names, a page of plain text has the same tags.
+            // A page of plain words in the same members has the same number of tags.
             prop_assume!(!name.is_empty() && !FIRST.contains(&&*name) && !NOT_TABLES.contains(&&*name));
             prop_assume!(name != "list" && name != "inner" && name != "code" && name != "detail");
             prop_assert_eq!(tags(&told(&name, &text)), tags(&told("plain", "words")));

@@ -1,5 +1,5 @@
-//! `POST /v1/arcs/fit`: a polyline goes in, the fewest arcs and lines come out; or an NC program, and the
-//! same program comes out with arcs in place of its runs of short lines.
+//! `POST /v1/arcs/fit`: fits the fewest arcs and lines to a polyline, or replaces the runs of short lines in
+//! an NC program by arcs.
 
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ type AnyFitAnswer = Answer<AnyFitReport>;
 pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<Response, ApiError> {
     let (is_program, request) = match media_type(request.headers()) {
         Some(name) if GCODE.contains(&name.as_str()) => (true, request),
-        // No type, or what curl says of `-d` when told nothing.
+        // `curl -T` sends no type, and `curl -d` sends the type of a form unless told otherwise.
         None => looks_like_program(&app, request).await?,
         Some(name) if name == "application/x-www-form-urlencoded" => {
             looks_like_program(&app, request).await?
@@ -73,9 +73,9 @@ pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Respon
     fit_arcs(state, request).await
 }
 
-/// Whether a body without a type of its own begins as NC text does, as JSON never does: with a mark, a
-/// comment, or a letter with a number. The request comes back with its body whole. Coded bodies are taken for
-/// JSON.
+/// Whether a body without a media type is an NC program. A program begins with `%`, `/`, a comment, or a
+/// letter and a digit; JSON never does. Returns the request with its whole body. A body with a content coding
+/// counts as JSON.
 async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {
     if request.headers().contains_key(header::CONTENT_ENCODING) {
         return Ok((false, request));
@@ -94,6 +94,7 @@ async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, R
     Ok((is_program, Request::from_parts(parts, body)))
 }
 
+/// Rewrites an NC program as a stream and answers the text, or its report alone.
 async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiError> {
     let (mut parts, body) = request.into_parts();
     let Wanted { form, query } = Wanted::<Streams>::from_request_parts(&mut parts, app).await?;
@@ -108,7 +109,7 @@ async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiEr
     Ok(Encoded::json(&Answer { head, report, members: PathMembers::default() })?.into_response())
 }
 
-/// A program that is rewritten as a stream, or only counted.
+/// The forms of the answer to an NC program: its rewritten text, or its report as JSON.
 enum Streams {}
 
 impl Offers for Streams {
@@ -139,7 +140,7 @@ fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, 
     })
 }
 
-/// The figures for a program's header, rounded up.
+/// The line with the figures of the fit for the program's header. The distance is rounded up.
 fn proved(report: &arc_fitting::Report) -> String {
     format!(
         "{} ARCS AND {} LINES FOR {} POINTS - WITHIN {:.4} MM AS WRITTEN",

@@ -1,4 +1,5 @@
-//! `POST /v1/curves/interpolate`: a plane curve and a band go in, elements, a program or a picture come out.
+//! `POST /v1/curves/interpolate`: replaces a plane curve by elements within a band, and answers the elements,
+//! a program or a picture.
 
 mod failure;
 
@@ -55,7 +56,7 @@ fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Interp
     })
 }
 
-/// The sketch at the height of the contour.
+/// The sketch of the curve, its band and its joints, lifted to the height of the contour.
 fn drawing(sketch: Sketch, z_mm: f64) -> Drawing {
     let lift = |points: Vec<Point2<f64>>| points.into_iter().map(|p| Point3::new(p.x, p.y, z_mm)).collect();
     let Sketch { curve, band, joints } = sketch;
@@ -67,7 +68,7 @@ fn drawing(sketch: Sketch, z_mm: f64) -> Drawing {
     }
 }
 
-/// The proved figures for a program's header, rounded up.
+/// The line with the proved figures for the program's header. The deviation is rounded up.
 fn proved(report: &interpolation::Report) -> String {
     let least = report.n_elements_lower_bound.map(|least| format!(" - AT LEAST {least}")).unwrap_or_default();
     format!(

@@ -1,4 +1,4 @@
-//! `GET /v1/limits`: what this server accepts.
+//! `GET /v1/limits`: the limits of this server.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! `POST /v1/programs/write`: a toolpath goes in, the NC program that cuts it comes out.
+//! `POST /v1/programs/write`: writes the NC program of a toolpath.
 
 use std::sync::Arc;
 
@@ -74,7 +74,7 @@ fn clearance_chosen(z_mm: f64) -> Warning {
     }
 }
 
-/// What the header says of arcs that had to be made exact.
+/// The header's line about arcs that were moved to become exact. `None` where no arc was moved.
 fn adjusted(moved_mm: f64) -> Option<String> {
     (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", rounded_up_mm(moved_mm)))
 }

@@ -1,4 +1,4 @@
-//! `POST /v1/surfaces/drop`: a surface, a cutter and places go in, the heights at which it touches come out.
+//! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places, and answers where it touches.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! `POST /v1/surfaces/mill`: a surface goes in, a toolpath, an NC program or a picture comes out.
+//! `POST /v1/surfaces/mill`: plans the milling of a surface, and answers a toolpath, an NC program or a
+//! picture.
 
 mod failure;
 
@@ -52,13 +53,13 @@ fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<MillReport, C
     })
 }
 
-/// The surface that was milled, shaded, with a few curves on it.
+/// The milled surface as a shaded relief, with a few curves on it.
 fn drawing(surface: &Source) -> Drawing {
     let draw = |surface| Drawing::of_relief(&surface, wire_model::sketch(&surface));
     surface.surface().map(draw).unwrap_or_default()
 }
 
-/// The proved figures for a program's header, rounded up.
+/// The line with the proved figures for the program's header. The figures are rounded up.
 fn proved(report: &surface_milling::Report) -> String {
     format!(
         "PROVED DEVIATION {:.4} MM - GOUGE {:.4} MM",

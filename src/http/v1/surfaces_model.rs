@@ -1,4 +1,4 @@
-//! `POST /v1/surfaces/model`: a surface goes in, its patches, measures, wires or picture come out.
+//! `POST /v1/surfaces/model`: answers the patches, measures and wires of a surface, or its picture.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub async fn model_surface(
 fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, ApiError> {
     let ModelJob { job, with_patches, meta } = job;
     let model = surface_model::model(&job, budget)?;
-    // The wires that were asked for lie on the picture; else a few curves do.
+    // The picture shows the wires of the request, or a few curves where the request asks for no wires.
     let (surface, wires) = (model.surface.clone(), model.wires.clone());
     let drawing = move || {
         let wires = wires.clone().unwrap_or_else(|| sketch(&surface));

@@ -1,4 +1,4 @@
-//! Rational B-spline curves in the plane, as they are sent.
+//! Rational B-spline curves of the plane in requests.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -14,7 +14,7 @@ use crate::http::dto::surface::nurbs::{WEIGHTS, check_knots};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// Degrees that can be read.
+/// The lowest and the highest legal degree.
 const DEGREES: (u32, u32) = (1, 7);
 
 /// A rational B-spline curve. The knot vector has as many knots as there are control points, plus the degree,
@@ -76,7 +76,7 @@ impl Nurbs {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a curve that has been checked.
 impl From<Nurbs> for core::Nurbs {
     fn from(nurbs: Nurbs) -> Self {
         let Nurbs { _kind: _, degree, knots, control_points, weights } = nurbs;

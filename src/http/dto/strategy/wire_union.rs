@@ -27,7 +27,7 @@ pub struct WireUnion {
 }
 
 impl WireUnion {
-    /// As [`Strategy::convert`](super::Strategy::convert), for a surface of the given extent along y.
+    /// As [`Strategy::convert`](super::Strategy::convert), for a surface with the given size along y, mm.
     pub fn convert(&self, at: &Pointer, extent: f64, most: usize, violations: &mut Violations) -> Sections {
         let at_pitch = at.field("pitch_mm");
         violations.number(&at_pitch, self.pitch_mm, Range::POSITIVE, "mm");
@@ -41,7 +41,7 @@ impl WireUnion {
 }
 
 impl Sections {
-    /// Refuses what says nothing to a wire union, whose cutter goes straight up and down.
+    /// Refuses a member that a wire union cannot use: its cutter always moves straight down and straight up.
     pub fn check_absent(&self, at: &Pointer, is_given: bool, violations: &mut Violations) {
         if is_given && matches!(self.spacing, core::Spacing::WirePitch(_)) {
             violations.add(
@@ -52,7 +52,7 @@ impl Sections {
         }
     }
 
-    /// Refuses another boundary than that of a wire union, whose wires end on the edge.
+    /// Refuses any boundary but `on` for a wire union, because its wires end on the edge of the surface.
     pub fn check_boundary(&self, at: &Pointer, boundary: Boundary, violations: &mut Violations) {
         let is_union = matches!(self.spacing, core::Spacing::WirePitch(_));
         if is_union && matches!(boundary, Boundary::Inside | Boundary::Past) {

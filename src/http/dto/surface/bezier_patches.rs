@@ -1,4 +1,4 @@
-//! Control nets of Bezier patches, as they are sent.
+//! The surface kind `bezier_patches` in requests: control nets of Bezier patches.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -13,7 +13,7 @@ use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// Control points of one patch.
+/// Number of control points of one patch.
 const POINTS: usize = 16;
 
 /// Bicubic Bezier patches side by side. Neighbouring patches share the control points of their common
@@ -74,7 +74,7 @@ impl BezierPatches {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<BezierPatches> for core::NetGrid {
     fn from(BezierPatches { _kind: _, patches }: BezierPatches) -> Self {
         let net = |net: [[Point; 4]; 4]| net.map(|row| row.map(Into::into));

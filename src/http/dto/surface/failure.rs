@@ -1,5 +1,5 @@
-//! Data that make no surface, as the caller sees it. Most of it is found before; what is left needs the whole
-//! surface.
+//! Problems for data that make no surface. The checks of the wire types find most faults; these faults need
+//! the whole surface.
 
 use crate::geometry::surface::ferguson::FergusonError;
 use crate::geometry::surface::joints::NotSmooth;

@@ -1,4 +1,4 @@
-//! Points with tangents and twists, as they are sent.
+//! The surface kind `ferguson` in requests: points with tangents and twists.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -51,7 +51,7 @@ impl Ferguson {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<Ferguson> for core::Ferguson {
     fn from(Ferguson { _kind: _, points, tangents_u, tangents_v, twists }: Ferguson) -> Self {
         Self {

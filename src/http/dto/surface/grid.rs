@@ -1,4 +1,4 @@
-//! Grids of points, vectors and numbers.
+//! Checks of grids of points, vectors and numbers.
 
 use utoipa::openapi::Ref;
 
@@ -18,15 +18,15 @@ schema_of!(
     }
 );
 
-/// Looks at the points that give a surface its size; answers their numbers of rows and columns, or nothing
-/// where there are too many to look at.
+/// Checks the grid of points that gives a surface its size. Returns the numbers of rows and columns. `None`
+/// where there are too many points to check each of them.
 pub fn check_points(
     at: &Pointer,
     points: &[Vec<Point>],
     limits: &Limits,
     violations: &mut Violations,
 ) -> Option<[usize; 2]> {
-    // Empty rows count too, lest they make violations without end.
+    // An empty row counts as one point, so that the limit also bounds the number of violations by empty rows.
     let total: usize = points.iter().map(|row| row.len().max(1)).sum();
     if total > limits.surface_points {
         let detail = format!("the surface has {total} points; send at most {}", limits.surface_points);
@@ -55,7 +55,7 @@ pub fn check_points(
     Some([points.len(), columns])
 }
 
-/// Looks at a grid that goes with one of `size` points.
+/// Checks a grid of vectors or numbers that belongs to a grid of points with `size` rows and columns.
 pub fn check_like<T>(
     at: &Pointer,
     grid: &[Vec<T>],
@@ -78,7 +78,7 @@ pub fn check_like<T>(
     }
 }
 
-/// Looks at every coordinate of a row of points or vectors.
+/// Checks every coordinate of a row of points or vectors.
 pub fn check_row(at: &Pointer, row: &[Point], violations: &mut Violations) {
     for (j, point) in row.iter().enumerate() {
         point.check_in(at, j, violations);

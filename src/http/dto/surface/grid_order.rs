@@ -1,5 +1,5 @@
-//! Faults of a grid's points that make no surface, or one that nobody meant: named before anything is
-//! computed.
+//! Finds mistakes in the order of a grid's points, before anything is computed: repeated and reversed rows,
+//! repeated columns, and outliers.
 
 use nalgebra::Point3;
 
@@ -8,23 +8,24 @@ use crate::http::dto::point::Point;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// Points that are nearer than this are the same, mm.
+/// Largest distance of two points that count as the same point, mm.
 const SAME_MM: f64 = 1e-9;
 
-/// A row runs the other way if its points in reverse lie nearer to the row before: their distances in sum are
-/// less than this part of the sum in the given order.
+/// A row counts as reversed when its points, taken in reverse, lie much nearer to the points of the row
+/// before. The sum of their distances is then less than this fraction of the sum in the given order.
 const REVERSED_PART: f64 = 0.5;
 
-/// A point is an outlier whose every neighbour is this many times as far away as that neighbour is from any
-/// other.
+/// A point is an outlier when the distance to its nearest neighbour is more than this many times the largest
+/// distance of its neighbours from their other neighbours.
 const OUTLIER_FACTOR: f64 = 5.0;
 
-/// Points each way of the smallest grid in which an outlier can be told from the corner of a part.
+/// Fewest rows, and fewest columns, of a grid that is searched for outliers. In a smaller grid the corner of
+/// a part looks like an outlier.
 const LEAST_ROWS: usize = 3;
 
-/// Blames the first row or column that repeats the one before it, and the first row that runs the other way;
-/// a grid whose points are all the same as a whole; and, where outliers are refused, the first of them. Rows
-/// are as long as the first.
+/// Reports a grid whose points are all the same. Otherwise reports the first row and the first column that
+/// repeat the one before, the first reversed row, and, where outliers are refused and no row is reversed, the
+/// first outlier. A grid whose rows differ in length is not checked here.
 pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violations: &mut Violations) {
     let rows: Vec<Vec<Point3<f64>>> =
         points.iter().map(|row| row.iter().copied().map(Point3::from).collect()).collect();
@@ -68,12 +69,13 @@ pub fn check(at: &Pointer, points: &[Vec<Point>], refuses_outliers: bool, violat
 /// A point that is far away from all of its neighbours.
 struct Outlier {
     place: [usize; 2],
-    /// To the nearest neighbour, mm.
+    /// The distance to the nearest neighbour, mm.
     from_neighbours: f64,
-    /// The largest distance of a neighbour from its other neighbours, mm.
+    /// The largest distance of a neighbour from the neighbour's other neighbours, mm.
     between: f64,
 }
 
+/// The first outlier of the grid. `None` where there is none, or the grid is too small.
 fn outlier(rows: &[Vec<Point3<f64>>]) -> Option<Outlier> {
     let size = [rows.len(), rows[0].len()];
     if size.iter().any(|n| *n < LEAST_ROWS) {
@@ -100,6 +102,7 @@ fn outlier(rows: &[Vec<Point3<f64>>]) -> Option<Outlier> {
     None
 }
 
+/// Whether `row` runs the other way than the row before.
 fn is_reversed(before: &[Point3<f64>], row: &[Point3<f64>]) -> bool {
     let straight: f64 = before.iter().zip(row).map(|(a, b)| (a - b).norm()).sum();
     let reversed: f64 = before.iter().zip(row.iter().rev()).map(|(a, b)| (a - b).norm()).sum();

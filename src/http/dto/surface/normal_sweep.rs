@@ -1,4 +1,4 @@
-//! Curves carried along curves at right angles to them, as they are sent.
+//! The surface kind `normal_sweep` in requests: curves carried along curves at right angles to them.
 
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
@@ -39,7 +39,7 @@ impl NormalSweep {
         drive.check(&at.field("drive"), Room::PlaneOnly, limits, violations);
     }
 
-    /// The corners of a box around the surface, but for what mitres add.
+    /// Two corners of a box around the surface. Mitres may reach out of the box.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         let [low, high] = self.basic.in_plane().bounds();
         let [below, above] = self.drive.in_plane().bounds();
@@ -49,7 +49,7 @@ impl NormalSweep {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<NormalSweep> for core::NormalSweep {
     fn from(NormalSweep { _kind: _, basic, drive }: NormalSweep) -> Self {
         Self { basic: basic.in_plane(), drive: drive.in_plane() }

@@ -1,4 +1,4 @@
-//! Rational B-spline surfaces, as they are sent.
+//! The surface kind `nurbs` in requests: rational B-spline surfaces.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -14,7 +14,7 @@ use crate::http::dto::schema::{array_of, number, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// Weights; only their ratios matter.
+/// Legal weights. Only the ratios of weights matter.
 pub const WEIGHTS: Range = Range { min: 1e-6, max: 1e6 };
 
 /// A rational B-spline surface. Each knot vector has as many knots as there are control points along its
@@ -73,7 +73,7 @@ impl Nurbs {
         for (name, knots, degree, points) in
             [("knots_u", knots_u, *degree_u, size[0]), ("knots_v", knots_v, *degree_v, size[1])]
         {
-            // A wrong degree is to blame itself, not the number of knots.
+            // With an illegal degree the right number of knots is unknown, and only the degree is reported.
             let is_legal = (1..=MAX_DEGREE as u32).contains(&degree);
             let expected = is_legal.then_some(points + degree as usize + 1);
             check_knots(&at.field(name), knots, expected, violations);
@@ -89,7 +89,7 @@ impl Nurbs {
     }
 }
 
-/// Looks at a knot vector that is to have `expected` knots.
+/// Checks a knot vector that must have `expected` knots. `None` leaves the number unchecked.
 pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violations: &mut Violations) {
     if let Some(expected) = expected.filter(|expected| knots.len() != *expected) {
         let detail =
@@ -108,7 +108,7 @@ pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violati
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<Nurbs> for core::Nurbs {
     fn from(nurbs: Nurbs) -> Self {
         let Nurbs { _kind: _, degree_u, degree_v, knots_u, knots_v, control_points, weights } = nurbs;

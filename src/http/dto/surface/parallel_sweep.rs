@@ -1,4 +1,4 @@
-//! Curves carried along curves without turning, as they are sent.
+//! The surface kind `parallel_sweep` in requests: curves carried along curves without turning.
 
 use nalgebra::{Point2, Point3};
 use serde::Deserialize;
@@ -36,7 +36,7 @@ impl ParallelSweep {
         drive.check(&at.field("drive"), Room::PlaneOrSpace, limits, violations);
     }
 
-    /// The corners of a box around the surface.
+    /// Two corners of a box around the surface.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         let [basic, drive] = self.curves();
         let ([low, high], [below, above]) = (basic.bounds(), drive.bounds());
@@ -51,7 +51,7 @@ impl ParallelSweep {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<ParallelSweep> for core::ParallelSweep {
     fn from(sweep: ParallelSweep) -> Self {
         let [basic, drive] = sweep.curves();

@@ -1,4 +1,4 @@
-//! Measured points, as they are sent.
+//! The surface kind `point_grid` in requests: measured points.
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -147,7 +147,7 @@ impl EndTangents {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<PointGrid> for core::PointGrid {
     fn from(PointGrid { _kind: _, points, twist, ends, outliers: _, end_tangents }: PointGrid) -> Self {
         Self {

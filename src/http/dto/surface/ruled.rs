@@ -1,4 +1,4 @@
-//! Curves joined by straight lines, as they are sent.
+//! The surface kind `ruled` in requests: curves joined by straight lines.
 
 use nalgebra::{Point2, Point3};
 use serde::Deserialize;
@@ -36,7 +36,7 @@ impl Ruled {
         second.check(&at.field("second"), Room::PlaneOrSpace, limits, violations);
     }
 
-    /// The corners of the box around the control points of both curves.
+    /// Two corners of the box around the control points of both curves.
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         let [[low, high], [below, above]] = self.curves().map(|curve| curve.bounds());
         (low.inf(&below), high.sup(&above))
@@ -48,7 +48,7 @@ impl Ruled {
     }
 }
 
-/// Converts what has been checked.
+/// Converts a surface that has been checked.
 impl From<Ruled> for core::Ruled {
     fn from(ruled: Ruled) -> Self {
         let [first, second] = ruled.curves();

@@ -1,4 +1,4 @@
-//! Section curves, as they are sent with a surface.
+//! Section curves as texts in surfaces of requests.
 
 use nalgebra::{Point2, Point3};
 use serde::{Deserialize, Deserializer};
@@ -19,7 +19,7 @@ use crate::language::section_curve::{Fault, SectionCurve, SectionCurveError};
 #[schema(as = SectionText, value_type = String, max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
 pub struct SectionText(Result<SectionCurve, SectionCurveError>);
 
-/// The curve is read at once, lest text and curve are kept both.
+/// The text is parsed while it is decoded, so that text and curve are never held together for long.
 impl<'de> Deserialize<'de> for SectionText {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
@@ -27,7 +27,7 @@ impl<'de> Deserialize<'de> for SectionText {
     }
 }
 
-/// Whether a curve may leave the plane.
+/// Whether a curve must lie in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Room {
     PlaneOnly,
@@ -35,7 +35,7 @@ pub enum Room {
 }
 
 impl SectionText {
-    /// Collects what is wrong with the text at `at`.
+    /// Collects the violations of the text at `at`.
     pub fn check(&self, at: &Pointer, room: Room, limits: &Limits, violations: &mut Violations) {
         let n_segments = match &self.0 {
             Err(error) => {
@@ -65,8 +65,7 @@ impl SectionText {
         }
     }
 
-    /// The curve in space, of a plane one that in which `lifted` puts its points. Empty unless it is a legal
-    /// one.
+    /// The curve in space. `lifted` puts the points of a plane curve into space. Empty for an illegal text.
     pub fn in_space(&self, lifted: impl Fn(Point2<f64>) -> Point3<f64>) -> Profile<3> {
         match &self.0 {
             Ok(SectionCurve::Plane(chain)) => chain.profile().mapped(lifted),
@@ -75,7 +74,7 @@ impl SectionText {
         }
     }
 
-    /// The curve in the plane. Empty unless it is a legal one.
+    /// The curve in the plane. Empty for an illegal text or a curve in space.
     pub fn in_plane(&self) -> Profile<2> {
         match &self.0 {
             Ok(SectionCurve::Plane(chain)) => chain.profile(),

@@ -2,7 +2,8 @@
 
 use crate::plot::text::{clean, escape};
 
-/// Ends of names that are units; of two that fit, the one that stands first is meant.
+/// Ends of names that are units. The first end that fits counts, so an end stands before any shorter end that
+/// it contains.
 const UNITS: [(&str, &str); 15] = [
     ("_mm_per_min", "mm/min"),
     ("_mm_per_s2", "mm/s\u{b2}"),
@@ -24,13 +25,13 @@ const UNITS: [(&str, &str); 15] = [
 /// Words that are written in capitals.
 const CAPITALS: [&str; 5] = ["cc", "cl", "id", "nc", "url"];
 
-/// A name as it is shown.
+/// The name of a field as people read it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
-    /// Escaped.
+    /// The words of the name, escaped for HTML.
     pub words: String,
     pub unit: Option<&'static str>,
-    /// Whether the value is the largest of something, so that rounding must not make it less.
+    /// Whether the value is an upper bound, so that it is rounded upward only.
     pub is_bound: bool,
 }
 
@@ -40,7 +41,7 @@ impl Label {
             .iter()
             .find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, Some(*unit))))
             .unwrap_or((name, None));
-        // A box has no unit in its name.
+        // The field `bounds` is a box in mm, and its name has no unit.
         let unit = if name == "bounds" { Some("mm") } else { unit };
         let stem = stem.strip_prefix("n_").unwrap_or(stem);
         let is_bound = stem.ends_with("_max");

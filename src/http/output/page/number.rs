@@ -1,14 +1,15 @@
-//! Numbers for readers.
+//! Numbers rounded for people.
 
 use serde_json::Number;
 
 use super::label::Label;
 
-/// Digits that are shown of a number below one, and decimals of one above it.
+/// Significant digits of a number below 1.
 const DIGITS: i32 = 4;
+/// Decimals of a number of 1 or more.
 const DECIMALS: i32 = 3;
 
-/// `number` rounded to what a reader wants: upward where it is a bound. Beside seconds stands h:mm:ss.
+/// `number` rounded for people; a bound is rounded upward. A time in seconds is followed by h:mm:ss.
 pub fn show(number: &Number, label: &Label) -> String {
     let Some(value) = number.as_f64().filter(|_| number.is_f64()) else { return number.to_string() };
     let text = round(value, label.is_bound);
@@ -23,8 +24,8 @@ fn round(value: f64, upward: bool) -> String {
     let decimals = if magnitude < 0 { DIGITS - 1 - magnitude } else { DECIMALS };
     let unit = 10f64.powi(decimals);
     let rounded = if upward { (value * unit).ceil() } else { (value * unit).round() } / unit;
-    // Adding zero takes the sign from a negative zero. The shortest text that reads as the number has no
-    // zeros left.
+    // Adding zero turns a negative zero into zero. `{}` writes the shortest text that reads as the number, so
+    // no zeros stand at its end.
     format!("{}", rounded + 0.0)
 }
 
@@ -40,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_rounded_to_what_matters() {
+    fn a_number_keeps_the_digits_that_matter_and_a_bound_is_rounded_up() {
         for (name, value, expected) in [
             ("x_mm", json!(3_551.317_158), "3551.317"),
             ("x_mm", json!(0.009_470_622), "0.009471"),

@@ -6,15 +6,18 @@ use super::label::Label;
 use super::number;
 use crate::plot::text::{clean, escape};
 
-/// Longer lists are told by their length.
+/// Most numbers of a list that are shown. Of a longer list only the length is shown.
 const LONGEST_LIST: usize = 4;
+/// Most rows of a table. The last row tells how many rows are left out.
 const LONGEST_TABLE: usize = 40;
-/// Members of an object beyond this are told by their number.
+/// Most members of an object that are shown. A last row tells how many members are left out.
 const MOST_MEMBERS: usize = 60;
+/// Most levels of objects within objects. Of a deeper object only the number of members is shown.
 const DEEPEST: usize = 3;
+/// Most characters of a text. A longer text ends in an ellipsis.
 const LONGEST_TEXT: usize = 500;
 
-/// `value` as a table; empty for what has nothing in it.
+/// `value` as a table. Empty for an empty value.
 pub fn table(name: &str, value: &Value) -> String {
     let label = Label::of(name);
     let rows = match value {
@@ -27,7 +30,7 @@ pub fn table(name: &str, value: &Value) -> String {
     wrap(&rows)
 }
 
-/// An object of texts under names that are not to be read.
+/// An object of texts as a table. Its names are shown unchanged, not turned into words.
 pub fn verbatim(value: &Value) -> String {
     let members = value.as_object().into_iter().flatten().take(MOST_MEMBERS);
     let rows = members.map(|(name, value)| {
@@ -41,11 +44,12 @@ fn wrap(rows: &str) -> String {
     if rows.is_empty() { String::new() } else { format!("<table>\n{rows}</table>\n") }
 }
 
-/// A row for each member; after them each object among them, as a heading and its own rows.
+/// A row for each plain member. Then each member that is an object or a table follows, with a heading.
 fn members_as_rows(members: &Map<String, Value>, unit: Option<&'static str>, depth: usize) -> String {
     let mut rows = String::new();
     let mut shown: Vec<_> = members.iter().take(MOST_MEMBERS).collect();
-    // Below a heading stand its own rows alone; and of a box, the least comes first.
+    // Plain members come first, so that below a heading only its own rows stand. In a box `min` precedes
+    // `max`.
     shown.sort_by_key(|(name, value)| (value.is_object() || is_grid(value), *name == "max"));
     for (name, value) in shown {
         let mut label = Label::of(name);
@@ -81,7 +85,7 @@ fn is_grid(value: &Value) -> bool {
     value.get(0).is_some_and(Value::is_object)
 }
 
-/// A list of like objects: a column for each member of the first.
+/// A list of objects as rows, with a column for each member of the first object. `None` for other lists.
 fn as_grid(items: &[Value]) -> Option<String> {
     let first = items.first()?.as_object()?;
     let columns: Vec<(&String, Label)> =
@@ -101,10 +105,10 @@ fn as_grid(items: &[Value]) -> Option<String> {
     Some(rows)
 }
 
-/// A value on one line.
+/// A value as the text of one cell.
 fn cell(value: &Value, label: &Label) -> String {
     let with_unit = |text: String| match label.unit {
-        // Seconds come with their unit.
+        // A time in seconds already has its unit and ends in h:mm:ss in parentheses.
         Some(unit) if !text.ends_with(')') => format!("{text} {unit}"),
         _ => text,
     };
@@ -121,7 +125,7 @@ fn cell(value: &Value, label: &Label) -> String {
     }
 }
 
-/// A short list of numbers, such as a point.
+/// A short list of numbers, such as a point, as text. `None` for other lists.
 fn numbers(items: &[Value], label: &Label) -> Option<String> {
     let is_short = !items.is_empty() && items.len() <= LONGEST_LIST;
     let show = |item: &Value| Some(number::show(item.as_number()?, label));

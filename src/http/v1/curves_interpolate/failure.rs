@@ -1,4 +1,4 @@
-//! The failures of interpolation as the caller sees them.
+//! Problems for the failures of interpolation.
 
 use crate::geometry::plane_curve::interpolant::InterpolantError;
 use crate::geometry::plane_curve::nurbs::NurbsError;

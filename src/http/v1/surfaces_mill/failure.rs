@@ -1,4 +1,4 @@
-//! The failures of milling as the caller sees them.
+//! Problems for the failures of milling.
 
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
@@ -53,7 +53,7 @@ mod tests {
     use crate::toolpath::cutting::HeightError;
     use crate::toolpath::quantize::QuantizeError;
 
-    /// What the caller is told: the code and the places to blame.
+    /// The code of the problem and the pointers of its violations.
     fn told(error: Error) -> (Code, Vec<String>) {
         let error = ApiError::from(error);
         (error.code(), error.errors().iter().map(|error| error.pointer.clone()).collect())

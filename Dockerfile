@@ -1,14 +1,14 @@
-# A static binary alone in an image: no shell, no libraries, no root.
+# The image holds one static binary: no shell, no libraries. The binary does not run as root.
 FROM rust:1.95-slim-bookworm AS builder
 WORKDIR /build
 
-# The C library is linked in, so that the image needs none. An explicit target keeps the flag away from
-# build scripts and procedural macros, which must stay dynamic.
+# The flag links the C library into the binary, so that the image needs no C library. The builds below name
+# their target. Cargo then keeps the flag away from build scripts and procedural macros, which must stay dynamic.
 ENV RUSTFLAGS="-C target-feature=+crt-static"
 
-# The dependencies are a layer of their own: they are built again only when the manifest changes.
+# The dependencies have a layer of their own. It is built again only when the manifest or the lock file changes.
 COPY Cargo.toml Cargo.lock ./
-# Cargo wants a file for every target that the manifest names.
+# Empty files stand for the targets that the manifest names, so that Cargo builds the dependencies alone.
 RUN mkdir -p src benches tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
     && touch src/lib.rs benches/arc_fitting.rs benches/interpolation.rs benches/plot.rs benches/programs.rs \
@@ -17,14 +17,14 @@ RUN mkdir -p src benches tests/real/controller tests/real/overload \
     && rm -r src benches
 
 COPY . .
-# The placeholders above are newer than the sources; without this cargo would keep them.
+# The empty files are newer than the sources. Without `touch` Cargo would keep what it built from them.
 RUN touch src/main.rs src/lib.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && mv target/*/release/toolpathd /toolpathd
 
 FROM scratch
 COPY --from=builder /toolpathd /toolpathd
-# Whoever publishes the port decides who reaches it.
+# The service listens on all addresses of the container. Publishing the port decides who reaches the service.
 ENV TOOLPATHD_LISTEN=0.0.0.0:8080 \
     TOOLPATHD_ALLOW_PUBLIC=true \
     TOOLPATHD_LOG_FORMAT=json

@@ -1,4 +1,5 @@
-// The smallest body of each operation, with the types that are generated from the contract.
+// The smallest body of each operation. The bodies must compile with the types that are generated from the
+// contract.
 
 import type { components, operations } from "./contract";
 
@@ -71,7 +72,7 @@ export function length(move: components["schemas"]["Move"]): number {
   }
 }
 
-// Every operation with a body is built above.
+// Does not compile when an operation with a body is missing above.
 type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;

@@ -12,7 +12,7 @@ client = Client(base_url=sys.argv[1], raise_on_unexpected_status=True)
 
 
 def fetched(operation, kind, **arguments):
-    """The JSON answer of an operation, which is of the kind that the contract says."""
+    """The JSON answer of an operation; fails unless the answer has the type that the contract names."""
     answer = operation.sync(client=client, **arguments)
     assert isinstance(answer, kind), answer
     return answer
@@ -41,7 +41,7 @@ write = models.WriteRequest(toolpath=answer.toolpath, cutting=cutting)
 written = fetched(write_program, models.AnswerWriteReport, body=write, format_=models.WriteProgramFormat.JSON)
 assert written.report.n_blocks > 2 and "G1" in written.nc, written
 
-# The client decodes JSON only. NC text comes by its own request of the generated function.
+# The client decodes JSON only, so NC text is fetched by the request that the generated function builds.
 request = mill_surface._get_kwargs(body=mill, format_=models.MillSurfaceFormat.GCODE)
 program = client.get_httpx_client().request(**request)
 assert program.status_code == 200 and program.headers["content-type"].startswith("text/x-gcode"), program

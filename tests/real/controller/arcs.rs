@@ -1,4 +1,5 @@
-//! Programs of G1 blocks, rewritten with arcs: the control's path stays within the tolerance of where it was.
+//! Checks programs of G1 blocks that are rewritten with arcs: the control's path moves by at most the
+//! tolerance.
 
 use std::f64::consts::TAU;
 use std::fmt::{self, Write};
@@ -14,22 +15,24 @@ use toolpathd::post::rewrite::{RewriteJob, Rewriter};
 
 use crate::canon::{self, Motion};
 
+/// Tolerance of the fit, mm.
 const TOLERANCE_MM: f64 = 0.005;
 
-/// What rounding to the decimals that the interpreter prints may add, mm.
+/// How much the rounded decimals that the interpreter prints may add to a distance, mm.
 const PRINTED_MM: f64 = 0.0015;
 
-/// Points that are looked at of each motion are this close together, mm.
+/// Largest distance of the compared points along a motion, mm.
 const STEP_MM: f64 = 0.05;
 
-/// What turns by more is a full circle, or will be one after rounding, degrees.
+/// Largest sweep of a written arc, degrees. A wider arc is a full circle, or may become one by rounding.
 const WIDEST_DEG: f64 = 351.0;
 
+/// Number of programs along random splines.
 const SPLINES: u64 = 40;
 
 const METHODS: [(&str, Method); 2] = [("optimal", Method::Optimal), ("greedy", Method::Greedy)];
 
-/// What was rewritten and how far it was from what it stands for.
+/// Figures of the rewritten programs, and the largest distance from the original programs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Figures {
     programs: usize,
@@ -48,7 +51,7 @@ impl fmt::Display for Figures {
     }
 }
 
-/// Rewrites programs of every form, and through random splines, by each method, and answers what came of it.
+/// Rewrites the programs of all forms and along random splines by each method. Returns the figures as text.
 pub fn check(directory: &Path) -> Result<String, String> {
     let mut figures = Figures::default();
     for (name, program) in forms().into_iter().chain((0..SPLINES).map(spline)) {
@@ -71,7 +74,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
     Ok(figures.to_string())
 }
 
-/// The program with arcs, and how far it is said to be from what it was, mm.
+/// The rewritten program, and the proved bound of its distance from the original program, mm.
 fn rewritten(program: &str, method: Method) -> Result<(String, f64), String> {
     let linuxcnc = dialect("linuxcnc").ok_or("no dialect")?;
     let fit = Fit { method, ..Fit::within(TOLERANCE_MM) };
@@ -83,8 +86,8 @@ fn rewritten(program: &str, method: Method) -> Result<(String, f64), String> {
     Ok((text, rewriter.figures().deviation_max_mm))
 }
 
-/// The largest distance of what is cut by either program from what is cut by the other between the same
-/// rapids, mm.
+/// The largest distance, both ways, between the cutting motions of the two programs, mm. Motions are compared
+/// between the same rapids. An error where feeds, rapids or dwells differ.
 fn compare(before: &[Motion], after: &[Motion]) -> Result<f64, String> {
     if after.len() >= before.len() {
         return Err(format!("{} motions became {}", before.len(), after.len()));
@@ -108,7 +111,7 @@ fn compare(before: &[Motion], after: &[Motion]) -> Result<f64, String> {
     Ok(apart_mm)
 }
 
-/// The feeds of what is cut, in order.
+/// The feeds of the cutting motions in order, equal neighbours once, mm/min.
 fn rates(motions: &[Motion]) -> Vec<f64> {
     let mut rates: Vec<f64> = Vec::new();
     for motion in motions {
@@ -120,13 +123,14 @@ fn rates(motions: &[Motion]) -> Vec<f64> {
     rates
 }
 
-/// What is cut before a rapid or a dwell, or the end.
+/// The cutting motions before a rapid, a dwell or the end of the program.
 struct Stretch {
     cuts: Vec<Cut>,
     /// Where the cuts end, and where the next stretch starts.
     ends: [Point3<f64>; 2],
 }
 
+/// Divides the motions of a program at rapids and dwells. An error for parabolas and full circles.
 fn stretches(motions: &[Motion]) -> Result<Vec<Stretch>, String> {
     let mut at = Point3::origin();
     let (mut stretches, mut cuts) = (Vec::new(), Vec::new());
@@ -159,7 +163,7 @@ fn stretches(motions: &[Motion]) -> Result<Vec<Stretch>, String> {
     Ok(stretches)
 }
 
-/// The largest distance of a point of `cuts` from `others`, mm.
+/// The largest distance of the compared points of `cuts` from `others`, mm.
 fn farthest(cuts: &[Cut], others: &[Cut]) -> f64 {
     let mut farthest = 0.0f64;
     for cut in cuts {
@@ -202,8 +206,8 @@ impl Cut {
     }
 }
 
-/// An arc about a centre that is not quite as far from one end as from the other: its radius grows with its
-/// angle, as does its height.
+/// An arc whose radii at the two ends may differ slightly. Radius and height change in proportion to the
+/// angle.
 struct Turn {
     plane: Plane,
     ends: [Point3<f64>; 2],
@@ -211,7 +215,7 @@ struct Turn {
     radii: [f64; 2],
     heights: [f64; 2],
     start_angle: f64,
-    /// Of the sense: 1 counterclockwise, else -1.
+    /// The sense of the turn: 1 for counterclockwise, -1 for clockwise.
     sign: f64,
     sweep: f64,
 }
@@ -234,7 +238,7 @@ impl Turn {
         }
     }
 
-    /// The point at a fraction of the angle.
+    /// The point at the fraction `t` of the sweep.
     fn point_at(&self, t: f64) -> Point3<f64> {
         let between = |[from, until]: [f64; 2]| from + (until - from) * t;
         let (sin, cos) = (self.start_angle + self.sign * self.sweep * t).sin_cos();
@@ -243,7 +247,7 @@ impl Turn {
         self.plane.to_workpiece(&Vector3::new(x, y, between(self.heights)))
     }
 
-    /// The distance to the point at the angle of `p`, or to an end: never below the distance.
+    /// An upper bound for the distance of `p`: the distance to the point at the angle of `p`, or to an end.
     fn distance_to(&self, p: &Point3<f64>) -> f64 {
         let spoke = self.plane.to_local(p) - self.center;
         let turned = (self.sign * (spoke.y.atan2(spoke.x) - self.start_angle)).rem_euclid(TAU);
@@ -252,7 +256,7 @@ impl Turn {
     }
 }
 
-/// Blocks to these places along some of the axes.
+/// NC text with a block for each point, with words for the given axes only.
 fn blocks(axes: &str, points: &[[f64; 3]], decimals: usize) -> String {
     let mut text = String::new();
     for point in points {
@@ -264,11 +268,12 @@ fn blocks(axes: &str, points: &[[f64; 3]], decimals: usize) -> String {
     text
 }
 
+/// The points `at(1)` to `at(count)`.
 fn points(count: u32, at: impl Fn(f64) -> [f64; 3]) -> Vec<[f64; 3]> {
     (1..=count).map(|k| at(f64::from(k))).collect()
 }
 
-/// A program for each form in which runs come, with its name.
+/// A program for each form of runs, with its name.
 fn forms() -> Vec<(String, String)> {
     let head = "G17 G21 G90 G94\nG0 X0 Y0 Z5\nG1 Z-1 F300\n";
     let tail = "G0 Z20\nM2\n";
@@ -329,7 +334,7 @@ fn forms() -> Vec<(String, String)> {
     .into()
 }
 
-/// In 0..1, the same on every machine: SplitMix64 at one place.
+/// A pseudorandom number in 0..1, the same on every machine: SplitMix64 at position `place`.
 fn noise(seed: u64, place: u64) -> f64 {
     let mut x = (seed << 32 | place).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -337,7 +342,7 @@ fn noise(seed: u64, place: u64) -> f64 {
     ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// A program along a uniform cubic B-spline about random points, in one of the planes or in space.
+/// A program along a uniform cubic B-spline with random control points, in one of the planes or in space.
 fn spline(seed: u64) -> (String, String) {
     let axes = ["XY", "XZ", "YZ", "XYZ"][(seed % 4) as usize];
     let control = |k: u64| [0, 1, 2].map(|axis| 80.0 * noise(seed, 3 * k + axis) - 40.0);

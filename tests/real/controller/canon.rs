@@ -1,4 +1,4 @@
-//! The interpreter as a process, and the canonical motions it prints.
+//! Runs the interpreter as a process and reads the canonical motions that the interpreter prints.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -11,10 +11,10 @@ use toolpathd::geometry::curve::{Direction, Parabola};
 use toolpathd::geometry::plane::Plane;
 use toolpathd::post::dialect::{Dialect, Dwell};
 
-/// A program that takes the interpreter longer than this has hung it.
+/// Longest time for one program. If the interpreter takes longer, it hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// One canonical motion, in mm, mm/min and s. Coordinates are rounded to the four decimals that are printed.
+/// One canonical motion, in mm, mm/min and s. Coordinates have the four decimals that the interpreter prints.
 #[derive(Debug, Clone, Copy)]
 pub enum Motion {
     Rapid {
@@ -31,7 +31,7 @@ pub enum Motion {
         center: Point3<f64>,
         rate: f64,
     },
-    /// Its start and control point are exact.
+    /// The start and the control point are exact, because the preview computes them.
     Parabola {
         curve: Parabola,
         rate: f64,
@@ -41,13 +41,13 @@ pub enum Motion {
     },
 }
 
-/// Tools 1 to 99, without length: every program may use them.
+/// A tool table with tools 1 to 99, all without length. Programs may call any of them.
 fn tool_table() -> String {
     (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect()
 }
 
-/// The text as this interpreter reads it: a line with nothing but the program's number, which it takes for a
-/// subroutine's, is left out, and a dwell in milliseconds is one in seconds.
+/// The text translated for LinuxCNC. A line with only the program's number is left out, because LinuxCNC
+/// takes the number for a subroutine's. A dwell in milliseconds becomes a dwell in seconds.
 pub fn translated(text: &str, dialect: &Dialect) -> String {
     let is_number = |line: &str| {
         let digits = dialect.program_number.and_then(|number| line.strip_prefix(number.letter));
@@ -65,11 +65,11 @@ pub fn translated(text: &str, dialect: &Dialect) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Runs the interpreter on `text` and returns what the control would do.
+/// Runs the interpreter on `text` and returns the motions that the control would make.
 ///
-/// It keeps its parameters in the working directory and shares its tool table with every other interpreter of
-/// the same home, so each program has a directory of its own for both, below `directory`. What was refused
-/// stays there.
+/// The interpreter keeps its parameters in the working directory, and all interpreters of one home directory
+/// share a tool table. So each program has a directory of its own below `directory`, which serves as working
+/// directory and as home. The directory of a refused program stays.
 pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>, String> {
     let home = directory.join(name);
     let fault = |error: std::io::Error| error.to_string();
@@ -108,7 +108,8 @@ pub fn interpret(text: &str, directory: &Path, name: &str) -> Result<Vec<Motion>
     Ok(motions)
 }
 
-/// The curves of the program's spline blocks, of which the interpreter itself prints no points.
+/// The curves of the program's spline blocks, computed by `preview.py`, because the interpreter prints no
+/// points.
 fn splines(home: &Path) -> Result<Vec<Parabola>, String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/real/controller/preview.py");
     let mut command = Command::new("/usr/bin/python3");
@@ -120,8 +121,9 @@ fn splines(home: &Path) -> Result<Vec<Parabola>, String> {
     String::from_utf8_lossy(&output.stdout).lines().map(spline).collect()
 }
 
-/// The parabola through points at equal steps of its parameter, the last at its end; at height zero, for the
-/// preview loses its height in arcs of other planes, and the control's own call has none.
+/// The parabola through the points of one line of the preview. The points lie at equal steps of the
+/// parameter, and the last point is the end. The parabola lies at height zero: the preview gives wrong
+/// heights after arcs in other planes, and the interpreter's own call has no height.
 fn spline(line: &str) -> Result<Parabola, String> {
     let numbers: Result<Vec<f64>, _> = line.split(' ').map(str::parse).collect();
     let numbers = numbers.map_err(|error| format!("the preview: {error}"))?;
@@ -130,7 +132,7 @@ fn spline(line: &str) -> Result<Parabola, String> {
     if n < 3 || !n.is_multiple_of(3) {
         return Err(format!("a spline of {n} points"));
     }
-    // At a third, 9 P = 4 start + 4 control + end; at two thirds the ends change places.
+    // At a third of the parameter 9 P = 4 start + 4 control + end. At two thirds start and end change places.
     let (third, rest, end) = (points[n / 3 - 1], points[2 * n / 3 - 1], points[n - 1]);
     let start = end + (third - rest) * 3.0;
     let control = Point3::from((third.coords * 9.0 - start.coords * 4.0 - end.coords) / 4.0);
@@ -144,6 +146,7 @@ fn spline(line: &str) -> Result<Parabola, String> {
     Ok(curve)
 }
 
+/// The motions in the text that the interpreter prints. `splines` holds the curves of its spline blocks.
 fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
     let mut splines = splines.into_iter();
     let (mut unit, mut rate, mut plane, mut height) = (1.0, 0.0, Plane::Xy, 0.0);
@@ -191,8 +194,8 @@ fn parse(text: &str, splines: Vec<Parabola>) -> Result<Vec<Motion>, String> {
             "DWELL" => motions.push(Motion::Dwell { seconds: numbers()?[0] }),
             "NURBS_FEED" => {
                 let curve = splines.next().ok_or("a spline without its points")?;
-                // The end as it would be printed: the next motion starts there, and a full circle ends there
-                // too.
+                // The end is rounded as the interpreter prints it, because the next motion starts at the
+                // printed point, and a full circle ends there too.
                 let end = curve.end().map(|x| (x / unit * 1e4).round() / 1e4 * unit);
                 let curve = Parabola::new(curve.start(), curve.control(), end).map_err(|e| e.to_string())?;
                 let curve = curve.translated(&Vector3::new(0.0, 0.0, height));

@@ -1,4 +1,4 @@
-//! The control's motions against our reader and against the toolpath itself.
+//! Compares the control's motions with the motions of the reader and with the toolpath itself.
 
 use std::fmt;
 
@@ -15,16 +15,16 @@ use toolpathd::toolpath::units::FeedRate;
 
 use crate::canon::Motion;
 
-/// Points compared on each motion.
+/// Number of steps between the compared points of each motion.
 const SAMPLES: u32 = 12;
 
-/// Lengths and times agree within this part of themselves.
+/// Largest relative difference of lengths and times.
 const AGREEMENT: f64 = 1e-3;
 
-/// The largest radius mismatch any dialect's program may have, mm: 1.5 units of four decimals of an inch.
+/// Largest difference of the radii of an arc in any program, mm: 1.5 units of the fourth decimal of an inch.
 const MISMATCH_LIMIT_MM: f64 = 1.5 * 0.00254;
 
-/// What was compared and how far it was apart.
+/// Numbers of compared motions, and the largest differences.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Figures {
     motions: usize,
@@ -73,14 +73,14 @@ impl fmt::Display for Figures {
     }
 }
 
-/// A feed motion of the control, which may turn about a centre that is not quite the arc's.
+/// A motion of the control with its start. The centre of an arc may differ slightly from the exact centre.
 struct Run {
     start: Point3<f64>,
     motion: Motion,
 }
 
 impl Run {
-    /// The point at a fraction of the motion; the radius of an arc grows with its angle.
+    /// The point at the fraction `t` of the motion. The radius of an arc changes in proportion to the angle.
     fn point_at(&self, t: f64) -> Point3<f64> {
         match self.motion {
             Motion::Arc { plane, direction, to, center, .. } => {
@@ -109,6 +109,7 @@ impl Run {
         }
     }
 
+    /// Length in mm and time in s of a feed motion; zero for rapids and dwells.
     fn length_and_time(&self) -> (f64, f64) {
         let (length, rate) = match self.motion {
             Motion::Arc { plane, direction, to, mut center, rate } => {
@@ -125,6 +126,7 @@ impl Run {
     }
 }
 
+/// The motions with their starts.
 fn runs(motions: &[Motion]) -> Vec<Run> {
     let mut start = Point3::origin();
     let mut runs = Vec::with_capacity(motions.len());
@@ -136,7 +138,7 @@ fn runs(motions: &[Motion]) -> Vec<Run> {
     runs
 }
 
-/// A step of our reader as a motion about the centre that stands in the text.
+/// A feed step of the reader as a motion. An arc turns about the centre that the text gives.
 fn as_written(along: &Curve, center: Option<Point3<f64>>, rate: FeedRate) -> Run {
     let (to, rate) = (along.end(), rate.mm_per_min());
     let motion = match (along, center) {
@@ -149,16 +151,18 @@ fn as_written(along: &Curve, center: Option<Point3<f64>>, rate: FeedRate) -> Run
     Run { start: along.start(), motion }
 }
 
-/// Motion by motion: the control does what our reader says the text says.
+/// Checks motion by motion that the control makes the motions that the reader reads from the text.
 pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Figures, String> {
     let is_inch = text.contains("G20");
-    // What the interpreter prints is rounded on each axis, for an arc in its ends and its centre.
+    // The interpreter rounds each printed coordinate: of the ends of a motion, and of the centre of an arc.
     let printed = 2.0 * if is_inch { 25.4 * 0.5e-4 } else { 0.5e-4 } * 3f64.sqrt();
     let mut figures = Figures { motions: motions.len(), ..Figures::default() };
     let mut steps = Reader::new(text, dialect, MISMATCH_LIMIT_MM);
     for run in runs(motions) {
-        let placed =
-            steps.next().ok_or("the control moves on after our end")?.map_err(|error| error.to_string())?;
+        let placed = steps
+            .next()
+            .ok_or("the control moves on after the end of the text")?
+            .map_err(|error| error.to_string())?;
         let fault =
             |what: &str| format!("line {}: {what}: {:?} against {:?}", placed.line, placed.step, run.motion);
         let mut apart: f64 = 0.0;
@@ -217,11 +221,12 @@ pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Fi
     }
     match steps.next() {
         None => Ok(figures),
-        Some(_) => Err("the control ends before our end".into()),
+        Some(_) => Err("the control ends before the end of the text".into()),
     }
 }
 
-/// The control's cutting motions lie along the moves they were written for, and the moves along them.
+/// Checks that the control's cutting motions lie along the moves of the toolpath, and the moves along the
+/// motions.
 pub fn with_toolpath(
     toolpath: &Toolpath,
     motions: &[Motion],
@@ -288,8 +293,8 @@ pub fn with_toolpath(
     Ok(Figures { to_path_mm, to_path_inch_mm, lengths, times, ..Figures::default() })
 }
 
-/// Distance from `p` to a curve known by `at(fraction)`, whose nearest fraction is within `width` of `guess`;
-/// but no less than `enough`, below which it is not looked for.
+/// The distance from `p` to the curve `at(fraction)`, searched within `width` of the fraction `guess`, mm.
+/// The search stops at `enough`, and the result is never below `enough`.
 fn nearest(p: &Point3<f64>, guess: f64, width: f64, enough: f64, at: impl Fn(f64) -> Point3<f64>) -> f64 {
     let off = |t: f64| (p - at(t)).norm();
     let mut least = off(guess.clamp(0.0, 1.0));

@@ -1,4 +1,4 @@
-//! A curve interpolated by parabolas: the points the control runs lie on it.
+//! Checks a curve that is interpolated by parabolas: the control's path lies within the band of the curve.
 
 use std::path::Path;
 
@@ -16,18 +16,18 @@ use crate::canon::{self, Motion};
 /// Half the width of the band, mm.
 const BAND_MM: f64 = 0.01;
 
-/// Points that are looked at of each motion.
+/// Number of steps between the compared points of each motion.
 const POINTS: usize = 200;
 
-/// What rounding to three decimals may add, mm.
+/// How much rounding to three decimals may add to a distance, mm.
 const ROUNDING_MM: f64 = 0.0015;
 
-/// y = 20 sin(x / 20).
+/// The curve: y = 20 sin(x / 20), mm.
 fn height(x: f64) -> f64 {
     20.0 * (x / 20.0).sin()
 }
 
-/// The distance of a point from the curve, by halving around the nearest of many places.
+/// The distance of a point from the curve, mm, by ternary search within 1 mm of the point's x.
 fn distance(p: Point2<f64>) -> f64 {
     let to = |x: f64| (p - Point2::new(x, height(x))).norm();
     let (mut low, mut high) = (p.x - 1.0, p.x + 1.0);
@@ -38,8 +38,8 @@ fn distance(p: Point2<f64>) -> f64 {
     to(low)
 }
 
-/// Interprets the program of a curve and answers how many parabolas it has and how far its points lie from
-/// the curve.
+/// Interprets the program of the curve. Returns as text the number of parabolas and the largest distance of a
+/// point from the curve.
 pub fn check(directory: &Path) -> Result<String, String> {
     let linuxcnc = dialect("linuxcnc").ok_or("no dialect")?;
     let feed = FeedRate::from_mm_per_min(600.0).ok_or("no feed")?;

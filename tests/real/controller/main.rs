@@ -1,18 +1,19 @@
-//! Written programs against LinuxCNC's interpreter: what it would do is what the toolpath says.
+//! Compares written programs with LinuxCNC's interpreter: the control must move as the toolpath says.
 //!
-//! * 1,000 random toolpaths in three planes, in mm and inch, in each dialect in turn: the control's path lies
-//!   within 1.5 units of the last decimal of the toolpath and vice versa, in order; lengths and times agree
-//!   with `measure`.
-//! * A curve interpolated by parabolas: every point the control runs lies within the band, and rounding, of
-//!   it.
-//! * Programs of G1 blocks, rewritten with arcs: the control's path before and after lies within the
-//!   tolerance, both ways.
-//! * Every program of the directories given as arguments: the control's motions are those of our own reader.
+//! * 1,000 random toolpaths in three planes, in mm and inches, in each dialect in turn. The control's path
+//!   and the toolpath lie within 1.5 units of the last decimal of each other, in order. Lengths and times
+//!   agree with `measure`.
+//! * A curve interpolated by parabolas. Every point of the control's path lies within the band of the curve,
+//!   widened by the rounding.
+//! * Programs of G1 blocks, rewritten with arcs. The control's paths before and after lie within the
+//!   tolerance of each other.
+//! * Every program in the directories given as arguments. The control makes the motions that the reader of
+//!   this package reads.
 //!
-//! Of spline blocks the curve itself is compared, as the interpreter computes it; the arcs that the control
-//! then runs for it are bounded in `toolpath/quantize/biarcs`.
+//! For spline blocks the check compares the curve that the interpreter computes. The control then replaces
+//! the curve by arcs; `toolpath/quantize/biarcs` bounds how far these arcs leave the curve.
 //!
-//! A dialect of another control is translated where this interpreter reads the same words in another way.
+//! A program in the dialect of another control is translated where LinuxCNC reads the same words differently.
 
 mod arcs;
 mod canon;
@@ -30,16 +31,18 @@ use toolpathd::post::{self, DIALECTS, Dialect, ProgramJob};
 use toolpathd::toolpath::Toolpath;
 use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
 
+/// Number of random toolpaths.
 const TOOLPATHS: usize = 1_000;
+/// Threads that check random toolpaths.
 const WORKERS: usize = 2;
 
-/// Every tenth toolpath is also written with G28 and with G53.
+/// One in this many toolpaths is also written with G28 and with G53.
 const HOMED: usize = 10;
 
 fn main() -> ExitCode {
     let directory = env::temp_dir().join(format!("toolpathd-controller-{}", process::id()));
     let result = run(&directory);
-    // What was refused stays, to be looked at.
+    // After a failure the files stay, so that people can look at them.
     if result.is_ok() && fs::remove_dir_all(&directory).is_err() {
         eprintln!("{} is left", directory.display());
     }
@@ -86,7 +89,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             return Ok(figures);
         }
         let case = random::case(seed as u64);
-        // Some programs are in inches, where the interpreter prints less precisely.
+        // Every fifth program is in inches, where the printed decimals of the interpreter are coarser.
         let resolution = if seed % 5 == 3 {
             Resolution { units: Units::Inch, decimals: 4 }
         } else {
@@ -128,7 +131,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
     }
 }
 
-/// The control takes the way home, and cuts the same.
+/// Checks that with `safe_home` the control makes more rapids and the same other motions.
 fn cuts_alike_from_home(
     toolpath: &Toolpath,
     job: &ProgramJob,
@@ -153,12 +156,13 @@ fn cuts_alike_from_home(
     Ok(())
 }
 
-/// The dialect whose files are called so.
+/// The first dialect whose files have the extension of `path`.
 fn dialect_of(path: &Path) -> Option<&'static Dialect> {
     let extension = path.extension()?.to_str()?;
     DIALECTS.iter().copied().find(|dialect| dialect.file_extension == extension)
 }
 
+/// The paths of the programs in `directory`, sorted. An error where there are none.
 fn programs_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(directory).map_err(|error| format!("{}: {error}", directory.display()))?;
     let mut programs: Vec<_> = entries

@@ -1,8 +1,8 @@
-"""The points that LinuxCNC's interpreter computes on each spline block of a program, one block a line, in mm.
+"""Prints the points that LinuxCNC's interpreter computes on each spline block of a program, one block a line, in mm.
 
-Its stand-alone program prints NURBS_FEED without them. The module that draws previews runs the same interpreter and
-asks the interpreter's own functions for points at equal steps of the parameter. It has no tool table: lines that call a
-tool or its length are left out, for the tools of these tests have none.
+The stand-alone interpreter prints NURBS_FEED without points. LinuxCNC's module for previews runs the same interpreter and
+computes points at equal steps of the parameter with the interpreter's own functions. The module has no tool table, so
+tool changes and tool lengths are removed from the program. The tools of these tests have no length.
 """
 
 import re
@@ -16,7 +16,7 @@ TOOLLESS = "toolless.ngc"
 
 
 class Canon:
-    """Takes every call of the interpreter, and keeps the feeds of spline blocks."""
+    """Takes all calls of the interpreter and keeps the feed motions of spline blocks."""
 
     parameter_file = "preview.var"
 

@@ -1,5 +1,5 @@
-//! Random toolpaths: arcs of every size, sweep and sense in three planes, helices, parabolas, lines, rapids
-//! and dwells.
+//! Makes random toolpaths: arcs of every size, sweep and direction in three planes, helices, parabolas,
+//! lines, rapids and dwells.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ pub struct Case {
 struct Random(u64);
 
 impl Random {
-    /// In 0..1.
+    /// The next number in 0..1.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
@@ -50,7 +50,7 @@ pub fn case(seed: u64) -> Case {
     random.unit();
     let mut path = Toolpath::builder(Point3::from(random.vector(50.0)));
     for _ in 0..10 + random.below(30) {
-        // Three points that rounding has put off their arc are refused, and another move is drawn.
+        // The builder refuses an arc whose points rounding has moved too far. Then another move is drawn.
         let mut tries = 0;
         while add(&mut path, &mut random).is_err() && tries < 10 {
             tries += 1;
@@ -92,7 +92,7 @@ fn add(path: &mut Builder, random: &mut Random) -> Result<(), toolpathd::toolpat
             let plane = Plane::ALL[random.below(3)];
             let direction = if random.unit() < 0.5 { Direction::Cw } else { Direction::Ccw };
             let radius = 10f64.powf(random.within(-1.5, 4.3));
-            // Large arcs are short, so that the interpreter's four decimals say where they are.
+            // Large arcs are short, because the four printed decimals do not fix the place of a long arc.
             let most = TAU.min(300.0 / radius);
             let sweep = match random.below(6) {
                 0 if most == TAU => TAU,

@@ -1,13 +1,14 @@
 """Runs the random tests of the library and of tests/it on fresh seeds.
 
-First every kept case runs again: a line of tests/real/explore/cases is a seed, a test binary and the name of a test. A kept
-case that fails ends the run with 1. Then random tests run on fresh seeds until the time is over. A failure on a fresh seed
-says nothing about the change at hand: its case is printed and added to the file, to be committed, and the exit stays 0.
+First every kept case runs again. Each line of tests/real/explore/cases is a case: a seed, a test binary and the name of a
+test. If a kept case fails, the script ends with exit code 1. Then random tests run on fresh seeds until the time is over. A
+failure on a fresh seed need not come from the latest change. So the script prints the case, adds it to the file, which is
+to be committed, and still ends with exit code 0.
 
-EXPLORE_SECONDS  how long fresh seeds are tried; 300 if not given
-EXPLORE_SEED     the seed that all other seeds follow from; random if not given
+EXPLORE_SECONDS  time for fresh seeds in seconds; 300 if not given
+EXPLORE_SEED     the seed from which all other seeds follow; random if not given
 
-One test on one seed, with its output:
+To run one test on one seed and see its output:
 PROPTEST_RNG_SEED=<seed> cargo test <name of the test>
 """
 
@@ -27,15 +28,15 @@ CASES = ROOT / "tests/real/explore/cases"
 SECONDS = float(os.environ.get("EXPLORE_SECONDS", "300"))
 SEED = int(os.environ.get("EXPLORE_SEED", random.SystemRandom().randrange(1 << 32)))
 
-# A test that has not ended by then, seconds, counts as failed.
+# Longest time of one test, in seconds. A test that takes longer counts as failed.
 LONGEST = 300
 
-# A function, with the attribute that makes it a test.
+# Matches a function, together with the attribute that makes the function a test.
 FUNCTION = re.compile(r"(#\[(?:tokio::)?test\]\s*(?:#\[[^\]]*\]\s*|//[^\n]*\s*)*)?\bfn (\w+)(?:<[^(]*>)?\(([^{)]*)")
 
 
 def binaries():
-    """The test binaries of the library and of tests/it, which the gate has built already."""
+    """The paths of the test binaries of the library and of tests/it, by name. .ci/run has built them already."""
     build = ["cargo", "test", "--locked", "--quiet", "--no-run", "--lib", "--test", "it", "--message-format=json"]
     lines = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.splitlines()
     artifacts = [json.loads(line) for line in lines if line.startswith("{")]
@@ -44,7 +45,7 @@ def binaries():
 
 
 def random_tests(folder):
-    """The names of random tests: proptest hands them arguments, or they ask for numbers, themselves or by a function."""
+    """The names of random tests. A random test takes arguments from proptest, or draws random numbers, itself or in a function."""
     names = []
     for path in sorted(folder.rglob("*.rs")):
         text = path.read_text()
@@ -67,7 +68,7 @@ def listed(executable):
 
 
 def run(executable, name, seed):
-    """The output of a test that fails; nothing if it passes."""
+    """The output of a test that fails; an empty text if the test passes."""
     environment = {**os.environ, "PROPTEST_RNG_SEED": str(seed), "PROPTEST_DISABLE_FAILURE_PERSISTENCE": "true"}
     command = [executable, "--exact", name, "--test-threads=1"]
     try:
@@ -88,7 +89,7 @@ def kept():
 
 
 def again(executables):
-    """Runs the kept cases; how many fail."""
+    """Runs the kept cases and returns the number of failures."""
     failed = 0
     for seed, binary, name in kept():
         output = run(executables[binary], name, seed)

@@ -1,12 +1,13 @@
-//! A client that costs next to nothing, for it shares the processors with the service.
+//! An HTTP client that needs little processor time, because it runs on the same processors as the service.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
+/// Longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// One connection, which is kept.
+/// A client with one connection, which stays open between requests.
 pub struct Client {
     stream: BufReader<TcpStream>,
 }
@@ -16,12 +17,12 @@ impl Client {
         Self { stream: BufReader::new(connect(address)) }
     }
 
-    /// The status of the answer.
+    /// Sends a `GET` and returns the status of the answer.
     pub fn get(&mut self, path: &str) -> u16 {
         self.send(&format!("GET {path} HTTP/1.1\r\nHost: here\r\n\r\n"))
     }
 
-    /// The status of the answer; every refusal says when to come back.
+    /// Sends a `POST` and returns the status of the answer. Panics when a 503 has no `Retry-After`.
     pub fn post(&mut self, path: &str, body: &str) -> u16 {
         self.send(&format!(
             "POST {path} HTTP/1.1\r\nHost: here\r\nContent-Length: {}\r\n\r\n{body}",
@@ -34,7 +35,7 @@ impl Client {
         let mut head = String::new();
         while !head.ends_with("\r\n\r\n") {
             let read = self.stream.read_line(&mut head).expect("a line");
-            assert!(read > 0, "closed within {head:?}");
+            assert!(read > 0, "the connection closed within the head {head:?}");
         }
         let head = head.to_ascii_lowercase();
         let header = |name: &str| {
@@ -49,14 +50,14 @@ impl Client {
     }
 }
 
-/// A connection that begins a request and stops.
+/// A connection that has sent only a part of the head of a request.
 pub fn partial_head(address: SocketAddr) -> TcpStream {
     let mut stream = connect(address);
     stream.write_all(b"POST /v1/surfaces/mill HTTP/1.1\r\nHost: here\r\nContent-").expect("sent");
     stream
 }
 
-/// Whether the other side has closed the connection, perhaps after an answer.
+/// Whether the service has closed the connection, perhaps after an answer.
 pub fn is_closed(mut stream: &TcpStream) -> bool {
     stream.set_nonblocking(true).expect("set");
     let mut buffer = [0; 1024];

@@ -1,5 +1,6 @@
-//! The real program under more load than it can take: what is refused is refused at once, and what is taken
-//! is answered as fast as when nobody was refused. Prints the figures; fails beyond generous limits.
+//! Measures the real program under more load than it can serve. Refused requests must be refused at once, and
+//! accepted requests must be answered about as fast as without refusals. Prints the figures, and fails beyond
+//! generous limits.
 
 mod client;
 mod program;
@@ -13,29 +14,38 @@ use std::time::{Duration, Instant};
 use client::{Client, partial_head};
 use program::Program;
 
-/// Few places, so that most of the clients are refused.
+/// Settings of the service: few workers and a short queue, so that most clients of the large crowd are
+/// refused.
 const SETTINGS: [&str; 4] = ["--workers", "2", "--queue", "4"];
 
+/// Number of clients in the large crowd.
 const CROWD: usize = 64;
-/// Numbers of clients among which the peak is looked for; none of them is refused.
+/// Numbers of clients in the small crowds, of which none is refused. The fastest small crowd gives the peak.
 const SMALL_CROWDS: [usize; 3] = [2, 4, 6];
 
-/// The crowds take turns, so that what else the machine does falls on all of them.
+/// Number of rounds. The crowds take turns, so that other load on the machine affects all crowds alike.
 const ROUNDS: usize = 4;
-/// How long each crowd is measured in a round, after a start that does not count.
+/// How long each crowd is measured in a round, after `WARM_UP`.
 const MEASURED: Duration = Duration::from_secs(2);
+/// Time at the start of each round that does not count.
 const WARM_UP: Duration = Duration::from_millis(300);
 
-/// What a client that was refused waits before it asks again: a twentieth of what it is told. Clients run on
-/// the same processors as the service, so that those who do not wait at all measure themselves.
+/// How long a refused client waits before it asks again: a twentieth of the second in `Retry-After`. Clients
+/// run on the same processors as the service. Without a wait they would mostly measure themselves.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Below what is aimed at, which is 0.9 and 50 ms on two processors for the service alone.
+/// Least answers per second of the large crowd, as a fraction of the peak. The aim is 0.9, and 50 ms for
+/// `REFUSED_WITHIN`, when the service has two processors for itself. The limits are wider, because the
+/// clients run on the same processors.
 const GOODPUT_AT_LEAST: f64 = 0.8;
+/// Longest time of 99 % of the refusals.
 const REFUSED_WITHIN: Duration = Duration::from_millis(100);
 
+/// Number of connections that stop within the head of a request.
 const PARTIAL_HEADS: usize = 200;
+/// Time after which the service must have closed all of these connections.
 const CLOSED_WITHIN: Duration = Duration::from_secs(12);
+/// Longest time of an answer to another client meanwhile.
 const ANSWERED_WITHIN: Duration = Duration::from_millis(200);
 
 fn main() -> ExitCode {
@@ -48,7 +58,8 @@ fn main() -> ExitCode {
     if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Goodput of a crowd against the peak, and how fast the rest is refused.
+/// Compares the answers per second of the large crowd with the peak of the small crowds, and checks that
+/// refusals are fast. Returns the failures.
 fn overload(address: SocketAddr) -> Vec<String> {
     let job = Arc::new(job());
     let alone = crowd(address, &job, 1);
@@ -84,7 +95,8 @@ fn overload(address: SocketAddr) -> Vec<String> {
     failures
 }
 
-/// Connections that stop within the head of a request are closed, and delay nobody meanwhile.
+/// Checks that connections which stop within the head of a request are closed and do not delay other clients.
+/// Returns the failures.
 fn partial_heads(address: SocketAddr) -> Vec<String> {
     let opened = Instant::now();
     let stuck: Vec<_> = (0..PARTIAL_HEADS).map(|_| partial_head(address)).collect();
@@ -110,7 +122,7 @@ fn partial_heads(address: SocketAddr) -> Vec<String> {
     failures
 }
 
-/// Times of requests.
+/// Durations of requests.
 #[derive(Default)]
 struct Times(Vec<Duration>);
 
@@ -123,7 +135,7 @@ impl Times {
     }
 }
 
-/// What crowds of one size met while they were measured.
+/// The measurements of crowds of one size.
 #[derive(Default)]
 struct Load {
     rounds: u32,
@@ -138,13 +150,13 @@ impl Load {
         self.refused.0.extend(other.refused.0);
     }
 
-    /// Answers a second.
+    /// Answers per second.
     fn goodput(&self) -> f64 {
         self.answered.0.len() as f64 / (MEASURED * self.rounds).as_secs_f64()
     }
 }
 
-/// `clients` send the job again and again.
+/// Lets a number of clients send the job again and again, and measures them.
 fn crowd(address: SocketAddr, job: &Arc<String>, clients: usize) -> Load {
     let start = Arc::new(Barrier::new(clients));
     let run = |_| {
@@ -165,7 +177,7 @@ fn crowd(address: SocketAddr, job: &Arc<String>, clients: usize) -> Load {
     load
 }
 
-/// Times of answers and of refusals that one client got within the measured time.
+/// The durations of the answers and of the refusals that one client got within the measured time.
 fn client_of_crowd(client: &mut Client, job: &str) -> (Vec<Duration>, Vec<Duration>) {
     let begin = Instant::now() + WARM_UP;
     let end = begin + MEASURED;
@@ -189,7 +201,7 @@ fn client_of_crowd(client: &mut Client, job: &str) -> (Vec<Duration>, Vec<Durati
     (answered, refused)
 }
 
-/// Finishing of a wave of 60 mm by 60 mm: some 50 ms of work.
+/// The body of a job: finishing a wave of 60 mm by 60 mm, which takes some 50 ms.
 fn job() -> String {
     let row = |i: u32| {
         let point = |j: u32| {

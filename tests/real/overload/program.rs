@@ -1,4 +1,4 @@
-//! The program on a free port, ended with the measurement.
+//! Runs the program on a free port and ends it when the value is dropped.
 
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;

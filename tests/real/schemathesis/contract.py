@@ -1,12 +1,13 @@
-"""Prints the contract without the sizes that no case should have.
+"""Prints the contract without the limits of large arrays.
 
-Cases are made at every limit. Those of large arrays, one in another, would take the memory of this machine
-before the service heard of them; that they hold is tested elsewhere.
+Schemathesis makes cases at every limit. Nested arrays of that size would use up the memory of the machine before
+the service received them. Other tests check these limits.
 """
 
 import json
 import sys
 
+# Largest `maxItems` that stays in the printed contract.
 LARGEST = 100
 
 

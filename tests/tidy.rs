@@ -1,11 +1,12 @@
-//! The architecture as a test: which layer may name which, what the core never touches, how long a file may
-//! be.
+//! Checks the architecture of the sources: which layer may name which, what the core must not name, and how
+//! long a file may be.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules of the crate with the modules they may name. What is not listed here does not exist.
+/// The top-level modules of the crate, each with the modules that it may name. A module that is missing here
+/// fails the test.
 const LAYERS: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("budget", &["parallel"]),
@@ -36,10 +37,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lib", &[]),
 ];
 
-/// The layers that meet the outside world.
+/// The layers that may name files, sockets, the terminal and frameworks.
 const OUTER: &[&str] = &["http", "config", "main"];
 
-/// What the core never names: the outside world, the clock, the terminal.
+/// Words that no other layer may name: frameworks, files, sockets, processes, the clock and the terminal.
 #[rustfmt::skip]
 const OUTSIDE: &[&str] = &[
     "axum", "clap", "eprintln!", "http_body", "hyper", "mime", "println!", "prometheus_client", "rayon", "serde", "sha2",
@@ -47,23 +48,26 @@ const OUTSIDE: &[&str] = &[
     "utoipa",
 ];
 
-/// What can be read in one sitting.
+/// Most lines of a source file. A longer file cannot be read in one sitting.
 const LONGEST_FILE: usize = 420;
 
 #[test]
-fn dependencies_point_down() {
+fn every_layer_names_only_the_layers_below_it() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         let layer = layer_of(&path);
         let Some((_, allowed)) = LAYERS.iter().find(|(name, _)| *name == layer) else {
-            wrong.push(format!("{}: the layer {layer} is not in the list", path.display()));
+            wrong.push(format!("{}: the layer {layer} is not in `LAYERS`", path.display()));
             continue;
         };
         for (number, line) in code_lines(&text) {
             for named in modules_named(line) {
                 let known = LAYERS.iter().any(|(name, _)| *name == named);
                 if known && named != layer && !allowed.contains(&named.as_str()) {
-                    wrong.push(format!("{}:{number}: {layer} names {named}", path.display()));
+                    wrong.push(format!(
+                        "{}:{number}: the layer {layer} must not name {named}",
+                        path.display()
+                    ));
                 }
             }
         }
@@ -72,7 +76,7 @@ fn dependencies_point_down() {
 }
 
 #[test]
-fn the_core_touches_nothing_outside() {
+fn the_core_names_no_framework_no_file_no_socket_and_no_clock() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         let layer = layer_of(&path);
@@ -82,11 +86,11 @@ fn the_core_touches_nothing_outside() {
         for (number, line) in code_lines(&text) {
             for word in OUTSIDE {
                 if names(line, word) {
-                    wrong.push(format!("{}:{number}: names {word}", path.display()));
+                    wrong.push(format!("{}:{number}: the core must not name {word}", path.display()));
                 }
             }
             if layer != "budget" && names(line, "Instant") {
-                wrong.push(format!("{}:{number}: reads the clock", path.display()));
+                wrong.push(format!("{}:{number}: names the clock; only `budget` may", path.display()));
             }
         }
     }
@@ -94,22 +98,25 @@ fn the_core_touches_nothing_outside() {
 }
 
 #[test]
-fn files_can_be_read_in_one_sitting() {
+fn source_files_are_short_and_begin_with_a_module_comment() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         let lines = text.lines().count();
         if lines > LONGEST_FILE {
-            wrong.push(format!("{}: {lines} lines, {LONGEST_FILE} at most", path.display()));
+            wrong.push(format!("{}: {lines} lines; at most {LONGEST_FILE} are allowed", path.display()));
         }
         if !text.starts_with("//!") && !path.ends_with("tests.rs") {
-            wrong.push(format!("{}: does not begin by saying what it is for", path.display()));
+            wrong.push(format!(
+                "{}: does not begin with a `//!` comment that says what the file is for",
+                path.display()
+            ));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
-fn comments_are_no_wider_than_the_code() {
+fn comments_are_no_wider_than_rustfmt_allows_for_code() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let settings = fs::read_to_string(root.join("rustfmt.toml")).unwrap();
     let width: usize =
@@ -118,10 +125,14 @@ fn comments_are_no_wider_than_the_code() {
     for (path, text) in sources() {
         for (number, line) in text.lines().enumerate() {
             let comment = line.trim_start().starts_with("//");
-            // A table has a line for each of its rows.
+            // A row of a table must stay on one line.
             let table = line.trim_start_matches([' ', '/', '!']).starts_with('|');
             if comment && !table && line.chars().count() > width {
-                wrong.push(format!("{}:{}: {line}", path.display(), number + 1));
+                wrong.push(format!(
+                    "{}:{}: a comment wider than {width}: {line}",
+                    path.display(),
+                    number + 1
+                ));
             }
         }
     }
@@ -129,24 +140,28 @@ fn comments_are_no_wider_than_the_code() {
 }
 
 #[test]
-fn the_tree_explains_itself() {
+fn no_file_has_a_catch_all_name_and_every_folder_has_a_file_of_its_name() {
     for (path, _) in sources() {
         let name = path.file_stem().unwrap().to_str().unwrap();
-        assert!(!["mod", "utils", "util", "common", "misc", "helpers"].contains(&name), "{}", path.display());
+        assert!(
+            !["mod", "utils", "util", "common", "misc", "helpers"].contains(&name),
+            "{}: the name does not say what the file holds",
+            path.display()
+        );
         let folder = path.parent().unwrap();
         if folder != Path::new("src") {
             let head = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).with_extension("rs");
-            assert!(head.is_file(), "{} has no file that heads it", folder.display());
+            assert!(head.is_file(), "{} lacks a file of the same name beside it", folder.display());
         }
     }
 }
 
 #[test]
-fn modules_beside_each_other_form_no_circle() {
+fn modules_with_the_same_parent_do_not_depend_on_each_other_in_a_circle() {
     let modules: BTreeMap<Vec<String>, String> =
         sources().into_iter().map(|(path, text)| (module_of(&path), text)).collect();
-    // From one module to another beside it under the same parent: those that each names, with its
-    // descendants.
+    // The key is a parent and the name of a child. The value holds the other children of this parent that the
+    // child or its descendants name.
     let mut named: BTreeMap<(Vec<String>, String), BTreeSet<String>> = BTreeMap::new();
     for (module, text) in modules.iter().filter(|(module, _)| !module.iter().any(|name| name == "tests")) {
         let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -169,35 +184,35 @@ fn modules_beside_each_other_form_no_circle() {
             }
         }
         if reached.contains(start) {
-            circles.push(format!("{}::{start} is in a circle", parent.join("::")));
+            circles.push(format!("{}::{start} depends on itself through other modules", parent.join("::")));
         }
     }
     assert!(circles.is_empty(), "{}", circles.join("\n"));
 }
 
 #[test]
-fn the_files_that_the_architecture_names_exist() {
+fn every_file_that_the_architecture_names_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join("docs/ARCHITECTURE.md")).unwrap();
     let named = text.split('`').skip(1).step_by(2);
     let paths: Vec<&str> = named
         .filter(|name| ["src/", "openapi/", "docs/", "tests/"].iter().any(|at| name.starts_with(at)))
         .collect();
-    assert!(paths.len() > 40, "the paths were not found");
+    assert!(paths.len() > 40, "only {} paths were found in docs/ARCHITECTURE.md", paths.len());
     for path in paths {
         let found = root.join(path).exists() || root.join(path).with_extension("rs").exists();
-        assert!(found, "docs/ARCHITECTURE.md names {path}");
+        assert!(found, "docs/ARCHITECTURE.md names {path}, which does not exist");
     }
 }
 
-/// The segments of a module's path, without the crate.
+/// The path of the module in a file, by segments, without the name of the crate.
 fn module_of(path: &Path) -> Vec<String> {
     let inner = path.strip_prefix("src").unwrap().with_extension("");
     inner.components().map(|name| name.as_os_str().to_str().unwrap().to_owned()).collect()
 }
 
-/// The paths that code names: of every `use`, its lists unfolded, and those that begin with the crate, a
-/// parent or the module itself.
+/// The module paths that code names: every path of every `use`, and every path that begins with `crate`,
+/// `super` or `self`.
 fn paths_in(code: &str) -> impl Iterator<Item = Vec<String>> {
     let code: Vec<&str> = code_lines(code).map(|(_, line)| line).collect();
     let code = code.join(" ");
@@ -217,7 +232,7 @@ fn paths_in(code: &str) -> impl Iterator<Item = Vec<String>> {
     paths.into_iter().map(segments)
 }
 
-/// Appends the single paths of a tree of imports.
+/// Splits a tree of imports, such as `a::{b, c::d}`, and appends each single path to `paths`.
 fn unfold(before: &str, tree: &str, paths: &mut Vec<String>) {
     let Some((head, list)) = tree.split_once('{') else {
         paths.push(format!("{before}{tree}"));
@@ -240,7 +255,7 @@ fn unfold(before: &str, tree: &str, paths: &mut Vec<String>) {
     }
 }
 
-/// The module in which a path that `module` names ends, if it is another one.
+/// The module that `path` leads to, if `module` names the path. `None` if it leads to no other module.
 fn resolve(
     path: &[String],
     module: &[String],
@@ -287,17 +302,17 @@ fn sources() -> Vec<(PathBuf, String)> {
         }
     }
     files.sort();
-    assert!(files.len() > 20, "the sources were not found");
+    assert!(files.len() > 20, "only {} source files were found", files.len());
     files
 }
 
-/// The top-level module a file belongs to.
+/// The top-level module that a file belongs to.
 fn layer_of(path: &Path) -> String {
     let first = path.components().nth(1).unwrap().as_os_str().to_str().unwrap();
     first.trim_end_matches(".rs").to_owned()
 }
 
-/// The first path segments after the crate's name.
+/// The top-level modules that a line names: the first segment after `crate::` or `toolpathd::`.
 fn modules_named(line: &str) -> Vec<String> {
     let mut named = Vec::new();
     for prefix in ["crate::", "toolpathd::"] {

@@ -1,5 +1,6 @@
-//! Fitting arcs and lines, judged by geometry of its own: what the tests share are elements as ways, and a
-//! verdict on results.
+//! Tests of fitting arcs and lines. They judge fits by geometry of their own, not by the library's.
+//!
+//! This file holds what the tests share: the elements of a fit as [`Way`]s, and the verdict on a fit.
 
 mod brute;
 mod claims;
@@ -16,15 +17,15 @@ use toolpathd::geometry::arc_fit::{Fit, Fitted, Points, Shape, fit};
 
 use way::{Way, order_deviation};
 
-/// What fits are judged by: rounding of coordinates of some tens of mm.
+/// Allowance for rounding when a fit is judged, mm. Coordinates are up to some tens of mm.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// The fit of points in a plane.
+/// Fits points in a plane.
 fn fitted(points: &[Vector2<f64>], request: &Fit) -> Fitted {
     fit(Points { flat: points, heights: &[] }, request, &Budget::unlimited()).unwrap()
 }
 
-/// The elements as ways, each with the index of its first and last point.
+/// The elements of a fit as ways, each with the indices of its first and last point.
 fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
     let (mut from, mut first) = (found.start, 0);
     let each = found.elements.iter().map(|element| {
@@ -41,8 +42,10 @@ fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
     each.collect()
 }
 
-/// The number of elements, if the chain starts and ends near the first and the last point, leaves no point
-/// out, and every element passes its points within the tolerance and in order; otherwise what is wrong.
+/// Returns the number of elements of a fit that is right, or else what is wrong with it.
+///
+/// A fit is right if its chain starts near the first point and ends at the last, leaves no point out, and
+/// each element passes its points in order within the tolerance (mm).
 fn judge(points: &[Vector2<f64>], found: &Fitted, tolerance: f64) -> Result<usize, String> {
     let most = tolerance + ROUNDING_MM;
     let is_whole = found.elements.last().map(|element| element.end) == Some(points.len() - 1);
@@ -52,13 +55,14 @@ fn judge(points: &[Vector2<f64>], found: &Fitted, tolerance: f64) -> Result<usiz
     for (way, [first, last]) in ways(found) {
         let off = if first < last { order_deviation(&way, &points[first..=last]) } else { f64::INFINITY };
         if off > most {
-            return Err(format!("{way:?} is {off} off {:?}", &points[first..=last]));
+            return Err(format!("{way:?} is {off} mm off the points {:?}", &points[first..=last]));
         }
     }
     Ok(found.elements.len())
 }
 
-/// The least number of elements over `n` points, by which pairs of them one may join.
+/// The least number of elements in a chain over `n` points. `is_possible` says whether one element may join
+/// two points.
 fn least(n: usize, is_possible: impl Fn([usize; 2]) -> bool) -> usize {
     let mut counts = vec![0];
     for to in 1..n {

@@ -1,6 +1,9 @@
-//! The least number of elements by brute force: every pair of points, arcs over its chord by their sweep at
-//! dense samples and by golden sections between them, and dynamic programming. [`Fit`] with joints on the
-//! points must reach the same number.
+//! Finds the least number of elements by brute force. [`Fit`] with joints on the points must find the same
+//! number.
+//!
+//! 1. Every pair of points is the chord of candidate arcs. Dense samples of the sweep and golden-section
+//!    searches between them find the best arcs over the chord.
+//! 2. Dynamic programming finds the shortest chain of pairs that one element may join.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Measure};
@@ -9,16 +12,17 @@ use super::inputs::{KINDS, Random, few};
 use super::way::{WIDEST, Way, order_deviation};
 use super::{fitted, judge, least};
 
-/// Sweeps on each side of the chord from which the least deviation is sought.
+/// Sampled sweeps on each side of a chord. A search for the least deviation starts from each local minimum.
 const SWEEPS: usize = 60;
 
-/// Sweeps tried within the tolerance for one that passes the points in order.
+/// Sweeps tried in each range of sweeps within the tolerance, to find an arc that passes the points in order.
 const ORDERS: usize = 48;
 
-/// Arcs of smaller radius, in tolerances, do not stand for lines.
+/// Least radius of an arc in a fit to a polyline, as a multiple of the tolerance. The fit has the same limit.
 const LEAST_RADIUS_TOLERANCES: f64 = 2.0;
 
-/// Deviations this near to the tolerance decide nothing.
+/// A deviation that is nearer to the tolerance than this, mm, leaves undecided whether an element is
+/// possible.
 const UNDECIDED_MM: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,10 +32,11 @@ enum Verdict {
     Impossible,
 }
 
-/// The elements over one chord.
+/// The candidates over one chord: a line, and arcs on both sides.
 struct Pair<'a> {
     points: &'a [Vector2<f64>],
-    /// Sweeps in order on each side, with the largest distance of a point.
+    /// On each side, sweeps (rad) by rising size, each with the largest distance of a point from its arc
+    /// (mm).
     sides: [Vec<(f64, f64)>; 2],
 }
 
@@ -76,7 +81,8 @@ impl<'a> Pair<'a> {
         self.points.iter().map(|p| way.distance(*p)).fold(0.0, f64::max)
     }
 
-    /// The least tolerance, where it is about `tolerance`, that an element keeps by the measure.
+    /// The deviation of the element with this sweep by the measure, mm. It is infinite for an arc that is too
+    /// small at this `tolerance` to replace lines.
     fn off(&self, sweep: f64, measure: Measure, tolerance: f64) -> f64 {
         let way = self.way(sweep);
         match (measure, way) {
@@ -88,8 +94,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Whether an element passes the points within the tolerance and in order, and is near their lines if
-    /// these are the measure.
+    /// Whether some element over the chord passes the points in order within the tolerance. By the measure
+    /// [`Measure::Polyline`], the lines between the points must be near the element too.
     fn verdict(&self, tolerance: f64, measure: Measure) -> Verdict {
         if self.points.len() == 2 {
             return Verdict::Possible;
@@ -125,8 +131,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The stretches of sweeps whose arcs have every point within `tolerance`, by the samples and by halving
-    /// between them.
+    /// The ranges of sweeps whose arcs have every point within `tolerance` (mm). Samples find the ranges, and
+    /// bisection between samples finds their ends.
     fn ranges(&self, side: &[(f64, f64)], tolerance: f64) -> Vec<[f64; 2]> {
         let border = |mut out: f64, mut within: f64| {
             for _ in 0..50 {
@@ -156,7 +162,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Where a function is least in a range, and its value there.
+/// Golden-section search: the place in a range at which a function is least, and its value there.
 fn golden([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> (f64, f64) {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
@@ -175,13 +181,14 @@ fn golden([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> (f64, f64) {
     if at_a <= at_b { (a, at_a) } else { (b, at_b) }
 }
 
-/// Every pair of points.
+/// The chord of every pair of points. Row `from` begins with the chord to the next point.
 fn pairs(points: &[Vector2<f64>]) -> Vec<Vec<Pair<'_>>> {
     let n = points.len();
     (0..n).map(|from| (from + 1..n).map(|to| Pair::new(&points[from..=to])).collect()).collect()
 }
 
-/// The least and the largest number of elements that brute force allows.
+/// The least number of elements if undecided pairs count as possible, and the least number if they count as
+/// impossible.
 fn allowed(pairs: &[Vec<Pair>], tolerance: f64, measure: Measure) -> [usize; 2] {
     let verdict = |pair: &Pair| pair.verdict(tolerance, measure);
     let verdicts: Vec<Vec<Verdict>> = pairs.iter().map(|row| row.iter().map(verdict).collect()).collect();
@@ -193,11 +200,11 @@ fn allowed(pairs: &[Vec<Pair>], tolerance: f64, measure: Measure) -> [usize; 2] 
     })
 }
 
-/// How many inputs of each kind are tried.
+/// Inputs of each kind of points.
 const INPUTS: usize = 20;
 
 #[test]
-fn few_points_take_the_least_number_of_elements() {
+fn a_fit_of_few_points_has_as_few_elements_as_brute_force_finds() {
     let mut random = Random::stream(1);
     let (mut compared, mut undecided, mut wrong) = (0, 0, Vec::new());
     for kind in KINDS {
@@ -215,13 +222,13 @@ fn few_points_take_the_least_number_of_elements() {
                     undecided += usize::from(least < most);
                     if !count.as_ref().is_ok_and(|count| (least..=most).contains(count)) {
                         wrong.push(format!(
-                            "{kind:?} {measure:?} within {tolerance}: {count:?}, not {least}..={most}\n{points:?}"
+                            "{kind:?} {measure:?} within {tolerance}: {count:?} elements, brute force {least}..={most}\n{points:?}"
                         ));
                     }
                 }
             }
         }
     }
-    assert!(undecided * 50 < compared, "{undecided} of {compared} are undecided");
-    assert!(wrong.is_empty(), "{} of {compared}:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(undecided * 50 < compared, "{undecided} of {compared} comparisons are undecided");
+    assert!(wrong.is_empty(), "{} of {compared} fits are wrong:\n{}", wrong.len(), wrong.join("\n"));
 }

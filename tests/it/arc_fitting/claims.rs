@@ -1,5 +1,5 @@
-//! Fits of small whole numbers and of points near their resolution: no job ends in a fault, and no stated
-//! deviation is below what a dense check in order finds.
+//! Fits of points with small whole coordinates, and of points whose distances are near the resolution of
+//! their coordinates. No job fails, and no stated deviation is smaller than a dense check finds.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -9,7 +9,10 @@ use toolpathd::toolpath::{Move, Role};
 
 use super::inputs::Random;
 
+/// Samples of each line between two points.
 const POINTS_A_LINE: usize = 16;
+
+/// Samples of each cutting move.
 const POINTS_A_CURVE: usize = 120;
 
 fn whole_numbers(random: &mut Random) -> (Vec<Point3<f64>>, f64) {
@@ -46,7 +49,7 @@ fn job(points: Vec<Point3<f64>>, tolerance_mm: f64, random: &mut Random) -> Job 
     job
 }
 
-/// Dense points of the cutting moves, and the largest step between two of them.
+/// Samples of the cutting moves, and the largest distance of two neighbouring samples along a move, mm.
 fn way(plan: &Plan) -> (Vec<Point3<f64>>, f64) {
     let curves = plan.toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut, .. } => Some(*along),
@@ -61,8 +64,10 @@ fn way(plan: &Plan) -> (Vec<Point3<f64>>, f64) {
     (way, step)
 }
 
-/// The least distance within which places of the way follow each other for points that follow each other; by
-/// lines those places run from its first to its last, one after the other.
+/// The least distance (mm) within which the samples of the way follow the points in order.
+///
+/// Each point gets a sample, and the samples never go back along the way. With `by_lines` the result is the
+/// discrete Fréchet distance: the samples go from the first to the last, and none is left out.
 fn in_order(points: &[Point3<f64>], way: &[Point3<f64>], by_lines: bool) -> f64 {
     let mut row = vec![if by_lines { f64::INFINITY } else { 0.0 }; way.len()];
     for (k, p) in points.iter().enumerate() {
@@ -79,13 +84,16 @@ fn in_order(points: &[Point3<f64>], way: &[Point3<f64>], by_lines: bool) -> f64 
     row[row.len() - 1]
 }
 
-/// Looks at one answer.
+/// Fails if the stated deviation of a plan is above the tolerance or below what the dense check finds.
 fn judge(job: &Job, plan: &Plan) {
     let stated = plan.report.deviation_max_mm;
     if job.fit.method == Method::Biarc {
         return;
     }
-    assert!(stated <= job.fit.tolerance_mm * (1.0 + 1e-5) + 2e-9, "{stated} {job:?}");
+    assert!(
+        stated <= job.fit.tolerance_mm * (1.0 + 1e-5) + 2e-9,
+        "the stated deviation {stated} exceeds the tolerance: {job:?}"
+    );
     let mut points = job.points.clone();
     if job.fit.is_closed && points.first() != points.last() {
         points.extend(job.points.first());
@@ -101,11 +109,14 @@ fn judge(job: &Job, plan: &Plan) {
         points = dense;
     }
     let found = in_order(&points, &way, by_lines);
-    assert!(found <= stated + 0.55 * step + 1e-9, "{found} {stated} {job:?}");
+    assert!(
+        found <= stated + 0.55 * step + 1e-9,
+        "a deviation of {found} was found, {stated} is stated: {job:?}"
+    );
 }
 
 #[test]
-fn stated_deviations_hold_and_nothing_ends_in_a_fault() {
+fn random_jobs_do_not_fail_and_deviate_no_more_than_they_state() {
     let mut random = Random::stream(16);
     for k in 0..3_000 {
         let (points, tolerance_mm) =
@@ -114,7 +125,7 @@ fn stated_deviations_hold_and_nothing_ends_in_a_fault() {
         match plan(&job, &Budget::unlimited()) {
             Ok(plan) => judge(&job, &plan),
             Err(Error::OnePlace) => assert!(job.points.iter().all(|p| p == &job.points[0])),
-            Err(error) => panic!("{error} {job:?}"),
+            Err(error) => panic!("the job failed: {error} {job:?}"),
         }
     }
 }
@@ -127,9 +138,9 @@ fn fit(points: &[[f64; 3]], tolerance_mm: f64, measure: Measure, continuity: Con
     plan.report.deviation_max_mm
 }
 
-/// Each of these was stated too small: at an end, and where points in space go back.
+/// Inputs whose deviation was once stated too small: at an end, and where points in space go back.
 #[test]
-fn deviations_count_ends_and_points_that_go_back() {
+fn the_stated_deviation_covers_the_ends_and_points_that_go_back() {
     let (tangent, polyline) = (Continuity::Tangent, Measure::Polyline);
     let bow =
         [[0.36, -1.97, 0.0], [1.61, -1.19, 0.0], [1.99, 0.22, 0.0], [1.3, 1.52, 0.0], [-0.08, 2.0, 0.0]];

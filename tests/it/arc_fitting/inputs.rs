@@ -1,20 +1,21 @@
-//! Points to be fitted, from numbers that are the same every time.
+//! Points for fits, made of pseudo-random numbers that are the same every time.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector2;
 
-/// Splitmix: a generator that needs no more than this.
+/// The pseudo-random generator SplitMix64, with its state.
 pub struct Random(pub u64);
 
 impl Random {
-    /// Numbers for a test: those of this stream by the gate's seed, others by any other seed.
+    /// A generator for a test. Different streams give different numbers, and so do different values of the
+    /// environment variable `PROPTEST_RNG_SEED`, whose default is 1.
     pub fn stream(stream: u64) -> Self {
         let seed: u64 = std::env::var("PROPTEST_RNG_SEED").map_or(1, |seed| seed.parse().expect("a number"));
         Self(stream.wrapping_add(seed.wrapping_sub(1).wrapping_mul(0xD6E8_FEB8_6659_FD93)))
     }
 
-    /// In [0, 1).
+    /// The next number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -31,7 +32,7 @@ impl Random {
         (self.unit() * n as f64) as usize
     }
 
-    /// Somewhere in a square of this half width about the origin.
+    /// A random vector in the square of half width `size` about the origin.
     pub fn jitter(&mut self, size: f64) -> Vector2<f64> {
         Vector2::new(self.between(-size, size), self.between(-size, size))
     }
@@ -41,7 +42,7 @@ pub fn polar(radius: f64, angle: f64) -> Vector2<f64> {
     Vector2::new(radius * angle.cos(), radius * angle.sin())
 }
 
-/// What few points may look like.
+/// The kinds of points that [`few`] makes.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Walk,
@@ -67,9 +68,10 @@ pub const KINDS: [Kind; 9] = [
     Kind::Spike,
 ];
 
-/// 3 to 14 points, each different from the one before, within some 10 mm, with errors of the size `noise`.
+/// At most 14 points of a kind within some 10 mm, with errors of about `noise` (mm). No two neighbouring
+/// points coincide.
 pub fn few(kind: Kind, noise: f64, random: &mut Random) -> Vec<Vector2<f64>> {
-    // Mostly less: the cost grows with the cube.
+    // Small numbers are likelier, because the time of brute force grows with the cube of the number.
     let n = 3 + (12.0 * random.unit().powi(2)) as usize;
     let part = |k: usize| k as f64 / (n - 1) as f64;
     let mut points: Vec<Vector2<f64>> = match kind {
@@ -130,7 +132,8 @@ pub fn few(kind: Kind, noise: f64, random: &mut Random) -> Vec<Vector2<f64>> {
     points
 }
 
-/// Steps of about `length`, each turned by up to `turn` radians from the one before.
+/// `n` points with steps of 0.3 to 1 times `length` between them. Each step turns by up to `turn` radians
+/// from the step before.
 pub fn walk(n: usize, length: f64, turn: f64, random: &mut Random) -> Vec<Vector2<f64>> {
     let (mut at, mut angle) = (Vector2::zeros(), 0.0);
     let step = |_| {

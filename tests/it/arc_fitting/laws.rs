@@ -1,5 +1,7 @@
-//! What holds of every fit: moved points take as many elements, planes are alike, lines between points are
-//! near where they are the shape, and what is degenerate has one answer.
+//! Laws that hold for every fit.
+//!
+//! Moved points take as many elements. All coordinate planes give the same fit. A fit to a polyline stays
+//! near its lines. Degenerate points give one defined result.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +25,7 @@ fn on_points() -> Fit {
     Fit { joints: Joints::OnPoints, ..Fit::within(TOLERANCE_MM) }
 }
 
-/// The number of elements of a fit that keeps its promises.
+/// The number of elements of a fit. Fails if the fit is not right.
 fn count(points: &[Vector2<f64>], request: &Fit) -> usize {
     judge(points, &fitted(points, request), request.tolerance_mm).unwrap()
 }
@@ -32,21 +34,27 @@ fn in_space(points: &[Point3<f64>], request: &Fit) -> Vec<FittedCurve> {
     fit_in_space(points, None, request, &Budget::unlimited()).unwrap()
 }
 
-/// Fails unless the curves are one chain from the first point to the last, near every point and in order by
-/// the fitting's own measure.
+/// Fails unless the curves form one chain from the first point to the last and pass all points in order
+/// within the tolerance. The distances are those of the library.
 fn judge_in_space(points: &[Point3<f64>], pieces: &[FittedCurve], tolerance: f64) {
     let (mut at, mut first) = (points[0], 0);
     for piece in pieces {
-        assert_eq!(piece.curve.start(), at);
+        assert_eq!(piece.curve.start(), at, "the chain has a gap");
         let part = &points[first..=piece.end];
-        assert!(part.iter().all(|p| piece.curve.distance_to(p) <= tolerance + 1e-9), "{piece:?} {part:?}");
-        assert!(from_points(&piece.curve, part) <= tolerance + 1e-9, "{piece:?} {part:?}");
+        assert!(
+            part.iter().all(|p| piece.curve.distance_to(p) <= tolerance + 1e-9),
+            "{piece:?} is too far from a point of {part:?}"
+        );
+        assert!(
+            from_points(&piece.curve, part) <= tolerance + 1e-9,
+            "{piece:?} does not pass {part:?} in order"
+        );
         (at, first) = (piece.curve.end(), piece.end);
     }
     assert_eq!((at, first), (points[points.len() - 1], points.len() - 1));
 }
 
-/// All kinds of few points, and longer walks.
+/// Few points of every kind, and longer walks.
 fn any_points() -> impl Strategy<Value = Vec<Vector2<f64>>> {
     let short =
         (0..KINDS.len(), any::<u64>()).prop_map(|(kind, seed)| few(KINDS[kind], 0.02, &mut Random(seed)));
@@ -63,7 +71,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn moved_points_take_as_many_elements(points in any_points()) {
+    fn reversed_mirrored_turned_shifted_and_scaled_points_take_as_many_elements(points in any_points()) {
         let moved = |to: fn(Vector2<f64>) -> Vector2<f64>| points.iter().map(|p| to(*p)).collect::<Vec<_>>();
         let (request, reversed) = (on_points(), points.iter().rev().copied().collect::<Vec<_>>());
         let expected = count(&points, &request);
@@ -75,21 +83,28 @@ proptest! {
         prop_assert_eq!(count(&moved(|p| 2.0 * p), &doubled), expected, "doubled");
     }
 
-    /// Joints beside the points can only save elements, arcs can only save lines, and greed can only cost.
+    /// Free joints and a larger tolerance never need more elements. The greedy method and lines alone never
+    /// need fewer.
     #[test]
-    fn more_freedom_takes_no_more_elements(points in any_points()) {
+    fn more_freedom_takes_no_more_elements_and_less_freedom_no_fewer(points in any_points()) {
         let request = on_points();
         let best = count(&points, &request);
         let free = count(&points, &Fit { joints: Joints::Free, ..request });
         let greedy = count(&points, &Fit { method: Method::Greedy, ..request });
         let lines = count(&points, &Fit { shapes: Shapes::LinesOnly, ..request });
         let coarse = count(&points, &Fit { tolerance_mm: 2.0 * TOLERANCE_MM, ..request });
-        prop_assert!(free <= best && coarse <= best, "{} {} {}", best, free, coarse);
-        prop_assert!(greedy >= best && lines >= best, "{} {} {}", best, greedy, lines);
+        prop_assert!(
+            free <= best && coarse <= best,
+            "{} elements, but {} with free joints and {} within twice the tolerance", best, free, coarse
+        );
+        prop_assert!(
+            greedy >= best && lines >= best,
+            "{} elements, but {} by the greedy method and {} by lines alone", best, greedy, lines
+        );
     }
 
     #[test]
-    fn coordinate_planes_are_alike(points in any_points(), level in -5.0..5.0f64) {
+    fn a_fit_takes_as_many_elements_in_every_coordinate_plane(points in any_points(), level in -5.0..5.0f64) {
         let expected = count(&points, &on_points());
         for place in [|x, y, z| Point3::new(x, y, z), |x, y, z| Point3::new(x, z, y), |x, y, z| Point3::new(z, x, y)] {
             let lifted: Vec<_> = points.iter().map(|p| place(p.x, p.y, level)).collect();
@@ -99,20 +114,22 @@ proptest! {
         }
     }
 
-    /// By dense samples of both.
+    /// Dense samples of the elements and of the polyline are compared.
     #[test]
-    fn lines_between_coarse_points_are_near(points in any_points(), joints in prop_oneof![Just(Joints::OnPoints), Just(Joints::Free)], part in 1.0..20.0f64) {
+    fn a_fit_to_a_polyline_and_the_polyline_are_within_the_tolerance_of_each_other(
+        points in any_points(), joints in prop_oneof![Just(Joints::OnPoints), Just(Joints::Free)], part in 1.0..20.0f64,
+    ) {
         let tolerance = part * TOLERANCE_MM;
         let found = fitted(&points, &Fit { joints, measure: Measure::Polyline, ..Fit::within(tolerance) });
         prop_assert!(judge(&points, &found, tolerance).is_ok());
         for (way, [first, last]) in ways(&found) {
             let off = apart(&way, &points[first..=last]);
-            prop_assert!(off <= tolerance + 1e-6, "{:?} is {} off {:?}", way, off, &points[first..=last]);
+            prop_assert!(off <= tolerance + 1e-6, "{:?} is {} mm off the lines through {:?}", way, off, &points[first..=last]);
         }
     }
 
     #[test]
-    fn repetitions_of_points_change_nothing(points in any_points(), every in 1..4usize) {
+    fn repeated_points_do_not_change_a_fit(points in any_points(), every in 1..4usize) {
         let lifted: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, 1.0)).collect();
         let repeated: Vec<_> = (0..2 * lifted.len())
             .filter(|k| k % 2 == 0 || (k / 2).is_multiple_of(every))
@@ -128,9 +145,9 @@ proptest! {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Also where the points go back to where they came from.
+    /// One point is moved onto another, so that the points return to an earlier place.
     #[test]
-    fn smooth_chains_keep_the_tolerance(
+    fn chains_without_kinks_keep_the_tolerance(
         points in any_points(),
         from in any::<prop::sample::Index>(),
         to in any::<prop::sample::Index>(),
@@ -147,10 +164,10 @@ proptest! {
     }
 }
 
-/// A smooth chain whose joints lie beside the points once went round the fold at the end, by an arc of 327
+/// A smooth chain with free joints once went round the fold at the end of these points, by an arc of 327
 /// degrees.
 #[test]
-fn a_fold_is_no_loop() {
+fn a_fold_at_the_end_of_the_points_does_not_become_a_loop() {
     let points = [[0.957, 0.088], [0.945, 0.002], [1.702, -0.018], [2.384, -0.029], [1.702, -0.018]];
     let points = points.map(|[x, y]| Vector2::new(x, y));
     for method in [Method::Greedy, Method::Optimal] {
@@ -161,9 +178,9 @@ fn a_fold_is_no_loop() {
     }
 }
 
-/// Joints beside the points leave the lines that meet there as near as all others.
+/// At a free joint the lines that meet there are as near to the elements as all other lines.
 #[test]
-fn lines_at_free_joints_are_near() {
+fn a_polyline_is_within_the_tolerance_of_a_fit_with_free_joints() {
     let (mut worst, mut saved) = (0.0f64, 0);
     for seed in 0..20 {
         let (mut random, n) = (Random::stream(seed), 300);
@@ -181,13 +198,17 @@ fn lines_at_free_joints_are_near() {
             worst = worst.max(apart(&way, &points[first..=last]) / tolerance);
         }
     }
-    assert!(saved > 0 && worst <= 1.0 + 1e-6, "{saved} {worst}");
+    assert!(
+        saved > 0 && worst <= 1.0 + 1e-6,
+        "free joints saved {saved} elements; the largest deviation is {worst} tolerances"
+    );
 }
 
-/// Samples of a way or a line.
+/// Samples of each element and of each line.
 const SAMPLES: usize = 200;
 
-/// The distance both ways between a way and the lines through points, by dense samples, mm.
+/// The largest distance between a way and the lines through points, mm: of the samples of each from the
+/// other.
 fn apart(way: &Way, points: &[Vector2<f64>]) -> f64 {
     let lines: Vec<Way> = points.windows(2).map(|pair| Way::line(pair[0], pair[1])).collect();
     let places = |way: &Way| -> Vec<Vector2<f64>> {
@@ -199,7 +220,7 @@ fn apart(way: &Way, points: &[Vector2<f64>]) -> f64 {
 }
 
 #[test]
-fn coarse_polygons_become_arcs_only_within_the_tolerance() {
+fn a_coarse_polygon_becomes_an_arc_only_if_its_lines_are_within_the_tolerance() {
     for corners in [5, 8, 12] {
         let angle = TAU / f64::from(corners);
         let points: Vec<_> = (0..corners).map(|k| polar(10.0, angle * f64::from(k))).collect();
@@ -211,7 +232,7 @@ fn coarse_polygons_become_arcs_only_within_the_tolerance() {
         assert_eq!(lines.elements.len(), points.len() - 1);
         assert_eq!(count(&points, &polyline(1.05)), 1);
         assert_eq!(count(&points, &Fit::within(1e-6)), 1);
-        // By the curve: the arc is as far from the lines as they are high.
+        // The arc through all points is one sagitta away from the lines.
         let lifted: Vec<_> = points.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
         let [FittedCurve { curve, .. }] = in_space(&lifted, &Fit::within(1e-6))[..] else { panic!() };
         assert!((from_lines(&curve, &lifted) - sagitta).abs() < 1e-6);
@@ -219,7 +240,7 @@ fn coarse_polygons_become_arcs_only_within_the_tolerance() {
 }
 
 #[test]
-fn a_helix_is_one_arc() {
+fn points_on_a_helix_become_one_helical_arc() {
     for (turned, rise) in [(1.0, 2.0), (-1.0, 0.3), (1.0, -5.0)] {
         let at = |k: i32| polar(7.0, turned * 0.02 * f64::from(k));
         let points: Vec<_> =
@@ -229,7 +250,7 @@ fn a_helix_is_one_arc() {
         let [FittedCurve { curve: Curve::Arc(arc), .. }] = pieces[..] else { panic!("{pieces:?}") };
         assert!((arc.sweep() - 6.0).abs() < 1e-3 && (arc.rise() - 6.0 * rise).abs() < 1e-9, "{arc:?}");
     }
-    // The same way round at uneven heights is none.
+    // Points on the same circle whose heights do not rise evenly are on no helix.
     let bent: Vec<_> = (0..=300)
         .map(|k| 0.02 * f64::from(k))
         .map(|t| Point3::new(7.0 * t.cos(), 7.0 * t.sin(), t * t))
@@ -243,7 +264,7 @@ fn a_helix_is_one_arc() {
 fn nearly_straight_points_become_lines_or_arcs_within_the_largest_radius() {
     let at = |k: i32| polar(5e6, 2e-7 * f64::from(k)) - Vector2::new(5e6, 0.0);
     let points: Vec<_> = (-50..=50).map(at).collect();
-    // They rise over their chord by 2.5e-4 mm.
+    // The sagitta of the points is 2.5e-4 mm.
     assert_eq!(count(&points, &Fit::within(1e-3)), 1);
     for tolerance in [1e-4, 1e-5, 1e-6] {
         let found = fitted(&points, &Fit::within(tolerance));
@@ -263,7 +284,7 @@ fn along_x(places: &[f64]) -> Vec<Vector2<f64>> {
 }
 
 #[test]
-fn points_on_a_line_are_one_line() {
+fn points_on_a_line_become_one_line() {
     for points in [along_x(&[0.0, 3.0]), along_x(&[0.0, 1.0, 1.5, 7.0, 7.001, 30.0])] {
         for method in [Method::Greedy, Method::Optimal, Method::Biarc] {
             let found = fitted(&points, &Fit { method, ..on_points() });
@@ -275,7 +296,7 @@ fn points_on_a_line_are_one_line() {
 }
 
 #[test]
-fn a_reversal_is_not_swallowed() {
+fn a_reversal_that_exceeds_the_tolerance_is_kept() {
     let there_and_back = along_x(&[0.0, 10.0, 5.0, 15.0]);
     for measure in [Measure::Points, Measure::Polyline] {
         for method in [Method::Greedy, Method::Optimal] {
@@ -284,24 +305,24 @@ fn a_reversal_is_not_swallowed() {
             assert_eq!(judge(&there_and_back, &found, TOLERANCE_MM), Ok(3));
         }
     }
-    // Within the tolerance it is.
+    // A reversal within the tolerance disappears in one line.
     assert_eq!(count(&along_x(&[0.0, 10.0, 9.97, 15.0]), &on_points()), 1);
 }
 
 #[test]
-fn a_spike_is_kept() {
+fn a_spike_that_exceeds_the_tolerance_is_kept() {
     let mut points: Vec<_> = (0..=100).map(|k| Vector2::new(0.1 * f64::from(k), 0.0)).collect();
     points[50].y = 2.0;
     for measure in [Measure::Points, Measure::Polyline] {
         let found = fitted(&points, &Fit { measure, ..on_points() });
-        // An arc past the three points stands for a spike of points, not for one of lines.
+        // One arc passes the three points of the spike, but leaves the lines between them.
         let expected = if measure == Measure::Points { 3 } else { 4 };
         assert_eq!(judge(&points, &found, TOLERANCE_MM), Ok(expected));
     }
 }
 
 #[test]
-fn points_in_one_place_are_refused() {
+fn points_that_all_coincide_are_refused() {
     for n in [1, 2, 5] {
         let refused =
             fit_in_space(&vec![Point3::new(1.0, 2.0, 3.0); n], None, &on_points(), &Budget::unlimited());
@@ -309,10 +330,10 @@ fn points_in_one_place_are_refused() {
     }
 }
 
-/// With more noise than tolerance, points that lie in the gap of an arc are near its ends, in order; the arc
-/// is not theirs.
+/// If the noise exceeds the tolerance, points in the gap of a nearly full circle are near its ends and in
+/// order. Such an arc must not be taken, because it does not follow the points.
 #[test]
-fn noise_makes_no_loops() {
+fn noise_that_exceeds_the_tolerance_makes_no_loops() {
     for tolerance in [0.03, 0.05] {
         for seed in 0..10 {
             let mut random = Random::stream(seed);
@@ -321,7 +342,11 @@ fn noise_makes_no_loops() {
             let found = fitted(&points, &Fit { joints: Joints::OnPoints, ..Fit::within(tolerance) });
             for (way, [first, last]) in ways(&found) {
                 let off = apart(&way, &points[first..=last]);
-                assert!(off <= 4.0 * tolerance, "{way:?} is {off} off {:?}", &points[first..=last]);
+                assert!(
+                    off <= 4.0 * tolerance,
+                    "{way:?} is {off} mm off the lines through {:?}",
+                    &points[first..=last]
+                );
             }
         }
     }

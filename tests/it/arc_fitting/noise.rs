@@ -1,5 +1,5 @@
-//! Points with errors of their own, where growing as far as possible is not best: a circle with noise, and a
-//! rounded sine.
+//! Fits of points with errors: a noisy circle and a rounded sine. For these points the greedy method, which
+//! makes each element as long as it can, does not find the fewest elements.
 
 use std::f64::consts::TAU;
 
@@ -11,13 +11,15 @@ use super::{fitted, judge};
 
 const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
 
-/// One turn of radius 20 with radial errors of up to 2e-3, from the first point to one where it started.
+/// Points on one turn of radius 20 mm with radial errors of up to 2e-3 mm. The last point has the angle of
+/// the first.
 fn circle(seed: u64) -> Vec<Vector2<f64>> {
     let mut random = Random(seed);
     (0..400).map(|k| polar(20.0 + random.between(-2e-3, 2e-3), TAU * f64::from(k) / 399.0)).collect()
 }
 
-/// The numbers of elements with default joints, on points, and greedy.
+/// The numbers of elements with free joints, with joints on points, and by the greedy method with free
+/// joints.
 fn counts(points: &[Vector2<f64>], tolerance: f64) -> [usize; 3] {
     let free = Fit::within(tolerance);
     let on_points = Fit { joints: Joints::OnPoints, ..free };
@@ -26,27 +28,33 @@ fn counts(points: &[Vector2<f64>], tolerance: f64) -> [usize; 3] {
 }
 
 #[test]
-fn a_noisy_circle_takes_two_or_three_elements() {
+fn a_noisy_circle_takes_two_or_three_elements_and_many_more_by_the_greedy_method() {
     for seed in SEEDS {
         let [free, on_points, greedy] = counts(&circle(seed), 3e-3);
         println!("circle {seed} within 3e-3: {free} free, {on_points} on points, {greedy} greedy");
-        assert!((2..=3).contains(&free) && (2..=3).contains(&on_points), "{seed}: {free}, {on_points}");
-        assert!((12..=20).contains(&greedy), "{seed}: {greedy}");
+        assert!(
+            (2..=3).contains(&free) && (2..=3).contains(&on_points),
+            "seed {seed}: {free} elements with free joints, {on_points} on points, not 2 or 3"
+        );
+        assert!((12..=20).contains(&greedy), "seed {seed}: {greedy} greedy elements, not 12 to 20");
     }
 }
 
 #[test]
-fn joints_beside_the_points_keep_a_tolerance_little_above_the_noise() {
+fn a_noisy_circle_takes_at_most_three_elements_with_free_joints_just_above_the_noise() {
     for seed in SEEDS {
         let [free, on_points, greedy] = counts(&circle(seed), 2.2e-3);
         println!("circle {seed} within 2.2e-3: {free} free, {on_points} on points, {greedy} greedy");
-        assert!(free <= 3 && free <= on_points, "{seed}: {free}, {on_points}");
-        assert!((32..=50).contains(&greedy), "{seed}: {greedy}");
+        assert!(
+            free <= 3 && free <= on_points,
+            "seed {seed}: {free} elements with free joints, {on_points} on points"
+        );
+        assert!((32..=50).contains(&greedy), "seed {seed}: {greedy} greedy elements, not 32 to 50");
     }
 }
 
 #[test]
-fn a_closed_noisy_circle_is_one_turn() {
+fn a_closed_noisy_circle_becomes_one_full_circle() {
     for seed in SEEDS {
         for turned in [1.0, -1.0] {
             let mut points: Vec<_> =
@@ -55,18 +63,18 @@ fn a_closed_noisy_circle_is_one_turn() {
             for tolerance in [2.2e-3, 3e-3] {
                 let found = fitted(&points, &Fit { is_closed: true, ..Fit::within(tolerance) });
                 let [Element { shape: Shape::FullCircle { center, is_ccw }, .. }] = found.elements[..] else {
-                    panic!("{seed}: {found:?}")
+                    panic!("seed {seed}: not one full circle: {found:?}")
                 };
                 assert_eq!(judge(&points, &found, tolerance), Ok(1));
                 assert_eq!(is_ccw, turned > 0.0);
-                assert!(center.norm() < 1e-3, "{center}");
+                assert!(center.norm() < 1e-3, "the centre {center} is not at the origin");
             }
         }
     }
 }
 
 #[test]
-fn a_rounded_sine_takes_at_most_two_thirds_of_the_greedy_number() {
+fn a_rounded_sine_takes_at_most_two_thirds_of_the_greedy_elements() {
     let points: Vec<_> = (0..400)
         .map(|k| TAU * f64::from(k) / 399.0)
         .map(|x| Vector2::new(x, x.sin()).map(|c| (c * 1e3).round() / 1e3))
@@ -74,5 +82,8 @@ fn a_rounded_sine_takes_at_most_two_thirds_of_the_greedy_number() {
     let [free, on_points, greedy] = counts(&points, 6e-4);
     println!("rounded sine within 6e-4: {free} free, {on_points} on points, {greedy} greedy");
     assert_eq!([on_points, greedy], [22, 36]);
-    assert!(free <= on_points && on_points as f64 <= 0.65 * greedy as f64, "{free}");
+    assert!(
+        free <= on_points && on_points as f64 <= 0.65 * greedy as f64,
+        "{free} elements with free joints, {on_points} on points, {greedy} greedy"
+    );
 }

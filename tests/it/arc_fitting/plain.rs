@@ -1,6 +1,9 @@
-//! The least number of elements over many points by a plain second implementation: the arcs near a point end
-//! at those that touch the circle about it, which are the roots of a quadratic equation, and every pair of
-//! points is tried. What the fitting leaves out by bounds, fans and witnesses must not have mattered.
+//! Finds the least number of elements over many points by a second, plain implementation. The fit must find
+//! the same number.
+//!
+//! The plain implementation tries every pair of points. The arcs over a chord that pass near a point form a
+//! range of sweeps. Its ends are arcs that touch a circle about the point; they are roots of a quadratic
+//! equation. The fit leaves out many pairs by bounds, fans and witnesses; none of them may change the number.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};
@@ -9,20 +12,23 @@ use super::inputs::{Random, polar, walk};
 use super::way::{WIDEST, Way};
 use super::{fitted, judge, least};
 
-/// Rounding of distances, mm.
+/// Allowance for rounding of distances, mm.
 const ROUNDING_MM: f64 = 1e-10;
 
-/// Deviations this near to the tolerance decide nothing, mm.
+/// A deviation that is nearer to the tolerance than this, mm, leaves undecided whether an element is
+/// possible.
 const UNDECIDED_MM: f64 = 1e-8;
 
-/// Arcs of each side tried for one that passes the points in order.
+/// Steps of the sweep on each side of a chord, to find an arc that passes the points in order.
 const ORDERS: usize = 24;
 
-/// Rows of pairs end where spans are so many times as long as the longest one so far.
+/// Spans of more points than this multiple of the longest possible span so far are not tried.
 const LONGER: f64 = 2.0;
+
+/// Points of the longest possible span before any is found.
 const LEAST_LONGEST: usize = 24;
 
-/// Whether an element from the first point to the last passes all within the tolerance and in order.
+/// Whether an element from the first point to the last passes all points in order within the tolerance.
 fn is_possible(points: &[Vector2<f64>], tolerance: f64) -> bool {
     let [from, to] = [points[0], points[points.len() - 1]];
     if points.len() == 2 || from == to {
@@ -49,7 +55,8 @@ fn is_possible(points: &[Vector2<f64>], tolerance: f64) -> bool {
     })
 }
 
-/// The sweeps of a range on one side of the chord whose arcs are near a point; these are one range again.
+/// The part of a range of sweeps whose arcs pass within the tolerance of the point `p`. On one side of a
+/// chord the part is one range again. `None` if no arc passes near.
 fn narrowed(
     [low, high]: [f64; 2],
     [from, to]: [Vector2<f64>; 2],
@@ -68,7 +75,7 @@ fn narrowed(
     Some([near.first()?[0], near.last()?[1]])
 }
 
-/// The sweeps of the arcs of all circles through both places that touch the circle about `p`.
+/// The sweeps of the four arcs through both places whose circles touch the circle of radius `e` about `p`.
 fn touching([from, to]: [Vector2<f64>; 2], p: Vector2<f64>, e: f64) -> [f64; 4] {
     let half = 0.5 * (to - from);
     let (l, d) = (half.norm(), p - from - half);
@@ -80,14 +87,15 @@ fn touching([from, to]: [Vector2<f64>; 2], p: Vector2<f64>, e: f64) -> [f64; 4] 
     let root = (b * b - 4.0 * a * rest).max(0.0).sqrt();
     let q = -0.5 * (b + root.copysign(b));
     let sweeps = [q / a, rest / q].map(|c| {
-        // The circle's two arcs: counterclockwise where the centre is to the left of a short one.
+        // A circle has two arcs over the chord. The short arc turns counterclockwise if the centre is to the
+        // left.
         let short = 2.0 * l.atan2(c.abs()) * c.signum();
         [short, short - 2.0 * std::f64::consts::PI * c.signum()]
     });
     [sweeps[0][0], sweeps[0][1], sweeps[1][0], sweeps[1][1]]
 }
 
-/// The least number of elements, of all spans that are not longer than the longest possible ones by far.
+/// The least number of elements. Spans far longer than the longest possible span are not tried.
 fn count(points: &[Vector2<f64>], tolerance: f64) -> usize {
     let (n, mut longest) = (points.len(), LEAST_LONGEST);
     let mut rows: Vec<Vec<bool>> = Vec::new();
@@ -103,7 +111,7 @@ fn count(points: &[Vector2<f64>], tolerance: f64) -> usize {
     least(n, |[from, to]| rows[from].get(to - from) == Some(&true))
 }
 
-/// Fails unless the fit takes the least number; gives it, with that of the greedy one.
+/// Fails unless the fit has the least number of elements. Returns this number and that of the greedy method.
 fn compared(name: &str, points: &[Vector2<f64>], tolerance: f64) -> [usize; 2] {
     let request = Fit { joints: Joints::OnPoints, ..Fit::within(tolerance) };
     let found = judge(points, &fitted(points, &request), tolerance).unwrap();
@@ -112,7 +120,10 @@ fn compared(name: &str, points: &[Vector2<f64>], tolerance: f64) -> [usize; 2] {
     println!("{name} within {tolerance}: {found} elements, {greedy} greedy");
     if count(points, tolerance) != found {
         let [most, least] = [tolerance - UNDECIDED_MM, tolerance + UNDECIDED_MM].map(|e| count(points, e));
-        assert!((least..=most).contains(&found), "{name} within {tolerance}: {found}, not {least}..={most}");
+        assert!(
+            (least..=most).contains(&found),
+            "{name} within {tolerance} mm: the fit has {found} elements, not {least}..={most}"
+        );
     }
     [found, greedy]
 }
@@ -124,7 +135,7 @@ fn sampled(curve: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {
 }
 
 #[test]
-fn a_sine_takes_the_least_number() {
+fn the_fit_of_a_sine_has_the_least_number_of_elements() {
     let points = sampled(|t| Vector2::new(6.0 * t, (6.0 * t).sin()));
     for tolerance in [3e-5, 2e-6] {
         compared("sine", &points, tolerance);
@@ -132,14 +143,14 @@ fn a_sine_takes_the_least_number() {
 }
 
 #[test]
-fn a_rounded_sine_takes_the_least_number_and_fewer_than_greedy() {
+fn the_fit_of_a_rounded_sine_has_the_least_number_and_fewer_than_the_greedy_method() {
     let points = sampled(|t| Vector2::new(6.0 * t, (6.0 * t).sin()).map(|c| (c * 1e3).round() / 1e3));
     let [found, greedy] = compared("rounded sine", &points, 5.2e-4);
-    assert!(found < greedy);
+    assert!(found < greedy, "{found} elements, {greedy} by the greedy method");
 }
 
 #[test]
-fn a_spiral_takes_the_least_number() {
+fn the_fit_of_a_spiral_has_the_least_number_of_elements() {
     let points = sampled(|t| polar(1.0 + 2.0 * t, 12.0 * t));
     for tolerance in [1e-4, 1e-5] {
         compared("spiral", &points, tolerance);
@@ -147,20 +158,20 @@ fn a_spiral_takes_the_least_number() {
 }
 
 #[test]
-fn a_noisy_circle_takes_the_least_number_and_fewer_than_greedy() {
+fn the_fit_of_a_noisy_circle_has_the_least_number_and_fewer_than_the_greedy_method() {
     let mut random = Random::stream(2);
-    // Long elements: all pairs of more points take too long.
+    // The elements are long: more points would take too long, because all pairs are tried.
     let n = N / 2;
     let points: Vec<_> =
         (0..n).map(|k| polar(20.0 + random.between(-2e-3, 2e-3), 6.0 * k as f64 / n as f64)).collect();
     for tolerance in [1.9e-3, 2.05e-3] {
         let [found, greedy] = compared("noisy circle", &points, tolerance);
-        assert!(found < greedy);
+        assert!(found < greedy, "{found} elements, {greedy} by the greedy method");
     }
 }
 
 #[test]
-fn random_walks_take_the_least_number() {
+fn the_fit_of_a_random_walk_has_the_least_number_of_elements() {
     let mut random = Random::stream(3);
     for (turn, tolerance) in [(0.05, 0.05), (0.3, 0.2), (3.0, 0.8)] {
         compared("walk", &walk(N, 1.0, turn, &mut random), tolerance);

@@ -1,12 +1,12 @@
-//! The shape of the paper's Table 1: numbers of arcs over step lengths and tolerances, on one section of the
-//! offset of a free-form surface of 5 by 5 points.
+//! Reproduces the shape of the paper's Table 1: numbers of arcs over step lengths and tolerances, on one
+//! section of the offset of a free-form surface of 5 by 5 points.
 //!
-//! The paper's own experiment fits points of a section at fixed steps, and says that the step hardly matters.
-//! That holds from some eight points an arc on. Below, the fit follows its points alone: with half as many
-//! arcs as spans every arc passes through three points, whatever the tolerance, and the curve between them is
-//! not looked at. At a step of 1.0 and a tolerance of 1e-5 the arcs leave the curve by thousands of
-//! tolerances. The operation therefore measures against the curve: a step length is the largest it may take,
-//! and the points come as close as the tolerance asks.
+//! The paper's experiment fits points of a section at fixed steps, and says that the step hardly matters.
+//! This is true from some eight points per arc on. With fewer points the fit follows the points alone. If
+//! there are half as many arcs as spans, every arc passes through three points at any tolerance, and nothing
+//! bounds the curve between them. At a step of 1.0 and a tolerance of 1e-5 the arcs leave the curve by
+//! thousands of tolerances. The operation therefore measures against the curve: the step length is an upper
+//! limit, and the points are as close together as the tolerance needs.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 5, Table 1.
@@ -33,7 +33,7 @@ use super::{fitted, judge, ways};
 const STEPS: [f64; 7] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 const TOLERANCES: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
 
-/// The paper's points, numbers of arcs and of biarcs' arcs.
+/// The paper's table by steps: the number of points, the arcs at each tolerance, and the arcs of biarcs.
 const PAPER: [(usize, [usize; 4], usize); 7] = [
     (14, [6, 6, 6, 6], 26),
     (26, [7, 12, 12, 12], 50),
@@ -46,10 +46,10 @@ const PAPER: [(usize, [usize; 4], usize); 7] = [
 
 const RADIUS_MM: f64 = 0.5;
 
-/// Distance of the points that stand for the curve, mm; the curve leaves their chords by some 1e-7 mm.
+/// Distance of the points that stand for the curve, mm. The curve leaves their chords by some 1e-7 mm.
 const DENSE_MM: f64 = 1e-3;
 
-/// Where the one section of the first experiment lies.
+/// The plane y = const of the section in the first experiment, mm.
 const PLANE_MM: f64 = 4.3;
 
 fn freeform() -> PointGrid {
@@ -62,7 +62,7 @@ fn freeform() -> PointGrid {
     PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot }
 }
 
-/// Dense points of the tip's curve in the plane at `y`, as (z, x), in the direction of x.
+/// Dense points of the tip's curve in the plane at `y`, as (z, x), in the direction of rising x.
 fn curve_at(y: f64) -> Vec<Vector2<f64>> {
     let budget = Budget::unlimited();
     let Ok(AnySurface::Bicubic(surface)) = Source::PointGrid(freeform()).surface() else { panic!() };
@@ -77,7 +77,7 @@ fn curve_at(y: f64) -> Vec<Vector2<f64>> {
     points
 }
 
-/// The length to each point.
+/// The length along the points from the first to each.
 fn lengths(points: &[Vector2<f64>]) -> Vec<f64> {
     let mut length = 0.0;
     let steps = points.windows(2).map(|pair| {
@@ -87,7 +87,7 @@ fn lengths(points: &[Vector2<f64>]) -> Vec<f64> {
     [0.0].into_iter().chain(steps.collect::<Vec<_>>()).collect()
 }
 
-/// Those of the dense points that are about `step` apart, and the last.
+/// Dense points that are about `step` (mm) apart along the curve, and the last dense point.
 fn at_steps(dense: &[Vector2<f64>], step: f64) -> Vec<Vector2<f64>> {
     let lengths = lengths(dense);
     let end = lengths[lengths.len() - 1];
@@ -96,8 +96,8 @@ fn at_steps(dense: &[Vector2<f64>], step: f64) -> Vec<Vector2<f64>> {
     (0..count).map(|k| dense[nearest(k)]).chain([dense[dense.len() - 1]]).collect()
 }
 
-/// The growth law: the integral of (|k'| / (72 sqrt 3 tolerance))^(1/3) over the length, k' the rate of
-/// change of curvature.
+/// The number of arcs that the growth law expects: the integral of (|k'| / (72 sqrt 3 tolerance))^(1/3) over
+/// the length. k' is the rate of change of the curvature along the curve.
 fn law(dense: &[Vector2<f64>], tolerance: f64) -> f64 {
     let points = at_steps(dense, 0.03);
     let curvature = |k: usize| {
@@ -112,7 +112,7 @@ fn law(dense: &[Vector2<f64>], tolerance: f64) -> f64 {
     each.sum()
 }
 
-/// The largest distance of dense points from a chain of ways that follow each other.
+/// The largest distance of dense points from a chain of ways, mm. The points and the chain run the same way.
 fn off(dense: &[Vector2<f64>], chain: &[Way]) -> f64 {
     let (mut at, mut worst) = (0, 0.0f64);
     for p in dense {
@@ -125,7 +125,7 @@ fn off(dense: &[Vector2<f64>], chain: &[Way]) -> f64 {
 }
 
 #[test]
-fn counts_follow_the_tolerance_and_points_alone_do_not_bound_the_error() {
+fn arc_counts_depend_on_the_tolerance_and_a_fit_to_coarse_points_leaves_the_curve() {
     let dense = curve_at(PLANE_MM);
     let finest = at_steps(&dense, STEPS[6]);
     let fewest = TOLERANCES.map(|tolerance| {
@@ -152,24 +152,33 @@ fn counts_follow_the_tolerance_and_points_alone_do_not_bound_the_error() {
         );
         assert_eq!(biarc, 2 * spans);
         for ((count, greedy, error), fewest) in cells.into_iter().zip(fewest) {
-            assert!(count <= greedy && greedy <= count + 2, "{step}: {count} {greedy}");
-            assert!(2 * count <= spans + 2, "{step}: {count} of {spans}");
+            assert!(
+                count <= greedy && greedy <= count + 2,
+                "step {step}: {count} arcs, {greedy} by the greedy method"
+            );
+            assert!(2 * count <= spans + 2, "step {step}: {count} arcs are too many for {spans} spans");
             if spans >= 8 * fewest {
-                assert!(count.abs_diff(fewest) <= 1 + fewest / 10, "{step}: {count}, {fewest}");
-                assert!(error <= 1.5, "{step}: {error}");
+                assert!(
+                    count.abs_diff(fewest) <= 1 + fewest / 10,
+                    "step {step}: {count} arcs, {fewest} at the finest step"
+                );
+                assert!(error <= 1.5, "step {step}: the arcs leave the curve by {error} tolerances");
             }
         }
         let (finest_count, _, error) = cells[3];
         if step == 1.0 {
-            // Three points an arc.
-            assert!(2 * finest_count >= spans - 1, "{finest_count} of {spans}");
+            // Each arc has three points.
+            assert!(2 * finest_count >= spans - 1, "{finest_count} arcs are too few for {spans} spans");
             coarse_error = error;
         }
     }
-    assert!(coarse_error > 500.0 && coarse_error.is_finite(), "{coarse_error}");
+    assert!(
+        coarse_error > 500.0 && coarse_error.is_finite(),
+        "the coarsest fit leaves the curve by {coarse_error} tolerances only"
+    );
 }
 
-/// An arc or a line in a plane y = const as a way over (z, x).
+/// An arc or a line in a plane y = const, as a way over (z, x).
 fn way(curve: &Curve) -> Way {
     let flat = |p: Point3<f64>| Vector2::new(p.z, p.x);
     let [from, to] = [curve.start(), curve.end()].map(flat);
@@ -181,7 +190,7 @@ fn way(curve: &Curve) -> Way {
     Way::Arc { center, radius: (from - center).norm(), start, sweep, ends: [from, to] }
 }
 
-/// The cuts of a path, by the plane that they lie in.
+/// The cutting moves of a path, grouped by the y of their plane.
 fn cuts(path: &Toolpath) -> Vec<(f64, Vec<Way>)> {
     let mut passes: Vec<(f64, Vec<Way>)> = Vec::new();
     for step in path.moves() {
@@ -195,11 +204,11 @@ fn cuts(path: &Toolpath) -> Vec<(f64, Vec<Way>)> {
     passes
 }
 
-/// Steps of the operation.
+/// Step lengths for the operation, mm.
 const OPERATION_STEPS: [f64; 3] = [1.0, 0.5, 0.05];
 
 #[test]
-fn the_operation_keeps_every_tolerance_at_every_step() {
+fn milling_keeps_every_tolerance_at_every_step_length() {
     let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
     let mut curves: Vec<(f64, Vec<Vector2<f64>>)> = Vec::new();
     for tolerance in TOLERANCES {
@@ -209,9 +218,12 @@ fn the_operation_keeps_every_tolerance_at_every_step() {
             (job.resolution.decimals, job.step_length_mm) = (6, Some(step));
             let plan = plan(&job, &Budget::unlimited()).unwrap();
             let report = &plan.report;
-            assert!(report.deviation_max_mm <= tolerance, "{step} {tolerance}: {report:?}");
+            assert!(
+                report.deviation_max_mm <= tolerance,
+                "step {step}: the stated deviation exceeds the tolerance {tolerance}: {report:?}"
+            );
             let mut counts = Vec::new();
-            // The outermost lie along edges.
+            // The outermost passes lie along edges of the surface and are left out.
             let passes = cuts(&plan.toolpath);
             for (y, chain) in &passes[1..passes.len() - 1] {
                 if !curves.iter().any(|(plane, _)| plane == y) {
@@ -221,12 +233,15 @@ fn the_operation_keeps_every_tolerance_at_every_step() {
                 let is_backward = chain[0].distance(dense[0]) > chain[0].distance(dense[dense.len() - 1]);
                 let backward: Vec<_> = dense.iter().rev().copied().collect();
                 let error = off(if is_backward { &backward } else { dense }, chain) / tolerance;
-                assert!(error <= 1.0, "{step} {tolerance} at {y}: {error} tolerances");
+                assert!(
+                    error <= 1.0,
+                    "step {step}, tolerance {tolerance}: the pass at y = {y} leaves the curve by {error} tolerances"
+                );
                 let expected = law(dense, tolerance);
                 let count = chain.len() as f64;
                 assert!(
                     (0.8 * expected - 2.0..=1.6 * expected + 3.0).contains(&count),
-                    "{step} {tolerance} at {y}: {count}, the law {expected}",
+                    "step {step}, tolerance {tolerance}: the pass at y = {y} has {count} arcs, the growth law expects {expected}",
                 );
                 counts.push((chain.len(), expected, error));
             }

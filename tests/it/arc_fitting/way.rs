@@ -1,5 +1,5 @@
-//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. Nothing of it is how the fitting
-//! computes.
+//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. The fit itself computes in another
+//! way.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 /// The largest sweep of an arc, radians.
 pub const WIDEST: f64 = 350.0 / 180.0 * PI;
 
-/// Rounding of half a turn, radians.
+/// Allowance for rounding in the angle of half a turn, radians.
 const HALF_A_TURN: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +22,7 @@ impl Way {
         Self::Line { from, to }
     }
 
-    /// The arc between two places that turns by `sweep` radians, counterclockwise where it is positive.
+    /// The arc between two places that turns by `sweep` radians; a positive sweep turns counterclockwise.
     pub fn arc(from: Vector2<f64>, to: Vector2<f64>, sweep: f64) -> Self {
         let half = 0.5 * (to - from);
         let center = from + half + Vector2::new(-half.y, half.x) / (0.5 * sweep).tan();
@@ -30,7 +30,7 @@ impl Way {
         Self::Arc { center, radius: d.norm(), start: d.y.atan2(d.x), sweep, ends: [from, to] }
     }
 
-    /// Once round.
+    /// The full circle about `center` that starts and ends at `from`.
     pub fn turn(center: Vector2<f64>, from: Vector2<f64>, is_ccw: bool) -> Self {
         let d = from - center;
         let sweep = if is_ccw { TAU } else { -TAU };
@@ -44,7 +44,7 @@ impl Way {
         }
     }
 
-    /// The place at a distance along the way.
+    /// The place at the distance `s` (mm) along the way.
     pub fn at(&self, s: f64) -> Vector2<f64> {
         match *self {
             Self::Line { from, to } => from + (to - from).normalize() * s,
@@ -72,7 +72,8 @@ impl Way {
         }
     }
 
-    /// By how much an arc has turned where it is nearest to `p`, in [0, 2 pi), also beyond its end.
+    /// The angle from the start of an arc to the place on its circle that is nearest to `p`, in the direction
+    /// of the arc, in [0, 2 pi). The place may lie beyond the end of the arc. 0 for a line.
     fn turned(&self, p: Vector2<f64>) -> f64 {
         let Self::Arc { center, start, sweep, .. } = *self else { return 0.0 };
         let d = p - center;
@@ -80,12 +81,14 @@ impl Way {
         if angle < 0.0 { angle + TAU } else { angle }
     }
 
-    /// The first place not before `reached` that is within `e` of `p`, as a distance along the way.
+    /// The first place at or after `reached` that is within `e` of `p`, as a distance along the way. `None`
+    /// if there is no such place.
     fn first_near(&self, p: Vector2<f64>, e: f64, reached: f64) -> Option<f64> {
         if (self.at(reached) - p).norm() <= e {
             return Some(reached);
         }
-        // Out of reach as it is, the way comes near on either side of the next foot.
+        // The place `reached` is too far from `p`. The next places near `p` lie on both sides of the foot, up
+        // to `half` away.
         let (foot, half) = match *self {
             Self::Line { from, to } => {
                 let along = (to - from).normalize();
@@ -108,26 +111,28 @@ impl Way {
         is_near.then_some(first)
     }
 
-    /// Whether it turns about its centre as the lines between the points do.
+    /// Whether the lines between the points turn about the centre of an arc as far as the arc, give or take
+    /// half a turn. True for a line.
     pub fn winds(&self, points: &[Vector2<f64>]) -> bool {
         let Self::Arc { center, sweep, .. } = *self else { return true };
         let turned = points.windows(2).map(|pair| {
             let [a, b] = [pair[0] - center, pair[1] - center];
             let turned = sweep.signum() * a.perp(&b).atan2(a.dot(&b));
-            // Rounding gives just half a turn either sign: it goes the way of the arc.
+            // Rounding may give half a turn either sign; it counts in the direction of the arc.
             if turned < HALF_A_TURN - PI { turned + TAU } else { turned }
         });
         (turned.sum::<f64>() - sweep.abs()).abs() < PI
     }
 
-    /// How far the lines between points lie inside an arc at most.
+    /// How far the lines between points lie inside the circle of an arc at most, mm. 0 for a line.
     pub fn dip(&self, points: &[Vector2<f64>]) -> f64 {
         let Self::Arc { center, radius, .. } = *self else { return 0.0 };
         let inside = points.windows(2).map(|pair| radius - Self::line(pair[0], pair[1]).distance(center));
         inside.fold(0.0, f64::max)
     }
 
-    /// Whether there are places on it, each within `e` of its point, that never go back.
+    /// Whether the way passes the points in order: each point has a place on the way within `e`, and these
+    /// places never go back.
     pub fn passes(&self, points: &[Vector2<f64>], e: f64) -> bool {
         let mut reached = 0.0;
         points.iter().all(|p| match self.first_near(*p, e, reached) {
@@ -140,14 +145,14 @@ impl Way {
     }
 }
 
-/// The least distance within which the way passes all points in order, infinite where it leads round the
-/// other way, to some 1e-10 of the points' extent.
+/// The least distance within which the way passes all points in order, accurate to some 1e-10 of the points'
+/// extent. It is infinite for an arc that leads round the other way.
 pub fn order_deviation(way: &Way, points: &[Vector2<f64>]) -> f64 {
     if !way.winds(points) {
         return f64::INFINITY;
     }
     let least = points.iter().map(|p| way.distance(*p)).fold(0.0, f64::max);
-    // A point that decides has one place only, which rounding may move.
+    // The farthest point has only one place within `least`, and rounding may move this place.
     let slack = 1e-11 * (way.length() + least);
     if way.passes(points, least + slack) {
         return least;

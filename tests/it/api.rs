@@ -1,4 +1,4 @@
-//! The service as its callers meet it.
+//! Tests of the service through its HTTP interface, as callers use it.
 
 mod arcs;
 mod binary;

@@ -1,4 +1,4 @@
-//! The documents hold what the service does: their examples are run, their tables are those of the contract.
+//! The documents agree with the service: their examples are run, and their tables match the contract.
 
 mod codes;
 mod curl;

@@ -1,4 +1,4 @@
-//! Any surface is milled within its tolerance or refused by a named error, in bounded time.
+//! Any surface is milled within its tolerance or refused with a named error, in bounded time.
 
 use std::time::{Duration, Instant};
 
@@ -13,6 +13,7 @@ use toolpathd::operations::surface_milling::{
 use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
+/// Random grids of points: a square grid with the given pitch (mm), with shifted points and random heights.
 fn grid(rows: usize, columns: usize, pitch: impl Strategy<Value = f64>) -> impl Strategy<Value = PointGrid> {
     let jitter = prop_oneof![3 => Just(0.0), 2 => Just(0.2), 1 => Just(1.5)];
     let heights = prop_oneof![2 => Just(0.0), 3 => Just(0.3), 1 => Just(3.0)];
@@ -31,7 +32,8 @@ fn grid(rows: usize, columns: usize, pitch: impl Strategy<Value = f64>) -> impl 
     )
 }
 
-/// Jobs over grids of a pitch, with tolerances of at least a fraction of the part's width.
+/// Random jobs over grids with the given pitch (mm). The tolerance is at least `least_tolerance` times the
+/// part's width.
 fn job(pitch: impl Strategy<Value = f64> + Clone, least_tolerance: f64) -> impl Strategy<Value = Job> {
     let grids =
         (2usize..6, 2usize..6).prop_flat_map(move |(rows, columns)| grid(rows, columns, pitch.clone()));
@@ -57,7 +59,7 @@ fn job(pitch: impl Strategy<Value = f64> + Clone, least_tolerance: f64) -> impl 
     )
 }
 
-/// Plans a job before a deadline.
+/// Plans a job with a deadline. Returns the result and the time that planning took.
 fn planned(job: &Job, deadline: Duration) -> (Result<Plan, Error>, Duration) {
     let begun = Instant::now();
     let result = plan(job, &Budget::unlimited().with_deadline(begun + deadline));
@@ -78,38 +80,43 @@ fn keeps_the_law(job: &Job, result: &Result<Plan, Error>) -> bool {
             | Error::ToleranceNotReached { .. }
             | Error::TooMuchWork { .. },
         ) => true,
-        // The contact method loses sections of a sheet that is folded in its own plane.
+        // The contact engine cannot trace some sections of a sheet that is folded in its own plane.
         Err(Error::SectionLost { .. }) => job.engine == Engine::Contact,
         Err(_) => false,
     }
 }
 
-/// The largest radius of a cutter, as a multiple of the part's width: the service refuses smaller parts.
+/// Largest radius of a cutter, as a multiple of the part's width. The service refuses parts that are smaller.
 const LARGEST_RADIUS: f64 = 10.0;
 
 const ENGINES: [Engine; 2] = [Engine::Contact, Engine::OffsetSection];
 
-/// The least tolerance, as a fraction of the part's width: finer tolerances of the same shapes take longer,
-/// and the law is about shapes.
+/// Least tolerance, as a fraction of the part's width. A finer tolerance takes longer and tests the same
+/// shapes.
 const LEAST_TOLERANCE: f64 = 5e-4;
 
-/// Longer than any such part takes on a slow machine: a part that takes longer fails.
+/// Deadline for a part of ordinary size. A part that is stopped by it fails the test. No such part takes as
+/// long, even on a slow machine.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// How long a part of micrometres or of many metres is milled, and how long the end of the work may take
-/// after that.
+/// Deadline for a part of micrometres or of many metres.
 const DEADLINE: Duration = Duration::from_millis(200);
+
+/// Longest time between this deadline and the end of planning.
 const MOST_AFTER: Duration = Duration::from_secs(1);
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_part_is_milled_within_tolerance_or_refused(job in job(1.0..20.0, LEAST_TOLERANCE)) {
+    fn any_part_is_milled_within_its_tolerance_or_refused(job in job(1.0..20.0, LEAST_TOLERANCE)) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, LONGEST);
-            prop_assert!(keeps_the_law(&job, &result), "{engine:?} after {took:?}: {:?}", result.map(|p| p.report));
+            prop_assert!(
+                keeps_the_law(&job, &result),
+                "{engine:?} after {took:?}: neither within the tolerance nor refused: {:?}", result.map(|p| p.report)
+            );
         }
     }
 }
@@ -125,8 +132,11 @@ proptest! {
             let job = Job { engine, ..job.clone() };
             let (result, took) = planned(&job, DEADLINE);
             let is_stopped = matches!(result, Err(Error::Stopped(Stopped::DeadlinePassed)));
-            prop_assert!(took < DEADLINE + MOST_AFTER, "{took:?}");
-            prop_assert!(is_stopped || keeps_the_law(&job, &result), "{engine:?}: {:?}", result.map(|p| p.report));
+            prop_assert!(took < DEADLINE + MOST_AFTER, "{engine:?} ended only after {took:?}");
+            prop_assert!(
+                is_stopped || keeps_the_law(&job, &result),
+                "{engine:?}: neither within the tolerance nor refused nor stopped: {:?}", result.map(|p| p.report)
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The integration tests, one binary.
+//! The integration tests. They form one binary.
 
 mod api;
 mod arc_fitting;

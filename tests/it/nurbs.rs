@@ -1,4 +1,4 @@
-//! NURBS surfaces against their definition: random rational ones, points and derivatives to second order.
+//! Compares random rational NURBS surfaces with their definition: points, first and second derivatives.
 //!
 //! The definition is the recursion of Cox and de Boor. Each basis function carries its two derivatives
 //! through the recursion by the product rule; a point is the sum over all control points, and the quotient
@@ -16,7 +16,7 @@ fn knots(degree: usize, steps: &[u8]) -> Vec<f64> {
     let mut repeated = 0;
     for step in steps {
         repeated = if *step == 0 { repeated + 1 } else { 0 };
-        // Often enough that the surface stays twice differentiable, or breaks there but for its position.
+        // A knot repeats at most `degree` times, so that the surface is continuous everywhere.
         knot += if repeated >= degree { 1.0 } else { 0.25 * f64::from(*step) };
         if knot == 0.0 {
             knot = 1.0;
@@ -49,13 +49,13 @@ fn any_surface() -> impl Strategy<Value = Nurbs> {
 /// A value with its first and second derivative.
 type Jet = [f64; 3];
 
-/// The basis function number `i` of a degree at the parameter `u`, which lies in the knot interval number
-/// `interval`.
+/// The basis function number `i` of a degree at the parameter `u`, with its derivatives. The knot interval
+/// number `interval` holds `u`.
 fn basis(knots: &[f64], degree: usize, i: usize, interval: usize, u: f64) -> Jet {
     if degree == 0 {
         return [f64::from(i == interval), 0.0, 0.0];
     }
-    // Over knots that coincide the function of a degree less is zero, and so is its term.
+    // If the two knots coincide, the basis function of the lower degree is zero, and so is its term.
     let term = |zero: f64, one: f64, below: usize| {
         if zero == one {
             return [0.0; 3];
@@ -69,8 +69,8 @@ fn basis(knots: &[f64], degree: usize, i: usize, interval: usize, u: f64) -> Jet
     [0, 1, 2].map(|k| rising[k] + falling[k])
 }
 
-/// The derivatives of a surface at a place, by how often each parameter is derived: (0, 0), (1, 0), (0, 1),
-/// (2, 0), (1, 1), (0, 2).
+/// The point of a surface and its derivatives, by orders in u and v: (0, 0), (1, 0), (0, 1), (2, 0), (1, 1),
+/// (0, 2).
 fn by_definition(nurbs: &Nurbs, [u, v]: [f64; 2]) -> [Vector3<f64>; 6] {
     let weights = nurbs.weights.as_ref().unwrap();
     let along = |k: usize, at: f64| -> Vec<Jet> {
@@ -98,8 +98,8 @@ fn by_definition(nurbs: &Nurbs, [u, v]: [f64; 2]) -> [Vector3<f64>; 6] {
     [s, su, sv, suu, suv, svv]
 }
 
-/// The knot span that holds the share `t` of all spans with a length: its number, the place in it, its start
-/// and length.
+/// The knot span at the share `t` (0 to 1) of all spans that have a length. Returns its number, the place in
+/// it (0 to 1), its start and its length.
 fn span(knots: &[f64], t: f64) -> (usize, f64, f64, f64) {
     let mut distinct = knots.to_vec();
     distinct.dedup();
@@ -112,7 +112,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
-    fn rational_surfaces_have_the_points_and_derivatives_of_their_definition(
+    fn nurbs_surfaces_have_the_points_and_derivatives_of_their_definition(
         nurbs in any_surface(), s in 0.001f64..0.999, t in 0.001f64..0.999,
     ) {
         let surface = nurbs.surface().unwrap();
@@ -129,7 +129,7 @@ proptest! {
             // A short span magnifies the rounding of the parameter.
             let scale = size.max(expected.norm()) * (1.0 / steps[k]).max(1.0);
             let off = (found - expected).norm() / scale;
-            prop_assert!(off < 1e-12, "derivative {k}: {found} {expected}, off by {off:e}");
+            prop_assert!(off < 1e-12, "derivative {k}: {found}, expected {expected}, relative error {off:e}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The committed contract is the one the code serves, and its examples obey it.
+//! The committed contract equals the contract that the code serves, and its examples obey it.
 
 mod answers;
 mod schema;
@@ -13,7 +13,7 @@ fn parsed() -> Value {
 }
 
 #[test]
-fn the_committed_contract_is_current() {
+fn the_committed_contract_equals_the_served_contract() {
     assert!(
         COMMITTED.trim_end() == contract(),
         "openapi/openapi.json is not what the code serves; run `cargo run -- openapi > openapi/openapi.json`"
@@ -21,13 +21,13 @@ fn the_committed_contract_is_current() {
 }
 
 #[test]
-fn every_reference_leads_somewhere() {
+fn every_reference_in_the_contract_has_a_target() {
     fn visit(value: &Value, document: &Value) {
         match value {
             Value::Object(members) => {
                 if let Some(Value::String(target)) = members.get("$ref") {
                     let found = document.pointer(target.trim_start_matches('#'));
-                    assert!(found.is_some(), "{target} leads nowhere");
+                    assert!(found.is_some(), "{target} is not in the contract");
                 }
                 members.values().for_each(|member| visit(member, document));
             }
@@ -40,16 +40,20 @@ fn every_reference_leads_somewhere() {
 }
 
 #[test]
-fn operations_have_names_of_their_own_and_answer_problems() {
+fn operation_ids_are_unique_and_every_error_is_a_problem() {
     let document = parsed();
     let mut names = std::collections::HashSet::new();
     for (path, item) in document["paths"].as_object().expect("paths") {
         for (method, operation) in item.as_object().expect("operations") {
             let name = operation["operationId"].as_str().expect("a name");
-            assert!(names.insert(name.to_owned()), "{name} is used twice");
+            assert!(names.insert(name.to_owned()), "the operation id {name} is used twice");
             for (status, response) in operation["responses"].as_object().expect("responses") {
                 let is_problem = response["content"].get("application/problem+json").is_some();
-                assert_eq!(is_problem, status.as_str() >= "400", "{method} {path} {status}");
+                assert_eq!(
+                    is_problem,
+                    status.as_str() >= "400",
+                    "{method} {path} {status}: only errors are problems"
+                );
             }
         }
     }
@@ -58,7 +62,7 @@ fn operations_have_names_of_their_own_and_answer_problems() {
 }
 
 #[test]
-fn the_schemas_of_points_hold_their_limits() {
+fn the_schemas_of_points_state_their_lengths() {
     let schemas = &parsed()["components"]["schemas"];
     assert_eq!((&schemas["Point"]["minItems"], &schemas["Point"]["maxItems"]), (&3.into(), &3.into()));
     assert_eq!(schemas["PointGrid"]["properties"]["points"]["$ref"], "#/components/schemas/PointRows");
@@ -68,11 +72,14 @@ fn the_schemas_of_points_hold_their_limits() {
 }
 
 #[test]
-fn no_schema_asks_for_two_types_at_once() {
+fn no_schema_requires_two_types_at_once() {
     fn visit(value: &Value) {
         if let Some(all) = value.get("allOf").and_then(Value::as_array) {
             let types: Vec<_> = all.iter().filter_map(|part| part.get("type")).collect();
-            assert!(types.windows(2).all(|pair| pair[0] == pair[1]), "{value}");
+            assert!(
+                types.windows(2).all(|pair| pair[0] == pair[1]),
+                "the parts of allOf have different types: {value}"
+            );
         }
         match value {
             Value::Object(members) => members.values().for_each(visit),
@@ -83,7 +90,7 @@ fn no_schema_asks_for_two_types_at_once() {
     visit(&parsed());
 }
 
-/// Calls `look` with every object schema's properties, by path.
+/// Calls `look` with the path and the schema of every property of every object schema.
 fn each_property(value: &Value, path: &str, look: &mut impl FnMut(&str, &Value)) {
     match value {
         Value::Object(members) => {
@@ -108,7 +115,7 @@ fn operations(document: &Value) -> Vec<(String, Value)> {
 }
 
 #[test]
-fn every_property_every_parameter_and_every_operation_explains_itself() {
+fn every_property_parameter_and_operation_has_a_description() {
     let document = parsed();
     let mut silent = Vec::new();
     let mut n_properties = 0;
@@ -131,12 +138,12 @@ fn every_property_every_parameter_and_every_operation_explains_itself() {
         }
     }
     assert!(silent.is_empty(), "without a description: {silent:#?}");
-    assert!(n_properties > 200, "{n_properties} properties were found");
-    assert!(document["servers"].as_array().is_some_and(|servers| !servers.is_empty()));
-    assert!(document["info"].get("license").is_none(), "no licence is chosen");
+    assert!(n_properties > 200, "only {n_properties} properties were found");
+    assert!(document["servers"].as_array().is_some_and(|servers| !servers.is_empty()), "no server is listed");
+    assert!(document["info"].get("license").is_none(), "the contract names a licence, but none is chosen");
 }
 
-/// Units as descriptions name them, and the words of plain numbers.
+/// Words that name a unit in a description, and words for numbers that have no unit.
 const UNITS: [&str; 18] = [
     "mm",
     "mm/min",
@@ -158,7 +165,7 @@ const UNITS: [&str; 18] = [
     "steps",
 ];
 
-/// The numbers of a schema: the schema itself, or the elements of arrays, whatever may be `null`.
+/// Whether a schema allows a number, or an array of numbers. It may also allow `null`.
 fn is_numeric(document: &Value, schema: &Value) -> bool {
     if let Some(target) = schema["$ref"].as_str() {
         return is_numeric(document, document.pointer(target.trim_start_matches('#')).expect("a schema"));
@@ -173,7 +180,7 @@ fn is_numeric(document: &Value, schema: &Value) -> bool {
 }
 
 #[test]
-fn every_number_has_a_unit_or_is_a_count() {
+fn the_description_of_every_number_names_its_unit_or_that_it_has_none() {
     let document = parsed();
     let mut bare = Vec::new();
     let mut n_numbers = 0;
@@ -197,11 +204,11 @@ fn every_number_has_a_unit_or_is_a_count() {
         }
     }
     assert!(bare.is_empty(), "without a unit: {bare:#?}");
-    assert!(n_numbers > 100, "{n_numbers} numbers were found");
+    assert!(n_numbers > 100, "only {n_numbers} numbers were found");
 }
 
 #[test]
-fn objects_that_kind_tells_apart_have_a_discriminator() {
+fn unions_of_objects_with_a_kind_have_a_discriminator() {
     let document = parsed();
     let schemas = document["components"]["schemas"].as_object().expect("schemas");
     let mut n_unions = 0;
@@ -220,15 +227,15 @@ fn objects_that_kind_tells_apart_have_a_discriminator() {
             continue;
         }
         n_unions += 1;
-        assert_eq!(kinds.len(), options.len(), "{name}");
-        assert_eq!(union["discriminator"]["propertyName"], "kind", "{name}");
+        assert_eq!(kinds.len(), options.len(), "{name} has an option without a kind");
+        assert_eq!(union["discriminator"]["propertyName"], "kind", "{name} lacks its discriminator");
         let mapping = union["discriminator"]["mapping"].as_object().expect("a mapping");
-        assert_eq!(mapping.len(), kinds.len(), "{name}");
+        assert_eq!(mapping.len(), kinds.len(), "{name} maps other kinds than it has");
         for (kind, target) in kinds {
-            assert_eq!(mapping[&kind], target, "{name} {kind}");
+            assert_eq!(mapping[&kind], target, "{name} maps the kind {kind} to another schema");
         }
     }
-    assert_eq!(n_unions, 7);
+    assert_eq!(n_unions, 7, "the number of unions with a kind");
 }
 
 #[test]
@@ -249,11 +256,11 @@ fn no_member_with_a_default_is_required() {
     }
     let mut n_defaults = 0;
     visit(&parsed()["components"], &mut n_defaults);
-    assert!(n_defaults > 20, "{n_defaults} defaults were found");
+    assert!(n_defaults > 20, "only {n_defaults} defaults were found");
 }
 
 #[test]
-fn examples_of_requests_and_answers_obey_their_schemas() {
+fn examples_of_requests_answers_and_problems_obey_their_schemas() {
     let document = parsed();
     let mut n_examples = 0;
     for (name, operation) in operations(&document) {
@@ -264,18 +271,18 @@ fn examples_of_requests_and_answers_obey_their_schemas() {
             for value in values {
                 n_examples += 1;
                 let faults = schema::faults(&document, &body["schema"], value, "#");
-                assert!(faults.is_empty(), "{name}: {faults:#?}");
+                assert!(faults.is_empty(), "an example of {name} breaks its schema: {faults:#?}");
             }
         }
     }
-    assert!(n_examples >= 28 + 8, "{n_examples} examples were found");
+    assert!(n_examples >= 28 + 8, "only {n_examples} examples were found");
     let problem = &document["components"]["schemas"]["Problem"];
     let faults = schema::faults(&document, problem, &problem["examples"][0], "#");
-    assert!(faults.is_empty(), "{faults:#?}");
+    assert!(faults.is_empty(), "the example of a problem breaks its schema: {faults:#?}");
 }
 
 #[test]
-fn a_body_that_breaks_its_schema_is_found() {
+fn the_schema_check_finds_a_body_that_breaks_its_schema() {
     let document = parsed();
     let mill = &document["components"]["schemas"]["MillRequest"];
     let body = &document["paths"]["/v1/surfaces/mill"]["post"]["requestBody"]["content"]["application/json"];
@@ -289,6 +296,6 @@ fn a_body_that_breaks_its_schema_is_found() {
     ] {
         let mut broken = legal.clone();
         *broken.pointer_mut(pointer).expect("a member") = value;
-        assert!(!schema::faults(&document, mill, &broken, "#").is_empty(), "{pointer}");
+        assert!(!schema::faults(&document, mill, &broken, "#").is_empty(), "no fault was found at {pointer}");
     }
 }

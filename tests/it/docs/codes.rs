@@ -1,4 +1,4 @@
-//! Every code that a caller may meet is explained in `docs/api.md`, every setting in `docs/operations.md`.
+//! `docs/api.md` explains every code that a caller may get, and `docs/operations.md` every setting.
 
 use std::collections::BTreeSet;
 
@@ -9,11 +9,16 @@ use toolpathd::config::Cli;
 use super::fields::contract;
 use super::page::read;
 
-/// The first cells of the table after the line `mark`.
+/// The names in the first column of the table after the line `mark`.
 fn first_cells(page: &str, mark: &str) -> BTreeSet<String> {
-    let (_, rest) = page.split_once(mark).unwrap_or_else(|| panic!("{mark} is missing"));
+    let (_, rest) = page.split_once(mark).unwrap_or_else(|| panic!("the page lacks the mark {mark}"));
     let rows = rest.trim_start().lines().take_while(|line| line.starts_with('|')).skip(2);
-    let cell = |row: &str| row.split('`').nth(1).unwrap_or_else(|| panic!("{row}")).to_owned();
+    let cell = |row: &str| {
+        row.split('`')
+            .nth(1)
+            .unwrap_or_else(|| panic!("the first cell of this row holds no name: {row}"))
+            .to_owned()
+    };
     rows.map(cell).collect()
 }
 
@@ -22,7 +27,7 @@ fn names(values: &Value) -> BTreeSet<String> {
 }
 
 #[test]
-fn every_code_is_explained() {
+fn the_api_page_explains_every_code() {
     let (page, document) = (read("docs/api.md"), contract());
     let schemas = &document["components"]["schemas"];
     for (mark, codes) in [
@@ -30,12 +35,16 @@ fn every_code_is_explained() {
         ("<!-- codes of places -->", &schemas["FieldCode"]["enum"]),
         ("<!-- codes of warnings -->", &schemas["WarningCode"]["enum"]),
     ] {
-        assert_eq!(first_cells(&page, mark), names(codes), "{mark}");
+        assert_eq!(
+            first_cells(&page, mark),
+            names(codes),
+            "the table at {mark} lists other codes than the contract"
+        );
     }
 }
 
 #[test]
-fn every_setting_is_explained_with_its_default() {
+fn the_operations_page_explains_every_setting_with_its_default() {
     let page = read("docs/operations.md");
     let (_, rest) = page.split_once("<!-- settings -->").expect("the settings");
     let rows: Vec<&str> =
@@ -45,14 +54,14 @@ fn every_setting_is_explained_with_its_default() {
         .get_arguments()
         .filter(|flag| !["help", "version"].contains(&flag.get_id().as_str()))
         .collect();
-    assert_eq!(rows.len(), flags.len());
+    assert_eq!(rows.len(), flags.len(), "the table has other settings than the command line");
     for flag in flags {
         let name = format!("`--{}`", flag.get_long().expect("a name"));
         let row =
             rows.iter().find(|row| row.contains(&name)).unwrap_or_else(|| panic!("{name} is not explained"));
         for default in flag.get_default_values() {
             let default = format!("| {} |", default.to_str().expect("UTF-8"));
-            assert!(row.contains(&default), "{name}: {default}");
+            assert!(row.contains(&default), "the row of {name} lacks the default {default}");
         }
     }
 }

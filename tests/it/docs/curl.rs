@@ -1,4 +1,4 @@
-//! A curl command as a request, without curl: the options that the documents use, and no others.
+//! Parses and sends curl commands without curl. Only the options that the documents use are supported.
 
 use std::collections::HashMap;
 use std::io::{Read, Write};
@@ -7,10 +7,10 @@ use std::net::SocketAddr;
 use super::page::root;
 use crate::api::support::connect;
 
-/// The address that the documents write.
+/// The address of the service in the documents.
 const WRITTEN_ADDRESS: &str = "http://127.0.0.1:8080";
 
-/// What curl would send, and where it would write the answer.
+/// The request that curl would send, and the file to which curl would write the answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Curl {
     pub method: String,
@@ -40,7 +40,7 @@ pub struct Answer {
     pub body: String,
 }
 
-/// The curl commands of a shell block. Any other command is refused, but `cargo`.
+/// The curl commands of a shell block. `cargo` commands are skipped; any other command is an error.
 pub fn commands(shell: &str) -> Result<Vec<Curl>, String> {
     let joined = shell.replace("\\\n", " ");
     let lines = joined.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -56,7 +56,8 @@ pub fn commands(shell: &str) -> Result<Vec<Curl>, String> {
     Ok(commands)
 }
 
-/// The words of a line of shell: quotes are taken off, a comment ends the line, and nothing is expanded.
+/// Splits a line of shell into words, without their quotes. A comment ends the line. A line that the shell
+/// would expand or act on is an error.
 fn words(line: &str) -> Result<Vec<String>, String> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;
@@ -83,7 +84,7 @@ fn words(line: &str) -> Result<Vec<String>, String> {
 }
 
 impl Curl {
-    /// The request of curl's arguments.
+    /// The request that curl would send for these arguments. An option that is not supported is an error.
     fn of(arguments: &[String]) -> Result<Self, String> {
         let (mut url, mut headers, mut body, mut saved_as) = (None, Vec::new(), None, None);
         let mut method = "GET";
@@ -94,7 +95,7 @@ impl Curl {
                 "-s" | "-N" | "-sN" => {}
                 "-H" => {
                     let header = value()?;
-                    let (name, text) = header.split_once(':').ok_or(format!("{header} is no header"))?;
+                    let (name, text) = header.split_once(':').ok_or(format!("{header} is not a header"))?;
                     headers.push((name.to_lowercase(), text.trim().to_owned()));
                 }
                 "--data" | "--data-binary" => {
@@ -111,7 +112,9 @@ impl Curl {
                     body = Some(Body::Whole(value()?));
                 }
                 "-o" => saved_as = Some(value()?),
-                option if option.starts_with('-') => return Err(format!("{option} is not known here")),
+                option if option.starts_with('-') => {
+                    return Err(format!("the option {option} is not supported"));
+                }
                 address if url.is_none() => url = Some(address),
                 second => return Err(format!("{second} is a second address")),
             }
@@ -119,7 +122,7 @@ impl Curl {
         let target = url.and_then(|url| url.strip_prefix(WRITTEN_ADDRESS));
         let target = target.ok_or(format!("the address does not begin with {WRITTEN_ADDRESS}"))?;
         if method == "POST" && headers.iter().all(|(name, _)| name != "content-type") {
-            // What curl says of `--data` when told nothing.
+            // Curl sends this content type with `--data` unless a header names another one.
             headers.push(("content-type".into(), "application/x-www-form-urlencoded".into()));
         }
         if headers.iter().all(|(name, _)| name != "accept") {
@@ -128,8 +131,8 @@ impl Curl {
         Ok(Self { method: method.into(), target: target.into(), headers, body, saved_as })
     }
 
-    /// Sends the request. A file is one of `files`, which earlier commands of the document wrote, or one of
-    /// the package.
+    /// Sends the request. A file is looked up in `files`, which earlier commands of the document wrote, and
+    /// then in the package.
     pub fn send(&self, address: SocketAddr, files: &HashMap<String, Vec<u8>>) -> Answer {
         let bytes = |name: &String| match files.get(name) {
             Some(bytes) => bytes.clone(),
@@ -149,8 +152,8 @@ impl Curl {
         }
         head.push_str(&format!("connection: close\r\ncontent-length: {}\r\n\r\n", body.len()));
         let mut stream = connect(address);
-        stream.write_all(head.as_bytes()).expect("written");
-        stream.write_all(&body).expect("written");
+        stream.write_all(head.as_bytes()).expect("the request can be written");
+        stream.write_all(&body).expect("the request can be written");
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).expect("an answer");
         Answer::of(&answer)
@@ -172,7 +175,7 @@ impl Answer {
     }
 }
 
-/// A chunked body as a whole. A body that does not end is a failure of the service.
+/// Joins a chunked body. Fails if the body does not end, because this is a failure of the service.
 fn joined(mut chunks: &[u8]) -> Vec<u8> {
     let mut whole = Vec::new();
     loop {
@@ -188,7 +191,7 @@ fn joined(mut chunks: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_command_is_the_request_that_curl_would_send() {
+fn a_parsed_command_is_the_request_that_curl_would_send() {
     let shell = "cargo run --release  # first\n\
         curl -s 'http://127.0.0.1:8080/v1/arcs/fit?nc=true' \\\n  -H 'Accept: application/json' --data @a.json -o out\n\
         curl -T a.ngc http://127.0.0.1:8080/v1/arcs/fit\n";
@@ -206,7 +209,7 @@ fn a_command_is_the_request_that_curl_would_send() {
 }
 
 #[test]
-fn a_command_that_is_not_understood_is_refused() {
+fn a_command_with_unsupported_parts_is_refused() {
     for shell in [
         "curl --insecure http://127.0.0.1:8080/livez",
         "curl http://127.0.0.1:9090/livez",
@@ -216,12 +219,12 @@ fn a_command_that_is_not_understood_is_refused() {
         "curl http://127.0.0.1:8080/livez -o",
         "wget http://127.0.0.1:8080/livez",
     ] {
-        assert!(commands(shell).is_err(), "{shell}");
+        assert!(commands(shell).is_err(), "this command was not refused: {shell}");
     }
 }
 
 #[test]
-fn a_chunked_body_is_joined() {
+fn the_chunks_of_a_body_are_joined() {
     let answer =
         Answer::of(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nG0 \r\n2\r\nX1\r\n0\r\n\r\n");
     assert_eq!((answer.status, answer.body.as_str()), (200, "G0 X1"));

@@ -1,4 +1,4 @@
-//! Every curl of the documents is sent to a service, and every answer that they show is the one that comes.
+//! Sends every curl command of the documents to a service and compares the answers with those shown.
 
 use std::collections::HashMap;
 use std::net::SocketAddr;
@@ -10,14 +10,14 @@ use super::page::{Block, blocks, read};
 use super::recipe;
 use crate::api::support::{Server, app, aside};
 
-/// The documents with commands to try.
+/// The documents whose commands are sent.
 const DOCUMENTS: &[&str] = &["README.md", "docs/api.md", "docs/operations.md"];
 
-/// What stands for anything in an answer that is shown.
+/// The gap in an answer that a document shows. It stands for any text.
 const GAP: &str = "...";
 
 #[tokio::test(flavor = "multi_thread")]
-async fn every_curl_of_the_documents_answers_as_they_show() {
+async fn every_curl_command_of_the_documents_gets_the_answer_shown() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -28,11 +28,11 @@ async fn every_curl_of_the_documents_answers_as_they_show() {
     assert!(faults.is_empty(), "{}", faults.join("\n\n"));
 }
 
-/// What is wrong with the examples of a document.
+/// The faults of the examples of a document.
 fn faults_of(path: &str, address: SocketAddr) -> Vec<String> {
     let markdown = read(path);
     let blocks = blocks(&markdown);
-    // What a reader has on disk beside the package.
+    // Files that a reader has beside those of the package.
     let mut files: HashMap<String, Vec<u8>> = HashMap::new();
     if let Some((name, body)) = recipe::body_of(&blocks) {
         files.insert(name, body);
@@ -59,16 +59,17 @@ fn faults_of(path: &str, address: SocketAddr) -> Vec<String> {
     faults
 }
 
+/// Compares an answer with the block that follows its command. Returns what differs.
 fn compare(answer: &Answer, shown: Option<&Block>) -> Result<(), String> {
     let text = shown.map_or("", |block| block.text.as_str());
     if text.starts_with("{\"type\":") {
         return compare_problems(answer, text);
     }
     if !(200..300).contains(&answer.status) {
-        return Err(format!("answers {}: {}", answer.status, answer.body));
+        return Err(format!("the answer has status {}: {}", answer.status, answer.body));
     }
     if answer.body.trim().is_empty() {
-        return Err("answers nothing".into());
+        return Err("the answer is empty".into());
     }
     if text.is_empty() {
         return Ok(());
@@ -76,10 +77,12 @@ fn compare(answer: &Answer, shown: Option<&Block>) -> Result<(), String> {
     let is_json = answer.content_type == "application/json";
     let readable = |text: &str| if is_json { squeezed(text) } else { text.trim_end().to_owned() };
     let (shown, told) = (readable(text), readable(&answer.body));
-    fit(&shown, &told).map_err(|part| format!("the answer does not go on with\n{part}\nIt is\n{told}"))
+    fit(&shown, &told).map_err(|part| {
+        format!("the answer lacks this part, or has it in another place:\n{part}\nThe answer is\n{told}")
+    })
 }
 
-/// The members by which callers tell problems apart. The sentences for people may change.
+/// Compares the members of a problem that programs read. The sentences for people may change.
 fn compare_problems(answer: &Answer, shown: &str) -> Result<(), String> {
     let stable = |text: &str| {
         let problem: Value = serde_json::from_str(text).map_err(|error| format!("{error}: {text}"))?;
@@ -91,12 +94,12 @@ fn compare_problems(answer: &Answer, shown: &str) -> Result<(), String> {
     };
     let (told, shown) = (stable(&answer.body)?, stable(shown)?);
     if told != shown || told.0[1] != answer.status {
-        return Err(format!("the problem is {told:?}, shown is {shown:?}"));
+        return Err(format!("the answer is the problem {told:?}, but the document shows {shown:?}"));
     }
     Ok(())
 }
 
-/// JSON without the white space between its tokens.
+/// Removes the white space between the tokens of a JSON text.
 fn squeezed(json: &str) -> String {
     let (mut in_text, mut escaped) = (false, false);
     let mut kept = String::with_capacity(json.len());
@@ -110,10 +113,10 @@ fn squeezed(json: &str) -> String {
     kept
 }
 
-/// Whether the parts of `shown` between its gaps follow each other in `told`, from its start to its end.
+/// Checks that the parts of `shown` between its gaps follow each other in `told`, from its start to its end.
 ///
 /// # Errors
-/// The first part that does not.
+/// Returns the first part that does not follow.
 fn fit<'a>(shown: &'a str, told: &str) -> Result<(), &'a str> {
     let parts: Vec<&str> = shown.split(GAP).collect();
     let mut rest = told;
@@ -133,7 +136,7 @@ fn fit<'a>(shown: &'a str, told: &str) -> Result<(), &'a str> {
 }
 
 #[test]
-fn a_gap_stands_for_anything_and_all_else_for_itself() {
+fn a_gap_matches_any_text_and_all_other_text_matches_itself() {
     assert_eq!(fit("G0 X1\n...\nM30", "G0 X1\nY2\nM30"), Ok(()));
     assert_eq!(fit("{\"id\":\"...\",\"n\":2...", "{\"id\":\"a-b\",\"n\":2,\"m\":3}"), Ok(()));
     assert_eq!(fit("...M30...M30", "M30 M30 M30"), Ok(()));

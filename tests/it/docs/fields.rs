@@ -1,4 +1,4 @@
-//! The tables of fields in `docs/api.md` are those of the committed contract.
+//! The tables of fields in `docs/api.md` match the committed contract.
 //!
 //! A line `<!-- request fields of Tool at tool -->` begins a table and `<!-- end -->` ends it.
 //! `UPDATE_DOCS=1 cargo test docs` writes the tables instead of comparing them.
@@ -14,33 +14,34 @@ use super::schema::{Contract, is_tagged_union};
 const PAGE: &str = "docs/api.md";
 const END: &str = "<!-- end -->";
 
-/// The answers of computations differ in `report` alone: the page shows the other members once.
+/// Beginning of the names of the schemas for answers of computations. These schemas differ in `report` alone;
+/// the page shows their other members once.
 const ANSWER: &str = "Answer_";
 
-/// What the page says of the member `report`, which is another object for each endpoint.
+/// The meaning that the page gives for the member `report`. Each endpoint has another object there.
 const REPORT: &str = "What the operation found; each endpoint has its own report.";
 
 pub fn contract() -> Value {
     serde_json::from_str(&read("openapi/openapi.json")).expect("the contract is JSON")
 }
 
-/// What stands between two marks.
+/// The kind of table between two marks.
 #[derive(Debug, PartialEq, Eq)]
 enum Table<'a> {
-    /// The fields of an object that is sent, under the path at which it stands in the body.
+    /// The fields of an object in a request. `at` is the path of the object in the body.
     Request { schema: &'a str, at: &'a str },
-    /// The fields of an object that is answered.
+    /// The fields of an object in an answer.
     Answer { schema: &'a str, at: &'a str },
-    /// The objects that `kind` tells apart.
+    /// The objects of a union, by their `kind`.
     Kinds { schema: &'a str },
-    /// The description of a text.
+    /// The description of a schema, as text.
     Meaning { schema: &'a str },
     /// The query parameters of an operation.
     Query { method: &'a str, path: &'a str },
 }
 
 impl<'a> Table<'a> {
-    /// The table that a line begins.
+    /// The table that a line of the page begins, if the line is a mark.
     fn of(line: &'a str) -> Option<Self> {
         let mark = line.strip_prefix("<!-- ")?.strip_suffix(" -->")?;
         let words: Vec<&str> = mark.split(' ').collect();
@@ -68,22 +69,22 @@ impl<'a> Table<'a> {
 }
 
 #[test]
-fn the_tables_of_fields_are_those_of_the_contract() {
+fn the_field_tables_of_the_api_page_match_the_contract() {
     let (page, document) = (read(PAGE), contract());
     let written = with_tables(&page, &document);
     if std::env::var_os("UPDATE_DOCS").is_some() {
-        return fs::write(root().join(PAGE), written).expect("written");
+        return fs::write(root().join(PAGE), written).expect("the page can be written");
     }
     let differs = page.lines().zip(written.lines()).position(|(is, should)| is != should);
     assert!(
         page == written,
-        "{PAGE}:{}: not what the contract says; run `UPDATE_DOCS=1 cargo test --test it docs`",
+        "{PAGE}:{}: the table differs from the contract; run `UPDATE_DOCS=1 cargo test --test it docs`",
         differs.map_or(0, |index| index + 1)
     );
 }
 
 #[test]
-fn every_field_that_is_sent_or_answered_stands_in_a_table() {
+fn every_object_of_requests_and_answers_has_a_table_in_the_api_page() {
     let (page, document) = (read(PAGE), contract());
     let contract = of_page(&page, &document);
     let mut open = BTreeSet::new();
@@ -114,19 +115,20 @@ fn every_field_that_is_sent_or_answered_stands_in_a_table() {
 }
 
 #[test]
-fn every_operation_has_a_section_with_a_command() {
+fn every_operation_has_a_section_with_a_curl_command() {
     let (page, document) = (read(PAGE), contract());
     for (method, path, _) in operations(&document) {
         let title = format!("## `{method} {path}`\n");
-        let start = page.find(&title).unwrap_or_else(|| panic!("{PAGE} lacks `{}`", title.trim()));
+        let start =
+            page.find(&title).unwrap_or_else(|| panic!("{PAGE} lacks the section `{}`", title.trim()));
         let section = &page[start + title.len()..];
         let section = section.split("\n## ").next().unwrap_or(section);
-        assert!(section.contains("curl "), "{PAGE}: {method} {path} shows no curl");
+        assert!(section.contains("curl "), "{PAGE}: the section of {method} {path} shows no curl command");
     }
 }
 
 #[test]
-fn no_answer_has_a_member_that_the_table_lacks() {
+fn the_table_of_answers_has_every_member_of_every_answer() {
     let document = contract();
     let answers = document["components"]["schemas"].as_object().expect("schemas");
     let members = |schema: &Value| {
@@ -135,16 +137,20 @@ fn no_answer_has_a_member_that_the_table_lacks() {
         members
     };
     let answers: Vec<_> = answers.iter().filter(|(name, _)| name.starts_with(ANSWER)).collect();
-    assert!(answers.len() >= 6);
+    assert!(answers.len() >= 6, "only {} schemas of answers were found", answers.len());
     let in_table = members(&document["components"]["schemas"]["Answer_MillReport"]);
     for (name, schema) in &answers {
         for (member, meaning) in members(schema) {
-            assert_eq!(Some(&meaning), in_table.get(&member), "{name}.{member}");
+            assert_eq!(
+                Some(&meaning),
+                in_table.get(&member),
+                "{name}.{member} differs from the table or is not in it"
+            );
         }
     }
 }
 
-/// Method, path and description of each operation.
+/// The method, the path and the description of each operation.
 pub fn operations(document: &Value) -> impl Iterator<Item = (String, &String, &Value)> {
     let paths = document["paths"].as_object().expect("paths").iter();
     paths.flat_map(|(path, item)| {
@@ -153,13 +159,13 @@ pub fn operations(document: &Value) -> impl Iterator<Item = (String, &String, &V
     })
 }
 
-/// Objects without `kind` of which an answer holds one.
+/// Whether a schema is a choice of reports. These objects have no `kind`.
 fn is_any_report(schema: &Value) -> bool {
     let kinds = schema["oneOf"].as_array().into_iter().flatten();
     kinds.filter_map(|kind| kind["$ref"].as_str()).all(|name| name.ends_with("Report"))
 }
 
-/// The names of all schemas that `value` refers to.
+/// Adds the names of all schemas that `value` refers to.
 fn gather(value: &Value, names: &mut BTreeSet<String>) {
     match value {
         Value::Object(members) => {
@@ -172,14 +178,15 @@ fn gather(value: &Value, names: &mut BTreeSet<String>) {
     }
 }
 
-/// The contract with the headings of `page` under which its tables stand.
+/// The contract, with the heading of `page` above the table of each schema.
 fn of_page<'a>(page: &str, document: &'a Value) -> Contract<'a> {
     let headings = headings(page);
     let mut by_schema = BTreeMap::new();
     for (index, line) in page.lines().enumerate() {
         if let Some(schema) = Table::of(line).and_then(|table| table.schema()) {
             let above = headings.iter().rev().find(|(at, _)| *at < index);
-            let (_, heading) = above.unwrap_or_else(|| panic!("{schema} stands under no heading"));
+            let (_, heading) =
+                above.unwrap_or_else(|| panic!("the table of {schema} has no heading above it"));
             by_schema.entry(schema.to_owned()).or_insert_with(|| (*heading).to_owned());
         }
     }
@@ -196,13 +203,10 @@ fn with_tables(page: &str, document: &Value) -> String {
         out.push_str(line);
         out.push('\n');
         if let Some(table) = Table::of(line) {
-            assert!(lines.any(|line| line == END), "{line} has no end");
+            assert!(lines.any(|line| line == END), "the table {line} has no end mark");
             out.push_str(&format!("\n{}\n{END}\n", render(&table, &contract, document)));
         } else {
-            assert!(
-                !line.starts_with("<!-- ") || line.contains(" codes of "),
-                "{line} is no mark that is known"
-            );
+            assert!(!line.starts_with("<!-- ") || line.contains(" codes of "), "{line} is not a known mark");
         }
     }
     out
@@ -241,7 +245,7 @@ fn render(table: &Table<'_>, contract: &Contract<'_>, document: &Value) -> Strin
                 let mut schema = parameter["schema"].clone();
                 let own = joined(schema["description"].as_str().unwrap_or_default());
                 let said = joined(parameter["description"].as_str().unwrap_or_default());
-                // The words of a type that is shared stand after those of the parameter.
+                // The description of a shared type follows the description of the parameter.
                 schema["description"] = [said, own].join(" ").trim().into();
                 let name = parameter["name"].as_str().expect("a name");
                 let field = contract.field(&schema);
@@ -259,14 +263,15 @@ fn render(table: &Table<'_>, contract: &Contract<'_>, document: &Value) -> Strin
     }
 }
 
-/// The beginning of what a kind's own schema says.
+/// The first paragraph of the description of a kind's own schema.
 fn first_paragraph(kind: &Value, contract: &Contract<'_>) -> Option<String> {
     let name = kind["$ref"].as_str()?.rsplit('/').next()?;
     let words = contract.component(name)["description"].as_str()?;
     words.split("\n\n").next().map(joined)
 }
 
-/// The rows of an object's fields: `kind` first, then those that are required, in the order of the contract.
+/// Appends the rows of an object's fields: required fields first, then the others, in the order of the
+/// contract.
 fn fields(contract: &Contract<'_>, object: &Value, at: &str, is_request: bool, rows: &mut Vec<Vec<String>>) {
     let properties = object["properties"].as_object().expect("an object has properties");
     let required: Vec<&str> =
@@ -300,7 +305,7 @@ fn in_order<'a>(properties: &'a Map<String, Value>, required: &[&'a str]) -> Vec
     required.iter().copied().chain(optional).collect()
 }
 
-/// Words on one line.
+/// The words of a text on one line.
 fn joined(words: &str) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }

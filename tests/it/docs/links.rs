@@ -1,10 +1,10 @@
-//! Every link of the documents to a place of this package leads somewhere.
+//! Every link of the documents to a file or a heading of this package has its target.
 
 use std::path::Path;
 
 use super::page::{anchor, headings, read, root};
 
-/// The documents, decisions among them.
+/// The paths of all documents, with the decisions.
 fn documents() -> Vec<String> {
     let mut paths = vec!["README.md".to_owned(), "CHANGELOG.md".to_owned()];
     for folder in ["docs", "docs/decisions"] {
@@ -29,7 +29,7 @@ fn links(markdown: &str) -> Vec<&str> {
 }
 
 #[test]
-fn every_link_leads_to_a_file_and_a_heading() {
+fn every_link_leads_to_an_existing_file_and_heading() {
     let mut dead = Vec::new();
     for path in documents() {
         let markdown = read(&path);
@@ -49,14 +49,14 @@ fn every_link_leads_to_a_file_and_a_heading() {
                 && (place.is_empty()
                     || headings(&read(&target)).iter().any(|(_, title)| anchor(title) == place));
             if !is_there {
-                dead.push(format!("{path}: {link}"));
+                dead.push(format!("{path}: the link {link} leads nowhere"));
             }
         }
     }
     assert!(dead.is_empty(), "{}", dead.join("\n"));
 }
 
-/// The modules that the third column of a table names: `a/b` and `a/{b, c}`, without words in upper case.
+/// The modules that the third cell of a row names, as `a/b` or as `a/{b, c}`.
 fn modules(row: &str) -> Vec<String> {
     let cell = row.trim_matches('|').split('|').nth(2).unwrap_or_default();
     let paths = cell.split('`').skip(1).step_by(2).filter(|path| path.contains('/'));
@@ -70,11 +70,11 @@ fn modules(row: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_module_of_a_paper_exists() {
+fn every_module_that_the_papers_page_names_exists() {
     let page = read("docs/papers.md");
     let named: Vec<String> = page.lines().filter(|line| line.starts_with("| ")).flat_map(modules).collect();
-    assert!(named.len() > 10, "{named:?}");
+    assert!(named.len() > 10, "only these modules were found: {named:?}");
     let missing: Vec<_> =
         named.iter().filter(|name| !root().join(format!("src/{name}.rs")).exists()).collect();
-    assert!(missing.is_empty(), "docs/papers.md names {missing:?}");
+    assert!(missing.is_empty(), "docs/papers.md names modules that do not exist: {missing:?}");
 }

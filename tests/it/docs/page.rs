@@ -1,4 +1,4 @@
-//! A markdown file: its fenced blocks and its headings, with line numbers.
+//! Reads the fenced blocks and the headings of a markdown file, with line numbers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub fn blocks(markdown: &str) -> Vec<Block> {
     blocks
 }
 
-/// The headings of a markdown text with the indices of their lines, without their marks.
+/// The headings of a markdown text, without `#`, with the indices of their lines.
 pub fn headings(markdown: &str) -> Vec<(usize, &str)> {
     let mut in_block = false;
     let mut found = Vec::new();
@@ -58,14 +58,14 @@ pub fn headings(markdown: &str) -> Vec<(usize, &str)> {
     found
 }
 
-/// The anchor that renderers of markdown make of a heading.
+/// The anchor of a heading, as renderers of markdown make it.
 pub fn anchor(heading: &str) -> String {
     let kept = heading.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
     kept.collect::<String>().to_lowercase().replace(' ', "-")
 }
 
 #[test]
-fn a_block_ends_at_its_fence() {
+fn blocks_end_at_their_fence_and_headings_inside_blocks_do_not_count() {
     let found = blocks("text\n```sh\ncargo test\n```\n# End\n```\n# no heading\n```\n");
     let languages: Vec<_> = found.iter().map(|block| (block.line, block.language.as_str())).collect();
     assert_eq!(languages, [(2, "sh"), (6, "")]);

@@ -1,4 +1,4 @@
-//! The README is short, and its table of endpoints is that of the contract.
+//! The README is short, and its table of endpoints matches the contract.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,10 +7,10 @@ use serde_json::Value;
 use super::fields::{contract, operations};
 use super::page::{blocks, read};
 
-/// As `wc -w` counts.
+/// Most words of the README, as `wc -w` counts them.
 const MOST_WORDS: usize = 1000;
 
-/// Media types with the word that the table has for each form.
+/// The media types of answers, each with its word in the table.
 const FORMS: &[(&str, &str)] = &[
     ("application/json", "JSON"),
     ("text/x-gcode", "NC text"),
@@ -21,17 +21,17 @@ const FORMS: &[(&str, &str)] = &[
     ("application/openmetrics-text", "text"),
 ];
 
-/// What is no operation of the contract.
+/// Endpoints that the README lists and the contract does not hold.
 const PAGES: &[&str] = &["GET /docs"];
 
 #[test]
 fn the_readme_has_at_most_a_thousand_words() {
     let words = read("README.md").split_whitespace().count();
-    assert!(words <= MOST_WORDS, "README.md has {words} words, {MOST_WORDS} at most");
+    assert!(words <= MOST_WORDS, "README.md has {words} words, at most {MOST_WORDS} are allowed");
 }
 
 #[test]
-fn the_readme_begins_with_the_two_commands() {
+fn the_first_commands_of_the_readme_are_cargo_run_and_cargo_test() {
     let blocks = blocks(&read("README.md"));
     let commands = blocks[0].text.lines().map(|line| line.split('#').next().unwrap_or(line).trim());
     assert_eq!(commands.collect::<Vec<_>>(), ["cargo run --release", "cargo test"]);
@@ -54,20 +54,24 @@ fn the_readme_lists_every_endpoint_with_every_form_of_its_answer() {
     let offered: BTreeMap<String, BTreeSet<&str>> = operations(&document)
         .map(|(method, path, operation)| (format!("{method} {path}"), forms(operation)))
         .collect();
-    assert_eq!(listed, offered);
+    assert_eq!(listed, offered, "the README lists other endpoints or forms than the contract");
 }
 
-/// The forms of the answer 200.
+/// The forms of the answer with status 200, by their words in the table.
 fn forms(operation: &Value) -> BTreeSet<&'static str> {
     let content = operation["responses"]["200"]["content"].as_object().expect("forms");
     let has_nc = content.contains_key("text/x-gcode");
-    // A program is also answered under other names of its type.
+    // These are other names of the media type for programs; the table shows only one.
     let is_other_name =
         |name: &str| has_nc && ["text/plain", "text/x.gcode", "application/x-gcode"].contains(&name);
     let names = content.keys().filter(|name| !is_other_name(name));
     names
         .map(|name| {
-            FORMS.iter().find(|(media_type, _)| media_type == name).unwrap_or_else(|| panic!("{name}")).1
+            FORMS
+                .iter()
+                .find(|(media_type, _)| media_type == name)
+                .unwrap_or_else(|| panic!("{name} has no word in the table"))
+                .1
         })
         .collect()
 }

@@ -1,23 +1,23 @@
-//! The README's recipe for points of the reader: the body that its few lines of Python make of its CSV.
+//! Runs the README's recipe: a few lines of Python that make a request of a CSV table of points.
 //!
-//! No Python is needed here. The lines that group the points are repeated below; the body around them is read
-//! as it is shown.
+//! No Python is needed. A Rust function does the same as the lines that group the points, and the body around
+//! them is read from the README.
 
 use serde_json::{Value, json};
 
 use super::page::{Block, blocks, read};
 
-/// What [`grid`] does, as the recipe says it.
+/// The lines of the recipe that do the same as [`grid`].
 const GROUPING: &str = "\
 columns = {}
 for x, y, z in sorted([float(cell) for cell in row] for row in csv.reader(open(\"points.csv\"))):
     columns.setdefault(x, []).append([x, y, z])
 ";
 
-/// What stands for the points in the body that is shown.
+/// The expression that stands for the points in the body of the recipe.
 const POINTS: &str = "list(columns.values())";
 
-/// The name of the file that the recipe writes, and its text; nothing where there is no recipe.
+/// The name of the file that the recipe writes, and its bytes. `None` if the document has no recipe.
 pub fn body_of(blocks: &[Block]) -> Option<(String, Vec<u8>)> {
     let of = |language: &str| blocks.iter().find(|block| block.language == language);
     let (csv, python) = (of("csv")?, of("python")?);
@@ -34,7 +34,7 @@ pub fn body_of(blocks: &[Block]) -> Option<(String, Vec<u8>)> {
     Some(("job.json".to_owned(), body.to_string().into_bytes()))
 }
 
-/// The points of a table `x,y,z`, a list for each x, both ways rising.
+/// The points of a table `x,y,z` as a grid: a list of points for each x, sorted by x and then by y.
 fn grid(csv: &str) -> Value {
     let number = |cell: &str| cell.trim().parse::<f64>().expect("a number");
     let mut points: Vec<Vec<f64>> = csv.lines().map(|line| line.split(',').map(number).collect()).collect();
@@ -44,12 +44,12 @@ fn grid(csv: &str) -> Value {
 }
 
 #[test]
-fn the_readme_has_a_recipe_for_points_in_a_table() {
-    assert!(body_of(&blocks(&read("README.md"))).is_some());
+fn the_readme_has_a_recipe_for_points_in_a_csv_table() {
+    assert!(body_of(&blocks(&read("README.md"))).is_some(), "README.md has no recipe");
 }
 
 #[test]
-fn points_in_any_order_become_a_grid() {
+fn table_rows_in_any_order_become_a_sorted_grid() {
     assert_eq!(
         grid("5,0,1\n0,5,2\n0,0,3\n5,5,4\n"),
         json!([[[0.0, 0.0, 3.0], [0.0, 5.0, 2.0]], [[5.0, 0.0, 1.0], [5.0, 5.0, 4.0]]])

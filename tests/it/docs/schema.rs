@@ -1,10 +1,10 @@
-//! What the contract says of a field, in the words of a table.
+//! Turns the schema of a field into the words of a table: type, unit, default and meaning.
 
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
-/// Endings of names, and names, with the unit that they stand for; the first that fits.
+/// Endings of field names, with the unit that each stands for. The first that fits counts.
 const UNITS: &[(&str, &str)] = &[
     ("_mm_per_min", "mm/min"),
     ("_mm_per_s2", "mm/s²"),
@@ -30,9 +30,9 @@ pub struct Contract<'a> {
     pub headings: BTreeMap<String, String>,
 }
 
-/// A schema without its wrapping: references followed, `null` taken off.
+/// A schema whose reference is resolved and whose `null` is removed.
 pub struct Field {
-    /// The name of the schema that is referred to, where one is.
+    /// The name of the schema that the field refers to, if it refers to one.
     pub refers_to: Option<String>,
     schema: Value,
     pub is_nullable: bool,
@@ -41,7 +41,7 @@ pub struct Field {
 }
 
 impl Contract<'_> {
-    /// The component that a reference leads to.
+    /// The schema with this name in the contract.
     pub fn component(&self, name: &str) -> &Value {
         self.schemas.get(name).unwrap_or_else(|| panic!("the contract has no schema {name}"))
     }
@@ -57,7 +57,7 @@ impl Contract<'_> {
             is_nullable = true;
             inner = one.clone();
         } else if let Some(all) = schema["allOf"].as_array() {
-            // One of them is the object, the others add words to it.
+            // One part is the object; the others add a description.
             let object =
                 all.iter().find(|part| part.get("$ref").is_some() || part.get("properties").is_some());
             inner = object.expect("an object among allOf").clone();
@@ -82,7 +82,7 @@ impl Contract<'_> {
         Field { refers_to, schema: inner, is_nullable, default, description }
     }
 
-    /// The type in words.
+    /// The type of a field in words.
     pub fn type_of(&self, field: &Field, with_limits: bool) -> String {
         let schema = &field.schema;
         if let Some(name) = &field.refers_to {
@@ -121,7 +121,7 @@ impl Contract<'_> {
         }
     }
 
-    /// The unit of a field: that of its name, or of the coordinates that it holds.
+    /// The unit of a field: by its name, or mm if it holds coordinates, or nothing.
     pub fn unit_of(&self, name: &str, field: &Field) -> &'static str {
         if let Some((_, unit)) = UNITS.iter().find(|(ending, _)| name.ends_with(ending)) {
             return unit;
@@ -136,7 +136,7 @@ impl Contract<'_> {
         if named.as_deref().is_some_and(|name| COORDINATES.contains(&name)) { "mm" } else { "" }
     }
 
-    /// The default and the meaning, out of the description.
+    /// The default and the meaning of a field. The default comes from the schema or the description.
     pub fn default_and_meaning(&self, field: &Field, is_required: bool) -> (String, String) {
         let words = field.description.split_whitespace().collect::<Vec<_>>().join(" ");
         let (said, meaning) = split_default(&words);
@@ -158,20 +158,20 @@ impl Contract<'_> {
 }
 
 impl Field {
-    /// The fields of an object that has no name of its own in the contract.
+    /// The schema of an object that has no name of its own in the contract.
     pub fn inline_object(&self) -> Option<&Value> {
         (self.refers_to.is_none() && self.schema.get("properties").is_some()).then_some(&self.schema)
     }
 }
 
-/// Whether a schema is one of several objects that `kind` tells apart.
+/// Whether a schema is a union of several named objects, which `kind` distinguishes.
 pub fn is_tagged_union(schema: &Value) -> bool {
     schema["oneOf"]
         .as_array()
         .is_some_and(|kinds| kinds.len() > 1 && kinds.iter().all(|kind| kind.get("$ref").is_some()))
 }
 
-/// The name of a type for several values; names of objects stay as they are.
+/// The plural of the name of a type. Names of objects stay as they are.
 fn plural(name: &str) -> String {
     match name.split_once(" of ") {
         Some(("list", items)) => format!("lists of {items}"),
@@ -180,8 +180,8 @@ fn plural(name: &str) -> String {
     }
 }
 
-/// `Default: 1, with a warning.` at the end or in the middle of a description, and the description without
-/// it.
+/// Splits a sentence such as `Default: 1, with a warning.` off a description. Returns the default, if there
+/// is one, and the rest of the description.
 fn split_default(words: &str) -> (Option<String>, String) {
     let found = ["Default: ", "Default in a request: "].iter().find_map(|mark| words.split_once(mark));
     let Some((before, after)) = found else { return (None, words.to_owned()) };
@@ -190,7 +190,7 @@ fn split_default(words: &str) -> (Option<String>, String) {
     (Some(after[..end].to_owned()), meaning.trim().to_owned())
 }
 
-/// `[x, y, z]`, where the schema is such a list and its description shows it.
+/// A shape such as `[x, y, z]`, if the schema is a list of numbers and its description shows the shape.
 fn shape_of_point(schema: &Value) -> Option<String> {
     if type_name(schema) != "array" || type_name(&schema["items"]) != "number" {
         return None;
@@ -200,7 +200,7 @@ fn shape_of_point(schema: &Value) -> Option<String> {
     (!shapes.is_empty()).then(|| list_of(&shapes, "or"))
 }
 
-/// The type that is not `null`.
+/// The type of a schema, apart from `null`.
 fn type_name(schema: &Value) -> &str {
     match &schema["type"] {
         Value::Array(types) => {
@@ -235,7 +235,7 @@ fn longest(schema: &Value, limit: &str, what: &str) -> String {
         .unwrap_or_default()
 }
 
-/// A number with its thousands apart.
+/// A number with commas between its thousands.
 fn grouped(value: f64) -> String {
     let text = format!("{}", value.abs());
     let (whole, fraction) =
@@ -250,7 +250,7 @@ fn grouped(value: f64) -> String {
     fraction.map_or(out.clone(), |fraction| format!("{out}.{fraction}"))
 }
 
-/// `a, b or c`.
+/// A list in words, such as `a, b or c`.
 pub fn list_of(items: &[String], last: &str) -> String {
     match items {
         [] => String::new(),
@@ -260,7 +260,7 @@ pub fn list_of(items: &[String], last: &str) -> String {
 }
 
 #[test]
-fn numbers_and_lists_read_as_people_write_them() {
+fn numbers_get_commas_between_thousands_and_lists_a_last_word() {
     assert_eq!(grouped(1e6), "1,000,000");
     assert_eq!(grouped(-1e6), "-1,000,000");
     assert_eq!(grouped(1e-6), "0.000001");
@@ -269,7 +269,7 @@ fn numbers_and_lists_read_as_people_write_them() {
 }
 
 #[test]
-fn a_default_that_is_said_moves_to_its_column() {
+fn a_default_in_a_description_is_split_off() {
     let split = |words: &str| split_default(words);
     assert_eq!(split("Chord height. Default: 0.01."), (Some("0.01".into()), "Chord height.".into()));
     assert_eq!(split("Default: 1. Some take less."), (Some("1".into()), "Some take less.".into()));

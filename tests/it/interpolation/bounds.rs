@@ -1,5 +1,5 @@
-//! Over random expressions and splines: bounds are never below what is found by brute force, and at most
-//! twice as much.
+//! Compares stated deviations with brute force on random expressions and splines: they are never too small,
+//! and at most twice too large.
 
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::answer;
 use super::evaluator::{Curve, domain, moves};
 
-/// A term of an expression, as text and as a function.
+/// A term of a random expression. It can be written as text and computed as a function.
 #[derive(Debug, Clone, Copy)]
 struct Term {
     kind: u8,
@@ -58,12 +58,12 @@ fn choices() -> impl Strategy<Value = (usize, bool, bool, f64, f64)> {
     (0usize..4, any::<bool>(), any::<bool>(), -4.0..-0.3f64, 0.2..1.0f64)
 }
 
-/// Cases of each test: the search on fresh seeds repeats them as long as it runs.
+/// Random cases of each test. The exploration on fresh seeds tries more.
 const CASES: u32 = 24;
 
 const METHODS: [&str; 4] = ["linear", "parabolic", "mixed", "arc"];
 
-/// Looks at every element of an answer.
+/// Fails if the stated deviation of an element is too small, more than twice too large, or outside the band.
 fn judged(answer: &Value, curve: &Curve, measure: &str, sides: [f64; 2]) {
     let elements = answer["report"]["elements"].as_array().expect("elements");
     let paths = moves(answer);
@@ -75,12 +75,15 @@ fn judged(answer: &Value, curve: &Curve, measure: &str, sides: [f64; 2]) {
             _ => curve.deviation(path, domain(element)),
         };
         let stated = element["deviation_mm"].as_f64().expect("a deviation");
-        assert!(found <= stated + 1e-10, "{found} {stated} {element}");
-        assert!(stated <= 2.0 * found + 1e-6, "{found} {stated} {element}");
-        assert!(stated <= widest + 2e-9, "{stated} {widest}");
+        assert!(found <= stated + 1e-10, "{found} found, only {stated} stated: {element}");
+        assert!(stated <= 2.0 * found + 1e-6, "{stated} stated, only {found} found: {element}");
+        assert!(stated <= widest + 2e-9, "{stated} stated in a band of {widest}");
     }
     let n = elements.len() as u64;
-    assert!(answer["report"]["n_elements_lower_bound"].as_u64().is_none_or(|bound| bound <= n));
+    assert!(
+        answer["report"]["n_elements_lower_bound"].as_u64().is_none_or(|bound| bound <= n),
+        "the lower bound exceeds {n}"
+    );
 }
 
 fn run<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value)) {
@@ -89,7 +92,7 @@ fn run<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value)) {
         test(value);
         Ok(())
     });
-    result.expect("every case");
+    result.expect("every random case passes");
 }
 
 fn runtime() -> tokio::runtime::Runtime {
@@ -97,7 +100,7 @@ fn runtime() -> tokio::runtime::Runtime {
 }
 
 #[test]
-fn bounds_of_expressions_hold_and_are_tight() {
+fn stated_deviations_from_expressions_are_true_and_at_most_twice_too_large() {
     let runtime = runtime();
     run(CASES, (terms(), choices()), |(terms, (method, least, vertical, size, ratio))| {
         let text = terms.iter().map(Term::text).collect::<Vec<_>>().join(" + ");
@@ -114,7 +117,7 @@ fn bounds_of_expressions_hold_and_are_tight() {
     });
 }
 
-/// A uniform cubic B-spline by its basis functions.
+/// The point of a uniform cubic B-spline at `t`, by its basis functions.
 fn spline(points: &[[f64; 2]], t: f64) -> [f64; 2] {
     let k = (t.floor() as usize).min(points.len() - 4);
     let u = t - k as f64;
@@ -128,7 +131,7 @@ fn spline(points: &[[f64; 2]], t: f64) -> [f64; 2] {
 }
 
 #[test]
-fn bounds_of_splines_hold_and_are_tight() {
+fn stated_deviations_from_splines_are_true_and_at_most_twice_too_large() {
     let runtime = runtime();
     let points = prop::collection::vec((0.5..3.0f64, -2.5..2.5f64), 5..12);
     run(CASES, (points, choices()), |(steps, (method, least, _, size, ratio))| {

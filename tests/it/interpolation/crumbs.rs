@@ -1,5 +1,4 @@
-//! Paths beside contours without moves that are shorter than anybody wants, and without arcs that are
-//! straight.
+//! Paths beside contours have no tiny moves, and no nearly straight arcs.
 
 use serde_json::Value;
 
@@ -11,9 +10,10 @@ fn place(value: &Value) -> [f64; 2] {
     [0, 1].map(|k| value[k].as_f64().expect("a coordinate"))
 }
 
-/// It had four lines of 8 to 35 micrometres between its arcs, and an arc of 4850 mm along a flank.
+/// This path once had four lines of 8 to 35 micrometres between its arcs, and an arc of 4850 mm radius along
+/// a flank.
 #[tokio::test]
-async fn the_profile_has_no_crumbs_and_its_flank_is_straight() {
+async fn a_path_beside_the_profile_has_no_tiny_moves_and_no_nearly_straight_arcs() {
     let body: Value = serde_json::from_str(PROFILE).expect("JSON");
     for side in ["left", "right"] {
         for below in [0.01, 0.002, 0.05] {
@@ -29,7 +29,7 @@ async fn the_profile_has_no_crumbs_and_its_flank_is_straight() {
                     if step["role"] == "cut" {
                         assert!(length > 0.04, "{side} {below}: {step} is {length} mm long");
                     }
-                    // In a narrower band the flank is not straight.
+                    // In a narrower band the flank may be an arc of a large radius.
                     if step["kind"] == "arc" && below >= 0.01 {
                         let center = place(&step["center"]);
                         let radius = (to[0] - center[0]).hypot(to[1] - center[1]);
@@ -43,7 +43,7 @@ async fn the_profile_has_no_crumbs_and_its_flank_is_straight() {
 }
 
 #[tokio::test]
-async fn each_line_of_a_profile_is_one_element() {
+async fn each_line_of_the_profile_becomes_one_element() {
     let body: Value = serde_json::from_str(PROFILE).expect("JSON");
     let report = &answer(&body).await["report"];
     assert_eq!(report["n_elements"], 12);

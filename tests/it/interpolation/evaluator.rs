@@ -1,14 +1,15 @@
-//! Deviations by brute force: many points of each element, each with its nearest point of the curve.
+//! Finds deviations by brute force: for many points of each element, it searches the nearest point of the
+//! curve.
 
 use serde_json::Value;
 
-/// A curve of which points are known, over a domain.
+/// A curve over a domain, given by a function from the parameter to its points.
 pub struct Curve<'a> {
     pub point: &'a dyn Fn(f64) -> [f64; 2],
     pub domain: [f64; 2],
 }
 
-/// Points on each element.
+/// Steps between the samples of each element.
 const SAMPLES: usize = 160;
 
 fn number(value: &Value) -> f64 {
@@ -19,7 +20,7 @@ fn point(value: &Value) -> [f64; 2] {
     [number(&value[0]), number(&value[1])]
 }
 
-/// The cut moves as polylines of many points, in order.
+/// The cutting moves of an answer in order, each as a polyline of many points.
 pub fn moves(answer: &Value) -> Vec<Vec<[f64; 2]>> {
     let mut at = point(&answer["toolpath"]["start"]);
     let mut paths = Vec::new();
@@ -59,8 +60,8 @@ fn along(step: &Value, from: [f64; 2], to: [f64; 2], s: f64) -> [f64; 2] {
 }
 
 impl Curve<'_> {
-    /// The distance from `p` to the curve between two parameters, by a fine grid and then grids of what is
-    /// left.
+    /// The distance from `p` to the curve between two parameters, mm. A fine grid finds the nearest sample,
+    /// and ever finer grids about the nearest sample refine it.
     pub fn distance(&self, p: [f64; 2], [from, to]: [f64; 2]) -> f64 {
         let distance = |t: f64| {
             let [x, y] = (self.point)(t);
@@ -70,21 +71,23 @@ impl Curve<'_> {
         let mut best = f64::INFINITY;
         for parts in [240usize, 16, 16, 16, 16, 16, 16, 16, 16, 16] {
             let at = |k: usize| low + (high - low) * k as f64 / parts as f64;
-            let nearest =
-                (0..=parts).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).expect("some");
+            let nearest = (0..=parts)
+                .min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b))))
+                .expect("the grid has a place");
             best = best.min(distance(at(nearest)));
             (low, high) = (at(nearest.saturating_sub(1)), at((nearest + 1).min(parts)));
         }
         best
     }
 
-    /// The largest distance of points of an element from the curve over about its part of the domain.
+    /// The largest distance of the points of an element from the curve, mm. Only the part of the curve over
+    /// the element's domain and a little beyond it is searched.
     pub fn deviation(&self, path: &[[f64; 2]], [from, to]: [f64; 2]) -> f64 {
         let beside = 0.2 * (to - from);
         path.iter().map(|p| self.distance(*p, [from - beside, to + beside])).fold(0.0, f64::max)
     }
 
-    /// The largest difference of height, for graphs.
+    /// The largest vertical distance of the points of an element from a graph, mm.
     pub fn vertical_deviation(&self, path: &[[f64; 2]]) -> f64 {
         path.iter().map(|[x, y]| (y - (self.point)(*x)[1]).abs()).fold(0.0, f64::max)
     }

@@ -1,4 +1,5 @@
-//! Bands with room on one side only, where metal may be left but not taken: few elements, each on its side.
+//! Bands with room on one side only: the cutter may leave material, but not remove it. Few elements are
+//! needed, and each stays on its side of the curve.
 
 use serde_json::{Value, json};
 
@@ -9,10 +10,10 @@ struct Case {
     expression: &'static str,
     value: fn(f64) -> f64,
     domain: [f64; 2],
-    /// Below and above the curve, mm.
+    /// Width of the band below and above the curve, mm.
     sides: [f64; 2],
     method: &'static str,
-    /// The number of elements of the best chain over a fine grid of joints.
+    /// Most elements: those of the best chain whose joints lie on a fine grid.
     most: usize,
 }
 
@@ -55,25 +56,29 @@ const fn case(
     Case { expression, value, domain, sides, method, most }
 }
 
-/// The elements, after a look at each: near enough, and not on the other side.
+/// The number of elements. Fails if a stated deviation is too small or outside the band, or if an element is
+/// on the wrong side of the curve.
 fn verified(answer: &Value, case: &Case) -> usize {
     let curve = Curve { point: &|x| [x, (case.value)(x)], domain: case.domain };
     let elements = answer["report"]["elements"].as_array().expect("elements");
     for (path, element) in moves(answer).iter().zip(elements) {
         let found = curve.deviation(path, domain(element));
         let stated = element["deviation_mm"].as_f64().expect("a deviation");
-        assert!(found <= stated + 1e-10 && stated <= case.sides[0].max(case.sides[1]) + 1e-9, "{element}");
+        assert!(
+            found <= stated + 1e-10 && stated <= case.sides[0].max(case.sides[1]) + 1e-9,
+            "{found} found, {stated} stated: {element}"
+        );
         for [x, y] in path {
             let above = y - (case.value)(*x);
-            assert!(case.sides[1] > 0.0 || above < 1e-9, "{above} above at {x}");
-            assert!(case.sides[0] > 0.0 || above > -1e-9, "{above} above at {x}");
+            assert!(case.sides[1] > 0.0 || above < 1e-9, "{above} mm above the curve at x = {x}");
+            assert!(case.sides[0] > 0.0 || above > -1e-9, "{} mm below the curve at x = {x}", -above);
         }
     }
     elements.len()
 }
 
 #[tokio::test]
-async fn one_side_takes_as_few_elements_as_a_grid_of_joints() {
+async fn a_one_sided_band_takes_no_more_elements_than_the_best_chain_over_a_grid_of_joints() {
     for case in &CASES {
         let body = |subdivision: &str| {
             json!({
@@ -83,15 +88,27 @@ async fn one_side_takes_as_few_elements_as_a_grid_of_joints() {
             })
         };
         let least = verified(&answer(&body("least")).await, case);
-        assert!(least <= case.most, "{} {} {least}", case.method, case.expression);
+        assert!(
+            least <= case.most,
+            "{} {}: {least} elements, not {} at most",
+            case.method,
+            case.expression,
+            case.most
+        );
         let halved = verified(&answer(&body("bisection")).await, case);
-        assert!(halved <= 3 * case.most, "{} {} {halved}", case.method, case.expression);
+        assert!(
+            halved <= 3 * case.most,
+            "{} {}: {halved} elements by bisection, not {} at most",
+            case.method,
+            case.expression,
+            3 * case.most
+        );
     }
 }
 
-/// A spline through points needed thousands of arcs, and most of the time a request may take.
+/// This spline once needed thousands of arcs, and most of the time that a request may take.
 #[tokio::test]
-async fn a_spline_takes_few_arcs_and_parabolas_on_one_side() {
+async fn a_spline_in_a_one_sided_band_takes_at_most_31_arcs_or_parabolas() {
     for method in ["arc", "parabolic"] {
         let answer = answer(&json!({
             "curve": { "kind": "points",
@@ -100,7 +117,7 @@ async fn a_spline_takes_few_arcs_and_parabolas_on_one_side() {
         }))
         .await;
         let count = answer["report"]["elements"].as_array().expect("elements").len();
-        assert!(count <= 31, "{method} {count}");
+        assert!(count <= 31, "{method}: {count} elements, not 31 at most");
         assert!(answer["report"]["deviation_max_mm"].as_f64().expect("a deviation") <= 0.005 + 1e-9);
     }
 }

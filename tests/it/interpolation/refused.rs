@@ -1,4 +1,4 @@
-//! What is refused, with the place to blame, and in bounded time.
+//! Refused requests: the answer points to the place of the fault, and comes in bounded time.
 
 use std::time::{Duration, Instant};
 
@@ -13,12 +13,12 @@ fn graph(expression: &str, domain: [f64; 2]) -> Value {
     })
 }
 
-/// The single error of a body that is refused with 422.
+/// The single error of a body. Fails unless the service refuses the body with 422 and this error within 10 s.
 async fn blamed(body: &Value) -> Value {
     let begun = Instant::now();
     let answer = ask(body).await;
     assert_eq!(answer.status, 422, "{:.200}", answer.text());
-    assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
+    assert!(begun.elapsed() < Duration::from_secs(10), "the refusal took {:?}", begun.elapsed());
     let problem = answer.problem();
     let errors = problem["errors"].as_array().expect("errors");
     assert_eq!(errors.len(), 1, "{problem}");
@@ -26,7 +26,7 @@ async fn blamed(body: &Value) -> Value {
 }
 
 #[tokio::test]
-async fn hostile_expressions_are_refused_with_their_position() {
+async fn illegal_and_hostile_expressions_are_refused_with_the_offset_of_the_fault() {
     let nested = format!("{}x{}", "(".repeat(4_000), ")".repeat(4_000));
     let deep = format!("{}x{}", "(".repeat(10_000), ")".repeat(10_000));
     let signs = format!("{}x", "-".repeat(5_000));
@@ -57,7 +57,7 @@ async fn hostile_expressions_are_refused_with_their_position() {
         match offset {
             Some(offset) => {
                 assert_eq!(error["code"], "syntax", "{shown}: {error}");
-                // Where nesting ends is told to a few bytes.
+                // The offset at which nesting is too deep may be off by two bytes.
                 let told = error["offset"].as_u64().expect("an offset");
                 assert!(told.abs_diff(offset) <= if offset == 200 { 2 } else { 0 }, "{shown}: {error}");
             }
@@ -69,7 +69,7 @@ async fn hostile_expressions_are_refused_with_their_position() {
 }
 
 #[tokio::test]
-async fn undefined_values_are_named_with_their_place() {
+async fn undefined_values_are_refused_with_their_x_and_the_offset_of_the_operation() {
     for (expression, domain, words, offset) in [
         ("1/0", [0.0, 1.0], "division by zero", 1),
         ("log(-1)", [0.0, 1.0], "log", 0),
@@ -99,20 +99,20 @@ async fn undefined_values_are_named_with_their_place() {
 }
 
 #[tokio::test]
-async fn a_tower_of_powers_is_right_on_a_positive_domain() {
+async fn powers_are_evaluated_from_right_to_left() {
     let answer = ask(&graph("x^x^x^x", [0.1, 1.8])).await;
     assert_eq!(answer.status, 200, "{}", answer.text());
     let answer = answer.json();
     let moves = answer["toolpath"]["passes"][0]["moves"].as_array().expect("moves");
     for step in moves {
-        let (x, y) = (step["to"][0].as_f64().expect("x"), step["to"][1].as_f64().expect("y"));
-        // Right to left: x^(x^(x^x)).
-        assert!((y - x.powf(x.powf(x.powf(x)))).abs() < 1e-9 * y, "{x} {y}");
+        let (x, y) = (step["to"][0].as_f64().expect("a number"), step["to"][1].as_f64().expect("a number"));
+        // The expression means x^(x^(x^x)).
+        assert!((y - x.powf(x.powf(x.powf(x)))).abs() < 1e-9 * y, "the path is at y = {y} for x = {x}");
     }
 }
 
 #[tokio::test]
-async fn faults_of_section_curves_are_named_by_their_byte() {
+async fn faults_of_section_curves_are_refused_with_their_byte_offset() {
     for (text, offset) in [
         ("", 0),
         ("l(0,0)", 0),
@@ -138,7 +138,7 @@ async fn faults_of_section_curves_are_named_by_their_byte() {
 }
 
 #[tokio::test]
-async fn conflicting_fields_are_refused() {
+async fn conflicting_missing_and_illegal_fields_are_refused_with_their_pointer_and_code() {
     let spline = json!({ "kind": "points", "points": [[0, 0], [1, 1], [2, 0]] });
     let body = |changes: Value| {
         let mut body = graph("sin(x)", [0.0, 6.5]);
@@ -176,7 +176,8 @@ async fn conflicting_fields_are_refused() {
         ),
         (json!({ "curve": { "kind": "circle" } }), "#/curve/kind", "unknown_value"),
         (json!({ "method": "cubic" }), "#/method", "unknown_value"),
-        // The chord of a convex curve lies above it, however short.
+        // Every chord of a convex curve lies above the curve, so that a band without room above is
+        // impossible.
         (
             json!({ "curve": { "kind": "graph", "expression": "x^2", "domain": [0, 5] }, "band": { "below_mm": 0.1, "above_mm": 0 } }),
             "#/band",

@@ -1,4 +1,4 @@
-//! The answers that the contract shows are the answers of the service.
+//! The answers that the contract shows equal the answers of the service.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::api::support::{Answer, app, get, post};
 
-/// Set, this makes the test write the answers instead of comparing them.
+/// If this environment variable is set, the test writes the answers instead of comparing them.
 const WRITE: &str = "TOOLPATHD_WRITE_ANSWERS";
 
 fn openapi() -> PathBuf {
@@ -22,7 +22,7 @@ fn compare(file: &str, answer: &Answer) {
         false => answer.text(),
     };
     if env::var_os(WRITE).is_some() {
-        fs::write(&path, text).expect("written");
+        fs::write(&path, text).expect("the answer can be written");
     } else {
         let committed = fs::read_to_string(&path).expect("an answer");
         assert!(committed == text, "openapi/answers/{file} is stale; run the test again with {WRITE}=1");
@@ -30,7 +30,7 @@ fn compare(file: &str, answer: &Answer) {
 }
 
 #[tokio::test]
-async fn answers_in_the_contract_are_answers_of_the_service() {
+async fn the_answers_that_the_contract_shows_equal_those_of_the_service() {
     let app = app(&["--workers", "2"]);
     let id = ("x-request-id", "example");
     let mut n_answers = 0;
@@ -49,12 +49,12 @@ async fn answers_in_the_contract_are_answers_of_the_service() {
             };
             let path = format!("/v1/{}?format={format}", endpoint.replacen('-', "/", 1));
             let answer = post(&app, &path, body.expect("a request"), &[id]).await;
-            assert_eq!(answer.status, 200, "{path} {name}");
+            assert_eq!(answer.status, 200, "{path} refuses the example {name}");
             compare(&format!("{endpoint}/{name}.{extension}"), &answer);
             n_answers += 1;
         }
     }
-    assert!(n_answers >= 10);
+    assert!(n_answers >= 10, "only {n_answers} answers were found");
     compare("service/dialects.json", &get(&app, "/v1/dialects").await);
     compare("service/limits.json", &get(&app, "/v1/limits").await);
     let path = openapi().join("examples/surfaces-mill/one-pass.json");

@@ -1,8 +1,8 @@
-//! The part of JSON Schema that the contract uses: whether a value obeys a schema.
+//! Checks whether a value obeys a schema, for the part of JSON Schema that the contract uses.
 
 use serde_json::Value;
 
-/// What is wrong with `value` at `at`, by `schema`; empty where nothing is.
+/// The faults of `value` by `schema`; empty if it has none. `at` is the pointer to the value, for the texts.
 pub fn faults(document: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     let mut found = Vec::new();
     if let Some(target) = schema["$ref"].as_str() {
@@ -25,10 +25,10 @@ pub fn faults(document: &Value, schema: &Value, value: &Value, at: &str) -> Vec<
         _ => Vec::new(),
     };
     if !types.is_empty() && !types.iter().any(|name| is_of_type(value, name)) {
-        found.push(format!("{at} is no {types:?}: {value}"));
+        found.push(format!("{at} must be of type {types:?}: {value}"));
     }
     if schema["enum"].as_array().is_some_and(|names| !names.contains(value)) {
-        found.push(format!("{at} is none of {}: {value}", schema["enum"]));
+        found.push(format!("{at} must be one of {}: {value}", schema["enum"]));
     }
     let size = match value {
         Value::String(text) => Some((text.chars().count() as f64, "minLength", "maxLength")),
@@ -74,6 +74,6 @@ fn is_of_type(value: &Value, name: &str) -> bool {
         "integer" => value.as_f64().is_some_and(|number| number.fract() == 0.0),
         "boolean" => value.is_boolean(),
         "null" => value.is_null(),
-        other => panic!("{other} is no type"),
+        other => panic!("{other} is not a type of JSON Schema"),
     }
 }

@@ -1,4 +1,5 @@
-//! Surface milling, judged by evaluators of its own: dense samples, root finding and local minimisation.
+//! Tests of surface milling. They judge paths by evaluators of their own: dense samples, root finding and
+//! local minimisation.
 
 mod approach;
 mod blocks;
@@ -28,29 +29,29 @@ use verdict::judge;
 fn the_die_keeps_its_promises(plane: SectionPlane, direction: CutDirection) {
     let (plan, found) = judge(&die(plane, direction)).unwrap();
     let report = &plan.report;
-    assert!(report.n_arcs * 10 >= (report.n_arcs + report.n_lines) * 6, "{report:?}");
-    assert!(found.radius_mismatch_mm <= 0.0015, "{found:?}");
-    // The path uses its tolerance: a third of it or less would be a path cut far too fine.
-    assert!(found.deviation_mm > 0.003, "{found:?}");
+    assert!(report.n_arcs * 10 >= (report.n_arcs + report.n_lines) * 6, "less than 60 % arcs: {report:?}");
+    assert!(found.radius_mismatch_mm <= 0.0015, "the radii of an arc differ too much: {found:?}");
+    // The path must use its tolerance. A deviation of a third or less means far too many moves.
+    assert!(found.deviation_mm > 0.003, "the path is much finer than its tolerance: {found:?}");
 }
 
 #[test]
-fn the_die_in_zx_planes_zigzag() {
+fn the_die_is_cut_mostly_by_arcs_within_its_report_in_zx_planes_zigzag() {
     the_die_keeps_its_promises(SectionPlane::Zx, CutDirection::Zigzag);
 }
 
 #[test]
-fn the_die_in_zx_planes_one_way() {
+fn the_die_is_cut_mostly_by_arcs_within_its_report_in_zx_planes_one_way() {
     the_die_keeps_its_promises(SectionPlane::Zx, CutDirection::OneWay);
 }
 
 #[test]
-fn the_die_in_yz_planes_zigzag() {
+fn the_die_is_cut_mostly_by_arcs_within_its_report_in_yz_planes_zigzag() {
     the_die_keeps_its_promises(SectionPlane::Yz, CutDirection::Zigzag);
 }
 
 #[test]
-fn the_die_in_yz_planes_one_way() {
+fn the_die_is_cut_mostly_by_arcs_within_its_report_in_yz_planes_one_way() {
     the_die_keeps_its_promises(SectionPlane::Yz, CutDirection::OneWay);
 }
 
@@ -64,7 +65,7 @@ fn the_freeform_is_cut_within_its_report_in_every_plane_and_direction() {
 }
 
 #[test]
-fn a_spherical_cap_is_cut_by_one_arc_a_section() {
+fn each_pass_over_a_spherical_cap_is_one_arc() {
     // The corners of the square slope by 60 degrees.
     let half = 40.0 * 0.75f64.sqrt() / 2f64.sqrt();
     let cap = |x: f64, y: f64| (1600.0 - x * x - y * y).sqrt();
@@ -72,32 +73,42 @@ fn a_spherical_cap_is_cut_by_one_arc_a_section() {
     for (plane, normal) in [(SectionPlane::Zx, 1), (SectionPlane::Yz, 0)] {
         let job = Job { plane, ..job(surface.clone(), 10.0, 4.0, 1e-3, 4) };
         let (plan, found) = judge(&job).unwrap();
-        // Links between passes may take the tolerance.
-        assert!(found.gouge_mm < 5e-4 && found.deviation_mm < 2e-4, "{found:?}");
-        // The extent of the offset's sections: its border reaches 45/40 of the cap's half.
+        // Links between passes may gouge up to the tolerance.
+        assert!(
+            found.gouge_mm < 5e-4 && found.deviation_mm < 2e-4,
+            "the path is not the exact arc: {found:?}"
+        );
+        // The offset surface is 45/40 times as wide as the cap.
         assert!(plan.report.n_passes >= (2.0 * half * 45.0 / 40.0 / 4.0) as usize);
         for pass in planned(&plan) {
             let cuts: Vec<_> = pass.iter().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();
-            let [Motion::Turn(turn)] = cuts[..] else { panic!("{cuts:?}") };
+            let [Motion::Turn(turn)] = cuts[..] else { panic!("not one arc: {cuts:?}") };
             let offset = turn.center[normal];
             let radius = (2025.0 - offset * offset).sqrt();
-            assert!((turn.radii[0] - radius).abs() < 1e-4, "{turn:?}, expected {radius}");
-            assert!((turn.center.z + 5.0).abs() < 5e-4 && turn.center[1 - normal].abs() < 5e-4, "{turn:?}");
+            assert!((turn.radii[0] - radius).abs() < 1e-4, "the radius should be {radius}: {turn:?}");
+            assert!(
+                (turn.center.z + 5.0).abs() < 5e-4 && turn.center[1 - normal].abs() < 5e-4,
+                "the centre is wrong: {turn:?}"
+            );
         }
     }
 }
 
 #[test]
-fn a_trough_tighter_than_the_ball_is_refused_where_it_is_tightest() {
-    // Radius of curvature at x = 0: 1.25 mm, that of the ball: 2.5 mm; |x| < 0.64 is tighter than the ball.
+fn offset_section_refuses_a_trough_tighter_than_the_ball_at_its_bottom() {
+    // The radius of curvature at x = 0 is 1.25 mm and that of the ball 2.5 mm. The trough is tighter than the
+    // ball for
+    // |x| < 0.64.
     let surface = heights(9, [-4.0, 4.0], Ends::NotAKnot, |x, _| 0.4 * x * x);
     for plane in PLANES {
         for direction in [CutDirection::Zigzag, CutDirection::OneWay] {
             let engine = Engine::OffsetSection;
             let job = Job { plane, direction, engine, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
             let refused = plan(&job, &Budget::unlimited());
-            let Err(Error::OffsetFolds { at }) = refused else { panic!("{refused:?}") };
-            assert!(at.x.abs() < 0.65 && at.y.abs() <= 4.0 && at.z.abs() < 0.2, "{at}");
+            let Err(Error::OffsetFolds { at }) = refused else {
+                panic!("not refused as folded: {refused:?}")
+            };
+            assert!(at.x.abs() < 0.65 && at.y.abs() <= 4.0 && at.z.abs() < 0.2, "the fold is not at {at}");
         }
         // A ball that fits is not refused.
         judge(&Job { plane, ..job(surface.clone(), 2.4, 1.0, 0.01, 3) }).unwrap();
@@ -112,28 +123,39 @@ fn with_tolerance(tolerance_mm: f64, decimals: u8, plane: SectionPlane) -> Job {
 }
 
 #[test]
-fn a_fine_tolerance_is_kept_with_more_arcs() {
+fn a_fine_tolerance_is_kept_and_takes_more_arcs() {
     for plane in PLANES {
         let (fine, found) = judge(&with_tolerance(1e-3, 5, plane)).unwrap();
-        assert!(found.deviation_mm > 3e-4, "{found:?}");
+        assert!(found.deviation_mm > 3e-4, "the path is much finer than its tolerance: {found:?}");
         let usual = plan(&with_tolerance(0.01, 3, plane), &Budget::unlimited()).unwrap();
-        assert!(fine.report.n_arcs > usual.report.n_arcs, "{:?} {:?}", fine.report, usual.report);
+        assert!(
+            fine.report.n_arcs > usual.report.n_arcs,
+            "not more arcs: {:?}, usual: {:?}",
+            fine.report,
+            usual.report
+        );
     }
 }
 
 #[test]
-fn a_coarse_tolerance_is_kept_with_fewer_arcs_from_end_to_end() {
+fn a_coarse_tolerance_is_kept_from_end_to_end_and_takes_fewer_arcs() {
     for plane in PLANES {
         let (coarse, found) = judge(&with_tolerance(0.1, 3, plane)).unwrap();
-        assert!(found.deviation_mm > 0.03, "{found:?}");
+        assert!(found.deviation_mm > 0.03, "the path is much finer than its tolerance: {found:?}");
         let usual = plan(&with_tolerance(0.01, 3, plane), &Budget::unlimited()).unwrap();
-        assert!(coarse.report.n_arcs < usual.report.n_arcs, "{:?} {:?}", coarse.report, usual.report);
+        assert!(
+            coarse.report.n_arcs < usual.report.n_arcs,
+            "not fewer arcs: {:?}, usual: {:?}",
+            coarse.report,
+            usual.report
+        );
     }
 }
 
 #[test]
-fn ends_that_rounding_moves_count_as_deviation() {
-    // Every coordinate of the ends is moved by 0.4 units of the last decimal, along x outward or inward.
+fn the_deviation_counts_how_far_rounding_moves_the_ends() {
+    // Rounding moves every coordinate of the ends by 0.4 units of the last decimal, along x outward or
+    // inward.
     for outward in [0.0004, -0.0004] {
         let mut plate = job(heights(4, [0.0, 11.0], Ends::Natural, |_, _| 0.0004), 2.0, 5.5, 0.01, 3);
         for point in points(&mut plate) {
@@ -141,12 +163,15 @@ fn ends_that_rounding_moves_count_as_deviation() {
             point.y += 0.0004;
         }
         let (_, found) = judge(&plate).unwrap();
-        assert!((found.deviation_mm - 0.0004 * 3f64.sqrt()).abs() < 2e-6, "{outward}: {found:?}");
+        assert!(
+            (found.deviation_mm - 0.0004 * 3f64.sqrt()).abs() < 2e-6,
+            "ends shifted by {outward}: the deviation should be 0.0004 times the root of 3: {found:?}"
+        );
     }
 }
 
 #[test]
-fn paths_of_lines_alone_are_cut_within_their_report() {
+fn paths_interpolated_by_lines_have_no_arcs_and_keep_their_report() {
     let interpolation = Interpolation::Lines;
     let job =
         Job { interpolation, spacing: Spacing::Stepover(8.0), ..die(SectionPlane::Zx, CutDirection::Zigzag) };
@@ -170,7 +195,7 @@ fn no_two_cl_points_are_farther_apart_than_the_step_length() {
                 planned(&plan).into_iter().flatten().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();
             let length: f64 = cuts.iter().map(Motion::length).sum();
             let least = (0.999 * length / step_length).ceil() as usize;
-            assert!(plan.report.n_cl_points >= least, "{least} {:?}", plan.report);
+            assert!(plan.report.n_cl_points >= least, "{least} CL points are needed: {:?}", plan.report);
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Rapids end 2 mm above the stock; entries, exits and links are where they are asked for and clear.
+//! Rapids end 2 mm above the stock. Entries and exits are made as asked for, unless they do not clear the
+//! part. Links join neighbouring passes.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -23,7 +24,7 @@ fn cap() -> Job {
     Job { direction: CutDirection::OneWay, ..job(surface, 2.0 * BALL, 4.0, 0.01, 3) }
 }
 
-/// Each rapid down with the feed move after it.
+/// The end of each rapid that a feed move follows, with the curve and the role of the feed move.
 fn descents(plan: &Plan) -> Vec<(Point3<f64>, Curve, Role)> {
     let moves: Vec<&Move> = plan.toolpath.moves().collect();
     let mut descents = Vec::new();
@@ -35,7 +36,7 @@ fn descents(plan: &Plan) -> Vec<(Point3<f64>, Curve, Role)> {
     descents
 }
 
-/// The tip of the ball, larger by the stock, over a place of the cap.
+/// The height of the tip over a place of the cap, if `stock` mm of stock are left between ball and cap.
 fn tip_over_cap(place: &Point3<f64>, stock: f64) -> f64 {
     let reach = CAP + BALL + stock;
     (reach * reach - place.x * place.x - place.y * place.y).sqrt() - BALL
@@ -51,8 +52,11 @@ fn rapids_come_down_to_two_millimetres_above_the_surface_or_the_stock_on_it() {
         for (end, along, role) in descents {
             let above = end.z - tip_over_cap(&end, thickness_mm.unwrap_or(0.0));
             let retract = plan.cutting.retract_z_mm;
-            assert!(end.z <= retract && (above > 1.97 || end.z == retract), "{end} {above}");
-            assert!(above < 2.1, "{end} {above} {retract}");
+            assert!(
+                end.z <= retract && (above > 1.97 || end.z == retract),
+                "{end} is only {above} mm above the stock"
+            );
+            assert!(above < 2.1, "{end} is {above} mm above the stock; the retract plane is at {retract}");
             assert_eq!(role, Role::Plunge);
             assert_eq!(along.end().xy(), end.xy());
         }
@@ -62,44 +66,51 @@ fn rapids_come_down_to_two_millimetres_above_the_surface_or_the_stock_on_it() {
 }
 
 #[test]
-fn in_a_block_rapids_stay_above_it_and_so_do_the_heights() {
+fn over_a_block_rapids_and_the_retract_plane_are_two_millimetres_above_block_and_surface() {
     for top_z_mm in [CAP + 12.0, CAP - 12.0] {
         let (plan, _) = judge(&Job { stock: Some(Stock::Block { top_z_mm }), ..cap() }).unwrap();
         let top = top_z_mm.max(CAP);
         assert!((plan.cutting.retract_z_mm - top - 2.0).abs() < 1e-3);
         for (end, ..) in descents(&plan) {
             let tip = tip_over_cap(&end, 0.0);
-            assert!((end.z - (top_z_mm + 2.0).max(tip + 2.0)).abs() < 0.02, "{end} {tip}");
+            assert!(
+                (end.z - (top_z_mm + 2.0).max(tip + 2.0)).abs() < 0.02,
+                "{end} is not 2 mm above the block at {top_z_mm} and the tip at {tip}"
+            );
         }
     }
 }
 
 #[test]
-fn a_rapid_that_would_meet_the_stock_beside_its_place_ends_above_it() {
-    // A wall 10 mm high beside a floor, 2 mm of stock on both: over the floor beside the wall the ball is
-    // beside the stock of the wall.
+fn a_rapid_beside_a_wall_ends_above_the_stock_of_the_wall() {
+    // A wall 10 mm high stands beside a floor, with 2 mm of stock on both. Over the floor beside the wall the
+    // side of the ball would meet the stock of the wall.
     let surface = heights(41, [0.0, 40.0], Ends::NotAKnot, |x, _| 5.0 * ((x - 20.0) * 1.2).tanh());
     let stock = Some(Stock::OnSurface { thickness_mm: 2.0 });
     let base = Job { stock, direction: CutDirection::OneWay, ..job(surface, 8.0, 4.0, 0.01, 3) };
     let plan = plan(&Job { plane: PLANES[1], ..base.clone() }, &Budget::unlimited()).unwrap();
-    // The same with nothing but the larger ball as a finishing cutter: its tips are where stock begins.
+    // The stock begins where a ball larger by its thickness touches the surface.
     for (end, along, _) in descents(&plan) {
         let free = end.z - along.end().z;
-        assert!(free > 3.99, "{end} {free}");
-        // 2 mm above the stock: no place of the surface within the ball and the stock around it.
+        assert!(free > 3.99, "the rapid to {end} ends only {free} mm above the cut");
+        // A ball 2 mm below the end of the rapid does not touch the stock: no place of the surface is within
+        // the radius plus the stock.
         let centre = end - nalgebra::Vector3::z() * 2.0 + nalgebra::Vector3::z() * 4.0;
         for k in 0..=4000 {
             let x = 40.0 * f64::from(k) / 4000.0;
             let z = 5.0 * ((x - 20.0) * 1.2).tanh();
-            // The spline leaves the closed form by some hundredths.
+            // The spline differs from the closed form by some hundredths of a millimetre.
             let away = (x - centre.x).hypot(z - centre.z);
-            assert!(away > 6.0 - 0.06 || end.z >= plan.cutting.retract_z_mm, "{end} {x} {away}");
+            assert!(
+                away > 6.0 - 0.06 || end.z >= plan.cutting.retract_z_mm,
+                "the ball at {end} is {away} mm from the surface at x = {x}, within the stock"
+            );
         }
     }
 }
 
 #[test]
-fn passes_are_entered_and_left_as_asked_for() {
+fn every_pass_has_the_entry_and_exit_asked_for_or_is_counted_in_a_warning() {
     for (entry, role) in [
         (Entry::Ramp { slope: 5f64.to_radians().tan() }, Role::Ramp),
         (Entry::Arc { radius_mm: 3.0 }, Role::LeadIn),
@@ -141,8 +152,15 @@ fn passes_are_entered_and_left_as_asked_for() {
                     _ => None,
                 });
                 let asked = 2 * plan.report.n_passes;
-                assert_eq!(entered + left + n_not_clear.unwrap_or(0), asked, "{entry:?} {stock:?}");
-                assert!(entered + left > asked / 2, "{entry:?} {stock:?} {entered} {left}");
+                assert_eq!(
+                    entered + left + n_not_clear.unwrap_or(0),
+                    asked,
+                    "{entry:?} {stock:?}: some are missing"
+                );
+                assert!(
+                    entered + left > asked / 2,
+                    "{entry:?} {stock:?}: only {entered} entries and {left} exits of {asked}"
+                );
             }
         }
     }
@@ -159,13 +177,13 @@ fn an_entry_without_room_becomes_a_plunge_with_a_warning() {
 }
 
 #[test]
-fn neighbouring_passes_of_the_die_are_linked_all_over() {
+fn neighbouring_passes_of_the_die_are_joined_by_links_and_not_by_rapids() {
     for plane in PLANES {
         let (plan, _) = judge(&die(plane, CutDirection::Zigzag)).unwrap();
         for step in plan.toolpath.moves() {
             let Move::Rapid { line } = step else { continue };
             let across = (line.end - line.start).xy().norm();
-            assert!(across == 0.0 || across > 5.0, "{plane:?}: {line:?}");
+            assert!(across == 0.0 || across > 5.0, "{plane:?}: a rapid joins neighbouring passes: {line:?}");
         }
     }
 }

@@ -1,5 +1,7 @@
-//! The most ordinary parts: plain, stepped and drafted blocks on round numbers, planes exactly one radius
-//! apart, by every cutter, over both planes, to each boundary. Every pass has to run from end to end.
+//! Passes over the most ordinary parts run from end to end.
+//!
+//! The parts are plain, stepped and drafted blocks with round coordinates. The planes are exactly one cutter
+//! radius apart. Every cutter, both kinds of planes and every boundary are tried.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -15,7 +17,7 @@ use super::jobs::{PLANES, heights, job};
 
 const TOLERANCE_MM: f64 = 0.01;
 
-/// With `boundary: past`, passes go on for this many radii beyond the edges.
+/// With `boundary: past`, passes end this far beyond the edges, as a multiple of the cutter radius.
 const PAST: f64 = 1.1;
 
 /// Profiles with level ends, x and z in mm.
@@ -27,7 +29,8 @@ const PROFILES: [&[[f64; 2]]; 5] = [
     &[[0.0, 20.0], [20.0, 20.0], [20.0, 0.0], [48.0, 0.0], [48.0, 20.0], [60.0, 20.0]],
 ];
 
-/// The ranges of the coordinate along the planes that the passes of each plane cover.
+/// The planes that a job cuts. Each comes with the ranges of the coordinate along the plane that its passes
+/// cover, mm.
 fn covered(job: &Job, name: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
     let plan = plan(job, &Budget::unlimited()).unwrap();
     let (across, along) = if job.plane == SectionPlane::Zx { (1, 0) } else { (0, 1) };
@@ -52,7 +55,7 @@ fn covered(job: &Job, name: &str) -> Vec<(f64, Vec<[f64; 2]>)> {
         is_cutting = true;
     }
     let is_told = plan.warnings.iter().any(|warning| matches!(warning, Warning::ShortPiecesLeftOut { .. }));
-    assert!(!is_told, "{name}: {:?} {planes:?}", plan.warnings);
+    assert!(!is_told, "{name}: pieces were left out: {:?} {planes:?}", plan.warnings);
     planes
 }
 
@@ -84,9 +87,15 @@ fn passes_over_blocks_run_from_end_to_end() {
                     let planes = covered(&job, &name);
                     let spaces = ((across[1] - across[0]) / RADIUS_MM - 1e-6).ceil() as usize;
                     let is_near = |a: f64, b: f64| (a - b).abs() <= TOLERANCE_MM;
-                    assert_eq!(planes.len(), spaces + 1, "{name}: {planes:?}");
-                    assert!(is_near(planes[0].0, across[0]), "{name}: {planes:?}");
-                    assert!(is_near(planes[spaces].0, across[1]), "{name}: {planes:?}");
+                    assert_eq!(planes.len(), spaces + 1, "{name}: the number of planes is wrong: {planes:?}");
+                    assert!(
+                        is_near(planes[0].0, across[0]),
+                        "{name}: the first plane is not at the boundary: {planes:?}"
+                    );
+                    assert!(
+                        is_near(planes[spaces].0, across[1]),
+                        "{name}: the last plane is not at the boundary: {planes:?}"
+                    );
                     for (at, passes) in &planes {
                         let mut passes = passes.clone();
                         passes.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -94,7 +103,7 @@ fn passes_over_blocks_run_from_end_to_end() {
                         let ends = [passes[0][0], passes[passes.len() - 1][1]];
                         assert!(
                             is_joined && is_near(ends[0], along[0]) && is_near(ends[1], along[1]),
-                            "{name} at {at}: {passes:?}"
+                            "{name}: the passes at {at} do not run from end to end: {passes:?}"
                         );
                     }
                 }
@@ -104,17 +113,17 @@ fn passes_over_blocks_run_from_end_to_end() {
 }
 
 #[test]
-fn a_surface_that_is_a_point_is_nothing_to_cut() {
+fn a_surface_that_shrinks_to_a_point_is_refused_as_nothing_to_cut() {
     let any = heights(4, [0.0, 1.0], Ends::Natural, |_, _| 0.0);
     for plane in PLANES {
         let surface = Source::NetGrid(point());
         let job = Job { surface, plane, allowance_mm: 0.25, ..job(any.clone(), 8.0, 2.0, 0.01, 3) };
         let refused = plan(&job, &Budget::unlimited());
-        assert!(matches!(refused, Err(Error::NothingToCut)), "{refused:?}");
+        assert!(matches!(refused, Err(Error::NothingToCut)), "not refused as nothing to cut: {refused:?}");
     }
 }
 
-/// Two patches, all of whose control points are the same.
+/// Two patches whose control points all coincide.
 fn point() -> NetGrid {
     NetGrid { nets: vec![vec![[[Point3::origin(); 4]; 4]; 2]] }
 }

@@ -1,5 +1,5 @@
-//! Paths by direct contact, of any cutter over surfaces that sections of the offset refuse: against dense
-//! points of closed forms.
+//! Checks paths of the contact engine against dense points of the surfaces. Every cutter mills surfaces that
+//! the engine `offset_section` refuses.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -17,19 +17,21 @@ use super::jobs::{PLANES, die, freeform, grid_of, heights, job};
 use super::motion::{Kind, Motion, planned, written};
 use super::spline::Spline;
 
-/// Distance of the points of a surface that are looked at, and of the places along a path, mm.
+/// Distance of the dense points of a surface, mm.
 const POINTS_MM: f64 = 0.05;
+
+/// Distance of the checked places along a path, mm.
 const PATH_MM: f64 = 0.1;
 
-/// The cutters of one radius.
+/// A ball, a flat and a bull nose cutter of one radius.
 fn cutters(radius_mm: f64) -> [Tool; 3] {
     let corner_radius_mm = 0.3 * radius_mm;
     [Shape::Ball, Shape::Flat, Shape::BullNose { corner_radius_mm }]
         .map(|shape| Tool { shape, ..Tool::ball(radius_mm) })
 }
 
-/// How deep a point is in a cutter with its shank, by its distance from the axis and its height over the tip;
-/// negative outside.
+/// How deep a point lies inside a cutter with its shank, mm; negative outside. The point is given by its
+/// distance `r` from the axis and its height `z` above the tip.
 pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
     let corner = match tool.shape {
         Shape::Ball => tool.radius_mm,
@@ -47,10 +49,10 @@ pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
     }
 }
 
-/// Points of a surface, halved again and again, with a ball about each part.
+/// Points of a surface in a binary tree of parts, with a ball about the points of each part.
 struct Dense {
     points: Vec<Point3<f64>>,
-    /// The whole first; the halves of part k are 2 k + 1 and 2 k + 2.
+    /// Part 0 is the whole. The halves of part k are the parts 2 k + 1 and 2 k + 2.
     parts: Vec<Part>,
 }
 
@@ -62,11 +64,11 @@ struct Part {
     radius: f64,
 }
 
-/// Points of a part that is not halved.
+/// Least number of points in a part that is not halved.
 const FEW_POINTS: usize = 8;
 
 impl Dense {
-    /// Points of a graph over a square.
+    /// Dense points of a graph over a square.
     fn of([from, to]: [f64; 2], height: impl Fn(f64, f64) -> f64) -> Self {
         let n = ((to - from) / POINTS_MM).ceil() as usize;
         let node = |k: usize| from + (to - from) * k as f64 / n as f64;
@@ -101,10 +103,11 @@ impl Dense {
         }
     }
 
-    /// The depth of the deepest point in a cutter with its tip at a place.
+    /// The depth of the deepest point inside a cutter whose tip is at `tip`, mm; negative if all are outside.
     fn deepest(&self, tool: &Tool, tip: Point3<f64>) -> f64 {
         let depth_of = |p: &Point3<f64>| depth(tool, (p - tip).xy().norm(), p.z - tip.z);
-        // The depth changes by no more than the distance: a part bounds the depths of its points.
+        // Two points differ in depth by at most their distance. So no point of a part is deeper than the
+        // centre of its ball plus the radius.
         let bound = |part: usize| (depth_of(&self.parts[part].center) + self.parts[part].radius, part);
         let (mut deepest, mut open) = (f64::NEG_INFINITY, vec![bound(0)]);
         while let Some((most, part)) = open.pop() {
@@ -123,8 +126,8 @@ impl Dense {
     }
 }
 
-/// Plans a job, and holds its path against the points: it cuts nowhere deeper than it says, and its cuts are
-/// never off the surface.
+/// Plans a job and checks its path against dense points of the surface. Fails if a move is deeper than the
+/// stated gouge, or if a cut leaves the surface.
 fn follow(job: &Job, dense: &Dense) -> Plan {
     let plan = plan(job, &Budget::unlimited()).unwrap();
     let report = &plan.report;
@@ -138,16 +141,24 @@ fn follow(job: &Job, dense: &Dense) -> Plan {
         for k in 0..=steps as usize {
             let tip = motion.at(k as f64 / steps);
             let deepest = dense.deepest(&job.tool, tip);
-            assert!(deepest <= report.gouge_max_mm + 1e-6, "{:?} {kind:?} {tip}: {deepest} deep", job.tool);
+            assert!(
+                deepest <= report.gouge_max_mm + 1e-6,
+                "{:?}: the {kind:?} is {deepest} mm deep at {tip}",
+                job.tool
+            );
             let touches = kind != Kind::Cut || deepest >= -(report.deviation_max_mm + POINTS_MM);
-            assert!(touches, "{:?} {tip}: {deepest} off the surface", job.tool);
+            assert!(
+                touches,
+                "{:?}: the cut at {tip} does not touch the surface, its depth is {deepest} mm",
+                job.tool
+            );
         }
     }
     plan
 }
 
 #[test]
-fn a_trough_that_is_too_tight_is_cut_without_a_gouge_in_both_planes() {
+fn contact_cuts_a_trough_too_tight_for_the_cutter_without_a_gouge() {
     let trough = |x: f64, _: f64| 0.4 * x * x;
     let surface = heights(9, [-4.0, 4.0], Ends::NotAKnot, trough);
     let dense = Dense::of([-4.0, 4.0], trough);
@@ -156,12 +167,15 @@ fn a_trough_that_is_too_tight_is_cut_without_a_gouge_in_both_planes() {
             let job = Job { plane, tool, ..job(surface.clone(), 5.0, 1.0, 0.01, 3) };
             let refused = plan(&Job { engine: Engine::OffsetSection, ..job.clone() }, &Budget::unlimited());
             match tool.shape {
-                Shape::Ball => assert!(matches!(refused, Err(Error::OffsetFolds { .. })), "{refused:?}"),
+                Shape::Ball => assert!(
+                    matches!(refused, Err(Error::OffsetFolds { .. })),
+                    "not refused as folded: {refused:?}"
+                ),
                 Shape::Flat | Shape::BullNose { .. } => assert_eq!(refused, Err(Error::NoBall)),
             }
             let plan = follow(&job, &dense);
-            // In the middle the cutter hangs on both sides: at 0.625 a ball, at 2.5 a flat end. No plane of
-            // constant x need be there.
+            // In the middle of the trough the cutter rests on both sides: the tip of a ball is at 0.625 and
+            // that of a flat cutter at 2.5. Planes of constant x need not go through the middle.
             let lowest = planned(&plan)
                 .into_iter()
                 .flatten()
@@ -176,14 +190,17 @@ fn a_trough_that_is_too_tight_is_cut_without_a_gouge_in_both_planes() {
                 Shape::Flat => (2.489..2.511, 2.0..2.51),
                 Shape::BullNose { .. } => (0.7..2.489, 0.5..2.5),
             };
-            assert!(rest_range.contains(&rest), "{tool:?} {rest}");
-            assert!(lowest.is_none_or(|lowest| lowest_range.contains(&lowest)), "{tool:?} {lowest:?}");
+            assert!(rest_range.contains(&rest), "{tool:?}: {rest} mm are left");
+            assert!(
+                lowest.is_none_or(|lowest| lowest_range.contains(&lowest)),
+                "{tool:?}: the lowest tip is at {lowest:?}"
+            );
         }
     }
 }
 
 #[test]
-fn a_roof_is_cut_over_its_edge() {
+fn contact_cuts_a_roof_across_its_sharp_edge_without_a_gouge() {
     let row = |x: f64, z: f64| [0.0, 12.0].map(|y| Point3::new(x, y, z)).to_vec();
     let roof = Source::Nurbs(Nurbs {
         degree: [1, 1],
@@ -201,7 +218,7 @@ fn a_roof_is_cut_over_its_edge() {
     }
 }
 
-/// How high the tips of all cuts are, from the lowest to the highest.
+/// The lowest and the highest z of the tip over all cuts, mm.
 fn heights_of_cuts(plan: &Plan) -> [f64; 2] {
     let cuts = planned(plan).into_iter().flatten().filter(|(kind, _)| *kind == Kind::Cut);
     let tips = cuts.flat_map(|(_, motion)| (0..=100).map(move |k| motion.at(f64::from(k) / 100.0).z));
@@ -209,7 +226,7 @@ fn heights_of_cuts(plan: &Plan) -> [f64; 2] {
 }
 
 #[test]
-fn of_walls_and_sheets_over_one_another_the_uppermost_is_cut() {
+fn contact_cuts_the_uppermost_sheet_of_walls_and_overhangs() {
     let wall = [[0.0, 0.0], [4.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
     let overhang = [[0.0, 0.0], [7.0, 0.0], [4.0, 5.0], [9.0, 5.0]];
     for profile in [wall, overhang] {
@@ -233,14 +250,17 @@ fn of_walls_and_sheets_over_one_another_the_uppermost_is_cut() {
                 let grid = heights(3, [0.0, 9.0], Ends::Natural, |_, _| 0.0);
                 let job = Job { plane, tool, surface: sheet.clone(), ..job(grid, 3.0, 1.1, 0.01, 3) };
                 let [low, high] = heights_of_cuts(&follow(&job, &dense));
-                assert!(low.abs() < 0.011 && (high - 5.0).abs() < 0.011, "{tool:?} {low} to {high}");
+                assert!(
+                    low.abs() < 0.011 && (high - 5.0).abs() < 0.011,
+                    "{tool:?}: the tips are from {low} to {high}"
+                );
             }
         }
     }
 }
 
 #[test]
-fn a_half_sphere_is_cut_down_to_its_upright_rim() {
+fn contact_cuts_a_half_sphere_down_to_its_vertical_rim() {
     let radius = 3.2;
     let circle = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]];
     let circle = [circle, circle.map(|p| p.map(|x| -x))].concat();
@@ -273,8 +293,12 @@ fn a_half_sphere_is_cut_down_to_its_upright_rim() {
             let job = Job { tool, surface: dome.clone(), ..job(grid, 3.0, 2.3, 0.01, 3) };
             let plan = follow(&job, &dense);
             let [low, high] = heights_of_cuts(&plan);
-            // No section of a small cutter is broken.
-            assert!(radius_mm > radius || plan.report.n_passes == 6, "{tool:?} {}", plan.report.n_passes);
+            // A small cutter cuts each plane in one pass.
+            assert!(
+                radius_mm > radius || plan.report.n_passes == 6,
+                "{tool:?}: {} passes, not 6",
+                plan.report.n_passes
+            );
             let lowest = match tool.shape {
                 Shape::Ball => -radius_mm,
                 Shape::Flat => 0.0,
@@ -282,18 +306,18 @@ fn a_half_sphere_is_cut_down_to_its_upright_rim() {
             };
             assert!(
                 (lowest - 0.011..lowest + 0.2).contains(&low) && high < radius + 0.011,
-                "{tool:?} {low} to {high}"
+                "{tool:?}: the tips are from {low} to {high}"
             );
         }
     }
 }
 
 #[test]
-fn bumps_and_a_die_are_cut_by_any_cutter() {
+fn contact_cuts_bumps_and_the_die_with_every_cutter_without_a_gouge() {
     for plane in PLANES {
         let bumps = freeform(plane, Default::default());
         let spline = Spline::through(grid_of(&bumps));
-        // The grid is even: parameters go with x and y.
+        // The grid is even, so that the parameters are proportional to x and y.
         let dense = Dense::of([0.0, 12.0], |x, y| spline.jet([x / 3.0, y / 3.0]).point.z);
         for boundary in [Boundary::Inside, Boundary::On] {
             for tool in cutters(1.0) {
@@ -320,6 +344,6 @@ fn a_cutter_larger_than_the_part_rests_on_the_top_of_the_part() {
         let highest = planned(&plan).into_iter().flatten().filter(|(kind, _)| *kind == Kind::Cut);
         let highest =
             highest.map(|(_, motion): (_, Motion)| motion.at(0.5).z).fold(f64::NEG_INFINITY, f64::max);
-        assert!(highest <= 0.011, "{highest}");
+        assert!(highest <= 0.011, "the tip rises to {highest} above the top of the part");
     }
 }

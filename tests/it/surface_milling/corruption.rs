@@ -1,8 +1,8 @@
-//! A certificate that can fail: good paths over blocks, steps, trays and ribs are corrupted move by move, and
-//! what the gouge proof says is held against dense points in the plane of the pass.
+//! Checks that the gouge proof can fail. Good paths over blocks, steps, trays and ribs are corrupted move by
+//! move, and the result of the proof is compared with dense points in the plane of the pass.
 //!
 //! Every part is a profile of straight lines, extruded along y. The section of the cutter through its axis
-//! reaches deeper into such a part than any other, so that depths in that plane are depths in space.
+//! reaches deeper into such a part than any other section. So depths in this plane are depths in space.
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::budget::Budget;
@@ -21,32 +21,40 @@ use super::contact::depth;
 use super::jobs::{heights, job};
 use crate::arc_fitting::inputs::Random;
 
-/// Parts, each with three cutters: the search on fresh seeds tries others as long as it runs.
+/// Random parts, each cut by three cutters. The exploration on fresh seeds tries more.
 const PARTS: usize = 24;
 
-/// One move of so many is spoiled.
+/// Every third move of a path is corrupted.
 const MOVES_APART: usize = 3;
 
 pub const RADIUS_MM: f64 = 4.0;
 const STEPOVER_MM: f64 = 8.0;
 const TOLERANCES_MM: [f64; 3] = [0.005, 0.02, 0.05];
 
-/// The proof is as exact as this part of the tolerance.
+/// Gap of the proof, as a share of the tolerance.
 const GAP_SHARE: f64 = 0.02;
 
 /// Half the length of the extruded parts, mm.
 pub const HALF_LENGTH_MM: f64 = 12.0;
 
-/// Distances of points of the profile and of places of a move, mm; and most places of one move.
+/// Distance of the dense points along a profile, mm.
 const POINTS_MM: f64 = 0.04;
+
+/// Distance of the checked places along a move, mm.
 const PLACES_MM: f64 = 0.15;
+
+/// Most places of one move; a long move has places farther apart.
 const MOST_PLACES: f64 = 300.0;
 
-/// A sharp rim reaches farther below a slope than any point of it is deep in the cutter, by up to the root of
-/// 2, and points that are sampled are less deep than the deepest by the distance of two.
+/// The proof must accept a move whose sampled depth is below this share of the tolerance.
+///
+/// The share is below 1 because the proof may find a larger depth than the samples. Below a slope, the sharp
+/// rim of a flat cutter can be deeper than any point of the slope is inside the cutter, by a factor of up to
+/// the root of 2. Samples also miss the deepest point by up to their distance.
 const SURELY_FINE: f64 = 0.6;
 
-/// Ledges joined by walls of 0 to 10 degrees of draft; every other part on round numbers.
+/// A random profile of ledges and of walls with 0 to 10 degrees of draft. With `is_round`, coordinates are
+/// whole.
 fn profile(random: &mut Random, is_round: bool) -> Vec<[f64; 2]> {
     let rounded = |value: f64| if is_round { value.round() } else { value };
     let mut points = vec![[0.0, 0.0]];
@@ -76,7 +84,7 @@ pub fn extruded(profile: &[[f64; 2]]) -> Source {
     })
 }
 
-/// Points along a profile.
+/// Dense points along a profile.
 fn dense(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut points = Vec::new();
     for pair in profile.windows(2) {
@@ -87,14 +95,14 @@ fn dense(profile: &[[f64; 2]]) -> Vec<[f64; 2]> {
     points
 }
 
-/// How deep the deepest of dense points lies in the cutter on the way.
+/// The depth of the deepest dense point inside the cutter along a move, mm; negative if all are outside.
 fn sampled(points: &[[f64; 2]], tool: &Tool, way: &Curve) -> f64 {
     let n = (way.length() / PLACES_MM).ceil().clamp(1.0, MOST_PLACES);
     let mut deepest = f64::NEG_INFINITY;
     for k in 0..=n as usize {
         let tip = way.point_at(k as f64 / n);
         let beyond = (tip.y.abs() - HALF_LENGTH_MM).max(0.0);
-        // The profile never goes back.
+        // x never falls along the profile, so that the points are sorted by x.
         let [from, to] =
             [-1.0, 1.0].map(|side| points.partition_point(|p| p[0] < tip.x + side * tool.radius_mm));
         for [x, z] in &points[from..to] {
@@ -106,7 +114,7 @@ fn sampled(points: &[[f64; 2]], tool: &Tool, way: &Curve) -> f64 {
     deepest
 }
 
-/// Ways to spoil a move.
+/// Corrupted versions of a move: lowered, shifted, extended, straightened, or with another arc.
 fn corruptions(step: &Move, tolerance_mm: f64, random: &mut Random) -> Vec<Curve> {
     let line = |start: Point3<f64>, end: Point3<f64>| Curve::Line(Line { start, end });
     let down = Vector3::z() * (-2.0 * tolerance_mm);
@@ -150,7 +158,8 @@ fn corruptions(step: &Move, tolerance_mm: f64, random: &mut Random) -> Vec<Curve
     spoiled
 }
 
-/// What became of the corruptions of one path.
+/// Numbers of corrupted moves: all, those that gouge deeper than the tolerance, and those that the proof must
+/// accept.
 #[derive(Default, Debug)]
 struct Tally {
     all: usize,
@@ -170,12 +179,15 @@ fn corrupt(surface: &BezierSurface, points: &[[f64; 2]], job: &Job, random: &mut
             proof.penetrate(&spoiled, 0.0, gap, &mut found, &Budget::unlimited()).unwrap();
             let sampled = sampled(points, &job.tool, &spoiled);
             let (is_refused, tool) = (found.bound_mm > tolerance_mm, &job.tool);
-            assert!(sampled <= found.bound_mm + 1e-9, "{tool:?} {spoiled:?}: {sampled} {found:?}");
-            assert!(is_refused || sampled <= tolerance_mm);
+            assert!(
+                sampled <= found.bound_mm + 1e-9,
+                "{tool:?} {spoiled:?}: {sampled} mm deep, more than the bound: {found:?}"
+            );
+            assert!(is_refused || sampled <= tolerance_mm, "{tool:?} {spoiled:?}: a gouge was accepted");
             if sampled + POINTS_MM.min(0.2 * tolerance_mm) < SURELY_FINE * tolerance_mm
                 && found.found_mm < sampled + gap
             {
-                assert!(!is_refused, "{tool:?} {spoiled:?}: {sampled} {found:?}");
+                assert!(!is_refused, "{tool:?} {spoiled:?}: refused at {sampled} mm: {found:?}");
                 tally.fine += 1;
             }
             tally.all += 1;
@@ -186,7 +198,7 @@ fn corrupt(surface: &BezierSurface, points: &[[f64; 2]], job: &Job, random: &mut
 }
 
 #[test]
-fn no_corruption_of_a_good_path_goes_unseen() {
+fn the_gouge_proof_refuses_corrupted_moves_that_gouge_and_accepts_harmless_moves() {
     let mut random = Random::stream(2026);
     let mut tally = Tally::default();
     for k in 0..PARTS {
@@ -212,5 +224,8 @@ fn no_corruption_of_a_good_path_goes_unseen() {
         }
     }
     println!("{tally:?}");
-    assert!(tally.all > 6_500 && tally.gouging > 1_600 && tally.fine > 300, "{tally:?}");
+    assert!(
+        tally.all > 6_500 && tally.gouging > 1_600 && tally.fine > 300,
+        "too few moves were compared: {tally:?}"
+    );
 }

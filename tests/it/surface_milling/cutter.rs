@@ -1,23 +1,29 @@
-//! How deep a ball cutter with its shank enters a surface, by dense samples and local minimisation.
+//! Finds how deep a ball cutter with its shank enters a surface, by dense samples and local minimisation.
 //!
-//! The depth at a tip is the radius less the distance from the axis (the ray upward from the ball's centre)
-//! to the surface. At least every quarter of a millimetre all local minima of the distance over a grid of
-//! surface points are collected; from each, the distance is minimised at every sample of the path. Local
-//! minima are found to 1e-9 mm, the largest depth between samples to about 1e-6 mm.
+//! The depth at a tip is the radius minus the distance from the axis to the surface. The axis is the ray
+//! upward from the ball's centre. At least every quarter of a millimetre along the path, all local minima of
+//! the distance over a grid of surface points are collected. From each minimum, the distance is minimised at
+//! every sample of the path. Local minima are found to 1e-9 mm, and the largest depth between samples to
+//! about 1e-6 mm.
 
 use nalgebra::{Point3, Vector3};
 
 use super::motion::Motion;
 use super::spline::Spline;
 
+/// Largest distance of the samples along a path.
 const PATH_STEP_MM: f64 = 0.05;
+
+/// Largest distance of the places along a path at which local minima are collected.
 const ANCHOR_STEP_MM: f64 = 0.25;
+
+/// Side of the square buckets in x and y that hold the surface points.
 const BUCKET_MM: f64 = 1.0;
 
-/// Local minima that exceed the least by this much, beyond what the tip moves, are not followed, mm.
+/// A local minimum is followed if it exceeds the least one by less than this plus [`ANCHOR_STEP_MM`], mm.
 const SLACK_MM: f64 = 0.1;
 
-/// A cutter over a surface.
+/// A ball cutter over a surface, with a grid of surface points.
 pub struct Cutter<'a> {
     surface: &'a Spline,
     radius: f64,
@@ -28,7 +34,8 @@ pub struct Cutter<'a> {
     members: Vec<Vec<u32>>,
 }
 
-/// The deepest penetration (negative: the least clearance, if anything was near) and the tip it was found at.
+/// The deepest penetration, mm, and the tip at which it was found. A negative depth is the least clearance,
+/// if the surface was near.
 #[derive(Debug, Clone, Copy)]
 pub struct Depth {
     pub mm: f64,
@@ -40,7 +47,7 @@ impl Depth {
 }
 
 impl<'a> Cutter<'a> {
-    /// Surface points are at most about a twelfth of the radius apart.
+    /// Samples the surface. The points are about a twelfth of the radius apart, and at most about 0.4 mm.
     pub fn new(surface: &'a Spline, radius: f64) -> Self {
         let size = surface.size();
         let corners = [[0.0, 0.0], [size[0], 0.0], [0.0, size[1]]].map(|at| surface.jet(at).point);
@@ -65,7 +72,7 @@ impl<'a> Cutter<'a> {
         self.points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Deepens `depth` by what `motion` finds.
+    /// Replaces `depth` if `motion` penetrates deeper.
     pub fn follow(&self, motion: &Motion, depth: &mut Depth) {
         let length = motion.length();
         let anchors = (length / ANCHOR_STEP_MM).ceil().max(1.0) as usize;
@@ -118,8 +125,8 @@ impl<'a> Cutter<'a> {
         tip + Vector3::z() * self.radius
     }
 
-    /// Parameters of the local minima over the grid for tips within half an anchor's step of `tip`; none if
-    /// the surface is farther than the radius.
+    /// Parameters of the local minima of the distance over the grid, for tips within half an anchor step of
+    /// `tip`. Empty if the surface is farther away than the radius and a margin.
     fn minima(&self, tip: &Point3<f64>) -> Vec<[f64; 2]> {
         let center = self.center(tip);
         let margin = ANCHOR_STEP_MM + SLACK_MM;
@@ -156,7 +163,7 @@ impl<'a> Cutter<'a> {
         })
     }
 
-    /// The local minimum of the distance between the axis and the surface, from `at` downhill.
+    /// The local minimum of the distance between the axis and the surface, by descent from `at`, mm.
     fn least_distance(&self, center: &Point3<f64>, mut at: [f64; 2]) -> f64 {
         let size = self.surface.size();
         let mut jet = self.surface.jet(at);
@@ -197,7 +204,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// From the axis above `center` to `p`, by the shortest way.
+/// The shortest vector from the axis above `center` to `p`.
 fn to_axis(p: &Point3<f64>, center: &Point3<f64>) -> Vector3<f64> {
     let mut apart = p - center;
     apart.z = apart.z.min(0.0);
@@ -209,7 +216,7 @@ fn parameter(index: usize, counts: [usize; 2], size: [f64; 2]) -> [f64; 2] {
     [along(0, index / counts[1]), along(1, index % counts[1])]
 }
 
-/// The Newton step in the free parameters, if the quadratic form has a minimum there.
+/// The Newton step in the free parameters. `None` if the quadratic form has no minimum.
 fn downhill(slope: [f64; 2], [a, b, c]: [f64; 3], is_free: [bool; 2]) -> Option<[f64; 2]> {
     match is_free {
         [true, true] => {
@@ -244,21 +251,21 @@ mod tests {
     }
 
     #[test]
-    fn depths_are_those_of_closed_forms() {
+    fn sampled_depths_equal_closed_forms() {
         let plane = surface(|x, _| 0.75 * x);
-        // The centre is 0.8 (z - 0.75 x) from the plane.
+        // A point is 0.8 (z - 0.75 x) away from the plane.
         let sunk = depth(&plane, [-5.0, 1.0, -2.9], [5.0, -1.0, 4.6]);
-        assert!((sunk - (4.0 - 0.8 * 4.85)).abs() < 1e-9, "{sunk}");
+        assert!((sunk - (4.0 - 0.8 * 4.85)).abs() < 1e-9, "the depth is {sunk}");
         let clear = depth(&plane, [3.0, 0.0, 3.5], [3.0, 2.0, 3.5]);
-        assert!((clear - (4.0 - 0.8 * 5.25)).abs() < 1e-9, "{clear}");
+        assert!((clear - (4.0 - 0.8 * 5.25)).abs() < 1e-9, "the depth is {clear}");
         // Beside the edge x = -15 only the shank reaches the plane, 3 mm from the axis.
         let beside = depth(&plane, [-18.0, -4.0, -40.0], [-18.0, 4.0, -40.0]);
-        assert!((beside - 1.0).abs() < 1e-9, "{beside}");
+        assert!((beside - 1.0).abs() < 1e-9, "the depth is {beside}");
         assert_eq!(depth(&plane, [0.0, 0.0, 20.0], [5.0, 0.0, 20.0]), f64::NEG_INFINITY);
 
-        // Between two ridges a straight tip path is deepest where a ridge is highest, between samples.
+        // A straight path is deepest where the ridge is highest, which is between two samples.
         let ridges = surface(|x, y| 0.05 * x * x - 0.02 * (y - 0.123) * (y - 0.123));
         let deepest = depth(&ridges, [0.0, -6.0, -0.25], [0.0, 6.0, -0.25]);
-        assert!((deepest - 0.25).abs() < 1e-7, "{deepest}");
+        assert!((deepest - 0.25).abs() < 1e-7, "the depth is {deepest}");
     }
 }

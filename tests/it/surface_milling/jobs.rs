@@ -1,4 +1,4 @@
-//! The jobs that are judged.
+//! The jobs that the tests plan and judge.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ use toolpathd::toolpath::units::{FeedRate, Tolerance};
 
 pub const PLANES: [SectionPlane; 2] = [SectionPlane::Zx, SectionPlane::Yz];
 
-/// A square grid of heights, points along x by points along y.
+/// A square grid of `n` by `n` points of a graph. The first index runs along x, the second along y.
 pub fn heights(n: usize, [from, to]: [f64; 2], ends: Ends, height: impl Fn(f64, f64) -> f64) -> PointGrid {
     let node = |k: usize| from + (to - from) * k as f64 / (n - 1) as f64;
     let row = |i: usize| {

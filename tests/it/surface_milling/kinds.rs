@@ -1,4 +1,4 @@
-//! Kinds of surfaces other than grids, against closed forms.
+//! Compares paths over cylinders, spheres and roofs, given as NURBS, with closed forms.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;
@@ -19,8 +19,8 @@ fn job(surface: Source, plane: SectionPlane, stepover_mm: f64) -> Job {
     Job { plane, ..Job::new(surface, Tool::ball(BALL), stepover_mm, tolerance, feed) }
 }
 
-/// The control points and weights of arcs, each a quarter or less, of a circle of radius 1 about the origin,
-/// from angle to angle; a control point more than twice their number.
+/// Control points and weights of the unit circle's arcs from angle to angle (rad). Each arc is a quarter or
+/// less. `n` arcs have 2 n + 1 control points.
 fn arcs(angles: &[f64]) -> Vec<[f64; 3]> {
     let mut points = vec![[angles[0].cos(), angles[0].sin(), 1.0]];
     for pair in angles.windows(2) {
@@ -38,8 +38,8 @@ fn arc_knots(arcs: usize) -> Vec<f64> {
     [0.0; 3].into_iter().chain(inner).chain(ends).collect()
 }
 
-/// A part of a cylinder about the y axis, 30 mm long, from 60 degrees to the left to 50 to the right, in two
-/// pieces.
+/// A part of a cylinder about the y axis, 30 mm long, in two pieces. It reaches from 60 degrees left of the
+/// top to 50 degrees right of it.
 fn cylinder() -> Source {
     let at = |degrees: f64| (90.0 - degrees).to_radians();
     let profile = arcs(&[at(-60.0), at(10.0), at(50.0)]);
@@ -52,7 +52,7 @@ fn cylinder() -> Source {
     })
 }
 
-/// A surface of revolution about z: a profile turned through angles in the plan.
+/// A surface of revolution about z: a profile turned through angles (rad).
 fn turned(profile: &[[f64; 3]], angles: &[f64]) -> Source {
     let around = arcs(angles);
     let row = |p: &[f64; 3]| around.iter().map(|a| Point3::new(a[0] * p[0], a[1] * p[0], p[1])).collect();
@@ -65,7 +65,7 @@ fn turned(profile: &[[f64; 3]], angles: &[f64]) -> Source {
     })
 }
 
-/// A zone of a sphere about the origin between two heights above the horizon.
+/// A zone of a sphere about the origin, between two angles above the horizon.
 fn sphere(from_degrees: f64, to_degrees: f64) -> Source {
     let profile = arcs(&[from_degrees.to_radians(), to_degrees.to_radians()]);
     let profile: Vec<_> = profile.into_iter().map(|[x, z, w]| [RADIUS * x, RADIUS * z, w]).collect();
@@ -73,13 +73,13 @@ fn sphere(from_degrees: f64, to_degrees: f64) -> Source {
 }
 
 #[test]
-fn sections_across_a_cylinder_are_its_arcs_and_along_it_lines() {
+fn passes_across_a_cylinder_are_arcs_and_passes_along_it_are_lines() {
     let across = plan(&job(cylinder(), SectionPlane::Zx, 4.0), &Budget::unlimited()).unwrap();
     let passes = planned(&across);
     assert_eq!(passes.len(), 9);
     for pass in passes {
         let cuts: Vec<_> = pass.into_iter().filter(|m| m.0 == Kind::Cut).map(|m| m.1).collect();
-        let [Motion::Turn(turn)] = cuts[..] else { panic!("{cuts:?}") };
+        let [Motion::Turn(turn)] = cuts[..] else { panic!("not one arc: {cuts:?}") };
         assert!((turn.radii[0] - RADIUS - BALL).abs() < 1e-9, "{turn:?}");
         assert!(turn.center.x.abs() < 1e-9 && (turn.center.z + BALL).abs() < 1e-9, "{turn:?}");
     }
@@ -89,7 +89,7 @@ fn sections_across_a_cylinder_are_its_arcs_and_along_it_lines() {
         across.report
     );
 
-    // By contact, an end of a section is looked for by halving.
+    // The contact engine finds the ends of a section by bisection, and is less exact there.
     for (engine, straight_mm, end_mm) in [(Engine::OffsetSection, 1e-9, 1e-9), (Engine::Contact, 1e-8, 1e-6)]
     {
         let job = Job { engine, ..job(cylinder(), SectionPlane::Yz, 4.0) };
@@ -98,17 +98,23 @@ fn sections_across_a_cylinder_are_its_arcs_and_along_it_lines() {
         for (kind, motion) in planned(&along).into_iter().flatten() {
             if let (Kind::Cut, Motion::Straight { from, to }) = (kind, motion) {
                 for p in [from, to] {
-                    assert!((p.x.hypot(p.z + BALL) - RADIUS - BALL).abs() < 1e-9, "{p}");
+                    assert!(
+                        (p.x.hypot(p.z + BALL) - RADIUS - BALL).abs() < 1e-9,
+                        "{p} is not on the offset cylinder"
+                    );
                 }
                 let way = to - from;
-                assert!(way.xz().norm() < straight_mm && (way.y.abs() - 30.0).abs() < end_mm, "{from} {to}");
+                assert!(
+                    way.xz().norm() < straight_mm && (way.y.abs() - 30.0).abs() < end_mm,
+                    "not straight or not from end to end: {from} to {to}"
+                );
             }
         }
     }
 }
 
 #[test]
-fn a_zone_of_a_sphere_is_cut_along_the_sphere_of_the_ball() {
+fn the_centre_of_the_ball_stays_on_the_offset_of_a_sphere() {
     for plane in [SectionPlane::Zx, SectionPlane::Yz] {
         let plan = plan(&job(sphere(30.0, 75.0), plane, 2.0), &Budget::unlimited()).unwrap();
         let mut cuts = 0;
@@ -116,23 +122,29 @@ fn a_zone_of_a_sphere_is_cut_along_the_sphere_of_the_ball() {
             for k in 0..=8 {
                 let p = motion.at(f64::from(k) / 8.0);
                 let off = (p + nalgebra::Vector3::new(0.0, 0.0, BALL)).coords.norm() - RADIUS - BALL;
-                assert!(off.abs() <= plan.report.deviation_max_mm, "{p}: {off}");
+                assert!(
+                    off.abs() <= plan.report.deviation_max_mm,
+                    "the ball at {p} is {off} mm off the offset sphere"
+                );
             }
             cuts += 1;
         }
-        assert!(cuts >= 15, "{cuts}");
+        assert!(cuts >= 15, "only {cuts} cuts");
         assert!(plan.report.gouge_max_mm <= 0.01);
     }
 }
 
 #[test]
-fn an_octant_to_its_pole_or_its_horizon_is_refused_by_name() {
+fn offset_section_refuses_a_sphere_up_to_its_pole_or_down_to_its_horizon() {
     for octant in [sphere(0.0, 90.0), sphere(30.0, 90.0), sphere(0.0, 60.0)] {
         for boundary in [Boundary::On, Boundary::Past] {
             let engine = Engine::OffsetSection;
             let job = Job { boundary, engine, ..job(octant.clone(), SectionPlane::Zx, 2.0) };
             let error = plan(&job, &Budget::unlimited()).unwrap_err();
-            assert!(matches!(error, Error::Overhang { .. } | Error::NoWayPast), "{error}");
+            assert!(
+                matches!(error, Error::Overhang { .. } | Error::NoWayPast),
+                "refused for another reason: {error}"
+            );
         }
     }
 }
@@ -150,22 +162,26 @@ fn cuts_leave_the_allowance_on_the_surface() {
 }
 
 #[test]
-fn a_scallop_height_spaces_the_planes() {
-    // Along the cylinder's axis the surface is steepest at 60 degrees: planes of constant x cut it obliquely.
+fn the_planes_are_as_far_apart_as_the_scallop_height_allows() {
+    // Planes of constant x cut the cylinder obliquely. It slopes by up to 60 degrees, where they must be half
+    // as far apart.
     for (plane, share) in [(SectionPlane::Zx, 1.0), (SectionPlane::Yz, 0.5)] {
         let height = 0.01;
         let job = Job { spacing: Spacing::ScallopHeight(height), ..job(cylinder(), plane, 1.0) };
         let report = plan(&job, &Budget::unlimited()).unwrap().report;
         let left = report.scallop_max_mm.unwrap();
-        assert!(left <= height && left > 0.8 * height, "{report:?}");
-        // On a plane that much is left by passes this far apart.
+        assert!(left <= height && left > 0.8 * height, "a scallop of {left} mm for {height} mm: {report:?}");
+        // Passes this far apart leave scallops of this height on a plane.
         let apart = 2.0 * (2.0 * BALL * height - height * height).sqrt() * share;
-        assert!(report.stepover_mm <= apart && report.stepover_mm > 0.85 * apart, "{report:?} {apart}");
+        assert!(
+            report.stepover_mm <= apart && report.stepover_mm > 0.85 * apart,
+            "the stepover should be about {apart} mm: {report:?}"
+        );
     }
 }
 
 #[test]
-fn boundaries_are_kept_and_passed() {
+fn cuts_end_at_the_edge_inside_it_or_past_it_as_the_boundary_says() {
     let extent = |boundary: Boundary, plane: SectionPlane| {
         let job = Job { boundary, ..job(cylinder(), plane, 4.0) };
         let plan = plan(&job, &Budget::unlimited()).unwrap();
@@ -187,17 +203,23 @@ fn boundaries_are_kept_and_passed() {
         assert!((x[0] - left - BALL).abs() < 2e-2 && (x[1] - right + BALL).abs() < 2e-2, "{x:?}");
         assert!((y[0] - BALL).abs() < 2e-2 && (y[1] - 30.0 + BALL).abs() < 2e-2, "{y:?}");
         let [x, y] = extent(Boundary::Past, plane);
-        // Straight on along the tangent at 60 and 50 degrees.
+        // The path goes straight on along the tangents at 60 and 50 degrees.
         let (past_left, past_right) =
             (left * offset - 0.5 * BALL, right * offset + 50f64.to_radians().cos() * BALL);
-        assert!(x[0] <= past_left && x[0] > past_left - BALL, "{x:?} {past_left}");
-        assert!(x[1] >= past_right && x[1] < past_right + BALL, "{x:?} {past_right}");
+        assert!(
+            x[0] <= past_left && x[0] > past_left - BALL,
+            "the path does not end past {past_left}: {x:?}"
+        );
+        assert!(
+            x[1] >= past_right && x[1] < past_right + BALL,
+            "the path does not end past {past_right}: {x:?}"
+        );
         assert!(y[0] <= -BALL && y[1] >= 30.0 + BALL && y[1] < 30.0 + 2.0 * BALL, "{y:?}");
     }
 }
 
 #[test]
-fn an_edge_is_refused_with_its_place() {
+fn offset_section_refuses_a_sharp_edge_and_names_its_place() {
     let mut roof = vec![vec![]; 3];
     for (i, row) in roof.iter_mut().enumerate() {
         *row = [0.0, 20.0].map(|y| Point3::new(10.0 * i as f64, y, if i == 1 { 4.0 } else { 0.0 })).to_vec();
@@ -210,5 +232,8 @@ fn an_edge_is_refused_with_its_place() {
     });
     let job = Job { engine: Engine::OffsetSection, ..job(roof, SectionPlane::Zx, 2.0) };
     let error = plan(&job, &Budget::unlimited()).unwrap_err();
-    assert!(matches!(error, Error::NotSmooth(_)) && error.to_string().contains("10"), "{error}");
+    assert!(
+        matches!(error, Error::NotSmooth(_)) && error.to_string().contains("10"),
+        "the edge at x = 10 is not named: {error}"
+    );
 }

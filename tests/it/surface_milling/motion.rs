@@ -1,4 +1,5 @@
-//! Tip curves of a toolpath and of the text written from it, with angles and radii of their own.
+//! The motions of the tip in a toolpath and in the NC text written from it. Angles and radii are computed
+//! here, not by the library.
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::budget::Budget;
@@ -18,7 +19,7 @@ pub enum Motion {
     Turn(Turn),
 }
 
-/// A turn in the plane of two axes whose radius goes from one value to another, evenly in the angle.
+/// A turn in the plane of two axes. Its radius changes evenly with the angle, from the first to the second.
 #[derive(Debug, Clone, Copy)]
 pub struct Turn {
     axes: [usize; 2],
@@ -40,7 +41,7 @@ impl Motion {
     }
 
     fn turn(plane: Plane, direction: Direction, ends: [Point3<f64>; 2], center: Point3<f64>) -> Self {
-        // First and second axis as seen with the second a quarter turn counterclockwise of the first.
+        // The second axis is a quarter turn counterclockwise from the first.
         let axes = match plane {
             Plane::Xy => [0, 1],
             Plane::Zx => [2, 0],
@@ -72,7 +73,7 @@ impl Motion {
         }
     }
 
-    /// Distance to a point.
+    /// The distance to a point, mm.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
         match self {
             Self::Straight { from, to } => {
@@ -90,7 +91,8 @@ impl Motion {
         }
     }
 
-    /// For a turn of two radii, that of the smaller and that of the larger all along.
+    /// For a turn, two turns of constant radius: one with the first radius and one with the second. A control
+    /// may take either.
     pub fn extremes(&self) -> Vec<Self> {
         match self {
             Self::Straight { .. } => vec![*self],
@@ -117,14 +119,14 @@ impl Turn {
     }
 }
 
-/// What a motion is for.
+/// The purpose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Rapid,
     Plunge,
     Link,
     Cut,
-    /// To a pass or away from it, by ramp or along an arc.
+    /// A ramp, or an arc into or out of a pass.
     Lead,
 }
 
@@ -141,14 +143,15 @@ pub fn planned(plan: &Plan) -> Vec<Vec<(Kind, Motion)>> {
             };
             (kind, Motion::of(along))
         }
-        Move::Dwell { .. } => panic!("a dwell"),
+        Move::Dwell { .. } => panic!("milling makes no dwells"),
     };
     plan.toolpath.passes().iter().map(|pass| pass.moves().iter().map(motion).collect()).collect()
 }
 
-/// The motions of the written text, as far as they start at a known place. What is neither a rapid, nor at
-/// the plunge feed, nor a link, a ramp or an
-/// arc in or out of the plan is a cut.
+/// The motions of the NC text of a plan, without those that start at an unknown place.
+///
+/// A motion at the plunge feed is a plunge. A motion that equals a link or a lead of the plan is of that
+/// kind. Every other feed motion is a cut.
 pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
     let program = Program {
         resolution: job.resolution,
@@ -191,7 +194,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let motion = Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap());
                 Some((kind_of(&motion), motion))
             }
-            Step::Dwell { .. } => panic!("a dwell"),
+            Step::Dwell { .. } => panic!("milling makes no dwells"),
         })
         .collect()
 }

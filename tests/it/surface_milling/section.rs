@@ -1,5 +1,5 @@
-//! The exact CL curves of a ball cutter in a family of parallel planes, by root finding along parameter
-//! lines.
+//! Finds the exact CL curves of a ball cutter in parallel planes, by root finding along parameter lines of
+//! the surface.
 
 use std::collections::BTreeMap;
 
@@ -7,39 +7,43 @@ use nalgebra::{Point3, Vector3};
 
 use super::spline::Spline;
 
-/// Parameter lines of each direction on which roots are sought, and samples that bracket them in each cell.
+/// Parameter lines of each direction on which roots are sought.
 const LINES: usize = 1600;
+
+/// Intervals of each cell of the surface in which a root is sought along a line.
 const BRACKETS_PER_CELL: usize = 8;
 
-/// Every tip position of a cutter that touches the surface.
+/// All positions of the tip at which the cutter touches the surface.
 pub struct Locus<'a> {
     surface: &'a Spline,
     radius: f64,
-    /// The coordinate that is constant on a plane, and the horizontal one that is not.
+    /// The coordinate that is constant on a plane.
     normal: usize,
+    /// The horizontal coordinate that changes along a plane.
     along: usize,
-    /// For the direction that is kept, by line, the normal coordinate at the bracketing samples.
+    /// The normal coordinate of the tip at samples, by the kept direction, the parameter line and the sample.
     tables: [Vec<Vec<f64>>; 2],
     borders: Vec<Border>,
 }
 
-/// A parameter line along the surface's border, with densely sampled normal coordinates.
+/// A parameter line along the border of the surface, with dense samples of the tip's normal coordinate.
 struct Border {
     kept: usize,
     line: f64,
     values: Vec<f64>,
 }
 
-/// A parameter and where the tip is that touches there.
+/// Parameters of a CC point, and the position of the tip that touches there.
 type Touch = ([f64; 2], Point3<f64>);
 
-/// One plane's CL curves: points by their place along the plane.
+/// The CL curves in one plane: points, in buckets by their place along the plane.
 pub struct Section<'a> {
     locus: &'a Locus<'a>,
     pub offset: f64,
     buckets: BTreeMap<i64, Vec<Touch>>,
 }
 
+/// Width of a bucket.
 const BUCKET_MM: f64 = 0.1;
 
 impl<'a> Locus<'a> {
@@ -73,7 +77,7 @@ impl<'a> Locus<'a> {
                     }
                 }
             }
-            // A pattern search: the extent lies on the border as a rule.
+            // A pattern search refines the best sample. The extent usually lies on the border.
             let mut reach = 1.0 / BRACKETS_PER_CELL as f64;
             while reach > 1e-7 {
                 let around = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|(u, v)| {
@@ -111,7 +115,8 @@ impl<'a> Locus<'a> {
         Section { locus: self, offset, buckets }
     }
 
-    /// Where the curves end, however near to each other: extremes between samples are looked at too.
+    /// Parameters of the ends of the curves on the border. Extremes between samples are searched too, so that
+    /// no two ends are too near to each other to be found.
     fn border_roots(&self, offset: f64) -> Vec<[f64; 2]> {
         let size = self.surface.size();
         let mut roots = Vec::new();
@@ -138,7 +143,7 @@ impl<'a> Locus<'a> {
         roots
     }
 
-    /// The parameter in `range` on a kept line at which the tip crosses the plane: Newton inside a bracket.
+    /// The parameters on a kept line at which the tip crosses the plane, by Newton steps inside a bracket.
     fn root(&self, kept: usize, line: f64, [mut low, mut high]: [f64; 2], offset: f64) -> [f64; 2] {
         let value = |s: f64| {
             let tip = self.surface.tip(pair(kept, line, s), self.radius);
@@ -170,14 +175,15 @@ impl Section<'_> {
         self.buckets.values().flatten().map(|(_, tip)| tip)
     }
 
-    /// Whether the chain through `p` is no longer than `size`: nothing lies beyond that but within 0.3 mm.
+    /// Whether the chain through `p` is no longer than `size`: no point is between `size` and 0.3 mm from
+    /// `p`.
     pub fn is_speck(&self, p: &Point3<f64>, size: f64) -> bool {
         let near = bucket(p[self.locus.along] - 0.3)..=bucket(p[self.locus.along] + 0.3);
         let mut around = self.buckets.range(near).flat_map(|(_, touches)| touches);
         around.all(|(_, tip)| !(size..0.3).contains(&(tip - p).norm()))
     }
 
-    /// Distance from `p` to the curves.
+    /// The distance from `p` to the curves, mm.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
         let middle = bucket(p[self.locus.along]);
         let mut nearest = (f64::INFINITY, [0.0; 2]);
@@ -200,7 +206,8 @@ impl Section<'_> {
         nearest.0.min(self.polished(p, nearest.1))
     }
 
-    /// Distance from `p` to the point of the curve near `at` where the curve is square to the way to `p`.
+    /// The distance from `p` to its foot on the curve near `at`, mm: there the curve is perpendicular to the
+    /// line to `p`. Infinite if no foot is found on the surface.
     fn polished(&self, p: &Point3<f64>, mut at: [f64; 2]) -> f64 {
         let Locus { surface, radius, normal, .. } = *self.locus;
         let size = surface.size();
@@ -225,7 +232,7 @@ impl Section<'_> {
     }
 }
 
-/// Golden section for a minimum in an interval.
+/// The place of a minimum in an interval, by golden sections.
 fn lowest(value: impl Fn(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
     while to - from > 1e-7 {
         let [p, q] = [0.382, 0.618].map(|t| from + t * (to - from));
@@ -242,7 +249,7 @@ fn line_at(line: usize, size: f64) -> f64 {
     size * line as f64 / LINES as f64
 }
 
-/// The parameter with `line` along the direction `kept` and `s` along the other.
+/// The parameters with `line` in the direction `kept` and `s` in the other.
 fn pair(kept: usize, line: f64, s: f64) -> [f64; 2] {
     if kept == 0 { [line, s] } else { [s, line] }
 }

@@ -1,7 +1,8 @@
-//! The cubic spline surface through a grid of points, from moments: the second derivatives at its knots.
+//! The cubic spline surface through a grid of points, computed from moments: the second derivatives at its
+//! knots.
 //!
-//! Along each direction the moments follow from a dense linear system; the tensor product needs them along u,
-//! along v, and along v of those along u. Nothing here is shared with the product.
+//! A dense linear system gives the moments along each direction. The tensor product needs the moments along
+//! u, along v, and the moments along v of the moments along u. No code is shared with the library.
 
 use nalgebra::{DMatrix, Point3, Vector3};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
@@ -15,7 +16,7 @@ pub struct Spline {
     cells: Vec<Cell>,
 }
 
-/// A point with the derivatives up to the second order.
+/// A point of the surface with its derivatives up to the second order.
 pub struct Jet {
     pub point: Point3<f64>,
     pub u: Vector3<f64>,
@@ -25,7 +26,7 @@ pub struct Jet {
     pub vv: Vector3<f64>,
 }
 
-/// Where the tip of a ball cutter stands that touches at a parameter, with its derivatives.
+/// The tip of a ball cutter that touches the surface at a parameter, with its first derivatives.
 pub struct Tip {
     pub point: Point3<f64>,
     pub u: Vector3<f64>,
@@ -37,7 +38,7 @@ impl Spline {
         assert_eq!(grid.twist, Twist::Spline);
         let (rows, columns) = (grid.points.len(), grid.points[0].len());
         let (along_u, along_v) = (moments(rows, &grid.ends), moments(columns, &grid.ends));
-        // By coordinate: values, moments along u, along v, along both.
+        // For each coordinate: values, moments along u, moments along v, moments along both.
         let layers: Vec<[DMatrix<f64>; 4]> = (0..3)
             .map(|k| {
                 let values = DMatrix::from_fn(rows, columns, |i, j| grid.points[i][j][k]);
@@ -87,7 +88,7 @@ impl Spline {
         }
     }
 
-    /// The tip of a ball of `radius` that touches from above.
+    /// The tip of a ball cutter of `radius` (mm) that touches the surface from above at the parameters `at`.
     pub fn tip(&self, at: [f64; 2], radius: f64) -> Tip {
         let jet = self.jet(at);
         let across = jet.u.cross(&jet.v);
@@ -103,7 +104,7 @@ impl Spline {
 }
 
 impl Jet {
-    /// The largest principal curvature, above zero where the surface is hollow from above, 1/mm.
+    /// The largest principal curvature, 1/mm; positive where the surface is concave from above.
     pub fn hollow(&self) -> f64 {
         let across = self.u.cross(&self.v);
         let normal = across / across.norm().copysign(across.z);
@@ -116,7 +117,8 @@ impl Jet {
     }
 }
 
-/// Weights of values and moments at the ends of a unit interval, for the value and two derivatives.
+/// Weights of the values and moments at the ends of a unit interval, for the value and its first two
+/// derivatives.
 fn weights(s: f64) -> [[f64; 4]; 3] {
     let r = 1.0 - s;
     [
@@ -126,7 +128,7 @@ fn weights(s: f64) -> [[f64; 4]; 3] {
     ]
 }
 
-/// The matrix that makes moments of `n` values at distance one.
+/// The matrix that turns `n` values at distance one into their moments.
 fn moments(n: usize, ends: &Ends) -> DMatrix<f64> {
     assert!(n >= 4);
     let mut left = DMatrix::zeros(n, n);
@@ -156,7 +158,7 @@ fn grid(n: [usize; 2], ends: Ends, at: impl Fn(f64, f64) -> Point3<f64>) -> Poin
 }
 
 #[test]
-fn the_spline_passes_through_its_points_and_is_c2() {
+fn the_spline_passes_through_its_points_and_is_twice_differentiable() {
     let bumps = |u: f64, v: f64| Point3::new(2.0 * u + (v * 1.3).sin(), v - 0.2 * u, (u * v).cos());
     for ends in [Ends::Natural, Ends::NotAKnot] {
         let grid = grid([6, 4], ends.clone(), bumps);
@@ -169,7 +171,7 @@ fn the_spline_passes_through_its_points_and_is_c2() {
         for i in 1..5 {
             let [before, after] = [-1e-9, 1e-9].map(|e| spline.jet([f64::from(i) + e, 1.4]));
             for (a, b) in [(before.u, after.u), (before.uu, after.uu), (before.uv, after.uv)] {
-                assert!((a - b).norm() < 1e-6, "{i} {a} {b}");
+                assert!((a - b).norm() < 1e-6, "a derivative jumps at u = {i}: {a} {b}");
             }
         }
         if ends == Ends::Natural {
@@ -190,13 +192,13 @@ fn not_a_knot_reproduces_bicubic_polynomials_with_their_derivatives() {
         let expected = [a * b, da * b, a * db, (6.0 * u - 8.0) * b, da * db, a * (0.6 - 1.2 * v)];
         let found = [jet.point.z, jet.u.z, jet.v.z, jet.uu.z, jet.uv.z, jet.vv.z];
         for (e, f) in expected.into_iter().zip(found) {
-            assert!((e - f).abs() < 1e-11, "{u} {v}: {expected:?} {found:?}");
+            assert!((e - f).abs() < 1e-11, "at {u}, {v}: expected {expected:?}, found {found:?}");
         }
     }
 }
 
 #[test]
-fn the_tip_has_the_derivatives_of_its_differences() {
+fn the_derivatives_of_the_tip_equal_its_finite_differences() {
     let spline = Spline::through(&grid([4, 5], Ends::Natural, |u, v| Point3::new(u, v, (u + v * v).sin())));
     for at in [[0.3, 0.4], [1.7, 2.2], [2.9, 3.9]] {
         let tip = spline.tip(at, 0.3);
@@ -208,11 +210,11 @@ fn the_tip_has_the_derivatives_of_its_differences() {
 }
 
 #[test]
-fn a_paraboloid_is_hollow_by_its_bends() {
+fn the_hollow_of_a_saddle_is_its_largest_principal_curvature() {
     let spline = Spline::through(&grid([4, 4], Ends::NotAKnot, |u, v| {
         Point3::new(u - 1.0, 1.0 - v, 0.4 * (u - 1.0) * (u - 1.0) - (v - 1.0) * (v - 1.0))
     }));
     assert!((spline.jet([1.0, 1.0]).hollow() - 0.8).abs() < 1e-12);
-    // Along y = 0: 0.8 / (1 + (0.8 x)^2)^1.5.
+    // Along y = 0 the curvature is 0.8 / (1 + (0.8 x)^2)^1.5.
     assert!((spline.jet([2.0, 1.0]).hollow() - 0.8 / 1.64f64.powf(1.5)).abs() < 1e-12);
 }

@@ -1,4 +1,4 @@
-//! The same part placed, turned, mirrored, numbered otherwise or measured with noise.
+//! The same part moved, turned, mirrored, with its points in another order, or measured with noise.
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
@@ -12,7 +12,7 @@ use super::spline::Spline;
 use super::verdict::judge;
 use crate::arc_fitting::inputs::Random;
 
-/// A die with a coarser stepover, without the symmetries of the sine.
+/// The die with a coarser stepover, and with added heights that break its symmetries.
 fn lopsided(plane: SectionPlane) -> Job {
     let mut job = Job { spacing: Spacing::Stepover(16.0), ..die(plane, CutDirection::Zigzag) };
     for point in points(&mut job) {
@@ -35,23 +35,27 @@ fn renumbered(job: &Job, order: impl Fn(&[Vec<Point3<f64>>]) -> Vec<Vec<Point3<f
     Job { surface: Source::PointGrid(surface), ..job.clone() }
 }
 
-/// Judges `variant`, whose report is that of the `original` but for rounding and the greedy choice of ends.
+/// Judges `variant`, and fails if its report differs much from that of the `original`. Rounding and the
+/// choice of the ends of elements may change the figures a little.
 fn is_alike(original: &Report, variant: &Job) {
     let report = judge(variant).unwrap().0.report;
-    assert_eq!(report.n_passes, original.n_passes, "{report:?} {original:?}");
+    assert_eq!(report.n_passes, original.n_passes, "other passes: {report:?} {original:?}");
     let near = |a: usize, b: usize| a.abs_diff(b) * 10 <= a.max(b);
     assert!(
         near(report.n_arcs + report.n_lines, original.n_arcs + original.n_lines),
-        "{report:?} {original:?}"
+        "another number of moves: {report:?} {original:?}"
     );
-    assert!(near(report.n_cl_points, original.n_cl_points), "{report:?} {original:?}");
+    assert!(
+        near(report.n_cl_points, original.n_cl_points),
+        "another number of CL points: {report:?} {original:?}"
+    );
     let tolerance = variant.tolerance.mm();
     assert!((report.deviation_max_mm - original.deviation_max_mm).abs() < 0.3 * tolerance);
     assert!((report.gouge_max_mm - original.gouge_max_mm).abs() < 0.3 * tolerance);
 }
 
 #[test]
-fn a_turned_or_mirrored_part_is_cut_alike() {
+fn a_turned_or_mirrored_part_has_nearly_the_same_report() {
     for (plane, other) in [PLANES, [PLANES[1], PLANES[0]]].map(|p| (p[0], p[1])) {
         let job = lopsided(plane);
         let report = judge(&job).unwrap().0.report;
@@ -62,7 +66,7 @@ fn a_turned_or_mirrored_part_is_cut_alike() {
 }
 
 #[test]
-fn parts_that_lie_askew_are_cut_from_end_to_end() {
+fn turned_plates_and_a_bowl_are_cut_from_end_to_end() {
     for plane in PLANES {
         for degrees in [0.1f64, 10.0, 45.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
@@ -70,14 +74,14 @@ fn parts_that_lie_askew_are_cut_from_end_to_end() {
             let turned = |p: &Point3<f64>| Point3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z);
             judge(&mapped(&plate, plane, turned)).unwrap();
         }
-        // Its CL points end at the corners.
+        // The outermost CL points of a bowl are at its corners.
         let bowl = heights(4, [-5.0, 5.0], Ends::NotAKnot, |x, y| 0.01 * (x * x + y * y));
         judge(&Job { plane, ..job(bowl, 2.0, 2.0, 0.01, 3) }).unwrap();
     }
 }
 
 #[test]
-fn the_order_of_the_points_does_not_matter() {
+fn a_grid_in_another_order_has_nearly_the_same_report() {
     let transposed = |points: &[Vec<Point3<f64>>]| -> Vec<Vec<_>> {
         (0..points[0].len()).map(|j| points.iter().map(|row| row[j]).collect()).collect()
     };
@@ -96,7 +100,7 @@ fn the_order_of_the_points_does_not_matter() {
 }
 
 #[test]
-fn a_part_far_from_the_origin_is_cut_alike() {
+fn a_part_far_from_the_origin_has_nearly_the_same_report() {
     for plane in PLANES {
         let job = lopsided(plane);
         let report = judge(&job).unwrap().0.report;
@@ -104,8 +108,8 @@ fn a_part_far_from_the_origin_is_cut_alike() {
     }
 }
 
-/// The least of 1 - radius x curvature over dense samples within `reach` of `place` in x and y: at zero or
-/// below, the offset folds there.
+/// The least value of 1 - radius x curvature over dense samples within `reach` (mm) of `place` in x and y.
+/// The offset folds where the value is zero or less.
 fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
     let surface = Spline::through(grid_of(job));
     let size = surface.size();
@@ -121,7 +125,7 @@ fn least_room(job: &Job, place: Point3<f64>, reach: f64) -> f64 {
     least
 }
 
-/// How many noisy copies of `job` are cut, and how many refused because the ball does not fit.
+/// The numbers of noisy copies of `job` that are cut, and that are refused because the ball does not fit.
 fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) -> [usize; 2] {
     let mut counts = [0, 0];
     for seed in seeds {
@@ -135,27 +139,30 @@ fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) ->
         match judge(&noisy) {
             Ok(_) => {
                 let room = least_room(&noisy, Point3::origin(), f64::INFINITY);
-                assert!(room > 0.0, "seed {seed}: cut although {room}");
+                assert!(room > 0.0, "seed {seed}: cut although the offset folds, by {room}");
                 counts[0] += 1;
             }
             Err(Error::OffsetFolds { at }) => {
                 let room = least_room(&noisy, at, 0.5);
-                assert!(room < 0.02, "seed {seed}: refused at {at}, where {room} is left");
+                assert!(
+                    room < 0.02,
+                    "seed {seed}: refused at {at}, where the offset does not fold, by {room}"
+                );
                 counts[1] += 1;
             }
-            Err(other) => panic!("seed {seed}: {other}"),
+            Err(other) => panic!("seed {seed}: refused for another reason: {other}"),
         }
     }
     counts
 }
 
 #[test]
-fn noisy_points_are_cut_rightly_or_refused_where_the_ball_does_not_fit() {
+fn noisy_points_are_cut_correctly_or_refused_where_the_ball_does_not_fit() {
     for plane in PLANES {
-        // Over 80 mm the noise hardly bends the surface.
+        // On a part of 80 mm the noise hardly bends the surface.
         let die = Job { spacing: Spacing::Stepover(16.0), ..die(plane, CutDirection::Zigzag) };
         assert_eq!(cut_and_refused(&die, 0.05, 1..3), [2, 0]);
-        // Over 8 mm it bends it to about the radius of the ball.
+        // On a part of 8 mm the noise bends the surface to about the radius of the ball.
         let surface = heights(9, [0.0, 8.0], Ends::NotAKnot, |x, y| 0.2 * x.sin() + 0.1 * y);
         let small = Job { plane, ..job(surface, 2.5, 2.0, 0.01, 3) };
         let [cut, refused] = cut_and_refused(&small, 0.05, 1..11);

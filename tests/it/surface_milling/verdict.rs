@@ -1,4 +1,5 @@
-//! Judges a plan: every promise of its report against figures found without the product's geometry.
+//! Judges a plan: compares every figure of its report with figures that are found without the library's
+//! geometry.
 
 use nalgebra::Vector3;
 use toolpathd::budget::Budget;
@@ -12,20 +13,21 @@ use super::motion::{Kind, Motion, planned, written};
 use super::section::{Locus, Section};
 use super::spline::Spline;
 
-/// How far the figures found here may err, mm.
+/// Largest error of the figures found here, mm.
 const ACCURACY_MM: f64 = 1e-6;
 
+/// Largest distance of the samples along a path.
 const SAMPLE_MM: f64 = 0.05;
 
-/// Planes nearer than this to the end of the CL points are judged this far inside, mm: at the very end they
-/// only touch, and rounding decides on what.
+/// A plane that is nearer to the end of the CL points than this, mm, is judged this far inside. At the very
+/// end a plane only touches the surface, and rounding decides where.
 const OUTERMOST_MM: f64 = 1e-6;
 
-/// How far the CL curves may go on there, mm: the chord of an arc of 1 m radius with a sagitta of 1e-6 mm is
-/// 0.09 mm long.
+/// How far the CL curves of such a plane may go beyond the path, mm. An arc of 1 m radius with a sagitta of
+/// 1e-6 mm has a chord of 0.09 mm.
 const OUTERMOST_REACH_MM: f64 = 0.1;
 
-/// What was found.
+/// The figures that were found.
 #[derive(Debug, Clone, Copy)]
 pub struct Found {
     pub gouge_mm: f64,
@@ -33,7 +35,7 @@ pub struct Found {
     pub radius_mismatch_mm: f64,
 }
 
-/// Plans `job` and holds the plan against everything that it promises.
+/// Plans `job`, and fails if the plan or its NC text breaks a promise of the report.
 pub fn judge(job: &Job) -> Result<(Plan, Found), Error> {
     let plan = plan(job, &Budget::unlimited())?;
     let found = verify(job, &plan);
@@ -60,7 +62,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
             Some(Stock::OnSurface { thickness_mm }) => cutter.top() + thickness_mm,
             Some(Stock::Block { top_z_mm }) => cutter.top().max(top_z_mm),
         };
-        assert!((retract - 2.0 - top).abs() < 0.01, "{retract} {top}");
+        assert!((retract - 2.0 - top).abs() < 0.01, "the retract plane at {retract} is not 2 mm above {top}");
     }
     let step = job.resolution.step_mm();
     rapids_keep_up(moves(), &cutter, job, retract - 1e-9);
@@ -69,7 +71,11 @@ fn verify(job: &Job, plan: &Plan) -> Found {
     let gouge_mm = gouge(&cutter, moves().map(|m| m.1).collect(), job, plan)
         .max(gouge(&cutter, text.iter().flat_map(|m| m.1.extremes()).collect(), job, plan))
         .max(0.0);
-    assert!(plan.report.gouge_max_mm <= 2.0 * gouge_mm + 0.001, "{:?} found {gouge_mm}", plan.report);
+    assert!(
+        plan.report.gouge_max_mm <= 2.0 * gouge_mm + 0.001,
+        "{gouge_mm} found, far less than stated: {:?}",
+        plan.report
+    );
 
     let locus = Locus::new(&surface, job.tool.radius_mm, normal);
     let planes = planes(moves(), normal);
@@ -85,15 +91,26 @@ fn verify(job: &Job, plan: &Plan) -> Found {
             if inner == offset {
                 deviation_mm = deviation_mm.max(back);
             } else {
-                assert!(back < OUTERMOST_REACH_MM, "plane {offset}: {back} mm from the path");
+                assert!(back < OUTERMOST_REACH_MM, "plane {offset}: the CL curve is {back} mm from the path");
             }
         }
         let allowed = plan.report.deviation_max_mm + 2.0 * OUTERMOST_MM;
-        assert!(deviation_mm <= allowed, "plane {offset}: {deviation_mm} found, {:?}", plan.report);
+        assert!(
+            deviation_mm <= allowed,
+            "plane {offset}: a deviation of {deviation_mm} found, more than stated: {:?}",
+            plan.report
+        );
     }
-    assert!(plan.report.deviation_max_mm <= job.tolerance.mm() * (1.0 + 1e-12), "{:?}", plan.report);
+    assert!(
+        plan.report.deviation_max_mm <= job.tolerance.mm() * (1.0 + 1e-12),
+        "the stated deviation exceeds the tolerance: {:?}",
+        plan.report
+    );
     let radius_mismatch_mm = text.iter().map(|m| m.1.radius_mismatch()).fold(0.0, f64::max);
-    assert!(radius_mismatch_mm <= 1.5 * job.resolution.step_mm() + 1e-9, "{radius_mismatch_mm}");
+    assert!(
+        radius_mismatch_mm <= 1.5 * job.resolution.step_mm() + 1e-9,
+        "the radii of an arc differ by {radius_mismatch_mm}"
+    );
     planes_reach_from_end_to_end(job, &planes, extent);
     Found { gouge_mm, deviation_mm, radius_mismatch_mm }
 }
@@ -109,8 +126,8 @@ fn counts_are_true(plan: &Plan, passes: &[Vec<(Kind, Motion)>]) {
     assert!(report.n_cl_points >= cuts + report.n_passes);
 }
 
-/// One way, every pass runs alike, with no links; zigzag, passes of neighbouring planes run against each
-/// other.
+/// Fails unless all passes of a one-way path run in one direction without links, and passes in neighbouring
+/// planes of a zigzag path run in opposite directions.
 fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
     let runs: Vec<_> = passes
         .iter()
@@ -122,23 +139,27 @@ fn order_is_kept(job: &Job, passes: &[Vec<(Kind, Motion)>], normal: usize) {
         .collect();
     match job.direction {
         CutDirection::OneWay => {
-            assert!(runs.iter().all(|run| run.1 == runs[0].1), "{runs:?}");
-            assert!(passes.iter().flatten().all(|m| m.0 != Kind::Link));
+            assert!(runs.iter().all(|run| run.1 == runs[0].1), "the passes run in both directions: {runs:?}");
+            assert!(passes.iter().flatten().all(|m| m.0 != Kind::Link), "a one-way path has a link");
         }
         CutDirection::Zigzag => {
             let is_kept = |two: &[(f64, bool)]| (two[0].0 == two[1].0) == (two[0].1 == two[1].1);
-            assert!(runs.windows(2).all(is_kept), "{runs:?}");
+            assert!(runs.windows(2).all(is_kept), "neighbouring passes run in the same direction: {runs:?}");
         }
     }
 }
 
-/// A rapid below the retract plane is vertical. A rapid down ends 2 mm above the surface, or higher.
+/// Fails unless rapids below the retract plane are vertical, and rapids down end at least 2 mm above the
+/// surface.
 fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, cutter: &Cutter, job: &Job, floor: f64) {
     for (kind, motion) in moves {
         if kind == Kind::Rapid {
             let (from, to) = (motion.at(0.0), motion.at(1.0));
             let (is_straight, is_lift) = (from.xy() == to.xy(), to.z >= from.z);
-            assert!((to.z >= floor && from.z >= floor) || is_straight, "{from} {to} below {floor}");
+            assert!(
+                (to.z >= floor && from.z >= floor) || is_straight,
+                "the rapid from {from} to {to} is below {floor} and not vertical"
+            );
             if is_straight && !is_lift {
                 let under = to - Vector3::z() * (2.0 - job.resolution.step_mm());
                 let mut depth = Depth::NONE;
@@ -149,25 +170,29 @@ fn rapids_keep_up(moves: impl Iterator<Item = (Kind, Motion)>, cutter: &Cutter, 
     }
 }
 
-/// The deepest penetration; the report must not be below it.
+/// The deepest penetration of a path, mm. Fails if it is above the tolerance or the stated gouge.
 fn gouge(cutter: &Cutter, motions: Vec<Motion>, job: &Job, plan: &Plan) -> f64 {
     let mut depth = Depth::NONE;
     for motion in &motions {
         cutter.follow(motion, &mut depth);
     }
     let Depth { mm, tip } = depth;
-    assert!(mm <= job.tolerance.mm() + ACCURACY_MM, "{mm} mm deep at {tip}");
-    assert!(mm <= plan.report.gouge_max_mm + ACCURACY_MM, "{mm} mm deep at {tip}, {:?}", plan.report);
+    assert!(mm <= job.tolerance.mm() + ACCURACY_MM, "{mm} mm deep at {tip}, more than the tolerance");
+    assert!(
+        mm <= plan.report.gouge_max_mm + ACCURACY_MM,
+        "{mm} mm deep at {tip}, more than stated: {:?}",
+        plan.report
+    );
     mm
 }
 
-/// The planes that are cut, in order.
+/// The normal coordinates of the planes that are cut, sorted, mm.
 fn planes(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize) -> Vec<f64> {
     let mut planes: Vec<f64> = Vec::new();
     for (kind, motion) in moves {
         if kind == Kind::Cut {
             let offset = motion.at(0.0)[normal];
-            assert!((motion.at(1.0)[normal] - offset).abs() < 1e-9);
+            assert!((motion.at(1.0)[normal] - offset).abs() < 1e-9, "the cut at {offset} leaves its plane");
             if planes.iter().all(|p| (p - offset).abs() > 1e-9) {
                 planes.push(offset);
             }
@@ -177,17 +202,21 @@ fn planes(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize) -> Vec<f64
     planes
 }
 
-/// The planes are equally spaced and close enough, the first and last where the CL points end.
+/// Fails unless the planes are equally spaced, no farther apart than the stepover, and the first and the last
+/// are where the CL points end.
 fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], extent: [f64; 2]) {
     let (first, last) = (planes[0], planes[planes.len() - 1]);
     let reaches = (first - extent[0]).abs() < 0.01 && (last - extent[1]).abs() < 0.01;
-    assert!(reaches, "planes {planes:?}, CL points in {extent:?}");
+    assert!(reaches, "the planes {planes:?} do not reach the ends {extent:?} of the CL points");
     let spacing = (last - first) / (planes.len() - 1) as f64;
     let Spacing::Stepover(stepover_mm) = job.spacing else { panic!("{:?}", job.spacing) };
-    assert!(spacing <= stepover_mm + 1e-9, "{spacing}");
+    assert!(spacing <= stepover_mm + 1e-9, "the planes are {spacing} apart, the stepover is {stepover_mm}");
     for (k, plane) in planes.iter().enumerate() {
-        // The outermost may be moved inward, as far as they may be from the ends.
-        assert!((plane - first - k as f64 * spacing).abs() < 0.01, "{planes:?}");
+        // The outermost planes may be moved inward a little.
+        assert!(
+            (plane - first - k as f64 * spacing).abs() < 0.01,
+            "the planes are not equally spaced: {planes:?}"
+        );
     }
 }
 
@@ -198,7 +227,7 @@ fn cuts(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize, offset: f64,
         .collect()
 }
 
-/// The largest distance of a point of the path from the CL curves.
+/// The largest distance of a point of the path from the CL curves, mm.
 fn path_to_curves(section: &Section, path: &[Motion]) -> f64 {
     let mut largest: f64 = 0.0;
     for motion in path {
@@ -210,12 +239,12 @@ fn path_to_curves(section: &Section, path: &[Motion]) -> f64 {
     largest
 }
 
-/// The largest distance of a point of the CL curves from the path.
+/// The largest distance of a point of the CL curves from the path, mm.
 fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
     assert!(!path.is_empty(), "nothing is cut at {}", section.offset);
     let mut largest: f64 = 0.0;
-    // The motion that was nearest last is as a rule nearest again; what cannot be the largest is not looked
-    // at.
+    // The motion that was nearest to the last point is usually nearest again. A point that is nearer to some
+    // motion than the largest distance so far cannot change the result.
     let mut last = 0;
     for p in section.points() {
         let mut nearest = path[last].distance(p);
@@ -228,7 +257,7 @@ fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
                 (nearest, last) = (distance, k);
             }
         }
-        // Chains shorter than the tolerance are left out by rule.
+        // A plan may leave out chains that are shorter than the tolerance.
         if nearest > tolerance && section.is_speck(p, tolerance) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Fitting arcs: polylines in JSON, and NC programs as streams.
+//! Tests of fitting arcs to polylines in JSON, and to NC programs that are sent as streams.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -32,7 +32,7 @@ const EXAMPLES: [(&str, &str); 5] = [
     ("sine", SINE),
 ];
 
-/// The example with these members.
+/// The example with these members added or replaced.
 fn with(example: &str, members: Value) -> String {
     let mut body: Value = serde_json::from_str(example).expect("JSON");
     for (name, value) in members.as_object().expect("an object") {
@@ -46,7 +46,7 @@ fn point(value: &Value) -> Point3<f64> {
     Point3::new(coordinate(0), coordinate(1), coordinate(2))
 }
 
-/// The moves that cut, each with the place where it starts.
+/// The cutting moves, each with the place where it starts.
 fn cuts(answer: &Value) -> Vec<(Point3<f64>, &Value)> {
     let mut at = point(&answer["toolpath"]["start"]);
     let passes = answer["toolpath"]["passes"].as_array().expect("passes");
@@ -66,47 +66,59 @@ fn assert_refused(answer: &Answer, status: u16, code: &str) {
 }
 
 #[tokio::test]
-async fn every_example_is_cut_in_one_chain_within_its_tolerance() {
+async fn every_example_becomes_one_chain_of_arcs_and_lines_within_its_tolerance() {
     let app = app(&["--workers", "1"]);
     for (name, text) in EXAMPLES {
         let body: Value = serde_json::from_str(text).expect("JSON");
         let answer = post(&app, FIT, text, &[]).await.json();
         let (report, cuts) = (&answer["report"], cuts(&answer));
         let has_gap = cuts.windows(2).any(|pair| point(&pair[0].1["to"]) != pair[1].0);
-        assert!(!has_gap, "{name}");
+        assert!(!has_gap, "{name}: the chain has a gap");
         for kind in ["arc", "line"] {
             let count = cuts.iter().filter(|(_, step)| step["kind"] == kind).count();
-            assert_eq!(report[format!("n_{kind}s")], count, "{name}");
+            assert_eq!(report[format!("n_{kind}s")], count, "{name}: the number of moves of kind {kind}");
         }
-        assert!(cuts.iter().all(|(_, step)| step["kind"] == "arc" || step["kind"] == "line"), "{name}");
+        assert!(
+            cuts.iter().all(|(_, step)| step["kind"] == "arc" || step["kind"] == "line"),
+            "{name}: a cut is neither arc nor line"
+        );
         let tolerance = body["tolerance_mm"].as_f64().expect("a tolerance");
-        assert!(report["deviation_max_mm"].as_f64().is_some_and(|mm| mm <= tolerance), "{name}: {report}");
+        assert!(
+            report["deviation_max_mm"].as_f64().is_some_and(|mm| mm <= tolerance),
+            "{name}: outside the tolerance: {report}"
+        );
         let polyline = body["polyline"].as_array().expect("points");
-        assert_eq!(report["n_points"], polyline.len(), "{name}");
+        assert_eq!(report["n_points"], polyline.len(), "{name}: the number of points");
         let last = if body["closed"] == true { 0 } else { polyline.len() - 1 };
         let ends = [cuts[0].0, point(&cuts[cuts.len() - 1].1["to"])];
         for (reached, wanted) in ends.iter().zip([&polyline[0], &polyline[last]]) {
-            assert!((reached - point(wanted)).norm() <= tolerance + 1e-9, "{name}: {reached} for {wanted}");
+            assert!(
+                (reached - point(wanted)).norm() <= tolerance + 1e-9,
+                "{name}: the chain is at {reached} instead of {wanted}"
+            );
         }
     }
 }
 
 #[tokio::test]
-async fn a_closed_polygon_round_a_circle_is_one_arc_and_an_open_polygon_is_not() {
+async fn closed_points_on_a_circle_become_one_full_circle_and_open_points_do_not() {
     let app = app(&["--workers", "1"]);
     let closed = post(&app, FIT, PROBED_CIRCLE, &[]).await.json();
     let closed = cuts(&closed);
-    let [(start, turn)] = closed.as_slice() else { panic!("{closed:?}") };
+    let [(start, turn)] = closed.as_slice() else { panic!("not one move: {closed:?}") };
     assert_eq!((&turn["kind"], point(&turn["to"])), (&json!("arc"), *start));
     // The points are within 0.0022 mm of the circle of radius 20 about the origin.
     let center = point(&turn["center"]);
-    assert!(center.coords.norm() < 0.003 && ((start - center).norm() - 20.0).abs() < 0.003, "{turn}");
+    assert!(
+        center.coords.norm() < 0.003 && ((start - center).norm() - 20.0).abs() < 0.003,
+        "another circle: {turn}"
+    );
     let open = post(&app, FIT, with(PROBED_CIRCLE, json!({ "closed": false })), &[]).await.json();
-    assert!(cuts(&open).len() > 1, "{open}");
+    assert!(cuts(&open).len() > 1, "open points became one move: {open}");
 }
 
 #[tokio::test]
-async fn the_default_fit_is_optimal_through_points_as_samples() {
+async fn a_fit_without_options_equals_the_fit_with_the_documented_defaults() {
     let app = app(&["--workers", "1"]);
     let answer =
         async |members: Value| post(&app, FIT, with(SINE, members), &[("x-request-id", "one")]).await.json();
@@ -117,7 +129,7 @@ async fn the_default_fit_is_optimal_through_points_as_samples() {
     });
     assert_eq!(answer(defaults).await, plain);
     for (name, other) in [("method", "biarc"), ("continuity", "tangent"), ("measure", "polyline")] {
-        assert_ne!(answer(json!({ name: other })).await, plain, "{name}");
+        assert_ne!(answer(json!({ name: other })).await, plain, "{name} has no effect");
     }
     assert_eq!(answer(json!({ "continuity": "tangent" })).await["report"]["n_kinks"], 0);
     let unfed = answer(json!({ "cutting": null })).await;
@@ -126,7 +138,7 @@ async fn the_default_fit_is_optimal_through_points_as_samples() {
 }
 
 #[tokio::test]
-async fn the_wrong_point_of_a_polyline_is_named() {
+async fn every_violation_in_a_fit_has_its_code_and_points_to_its_place() {
     let app = app(&["--workers", "1", "--max-curve-points", "200"]);
     let many: Vec<_> = (0..201).map(|k| [k, k % 3]).collect();
     for (members, code, pointer) in [
@@ -155,7 +167,7 @@ async fn the_wrong_point_of_a_polyline_is_named() {
 }
 
 #[tokio::test]
-async fn likely_mistakes_in_a_fit_are_warned_of() {
+async fn likely_mistakes_in_a_fit_cause_warnings() {
     let app = app(&["--workers", "1"]);
     let angle = |k: u32| (15.0 * f64::from(k)).to_radians();
     let coarse: Vec<_> = (0..7).map(|k| [10.0 * angle(k).cos(), 10.0 * angle(k).sin()]).collect();
@@ -173,7 +185,7 @@ async fn likely_mistakes_in_a_fit_are_warned_of() {
         let warnings = post(&app, FIT, body.clone(), &[]).await.json()["warnings"].clone();
         let codes =
             warnings.as_array().expect("warnings").iter().map(|w| w["code"].as_str().expect("a code"));
-        // What holds of the program, not of the fit.
+        // These warnings are about the program, not about the fit.
         let codes: Vec<_> =
             codes.filter(|code| !["no_tool_number", "no_work_offset"].contains(code)).collect();
         assert_eq!(codes, expected, "{body}");
@@ -184,15 +196,17 @@ const QUERY: &str = "tolerance_mm=0.005";
 const CODED: (&str, &str) = ("content-encoding", "gzip");
 const FIGURES: (&str, &str) = ("accept", "application/json");
 
-/// What stands before a run at X20 Y0, and behind it, in bytes of no encoding.
+/// The blocks before a run of lines, which begins at X20 Y0. One byte is not ASCII.
 const BEFORE: &[u8] =
     b"%\n(PART 7, \xe9)\r\nG17 G21 G90 G94\nT1 M6\nG0 X20. Y0. Z5.\nM3 S8000\nG1 Z0 F300 ; down\n";
+
+/// The blocks after the run.
 const BEHIND: &[u8] = b"G0 Z50. (up)\n\n/M8\n  G28 Z0\nM30\n%";
 
-/// What stands before it in programs that go on.
+/// The blocks before a run in programs that are sent in pieces.
 const HEAD: &str = "G17 G21 G90 G94\nG0 X20 Y0 Z5\nG1 Z0 F300 ; down\n";
 
-/// 400 lines, through 4 radians about the origin.
+/// A run of 400 blocks on a circle of 20 mm radius about the origin, through 4 radians.
 fn run() -> String {
     let block = |k: u32| {
         let (sin, cos) = (0.01 * f64::from(k)).sin_cos();
@@ -201,7 +215,7 @@ fn run() -> String {
     (1..=400).map(block).collect()
 }
 
-/// What they become: to 20 cos 4, 20 sin 4, by the number of the first.
+/// The arc that replaces the run. It ends at 20 cos 4, 20 sin 4 and has the number of the first block.
 const ARC: &str = "N10 G3 X-13.073 Y-15.136 I-20.000 J0.000\n";
 
 fn program() -> Vec<u8> {
@@ -218,7 +232,8 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().expect("memory")
 }
 
-/// Sends a program as NC text, unless it is said to be of another type; its answer may break off.
+/// Sends a program and returns its answer unread. The content type is that of NC text, unless a header is
+/// given.
 async fn begin(app: &Arc<App>, query: &str, body: impl Into<Body>, headers: &[(&str, &str)]) -> Response {
     let builder = Request::post(format!("{FIT}?{query}"));
     let headers = headers.iter().chain(&[("content-type", "text/x-gcode")]);
@@ -234,7 +249,7 @@ async fn rewrite(app: &Arc<App>, query: &str, body: impl Into<Body>, headers: &[
 }
 
 #[tokio::test]
-async fn rewriting_changes_no_byte_outside_a_run() {
+async fn rewriting_a_program_changes_no_byte_outside_a_run_of_lines() {
     let app = app(&["--workers", "1"]);
     for content_type in ["text/x-gcode", "Text/Plain; charset=utf-8", "application/x-gcode"] {
         for (query, file_name) in [
@@ -246,7 +261,10 @@ async fn rewriting_changes_no_byte_outside_a_run() {
             assert_eq!(answer.header("content-type"), "text/x-gcode; charset=us-ascii");
             let disposition = format!("attachment; filename=\"{file_name}\"");
             assert_eq!(answer.header("content-disposition"), disposition);
-            assert!(answer.body == fitted(), "{content_type} {query}");
+            assert!(
+                answer.body == fitted(),
+                "{content_type} {query}: the program was not rewritten as expected"
+            );
         }
     }
     let plain = rewrite(&app, QUERY, program(), &[("accept", "text/plain")]).await;
@@ -255,30 +273,33 @@ async fn rewriting_changes_no_byte_outside_a_run() {
     assert_eq!(coded.header("content-encoding"), "gzip");
     let mut decoded = Vec::new();
     GzDecoder::new(coded.body.as_slice()).read_to_end(&mut decoded).expect("gzip");
-    assert!(plain.body == fitted() && decoded == fitted());
+    assert!(plain.body == fitted() && decoded == fitted(), "another format changes the program");
 }
 
 #[tokio::test]
-async fn the_report_of_a_program_can_be_had_without_its_text() {
+async fn accepting_json_gives_the_report_of_a_program_without_its_text() {
     let app = app(&["--workers", "1"]);
     let answer = rewrite(&app, QUERY, program(), &[FIGURES]).await.json();
     let mut report = answer["report"].clone();
     // The middle of each line is 0.00025 mm inside the circle.
     let deviation = report["deviation_max_mm"].take().as_f64().expect("a figure");
-    assert!((0.000_25..=0.005).contains(&deviation), "{deviation}");
+    assert!((0.000_25..=0.005).contains(&deviation), "the deviation is {deviation}");
     let expected = json!({
         "n_runs": 1, "n_points": 400, "n_arcs": 1, "n_lines": 0, "deviation_max_mm": null,
         "n_motions": 404, "left_alone": { "macros": 0, "other_axes": 0, "modes": 0 },
         "bytes_in": program().len(), "bytes_out": fitted().len(),
     });
     assert_eq!(report, expected);
-    assert!(answer.get("toolpath").is_none() && answer.get("measures").is_none(), "{answer}");
+    assert!(
+        answer.get("toolpath").is_none() && answer.get("measures").is_none(),
+        "the answer holds a toolpath or measures: {answer}"
+    );
     let by_query = rewrite(&app, &format!("{QUERY}&format=json"), program(), &[]).await.json();
     assert_eq!((&by_query["report"], &by_query["warnings"]), (&answer["report"], &json!([])));
 }
 
 #[tokio::test]
-async fn a_program_is_refused_with_its_reason() {
+async fn a_program_that_cannot_be_rewritten_is_refused_with_the_code_of_its_fault() {
     let small = ["--workers", "1", "--stream-bytes", "1000"];
     let (app, small) = (app(&["--workers", "1"]), app(&small));
     let svg = rewrite(&app, QUERY, program(), &[("accept", "image/svg+xml")]).await;
@@ -295,7 +316,7 @@ async fn a_program_is_refused_with_its_reason() {
         let coded = [plain, &[CODED]].concat();
         assert_refused(&rewrite(&app, QUERY, "", plain).await, 400, "bad_request");
         assert_refused(&rewrite(&app, QUERY, gzip(b""), &coded).await, 400, "bad_request");
-        // Where nothing can have been decoded yet.
+        // Of the first 12 bytes nothing can be decoded.
         assert_refused(
             &rewrite(&app, QUERY, gzip(&program())[..12].to_vec(), &coded).await,
             400,
@@ -320,13 +341,16 @@ async fn compression_and_chunks_do_not_change_a_rewritten_program() {
         assert!(rewrite(&app, QUERY, in_pieces(&program(), size), &[]).await.body == fitted(), "{size}");
         assert!(rewrite(&app, QUERY, in_pieces(&coded, size), &[CODED]).await.body == fitted(), "{size}");
     }
-    // What is cut off is refused, unless the answer has begun: then it breaks off.
+    // A truncated body is refused if the answer has not begun. Otherwise the answer breaks off.
     for end in [coded.len() / 2, coded.len() - 1] {
         let answer = rewrite(&app, QUERY, coded[..end].to_vec(), &[CODED, FIGURES]).await;
         assert_refused(&answer, 400, "bad_request");
         let begun = begin(&app, QUERY, coded[..end].to_vec(), &[CODED]).await;
         assert_eq!(begun.status(), 200);
-        assert!(to_bytes(begun.into_body(), usize::MAX).await.is_err(), "{end}");
+        assert!(
+            to_bytes(begun.into_body(), usize::MAX).await.is_err(),
+            "the answer to {end} bytes does not break off"
+        );
     }
 }
 
@@ -338,7 +362,7 @@ async fn streams_above_the_limit_are_refused_until_a_stream_ends() {
         let piece = receiver.recv().await?;
         Some((Ok::<_, std::io::Error>(piece), receiver))
     });
-    sender.send(HEAD.into()).await.expect("room");
+    sender.send(HEAD.into()).await.expect("the channel has room");
     let first = begin(&app, QUERY, Body::from_stream(pieces), &[]).await;
     let second = rewrite(&app, QUERY, HEAD, &[]).await;
     assert_refused(&second, 503, "overloaded");
@@ -351,10 +375,10 @@ async fn streams_above_the_limit_are_refused_until_a_stream_ends() {
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
     };
-    assert!(tokio::time::timeout(Duration::from_secs(5), third).await.is_ok());
+    assert!(tokio::time::timeout(Duration::from_secs(5), third).await.is_ok(), "the third stream is refused");
 }
 
-/// Begins to send a program in chunks.
+/// Connects and sends the head of a request whose body will come in chunks.
 fn upload(address: SocketAddr) -> TcpStream {
     let mut stream = connect(address);
     let head = "Host: here\r\nContent-Type: text/x-gcode\r\nTransfer-Encoding: chunked";
@@ -368,7 +392,7 @@ fn chunk(text: &str) -> String {
 
 const LAST_CHUNK: &str = "\r\n0\r\n\r\n";
 
-/// Reads on until `mark` has come; `false` where the connection ends first.
+/// Reads until `mark` has come. Returns `false` if the connection ends first.
 fn read_to(mark: &str, stream: &mut TcpStream, text: &mut String) -> bool {
     let mut buffer = [0; 4096];
     while !text.contains(mark) {
@@ -376,7 +400,10 @@ fn read_to(mark: &str, stream: &mut TcpStream, text: &mut String) -> bool {
             Ok(0) => return false,
             Ok(count) => text.push_str(&String::from_utf8_lossy(&buffer[..count])),
             Err(error) => {
-                assert!(![ErrorKind::WouldBlock, ErrorKind::TimedOut].contains(&error.kind()), "{text}");
+                assert!(
+                    ![ErrorKind::WouldBlock, ErrorKind::TimedOut].contains(&error.kind()),
+                    "{mark:?} did not come in time: {text}"
+                );
                 return false;
             }
         }
@@ -385,7 +412,7 @@ fn read_to(mark: &str, stream: &mut TcpStream, text: &mut String) -> bool {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn finished_blocks_are_answered_during_the_upload_and_a_fault_ends_the_answer() {
+async fn finished_blocks_are_sent_back_during_the_upload_and_a_fault_breaks_the_answer_off() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -394,9 +421,9 @@ async fn finished_blocks_are_answered_during_the_upload_and_a_fault_ends_the_ans
     let answer = aside(move || {
         let (mut stream, mut text) = (upload(address), String::new());
         write(&mut stream, &chunk(&first));
-        assert!(read_to(ARC, &mut stream, &mut text), "{text}");
+        assert!(read_to(ARC, &mut stream, &mut text), "the arc did not come: {text}");
         write(&mut stream, &format!("{}0\r\n\r\n", chunk(&second)));
-        assert!(read_to(LAST_CHUNK, &mut stream, &mut text), "{text}");
+        assert!(read_to(LAST_CHUNK, &mut stream, &mut text), "the answer does not end: {text}");
         text
     })
     .await;
@@ -413,16 +440,16 @@ async fn finished_blocks_are_answered_during_the_upload_and_a_fault_ends_the_ans
         let (mut stream, mut text) = (upload(address), String::new());
         write(&mut stream, &chunk(HEAD));
         assert!(read_to("; down\n", &mut stream, &mut text), "{text}");
-        // The service need not read to the end of what it refuses.
+        // The service need not read a refused program to its end, so that writing may fail.
         let _ = stream.write_all(format!("{}0\r\n\r\n", chunk(&"x".repeat(100_000))).as_bytes());
-        assert!(!read_to(LAST_CHUNK, &mut stream, &mut text), "{text}");
+        assert!(!read_to(LAST_CHUNK, &mut stream, &mut text), "the answer does not break off: {text}");
         assert!(text.starts_with("HTTP/1.1 200 OK"), "{text}");
     })
     .await;
     server.stop().await;
 }
 
-/// Arcs whose radius a control takes for zero were written as arcs.
+/// A control takes the radius of such arcs for zero. They were once written as arcs.
 #[tokio::test]
 async fn tiny_arcs_are_written_as_lines() {
     let points: Vec<_> =
@@ -433,11 +460,14 @@ async fn tiny_arcs_are_written_as_lines() {
     let answer = post(&app(&["--workers", "1"]), &format!("{FIT}?format=gcode"), body.to_string(), &[]).await;
     assert_eq!(answer.status, 200, "{}", answer.text());
     let blocks = answer.text().lines().filter(|line| !line.starts_with('(')).collect::<Vec<_>>().join("\n");
-    assert!(!blocks.contains("G2 ") && !blocks.contains("G3 ") && blocks.contains("G1 "), "{blocks}");
+    assert!(
+        !blocks.contains("G2 ") && !blocks.contains("G3 ") && blocks.contains("G1 "),
+        "not only lines: {blocks}"
+    );
 }
 
 #[tokio::test]
-async fn a_program_is_recognised_by_its_first_bytes_and_may_come_by_put() {
+async fn a_program_is_recognised_by_its_first_bytes_and_may_be_sent_by_put() {
     let app = app(&["--workers", "1"]);
     let path = format!("{FIT}?{QUERY}");
     for program in ["%\nO1\nG21 G90\nG1 X1 F100\n", "(part)\nG0 X0\n", "N10 G0 X5\n", "g1 x5 f100\n"] {
@@ -456,7 +486,7 @@ async fn a_program_is_recognised_by_its_first_bytes_and_may_come_by_put() {
     assert_eq!(report["left_alone"], json!({ "macros": 1, "other_axes": 1, "modes": 2 }), "{report}");
 }
 
-/// A spline through points near a kilometre swings beyond it, where no coordinate may be.
+/// A spline through points near the limit of a kilometre goes beyond the limit.
 #[tokio::test]
 async fn curves_that_leave_the_range_of_coordinates_are_refused() {
     let body = json!({

@@ -1,11 +1,11 @@
-//! The real program.
+//! Starts and ends the real program.
 
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// The program on a free port; killed when a test fails.
+/// The running program on a free port. It is killed when this value is dropped, also if a test fails.
 pub struct Program {
     child: Child,
     pub address: SocketAddr,
@@ -21,16 +21,24 @@ impl Program {
             .spawn()
             .expect("the program starts");
         let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("its output")).read_line(&mut line).expect("a line");
+        BufReader::new(child.stdout.take().expect("the output is a pipe"))
+            .read_line(&mut line)
+            .expect("a line");
         let address = line.trim().strip_prefix("listening on http://").expect("an address");
         Self { address: address.parse().expect("an address"), child }
     }
 
+    /// Sends SIGTERM.
     pub fn terminate(&self) {
         let kill = format!("kill -TERM {}", self.child.id());
-        assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+        assert!(
+            Command::new("sh").args(["-c", &kill]).status().expect("a shell").success(),
+            "SIGTERM was not sent"
+        );
     }
 
+    /// Waits up to 10 s for the program to end. Returns its exit code, or `None` if it has none or does not
+    /// end.
     pub fn exit_code(&mut self) -> Option<i32> {
         let limit = Instant::now() + Duration::from_secs(10);
         while Instant::now() < limit {

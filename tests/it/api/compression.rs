@@ -1,4 +1,4 @@
-//! Bodies in gzip both ways, the digest of what is sent, and the same bytes every time.
+//! Requests and answers in gzip, the digest of answers, and equal bytes for equal requests.
 
 use std::io::{Read, Write};
 
@@ -17,8 +17,8 @@ const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json
 
 fn gzip(text: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(text).expect("memory");
-    encoder.finish().expect("memory")
+    encoder.write_all(text).expect("writing to memory does not fail");
+    encoder.finish().expect("writing to memory does not fail")
 }
 
 fn gunzip(answer: &Answer) -> Vec<u8> {
@@ -45,7 +45,7 @@ async fn a_gzip_body_is_read_under_the_content_types_that_curl_sends() {
                 .header("content-type", content_type)
                 .header("content-encoding", coding);
             let answer = send(&app, request.body(Body::from(body)).expect("a request")).await;
-            assert_eq!(answer.body, plain.body, "{content_type} {coding}");
+            assert_eq!(answer.body, plain.body, "{content_type} {coding}: another program");
         }
     }
 }
@@ -54,7 +54,7 @@ async fn a_gzip_body_is_read_under_the_content_types_that_curl_sends() {
 async fn the_body_limit_counts_bytes_after_decompression() {
     let app = app(&["--workers", "1", "--body-limit", "100000"]);
     let bomb = gzip(&vec![b' '; 50_000_000]);
-    assert!(bomb.len() < 100_000, "{}", bomb.len());
+    assert!(bomb.len() < 100_000, "the compressed body has {} bytes", bomb.len());
     let answer = post(&app, MILL, bomb, &[CODED]).await;
     assert_eq!((answer.status.as_u16(), answer.code().as_str()), (413, "payload_too_large"));
     assert!(answer.problem()["detail"].as_str().is_some_and(|detail| detail.contains("100000")));
@@ -84,7 +84,7 @@ async fn broken_gzip_is_400_and_other_content_encodings_are_415() {
 }
 
 #[tokio::test]
-async fn the_digest_is_of_the_bytes_sent_in_each_format_and_content_encoding() {
+async fn repr_digest_is_the_sha_256_of_the_bytes_sent_in_every_format_and_content_encoding() {
     let app = app(&["--workers", "1"]);
     for format in ["json", "gcode", "svg", "html"] {
         let path = format!("{MILL}?format={format}");
@@ -94,10 +94,14 @@ async fn the_digest_is_of_the_bytes_sent_in_each_format_and_content_encoding() {
         let plain = ask("identity").await;
         assert_eq!(plain.header("content-encoding"), "");
         let coded = ask("br, gzip;q=0.5").await;
-        assert_eq!(gunzip(&coded), plain.body, "{format}");
+        assert_eq!(gunzip(&coded), plain.body, "{format}: compression changes the answer");
         for answer in [plain, coded] {
             let digest = BASE64_STANDARD.encode(Sha256::digest(&answer.body));
-            assert_eq!(answer.header("repr-digest"), format!("sha-256=:{digest}:"), "{format}");
+            assert_eq!(
+                answer.header("repr-digest"),
+                format!("sha-256=:{digest}:"),
+                "{format}: another digest"
+            );
             assert_eq!(answer.header("vary"), "Accept, Accept-Encoding");
             let steps = answer
                 .header("server-timing")
@@ -105,7 +109,10 @@ async fn the_digest_is_of_the_bytes_sent_in_each_format_and_content_encoding() {
                 .map(|step| step.split_once(";dur=").expect("a time"));
             let names: Vec<_> = steps
                 .map(|(name, time)| {
-                    assert!(time.parse::<f64>().is_ok_and(|time| time >= 0.0), "{name} {time}");
+                    assert!(
+                        time.parse::<f64>().is_ok_and(|time| time >= 0.0),
+                        "the time of {name} is {time}"
+                    );
                     name.to_owned()
                 })
                 .collect();
@@ -115,7 +122,7 @@ async fn the_digest_is_of_the_bytes_sent_in_each_format_and_content_encoding() {
 }
 
 #[tokio::test]
-async fn fixed_answers_are_compressed_but_for_small_answers_and_problems() {
+async fn large_fixed_answers_are_compressed_and_small_answers_and_problems_are_not() {
     let app = app(&["--workers", "1"]);
     let ask = async |path: &str| {
         let request = Request::get(path).header("accept-encoding", "gzip");

@@ -1,4 +1,4 @@
-//! Connections that are slow, silent, or gone.
+//! Connections that are slow, silent or closed.
 
 use std::sync::Arc;
 use std::sync::Mutex;
@@ -13,6 +13,7 @@ use super::support::{
     MILL, ONE_PASS, Server, app, aside, connect, post as post_to, post_head, read_answer, write,
 };
 
+/// A computation that ends only when its budget ends.
 fn spin(budget: &Budget) {
     while budget.check().is_ok() {
         std::thread::sleep(Duration::from_millis(1));
@@ -22,7 +23,7 @@ fn spin(budget: &Budget) {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() {
     let app = app(&["--workers", "1"]);
-    let compute = Arc::new(Compute::new(1, 0, Duration::from_secs(20)).expect("threads"));
+    let compute = Arc::new(Compute::new(1, 0, Duration::from_secs(20)).expect("threads start"));
     let ended = Arc::new(Mutex::new(None));
     let begun = Arc::new(tokio::sync::Notify::new());
     let (stopped, started) = (Arc::clone(&ended), Arc::clone(&begun));
@@ -52,8 +53,8 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
         let closed = Instant::now();
         drop(stream);
         tokio::time::sleep(Duration::from_millis(300)).await;
-        let ended = ended.lock().expect("no panic").take().expect("it has stopped");
-        assert!(ended - closed < Duration::from_millis(100), "{:?}", ended - closed);
+        let ended = ended.lock().expect("no panic").take().expect("the computation has stopped");
+        assert!(ended - closed < Duration::from_millis(100), "it stopped only after {:?}", ended - closed);
     }
     server.stop().await;
 }
@@ -81,7 +82,7 @@ async fn a_full_queue_is_503_and_a_passed_deadline_504() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn headers_and_bodies_that_stop_arriving_end_and_delay_nobody() {
+async fn a_request_that_stops_arriving_times_out_and_delays_no_other_request() {
     let app = app(&["--workers", "1", "--header-timeout-s", "0.4", "--body-timeout-s", "0.4"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -101,12 +102,12 @@ async fn headers_and_bodies_that_stop_arriving_end_and_delay_nobody() {
         let started = Instant::now();
         write(&mut quick, &format!("{}{{}}", post_head(MILL, 2)));
         assert!(read_answer(&mut quick).expect("an answer").starts_with("HTTP/1.1 422"));
-        assert!(started.elapsed() < Duration::from_millis(300));
+        assert!(started.elapsed() < Duration::from_millis(300), "a slow request delays another one");
         let answer = read_answer(&mut slow).expect("an answer");
-        assert!(answer.starts_with("HTTP/1.1 408"), "{answer}");
+        assert!(answer.starts_with("HTTP/1.1 408"), "the slow body did not time out: {answer}");
         assert!(answer.contains("\"code\":\"request_timeout\""));
 
-        // As long as something arrives, patience is renewed.
+        // Every byte that arrives starts the timeout again.
         let mut steady = connect(address);
         write(&mut steady, &post_head(MILL, 4));
         for byte in ["{", " ", " ", "}"] {
@@ -135,7 +136,7 @@ async fn a_caller_that_expects_100_continue_gets_413_for_too_large_a_body() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large() {
+async fn a_caller_that_sends_its_whole_body_before_it_reads_gets_413_for_too_large_a_body() {
     let app = app(&["--workers", "1", "--body-limit", "1000"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -145,7 +146,7 @@ async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large()
         write(&mut stream, &post_head(MILL, size));
         write(&mut stream, &" ".repeat(size));
         assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 413"));
-        // The connection is as good as new.
+        // The connection can be used again.
         write(&mut stream, &format!("{}{{}}", post_head(MILL, 2)));
         assert!(read_answer(&mut stream).expect("an answer").starts_with("HTTP/1.1 422"));
     })
@@ -154,7 +155,7 @@ async fn a_caller_that_sends_before_it_reads_learns_that_its_body_is_too_large()
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn requests_that_http_cannot_parse_are_answered_with_a_problem() {
+async fn requests_that_are_no_valid_http_are_answered_with_a_problem() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -170,7 +171,7 @@ async fn requests_that_http_cannot_parse_are_answered_with_a_problem() {
             ("GET /livez HTTP/1.1\r\nno header\r\n\r\n".to_owned(), 400, "bad_request"),
         ] {
             let mut stream = connect(address);
-            // The service need not read to the end of what it refuses.
+            // The service need not read a refused request to its end, so that writing may fail.
             let _ = std::io::Write::write_all(&mut stream, head.as_bytes());
             let answer = read_answer(&mut stream).expect("an answer");
             let (head, body) = answer.split_once("\r\n\r\n").expect("a head");
@@ -181,7 +182,7 @@ async fn requests_that_http_cannot_parse_are_answered_with_a_problem() {
             let id = problem["request_id"].as_str().expect("an id");
             assert!(head.contains(&format!("x-request-id: {id}")), "{head}");
         }
-        // What a handler answers on such a connection is its own.
+        // An answer of a handler stays unchanged on such a server.
         let mut stream = connect(address);
         write(&mut stream, "GET /livez HTTP/1.1\r\nHost: here\r\n\r\n");
         assert!(read_answer(&mut stream).expect("an answer").ends_with("\r\n\r\nok\n"));

@@ -1,10 +1,10 @@
-//! Bodies that are no legal requests, each with its status, its code and the place to blame.
+//! Illegal request bodies: the status, the code and the pointer to the fault of each.
 
 use serde_json::{Value, json};
 
 use super::support::{Answer, MILL, ONE_PASS, app, get, post};
 
-/// The smallest legal request with one value put somewhere.
+/// The smallest legal request, with the value at `pointer` replaced or added.
 fn with(pointer: &str, value: Value) -> String {
     let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
     let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
@@ -21,7 +21,7 @@ async fn mill(body: impl Into<axum::body::Body>) -> Answer {
 }
 
 #[tokio::test]
-async fn a_body_that_is_no_json_is_400() {
+async fn a_body_that_is_not_json_is_400() {
     let truncated = &ONE_PASS[..ONE_PASS.len() / 2];
     let deep = format!("{{\"surface\":{}", "[".repeat(100_000));
     let deep_and_closed = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
@@ -38,7 +38,7 @@ async fn a_body_that_is_no_json_is_400() {
 }
 
 #[tokio::test]
-async fn every_fault_has_its_code_and_its_pointer() {
+async fn every_violation_in_a_milling_request_has_its_code_and_its_pointer() {
     let row = |n: usize| json!((0..n).map(|j| json!([10, j, 0])).collect::<Vec<_>>());
     for (pointer, value, code, blamed) in [
         ("/tolerence_mm", json!(0.01), "unknown_field", "#/tolerence_mm"),
@@ -120,7 +120,7 @@ async fn every_fault_has_its_code_and_its_pointer() {
 }
 
 #[tokio::test]
-async fn all_range_violations_are_named_at_once_with_value_and_limit() {
+async fn all_values_out_of_range_are_reported_in_one_answer_with_value_and_limit() {
     let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
     body["surface"]["points"][0][0][0] = json!(1e308);
     body["surface"]["points"][1][1][2] = json!(-2e6);
@@ -148,7 +148,7 @@ async fn all_range_violations_are_named_at_once_with_value_and_limit() {
 }
 
 #[tokio::test]
-async fn an_exceeded_limit_is_named_with_its_value_and_maximum() {
+async fn an_exceeded_limit_is_reported_with_its_value_and_its_maximum() {
     let app = app(&["--workers", "1", "--max-surface-points", "3", "--max-sections", "100"]);
     let answer = post(&app, MILL, ONE_PASS, &[]).await;
     assert_eq!(answer.violations(), [("limit_exceeded".to_owned(), "#/surface/points".to_owned())]);
@@ -162,7 +162,7 @@ async fn an_exceeded_limit_is_named_with_its_value_and_maximum() {
 }
 
 #[tokio::test]
-async fn a_body_over_the_limit_is_413_announced_or_not() {
+async fn a_body_over_the_limit_is_413_with_and_without_a_content_length() {
     let app = app(&["--workers", "1", "--body-limit", "1000"]);
     let large = " ".repeat(1001);
     let announced = post(&app, MILL, large.clone(), &[]).await;
@@ -173,7 +173,7 @@ async fn a_body_over_the_limit_is_413_announced_or_not() {
     assert_ne!(post(&app, MILL, ONE_PASS, &[]).await.status, 413);
 }
 
-/// A body that does not say how long it is.
+/// A body that comes in parts, without a content length.
 fn http_body_of_parts(bytes: Vec<u8>) -> Parts {
     Parts(bytes.chunks(100).map(|part| part.to_vec().into()).collect())
 }
@@ -193,7 +193,7 @@ impl axum::body::HttpBody for Parts {
 }
 
 #[tokio::test]
-async fn all_violations_are_named_at_once() {
+async fn all_violations_are_reported_in_one_answer_without_rust_words() {
     let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
     body["tool"] = json!({ "shape": "ball", "diameter_mm": "six", "colour": "red" });
     body["tolerance_mm"] = json!(-1);
@@ -212,12 +212,12 @@ async fn all_violations_are_named_at_once() {
     ];
     assert_eq!(found, expected.map(|(code, at)| (code.to_owned(), at.to_owned())));
     for word in ["f64", "u32", "struct", "enum", "variant", "line 1"] {
-        assert!(!answer.text().contains(word), "{word}: {}", answer.text());
+        assert!(!answer.text().contains(word), "the answer holds the word {word}: {}", answer.text());
     }
 }
 
 #[tokio::test]
-async fn a_field_that_cannot_be_decoded_causes_no_further_violations() {
+async fn a_field_that_cannot_be_decoded_causes_exactly_one_violation() {
     for (pointer, value) in [
         ("/surface/kind", json!("hill")),
         ("/surface", json!("hill")),
@@ -227,12 +227,12 @@ async fn a_field_that_cannot_be_decoded_causes_no_further_violations() {
     ] {
         let answer = mill(with(pointer, value)).await;
         let found = answer.violations();
-        assert_eq!(found.len(), 1, "{pointer}: {found:?}");
+        assert_eq!(found.len(), 1, "{pointer}: not one violation: {found:?}");
     }
 }
 
 #[tokio::test]
-async fn whole_numbers_may_have_a_decimal_point() {
+async fn a_whole_number_may_be_written_with_a_decimal_point() {
     for number in [7.0, 12.0] {
         let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
         body["program"] = json!({ "number": 3, "decimals": 3 });
@@ -245,7 +245,7 @@ async fn whole_numbers_may_have_a_decimal_point() {
 }
 
 #[tokio::test]
-async fn well_known_texts_that_are_no_json_are_named() {
+async fn the_error_names_utf_16_byte_order_marks_csv_nan_and_infinity() {
     let utf16: Vec<u8> = ONE_PASS.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let with_mark = [&[0xef, 0xbb, 0xbf], ONE_PASS.as_bytes()].concat();
     for (body, word) in [
@@ -258,13 +258,13 @@ async fn well_known_texts_that_are_no_json_are_named() {
     ] {
         let answer = mill(body).await;
         assert_eq!((answer.status.as_u16(), answer.code().as_str()), (400, "malformed_json"));
-        assert!(answer.text().contains(word), "{word}: {}", answer.text());
+        assert!(answer.text().contains(word), "the error does not name {word}: {}", answer.text());
     }
 }
 
-/// What cannot be a part is named with the first place to blame, before anything is computed.
+/// The service refuses such a grid before it computes anything.
 #[tokio::test]
-async fn faults_of_grids_are_named_at_once() {
+async fn a_grid_that_cannot_be_a_part_is_refused_with_a_pointer_to_its_first_fault() {
     let grid = || -> Vec<Vec<Value>> {
         (0..6).map(|i| (0..7).map(|j| json!([10 * i, 8 * j, (i * j) % 5])).collect()).collect()
     };
@@ -308,7 +308,7 @@ async fn faults_of_grids_are_named_at_once() {
 }
 
 #[tokio::test]
-async fn a_wrong_path_or_method_is_told_the_right_ones() {
+async fn the_answer_to_a_wrong_path_or_method_names_the_right_ones() {
     let app = app(&["--workers", "1"]);
     let nothing = get(&app, "/v1/nothing").await;
     assert_eq!((nothing.status.as_u16(), nothing.code().as_str()), (404, "not_found"));

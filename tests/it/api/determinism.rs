@@ -1,4 +1,5 @@
-//! The same request gives the same bytes: again, at the same time, after a restart, on any number of threads.
+//! The same request gives the same bytes: when it is repeated, sent at the same time by several callers,
+//! after a restart, and on any number of threads.
 
 use std::net::SocketAddr;
 use std::thread;
@@ -11,7 +12,7 @@ const FORMATS: [&str; 4] = ["json", "gcode", "svg", "html"];
 const CALLERS: usize = 4;
 const REPEATS: usize = 3;
 
-/// The bodies of all formats, with the request's id taken out.
+/// The answers to the job in all formats, without the id of the request.
 fn bodies(address: SocketAddr, caller: &str) -> Vec<String> {
     let mut stream = connect(address);
     let mut answered = |format: &str| {
@@ -36,7 +37,10 @@ fn the_same_request_gives_the_same_bytes_after_a_restart_and_on_any_number_of_th
             let expected = &expected;
             scope.spawn(move || {
                 for repeat in 0..REPEATS {
-                    assert!(bodies(address, &format!("{caller}-{repeat}")) == *expected);
+                    assert!(
+                        bodies(address, &format!("{caller}-{repeat}")) == *expected,
+                        "caller {caller} got other bytes"
+                    );
                 }
             });
         }

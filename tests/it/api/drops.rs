@@ -1,4 +1,5 @@
-//! Cutters dropped onto surfaces with closed forms, and what is refused of the requests.
+//! Tests of cutters that are dropped onto surfaces: tips equal closed forms, and illegal requests are
+//! refused.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -10,11 +11,10 @@ use super::support::{app, post};
 
 const DROP: &str = "/v1/surfaces/drop";
 
-/// How far tips may be from closed forms, and contacts from surface and cutter, mm.
+/// Largest distance of a tip from its closed form, and of a contact from the surface and from the cutter, mm.
 const ACCURACY_MM: f64 = 1e-7;
 
-/// A cutter by what its underside is: a disc of radius `flat`, and a quarter of a circle of radius `corner`
-/// around it.
+/// A cutter by its underside: a disc of radius `flat`, surrounded by a quarter circle of radius `corner`, mm.
 #[derive(Debug, Clone, Copy)]
 struct Cutter {
     flat: f64,
@@ -22,7 +22,7 @@ struct Cutter {
 }
 
 impl Cutter {
-    /// A ball, a flat and a bull nose of one radius.
+    /// A ball, a flat and a bull nose cutter of one radius.
     fn all(radius: f64) -> [Self; 3] {
         [0.0, radius, 0.6 * radius].map(|flat| Self { flat, corner: radius - flat })
     }
@@ -42,13 +42,14 @@ impl Cutter {
         }
     }
 
-    /// Height of the underside over the tip, at most `radius` from the axis.
+    /// The height of the underside above the tip at the distance `r` from the axis, which is at most the
+    /// radius, mm.
     fn underside(self, r: f64) -> f64 {
         let beyond = (r - self.flat).max(0.0);
         self.corner - (self.corner * self.corner - beyond * beyond).max(0.0).sqrt()
     }
 
-    /// Distance from the underside of a point at `r` from the axis and `z` over the tip.
+    /// The distance from the underside to a point at `r` from the axis and `z` above the tip, mm.
     fn off(self, r: f64, z: f64) -> f64 {
         if r <= self.flat {
             return z.abs();
@@ -57,20 +58,20 @@ impl Cutter {
         ((r - self.flat).hypot(rise) - self.corner).abs()
     }
 
-    /// Tip over a round crest of radius `rho` at height zero less its own, `beside` mm from the axis of the
-    /// cutter.
+    /// The height of the tip over a round crest of radius `rho`, above the crest's centre, mm. The horizontal
+    /// distance between the cutter's axis and the centre is `beside`.
     fn over_crest(self, rho: f64, beside: f64) -> f64 {
         let beyond = (beside.abs() - self.flat).max(0.0);
         ((rho + self.corner).powi(2) - beyond * beyond).sqrt() - self.corner
     }
 
-    /// How much higher than the plane under it the tip is on a slope.
+    /// The height of the tip above the point of a sloping plane on the cutter's axis, mm.
     fn over_slope(self, slope: f64) -> f64 {
         self.flat * slope.abs() + self.corner * (slope.hypot(1.0) - 1.0)
     }
 }
 
-/// Tip and contact of one point.
+/// The tip and the contact at one point. `None` if the cutter does not touch the surface there.
 type Touch = Option<([f64; 3], [f64; 3])>;
 
 fn point(value: &Value) -> Option<[f64; 3]> {
@@ -78,6 +79,7 @@ fn point(value: &Value) -> Option<[f64; 3]> {
     Some(numbers.try_into().expect("three coordinates"))
 }
 
+/// Drops a cutter at `points`, by a request.
 async fn dropped(app: &Arc<App>, surface: &Value, cutter: Cutter, points: &[[f64; 2]]) -> Vec<Touch> {
     let body = json!({ "surface": surface, "tool": cutter.json(), "points": points });
     let answer = post(app, DROP, body.to_string(), &[]).await;
@@ -90,13 +92,13 @@ async fn dropped(app: &Arc<App>, surface: &Value, cutter: Cutter, points: &[[f64
     let both = |(tip, contact): (Option<_>, Option<_>)| match (tip, contact) {
         (Some(tip), Some(contact)) => Some((tip, contact)),
         (None, None) => None,
-        other => panic!("{other:?}"),
+        other => panic!("only one of tip and contact: {other:?}"),
     };
     tips.into_iter().zip(contacts).map(both).collect()
 }
 
-/// Drops cutters of radius 5 at `points`: tips are at `height`, contacts on the cutter and `off` by nothing
-/// from the surface.
+/// Drops three cutters of radius 5 at `points`. Fails unless every tip is at `height`, and every contact lies
+/// on the cutter and on the surface. `off` is the distance of a contact from the surface.
 async fn hold(
     surface: &Value,
     points: &[[f64; 2]],
@@ -106,32 +108,43 @@ async fn hold(
     let app = app(&["--workers", "1"]);
     for cutter in Cutter::all(5.0) {
         for (at, drop) in points.iter().zip(dropped(&app, surface, cutter, points).await) {
-            let (tip, contact) = drop.unwrap_or_else(|| panic!("{cutter:?} {at:?}: beside the surface"));
+            let (tip, contact) = drop.unwrap_or_else(|| panic!("{cutter:?} {at:?}: no tip"));
             assert_eq!([tip[0], tip[1]], *at);
             let expected = height(cutter, *at);
-            assert!((tip[2] - expected).abs() < ACCURACY_MM, "{cutter:?} {at:?}: {} not {expected}", tip[2]);
+            assert!(
+                (tip[2] - expected).abs() < ACCURACY_MM,
+                "{cutter:?} {at:?}: the tip is at {}, not {expected}",
+                tip[2]
+            );
             let r = (contact[0] - tip[0]).hypot(contact[1] - tip[1]);
             let gap = cutter.off(r, contact[2] - tip[2]);
-            assert!(gap < ACCURACY_MM, "{cutter:?} {at:?}: {contact:?} {gap} mm from the cutter at {tip:?}");
+            assert!(
+                gap < ACCURACY_MM,
+                "{cutter:?} {at:?}: the contact {contact:?} is {gap} mm from the cutter at {tip:?}"
+            );
             let gap = off(contact).abs();
-            assert!(gap < ACCURACY_MM, "{cutter:?} {at:?}: {contact:?} {gap} mm from the surface");
+            assert!(
+                gap < ACCURACY_MM,
+                "{cutter:?} {at:?}: the contact {contact:?} is {gap} mm from the surface"
+            );
         }
     }
 }
 
-/// Points all over the square of half a side about `center`.
+/// Points spread over a square about `center`; `half` is half its side.
 fn scattered(count: u32, center: [f64; 2], half: f64) -> Vec<[f64; 2]> {
     let along = |k: u32, step: f64, c: f64| c + half * (2.0 * (f64::from(k) * step + 0.37).fract() - 1.0);
     (0..count).map(|k| [along(k, 0.754_877_666, center[0]), along(k, 0.569_840_291, center[1])]).collect()
 }
 
-/// Control points of an arc of a unit circle to `half` (rad) on both sides of an axis: across, along, weight.
+/// Control points of an arc of the unit circle that reaches `half` (rad) to both sides of an axis. Each has
+/// its coordinates across and along the axis, and its weight.
 fn arc(half: f64) -> [[f64; 3]; 3] {
     let (sin, cos) = half.sin_cos();
     [[-sin, cos, 1.0], [0.0, 1.0 / cos, cos], [sin, cos, 1.0]]
 }
 
-/// A rational biquadratic patch whose control points are products.
+/// A rational biquadratic patch: `point` makes each control point of one of `u` and one of `v`.
 fn biquadratic(u: [[f64; 3]; 3], v: [[f64; 3]; 3], point: impl Fn([f64; 3], [f64; 3]) -> [f64; 3]) -> Value {
     json!({
         "kind": "nurbs", "degree_u": 2, "degree_v": 2, "knots_u": [0, 0, 0, 1, 1, 1], "knots_v": [0, 0, 0, 1, 1, 1],
@@ -139,8 +152,8 @@ fn biquadratic(u: [[f64; 3]; 3], v: [[f64; 3]; 3], point: impl Fn([f64; 3], [f64
     })
 }
 
-/// The bicubic patch of c0 + c1 x + c2 y + c3 x² + c4 xy + c5 y² over the square of half a side about the
-/// origin.
+/// The bicubic patch of z = c0 + c1 x + c2 y + c3 x² + c4 xy + c5 y² over a square about the origin; `half`
+/// is half its side.
 fn quadric(c: [f64; 6], half: f64) -> Value {
     let (node, square) = ([-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0], [1.0, -1.0 / 3.0, -1.0 / 3.0, 1.0]);
     let net = [0, 1, 2, 3].map(|a| {
@@ -158,7 +171,7 @@ fn quadric_at(c: [f64; 6], x: f64, y: f64) -> f64 {
 }
 
 #[tokio::test]
-async fn tips_on_round_crests_are_those_of_closed_forms() {
+async fn tips_on_spheres_cylinders_and_tori_equal_closed_forms() {
     let cap = arc(1.0);
     let sphere = biquadratic(cap, cap, |u, v| [30.0 * u[0], 30.0 * u[1] * v[0], 30.0 * u[1] * v[1]]);
     let off = |p: [f64; 3]| p[0].hypot(p[1]).hypot(p[2]) - 30.0;
@@ -170,7 +183,7 @@ async fn tips_on_round_crests_are_those_of_closed_forms() {
     let off = |p: [f64; 3]| p[0].hypot(p[2]) - 20.0;
     hold(&cylinder, &scattered(40, [0.0; 2], 12.0), |cutter, [x, _]| cutter.over_crest(20.0, x), off).await;
 
-    // An eighth of a ring or more, from its inside to its outside.
+    // More than an eighth of a ring, from its inside to its outside.
     let torus = biquadratic(cap, arc(0.8), |u, v| {
         let ring = 40.0 + 12.0 * u[0];
         [ring * v[1], ring * v[0], 12.0 * u[1]]
@@ -181,7 +194,7 @@ async fn tips_on_round_crests_are_those_of_closed_forms() {
 }
 
 #[tokio::test]
-async fn planes_of_any_slope_and_azimuth_are_touched_by_ball_corner_and_rim() {
+async fn tips_on_planes_of_any_slope_and_azimuth_equal_the_closed_form() {
     for (k, degrees) in [0.0f64, 10.0, 45.0, 80.0, 87.0].into_iter().enumerate() {
         for azimuth in [0.0, 0.25 * TAU, 0.4 + k as f64, 4.0 + k as f64] {
             let slope = degrees.to_radians().tan();
@@ -193,8 +206,8 @@ async fn planes_of_any_slope_and_azimuth_are_touched_by_ball_corner_and_rim() {
     }
 }
 
-/// The least upper bound of `f` near its best sample over an interval: a scan, then golden sections around
-/// the best.
+/// The largest value of `f` over an interval: a scan finds the best sample, and golden sections search near
+/// it.
 fn highest(f: &dyn Fn(f64) -> f64, [from, to]: [f64; 2], samples: u32) -> f64 {
     let step = (to - from) / f64::from(samples);
     let at = |k: u32| from + step * f64::from(k);
@@ -208,7 +221,7 @@ fn highest(f: &dyn Fn(f64) -> f64, [from, to]: [f64; 2], samples: u32) -> f64 {
 }
 
 #[tokio::test]
-async fn a_saddle_is_touched_where_a_dense_search_finds_it() {
+async fn tips_on_a_saddle_equal_those_of_a_dense_search() {
     let c = [0.3, 0.1, -0.2, 0.03, 0.05, -0.04];
     let off = |p: [f64; 3]| p[2] - quadric_at(c, p[0], p[1]);
     let height = |cutter: Cutter, [x, y]: [f64; 2]| {
@@ -220,7 +233,7 @@ async fn a_saddle_is_touched_where_a_dense_search_finds_it() {
     hold(&quadric(c, 20.0), &scattered(10, [0.0; 2], 14.0), height, off).await;
 }
 
-/// The tip over a polyline of x and z drawn along y.
+/// The height of the tip over a profile: a polyline in x and z, extruded along y.
 fn over_profile(cutter: Cutter, x: f64, profile: &[[f64; 2]]) -> f64 {
     let corners = profile.iter().filter(|p| (p[0] - x).abs() < cutter.radius());
     let corners = corners.map(|p| p[1] - cutter.underside((p[0] - x).abs()));
@@ -235,7 +248,7 @@ fn over_profile(cutter: Cutter, x: f64, profile: &[[f64; 2]]) -> f64 {
 }
 
 #[tokio::test]
-async fn walls_of_87_degrees_with_sharp_edges_are_touched_on_faces_and_edges() {
+async fn tips_over_walls_of_87_degrees_touch_the_faces_and_sharp_edges() {
     let run = |rise: f64| rise / 87f64.to_radians().tan();
     let profile = [
         [-30.0, 0.0],
@@ -255,7 +268,7 @@ async fn walls_of_87_degrees_with_sharp_edges_are_touched_on_faces_and_edges() {
     let patches: Vec<_> = profile.windows(2).map(panel).collect();
     let surface = json!({ "kind": "bezier_patches", "patches": patches });
     let points: Vec<_> = (0..53u32).map(|k| [f64::from(k) - 26.03, 0.3 * f64::from(k % 40) - 6.1]).collect();
-    // Distance of a contact from the nearest wall or edge.
+    // The distance of a contact from the nearest wall or edge.
     let off = |p: [f64; 3]| {
         let gap = |ends: &[[f64; 2]]| {
             let (along, to) =
@@ -270,20 +283,23 @@ async fn walls_of_87_degrees_with_sharp_edges_are_touched_on_faces_and_edges() {
 }
 
 #[tokio::test]
-async fn in_a_bowl_tighter_than_the_cutter_it_rests_on_a_ring() {
+async fn a_cutter_in_a_bowl_tighter_than_itself_rests_on_a_ring() {
     let app = app(&["--workers", "1"]);
     let bowl = quadric([0.0, 0.0, 0.0, 0.4, 0.0, 0.4], 6.0);
     for (cutter, expected) in Cutter::all(2.5).into_iter().zip([0.625, 2.5]) {
         let drops = dropped(&app, &bowl, cutter, &[[0.0, 0.0]]).await;
         let (tip, contact) = drops[0].expect("a tip");
-        assert!((tip[2] - expected).abs() < ACCURACY_MM, "{cutter:?}: {tip:?}");
+        assert!((tip[2] - expected).abs() < ACCURACY_MM, "{cutter:?}: the tip is at {tip:?}, not {expected}");
         let ring = contact[0].hypot(contact[1]);
-        assert!((contact[2] - 0.4 * ring * ring).abs() < ACCURACY_MM, "{contact:?}");
+        assert!(
+            (contact[2] - 0.4 * ring * ring).abs() < ACCURACY_MM,
+            "the contact {contact:?} is not on the bowl"
+        );
     }
 }
 
 #[tokio::test]
-async fn beside_the_surface_there_is_no_tip_and_near_the_surface_its_edge_is_touched() {
+async fn a_cutter_wholly_beside_the_surface_has_no_tip_and_a_cutter_partly_over_it_touches_its_edge() {
     let app = app(&["--workers", "1"]);
     let plate = quadric([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 10.0);
     let diagonal = 10.0 + 5.0 * 0.5f64.sqrt();
@@ -302,19 +318,28 @@ async fn beside_the_surface_there_is_no_tip_and_near_the_surface_its_edge_is_tou
         let drops = dropped(&app, &plate, cutter, &points).await;
         assert_eq!(drops[..3], [None; 3]);
         let heights = [6, 7].map(|k: usize| drops[k].expect("a tip").0[2]);
-        assert!((heights[0] - heights[1]).abs() < 3e-9, "{heights:?}");
+        assert!(
+            (heights[0] - heights[1]).abs() < 3e-9,
+            "the same point twice gives other heights: {heights:?}"
+        );
         for drop in &drops[3..] {
             let (tip, contact) = drop.expect("a tip");
             let outside = [0, 1].map(|k| (tip[k].abs() - 10.0).max(0.0));
             let expected = 1.0 - cutter.underside(outside[0].hypot(outside[1]));
-            assert!((tip[2] - expected).abs() < ACCURACY_MM, "{cutter:?} {tip:?}: not {expected}");
+            assert!(
+                (tip[2] - expected).abs() < ACCURACY_MM,
+                "{cutter:?}: the tip is at {tip:?}, not {expected}"
+            );
             let is_on = contact[0].abs() < 10.0 + ACCURACY_MM && contact[1].abs() < 10.0 + ACCURACY_MM;
-            assert!(is_on && (contact[2] - 1.0).abs() < ACCURACY_MM, "{contact:?}");
+            assert!(
+                is_on && (contact[2] - 1.0).abs() < ACCURACY_MM,
+                "the contact {contact:?} is not on the plate"
+            );
         }
     }
 }
 
-/// A legal request, but for what is put into it.
+/// A legal request with one member replaced or added.
 fn whole(name: &str, value: Value) -> Value {
     let tool = json!({ "shape": "ball", "diameter_mm": 5 });
     let mut body = json!({ "surface": quadric([0.0; 6], 10.0), "tool": tool, "points": [[0, 0], [1, 1]] });
@@ -323,7 +348,7 @@ fn whole(name: &str, value: Value) -> Value {
 }
 
 #[tokio::test]
-async fn every_fault_of_a_request_has_its_code_and_its_pointer() {
+async fn every_violation_in_a_drop_request_has_its_code_and_its_pointer() {
     let app = app(&["--workers", "1"]);
     let ball = |name: &str, value: Value| json!({ "shape": "ball", "diameter_mm": 5, name: value });
     let bull = |corner: Value| json!({ "shape": "bull_nose", "diameter_mm": 5, "corner_radius_mm": corner });
@@ -364,7 +389,7 @@ async fn every_fault_of_a_request_has_its_code_and_its_pointer() {
         let answer = post(&app, DROP, body.to_string(), &[]).await;
         assert_eq!(answer.violations(), [("missing_field".to_owned(), format!("#/{missing}"))]);
     }
-    // JSON has no such numbers.
+    // JSON cannot write these numbers.
     for number in ["NaN", "Infinity", "1e999"] {
         let body = whole("points", json!([[0, 123]])).to_string().replace("123", number);
         let answer = post(&app, DROP, body, &[]).await;
@@ -374,7 +399,7 @@ async fn every_fault_of_a_request_has_its_code_and_its_pointer() {
 
 #[tokio::test]
 async fn more_points_than_the_limit_are_refused() {
-    // As many as a body may hold: more than any limit allows.
+    // The body is nearly as long as a body may be, and holds more points than allowed.
     let app = app(&["--workers", "1"]);
     let body = whole("points", json!([[0, 123]])).to_string();
     let (before, after) = body.split_once("[0,123]").expect("the point");

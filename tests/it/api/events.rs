@@ -1,4 +1,4 @@
-//! Computations as streams of events, through a socket.
+//! Tests of answers as streams of events, through a socket.
 
 use std::io::Read;
 use std::net::{SocketAddr, TcpStream};
@@ -11,14 +11,14 @@ use super::support::{MILL, ONE_PASS, Server, app, connect, post, write};
 
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 
-/// The example with planes this close together.
+/// The example of the die with this stepover.
 fn die_at(stepover_mm: f64) -> String {
     let mut body: Value = serde_json::from_str(DIE).expect("JSON");
     body["strategy"]["stepover_mm"] = stepover_mm.into();
     body.to_string()
 }
 
-/// Asks for events, as the request `one`.
+/// Sends a milling request with the id `one` and asks for events.
 fn ask(address: SocketAddr, body: &str) -> TcpStream {
     let mut stream = connect(address);
     let head = format!(
@@ -36,14 +36,14 @@ fn read_until(stream: &mut TcpStream, end: &str) -> String {
     let mut text = Vec::new();
     let mut buffer = [0; 4096];
     while !text.ends_with(end.as_bytes()) {
-        let count = stream.read(&mut buffer).expect("in time");
+        let count = stream.read(&mut buffer).expect("data arrives before the timeout");
         assert!(count > 0, "the connection ended after {}", String::from_utf8_lossy(&text));
         text.extend_from_slice(&buffer[..count]);
     }
     String::from_utf8(text).expect("UTF-8")
 }
 
-/// The head, and name and data of every event.
+/// Reads a whole answer: its head, and the name and the data of every event.
 fn events(stream: &mut TcpStream) -> (String, Vec<(String, Value)>) {
     let text = read_until(stream, "\r\n0\r\n\r\n");
     let (head, chunks) = text.split_once("\r\n\r\n").expect("a head");
@@ -63,13 +63,13 @@ fn events(stream: &mut TcpStream) -> (String, Vec<(String, Value)>) {
     (head.to_ascii_lowercase(), events.collect())
 }
 
-/// Runs what waits on sockets beside the service.
+/// Runs blocking work on sockets in a thread of its own, so that the service can run.
 async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    tokio::task::spawn_blocking(work).await.expect("no panic")
+    tokio::task::spawn_blocking(work).await.expect("the thread did not panic")
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn progress_is_told_stage_by_stage_and_the_answer_comes_last() {
+async fn progress_events_come_stage_by_stage_and_the_result_comes_last() {
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -90,13 +90,13 @@ async fn progress_is_told_stage_by_stage_and_the_answer_comes_last() {
         assert_eq!(name, "progress");
         let stage = data["stage"].as_str().expect("a stage");
         if stages.last() != Some(&stage) {
-            assert!(!stages.contains(&stage), "{stage} comes twice");
+            assert!(!stages.contains(&stage), "the stage {stage} comes twice");
             stages.push(stage);
             done = 0;
         }
         let (now, total) =
             (data["done"].as_u64().expect("a count"), data["total"].as_u64().expect("a count"));
-        assert!((done..=total).contains(&now), "{data}");
+        assert!((done..=total).contains(&now), "progress goes back or beyond its total: {data}");
         assert_eq!(data["fraction"], now as f64 / total as f64);
         done = now;
     }
@@ -105,7 +105,7 @@ async fn progress_is_told_stage_by_stage_and_the_answer_comes_last() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_problem() {
+async fn a_failed_computation_sends_a_problem_event_and_a_refused_request_a_plain_problem() {
     let app = app(&["--workers", "1", "--queue", "0"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -114,7 +114,7 @@ async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_prob
     folding["engine"] = "offset_section".into();
     let folding = folding.to_string();
     let (_, events) = aside(move || events(&mut ask(address, &folding))).await;
-    let [(name, problem)] = events.as_slice() else { panic!("{events:?}") };
+    let [(name, problem)] = events.as_slice() else { panic!("not one event: {events:?}") };
     assert_eq!((name.as_str(), &problem["code"]), ("problem", &"offset_folds".into()));
     assert_eq!((&problem["status"], &problem["request_id"]), (&422.into(), &"one".into()));
 
@@ -124,7 +124,7 @@ async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_prob
     }
     let negative = ONE_PASS.replace("0.01", "-0.01");
     assert_eq!(post(&app, MILL, negative, &accept).await.violations()[0].0, "out_of_range");
-    let busy = app.compute.admit().expect("a ticket");
+    let busy = app.compute.admit().expect("the queue has room");
     let refused = post(&app, MILL, ONE_PASS, &accept).await;
     assert_eq!((refused.status.as_u16(), refused.code().as_str()), (503, "overloaded"));
     drop(busy);
@@ -132,16 +132,16 @@ async fn a_failure_of_the_computation_is_an_event_and_one_before_it_a_plain_prob
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_caller_that_goes_away_stops_its_computation() {
+async fn a_caller_of_events_that_disconnects_stops_its_computation() {
     let app = app(&["--workers", "1", "--queue", "0"]);
     let server = Server::start(&app).await;
     let address = server.address;
-    // Some ten thousand planes: minutes of work.
+    // Some ten thousand planes take minutes.
     let long = die_at(0.01);
     let stream = aside(move || {
         let mut stream = ask(address, &long);
         let begun = read_until(&mut stream, "\n\n\r\n");
-        assert!(begun.contains("event: progress"), "{begun}");
+        assert!(begun.contains("event: progress"), "no progress came first: {begun}");
         stream
     })
     .await;
@@ -149,7 +149,10 @@ async fn a_caller_that_goes_away_stops_its_computation() {
     let closed = Instant::now();
     drop(stream);
     while app.compute.run(|_| ()).await.is_err() {
-        assert!(closed.elapsed() < Duration::from_secs(2), "it computes on");
+        assert!(
+            closed.elapsed() < Duration::from_secs(2),
+            "the computation goes on after the caller has disconnected"
+        );
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     server.stop().await;

@@ -1,4 +1,4 @@
-//! Every example of every endpoint, in every form the endpoint offers and every dialect there is.
+//! Sends every example of every endpoint, and asks for every form of answer and every dialect.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,7 +25,7 @@ impl Example {
     }
 }
 
-/// The folder `surfaces-mill` holds the bodies of `/v1/surfaces/mill`.
+/// All examples. The folder `surfaces-mill` holds the bodies for `/v1/surfaces/mill`, and so on.
 fn examples() -> Vec<Example> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("openapi/examples");
     let entries = |folder: &Path| {
@@ -39,7 +39,7 @@ fn examples() -> Vec<Example> {
     for folder in entries(&root) {
         let (noun, verb) =
             stem(&folder).rsplit_once('-').map(|(n, v)| (n.to_owned(), v.to_owned())).expect("a path");
-        // Beside them may be programs.
+        // A folder may also hold NC programs.
         for file in entries(&folder).into_iter().filter(|file| file.extension().is_some_and(|e| e == "json"))
         {
             let text = fs::read_to_string(&file).expect("a text");
@@ -47,12 +47,12 @@ fn examples() -> Vec<Example> {
             examples.push(Example { path: format!("/v1/{noun}/{verb}"), name: stem(&file), body });
         }
     }
-    assert!(examples.len() >= 8);
+    assert!(examples.len() >= 8, "only {} examples were found", examples.len());
     examples
 }
 
-/// The example of each endpoint with the shortest body: what does not depend on the job is tested with these
-/// alone.
+/// The example with the shortest body of each endpoint. These suffice for tests that do not depend on the
+/// job.
 fn short_examples() -> Vec<Example> {
     let mut shortest: BTreeMap<String, Example> = BTreeMap::new();
     let length = |example: &Example| example.body.to_string().len();
@@ -65,7 +65,7 @@ fn short_examples() -> Vec<Example> {
     shortest.into_values().collect()
 }
 
-/// The values of the query parameter `format` that the contract has for `path`.
+/// The values of the query parameter `format` that the contract lists for `path`.
 fn formats(document: &Value, path: &str) -> Vec<String> {
     let parameters = document["paths"][path]["post"]["parameters"].as_array().expect("parameters");
     let format = parameters.iter().find(|parameter| parameter["name"] == "format").expect("a format");
@@ -73,7 +73,7 @@ fn formats(document: &Value, path: &str) -> Vec<String> {
     values.iter().map(|value| value.as_str().expect("a name").to_owned()).collect()
 }
 
-/// Whether an endpoint answers toolpaths.
+/// Whether an endpoint answers with a toolpath.
 fn is_path(path: &str) -> bool {
     !["/v1/surfaces/model", "/v1/surfaces/drop"].contains(&path)
 }
@@ -86,15 +86,19 @@ fn the_contract_shows_every_example_of_every_endpoint() {
         let Some(body) = item.pointer("/post/requestBody/content/application~1json") else { continue };
         let shown = body["examples"].as_object().unwrap_or_else(|| panic!("{path} shows no example"));
         let own: Vec<_> = examples.iter().filter(|example| example.path == *path).collect();
-        assert_eq!(shown.len(), own.len(), "{path}");
+        assert_eq!(shown.len(), own.len(), "{path}: the number of examples in the contract");
         for example in own {
-            assert_eq!(shown[&example.name]["value"], example.body, "{path} {}", example.name);
+            assert_eq!(
+                shown[&example.name]["value"], example.body,
+                "{path}: the contract shows another body for {}",
+                example.name
+            );
         }
     }
 }
 
 #[tokio::test]
-async fn every_example_answers_in_every_form() {
+async fn every_example_is_answered_in_every_form_of_its_endpoint() {
     let app = app(&["--workers", "1"]);
     let document: Value = serde_json::from_str(&contract()).expect("JSON");
     for Example { path, name, body } in examples() {
@@ -105,20 +109,23 @@ async fn every_example_answers_in_every_form() {
                 "svg" => ("image/svg+xml", "<svg"),
                 "html" => ("text/html", "<!DOCTYPE"),
                 "events" => ("text/event-stream", "event: progress"),
-                other => panic!("{other} is not tested"),
+                other => panic!("the form {other} is not known to this test"),
             };
             let query = format!("{path}?format={format}");
             let id = ("x-request-id", "one");
             let by_query = post(&app, &query, body.to_string(), &[id]).await;
-            assert_eq!(by_query.status, 200, "{path} {name} {format}");
-            assert!(by_query.header("content-type").starts_with(media_type), "{path} {name} {format}");
-            assert!(by_query.body.starts_with(start.as_bytes()), "{path} {name} {format}");
+            assert_eq!(by_query.status, 200, "{path} {name} {format}: refused");
+            assert!(
+                by_query.header("content-type").starts_with(media_type),
+                "{path} {name} {format}: another media type"
+            );
+            assert!(by_query.body.starts_with(start.as_bytes()), "{path} {name} {format}: another beginning");
         }
     }
 }
 
 #[tokio::test]
-async fn a_form_asked_for_by_header_is_the_form_asked_for_by_query() {
+async fn the_accept_header_and_the_format_parameter_give_the_same_answer() {
     let app = app(&["--workers", "1"]);
     let document: Value = serde_json::from_str(&contract()).expect("JSON");
     for Example { path, name, body } in short_examples() {
@@ -129,7 +136,7 @@ async fn a_form_asked_for_by_header_is_the_form_asked_for_by_query() {
             let by_header = post(&app, &path, body.to_string(), &[("accept", &media_type), id]).await;
             assert_eq!(by_header.header("content-type"), by_query.header("content-type"));
             if format != "events" {
-                assert_eq!(by_header.body, by_query.body, "{path} {name} {format}");
+                assert_eq!(by_header.body, by_query.body, "{path} {name} {format}: another body");
             }
         }
     }
@@ -145,48 +152,58 @@ async fn every_answer_in_json_has_the_members_of_the_contract() {
             (&json["request_id"], &json["engine_version"]),
             (&json!("one"), &json!(env!("CARGO_PKG_VERSION")))
         );
-        assert_eq!(json.get("meta"), body.get("meta"), "{path} {name}");
-        assert!(json["warnings"].is_array() && json["report"].is_object(), "{path} {name}");
+        assert_eq!(json.get("meta"), body.get("meta"), "{path} {name}: meta is not returned");
+        assert!(
+            json["warnings"].is_array() && json["report"].is_object(),
+            "{path} {name}: no warnings or no report"
+        );
         let has_path = is_path(&path);
-        assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}");
+        assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}: measures");
     }
 }
 
 #[tokio::test]
-async fn a_toolpath_is_answered_unless_it_is_declined() {
+async fn an_answer_holds_its_toolpath_unless_the_query_says_toolpath_false() {
     let app = app(&["--workers", "1"]);
     for Example { path, name, body } in short_examples() {
         let query = format!("{path}?format=json");
         let has_path = is_path(&path);
         let whole = post(&app, &format!("{query}&toolpath=true"), body.to_string(), &[]).await.json();
-        assert_eq!(whole["toolpath"]["passes"][0]["moves"][0]["kind"].is_string(), has_path, "{path} {name}");
+        assert_eq!(
+            whole["toolpath"]["passes"][0]["moves"][0]["kind"].is_string(),
+            has_path,
+            "{path} {name}: toolpath"
+        );
         let bare = post(&app, &format!("{query}&toolpath=false"), body.to_string(), &[]).await.json();
-        assert!(bare.get("toolpath").is_none() && bare["measures"] == whole["measures"], "{path} {name}");
+        assert!(
+            bare.get("toolpath").is_none() && bare["measures"] == whole["measures"],
+            "{path} {name}: a toolpath, or other measures"
+        );
     }
 }
 
 #[tokio::test]
-async fn every_example_is_an_ascii_program_in_every_dialect() {
+async fn every_example_becomes_an_ascii_program_in_every_dialect() {
     let app = app(&["--workers", "1"]);
     for example in examples().into_iter().filter(|example| is_path(&example.path)) {
         let Example { path, name, .. } = &example;
         for dialect in DIALECTS {
             let body = example.in_dialect(dialect.name);
             let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
-            assert_eq!(by_query.status, 200, "{path} {name} {}", dialect.name);
+            assert_eq!(by_query.status, 200, "{path} {name} {}: refused", dialect.name);
             assert_eq!(by_query.header("content-type"), "text/x-gcode; charset=us-ascii");
             let disposition = by_query.header("content-disposition");
             assert!(
                 disposition.starts_with("attachment; filename=\"") && disposition.ends_with('"'),
-                "{disposition}"
+                "no file name: {disposition}"
             );
-            assert!(by_query.body.is_ascii());
+            assert!(by_query.body.is_ascii(), "{path} {name} {}: not ASCII", dialect.name);
         }
     }
 }
 
 #[tokio::test]
-async fn a_program_is_answered_under_every_media_type_of_programs() {
+async fn a_program_is_the_same_under_every_media_type_for_programs() {
     let app = app(&["--workers", "1"]);
     for example in short_examples().into_iter().filter(|example| is_path(&example.path)) {
         let Example { path, name, .. } = &example;
@@ -196,7 +213,7 @@ async fn a_program_is_answered_under_every_media_type_of_programs() {
             for media_type in ["text/x.gcode", "application/x-gcode", "text/plain"] {
                 let answer = post(&app, path, body.clone(), &[("accept", media_type)]).await;
                 assert_eq!(answer.header("content-type"), format!("{media_type}; charset=us-ascii"));
-                assert_eq!(answer.body, by_query.body, "{path} {name} {}", dialect.name);
+                assert_eq!(answer.body, by_query.body, "{path} {name} {}: another program", dialect.name);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What is answered of a surface, and what is refused of the kinds of surfaces.
+//! Tests of models of surfaces, and of the refusal of illegal surfaces.
 
 use serde_json::{Value, json};
 
@@ -28,7 +28,7 @@ fn with(body: &str, pointer: &str, value: Value) -> String {
 }
 
 #[tokio::test]
-async fn a_cylinder_is_described_by_its_closed_forms() {
+async fn the_model_of_a_cylinder_equals_closed_forms() {
     let app = app(&["--workers", "1"]);
     let answer = post(&app, MODEL, CYLINDER, &[]).await;
     assert_eq!(answer.status, 200);
@@ -43,27 +43,27 @@ async fn a_cylinder_is_described_by_its_closed_forms() {
         .collect();
     let half = 40.0 * 0.75f64.sqrt();
     for (found, expected) in bounds.iter().zip([-half, 0.0, 20.0, half, 30.0, 40.0]) {
-        assert!((found - expected).abs() < 1e-5, "{bounds:?}");
+        assert!((found - expected).abs() < 1e-5, "other bounds: {bounds:?}");
     }
     assert_eq!(report["n_patches"], 2);
     let patch = &report["patches"][1][0];
     assert_eq!(patch["degree"], json!([2, 1]));
     assert_eq!(patch["net"].as_array().map(Vec::len), Some(3));
     assert!((patch["weights"][1][0].as_f64().expect("a weight") - 0.75f64.sqrt()).abs() < 1e-12);
-    // Convex across and straight along: hardly concave anywhere.
+    // The cylinder is convex across and straight along, so that its concave curvature is nearly 0.
     let curvature = report["curvature_max_concave_per_mm"].as_f64().expect("a curvature");
-    assert!((0.0..1e-3).contains(&curvature), "{curvature}");
+    assert!((0.0..1e-3).contains(&curvature), "the largest concave curvature is {curvature}");
     assert_eq!(report["fit_deviation_max_mm"], Value::Null);
     let wires = report["wires"].as_array().expect("wires");
     assert_eq!(wires.len(), 7);
     for point in wires.iter().flat_map(|wire| wire.as_array().expect("a wire")) {
         let [x, z] = [0, 2].map(|c| point[c].as_f64().expect("a number"));
-        assert!((x.hypot(z) - 40.0).abs() < 1e-9, "{point}");
+        assert!((x.hypot(z) - 40.0).abs() < 1e-9, "{point} of a wire is not on the cylinder");
     }
 }
 
 #[tokio::test]
-async fn patches_through_data_points_pass_through_the_points() {
+async fn ferguson_patches_pass_through_their_data_points() {
     let app = app(&["--workers", "1"]);
     let report = post(&app, MODEL, FERGUSON, &[]).await.json()["report"].clone();
     assert!(report["fit_deviation_max_mm"].as_f64().is_some_and(|mm| mm < 1e-12));
@@ -78,7 +78,7 @@ async fn patches_through_data_points_pass_through_the_points() {
 }
 
 #[tokio::test]
-async fn a_model_is_a_picture_but_no_program() {
+async fn the_model_of_a_surface_is_answered_as_a_picture_but_not_as_a_program() {
     let app = app(&["--workers", "1"]);
     let svg = post(&app, &format!("{MODEL}?format=svg"), CYLINDER, &[]).await;
     assert_eq!((svg.status.as_u16(), svg.header("content-type")), (200, "image/svg+xml; charset=utf-8"));
@@ -89,7 +89,7 @@ async fn a_model_is_a_picture_but_no_program() {
 }
 
 #[tokio::test]
-async fn surfaces_with_edges_or_poles_are_warned_of_and_have_no_offset() {
+async fn edges_and_poles_cause_warnings_and_offset_section_refuses_edges_and_gaps() {
     let app = app(&["--workers", "1"]);
     let row = |i: usize, z: f64| json!([[10 * i, 0, z], [10 * i, 20, z]]);
     let roof = json!({
@@ -117,12 +117,12 @@ async fn surfaces_with_edges_or_poles_are_warned_of_and_have_no_offset() {
     let warnings = post(&app, MODEL, pole.to_string(), &[]).await.json()["warnings"].clone();
     assert!(
         warnings.as_array().is_some_and(|all| all.iter().any(|w| w["code"] == "no_normal")),
-        "{warnings}"
+        "no warning of the pole: {warnings}"
     );
 }
 
 #[tokio::test]
-async fn every_fault_of_a_surface_is_pointed_at() {
+async fn every_violation_in_a_surface_has_its_code_and_its_pointer() {
     let app = app(&["--workers", "1"]);
     let thousand_wires = with(CYLINDER, "/wires/pitch_mm", json!(0.001));
     for (body, code, pointer) in [

@@ -1,4 +1,4 @@
-//! Media types, request ids, and the answers of the framework.
+//! Media types, queries, request ids, unknown paths, and the endpoints that describe the service.
 
 use axum::body::Body;
 use axum::http::Request;
@@ -19,7 +19,7 @@ async fn an_accept_header_without_a_match_is_406_with_the_offers() {
 }
 
 #[tokio::test]
-async fn queries_are_read_strictly() {
+async fn unknown_query_parameters_and_values_are_400() {
     let app = app(&["--workers", "1"]);
     for query in ["format=pdf", "toolpath=maybe", "tolpath=false"] {
         let answer = post(&app, &format!("{MILL}?{query}"), ONE_PASS, &[]).await;
@@ -28,7 +28,7 @@ async fn queries_are_read_strictly() {
 }
 
 #[tokio::test]
-async fn only_the_content_types_of_json_are_read() {
+async fn content_types_other_than_json_and_curls_default_are_415() {
     let app = app(&["--workers", "1"]);
     let status = async |content_type: Option<&str>| {
         let builder = Request::post(MILL);
@@ -64,7 +64,7 @@ async fn unknown_paths_and_wrong_methods_are_answered_with_problems() {
 }
 
 #[tokio::test]
-async fn ids_are_echoed_or_made() {
+async fn a_legal_request_id_is_echoed_and_another_is_made_otherwise() {
     let app = app(&["--workers", "1"]);
     let echoed = post(&app, MILL, "{}", &[("x-request-id", "job-7")]).await;
     assert_eq!(echoed.problem()["request_id"], "job-7");
@@ -77,7 +77,7 @@ async fn ids_are_echoed_or_made() {
 }
 
 #[tokio::test]
-async fn the_service_tells_its_limits_and_dialects() {
+async fn limits_dialects_contract_and_readiness_can_be_read() {
     let app = app(&["--workers", "3", "--queue", "5"]);
     let limits = get(&app, "/v1/limits").await;
     assert_eq!(limits.header("content-type"), "application/json");

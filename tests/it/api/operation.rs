@@ -1,4 +1,4 @@
-//! What supervisors, browsers and traces see of the service, and what bounds its memory.
+//! Metrics, traces, cross-origin requests, documentation pages, and the limits on connections and memory.
 
 use std::io::Read;
 use std::time::Duration;
@@ -12,9 +12,10 @@ use super::support::{
     Answer, MILL, ONE_PASS, Server, app, aside, connect, get, post, post_head, read_answer, send, write,
 };
 
+/// Longest time until the service closes a connection whose caller does not read.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The figure of this name and these labels; `None` where there is none.
+/// The value of the metric with this name and these labels. `None` if there is no such metric.
 async fn figure(app: &std::sync::Arc<toolpathd::http::App>, name: &str) -> Option<f64> {
     let text = get(app, "/metrics").await.text();
     let line = text.lines().find_map(|line| line.strip_prefix(&format!("{name} ")).map(str::to_owned));
@@ -44,13 +45,16 @@ async fn metrics_count_requests_by_route_and_never_by_path() {
         assert_eq!(figure(&app, &format!("toolpathd_{name}")).await, Some(expected), "{name}");
     }
     let text = get(&app, "/metrics").await.text();
-    assert!(text.ends_with("# EOF\n") && !text.contains("no/such"), "{text}");
+    assert!(
+        text.ends_with("# EOF\n") && !text.contains("no/such"),
+        "a path is in the metrics, or they do not end: {text}"
+    );
     let untouched = get(&other, "/metrics").await.text();
-    assert!(!untouched.contains(MILL), "{untouched}");
+    assert!(!untouched.contains(MILL), "the metrics hold requests to another service: {untouched}");
 }
 
 #[tokio::test]
-async fn a_caller_that_goes_away_is_counted() {
+async fn a_caller_that_disconnects_is_counted_as_a_cancellation() {
     let app = app(&["--workers", "1"]);
     let body = Body::from_stream(futures_util::stream::pending::<Result<Vec<u8>, std::io::Error>>());
     let waiting = post(&app, MILL, body, &[]);
@@ -60,18 +64,21 @@ async fn a_caller_that_goes_away_is_counted() {
 }
 
 #[tokio::test]
-async fn a_trace_is_continued_and_none_is_begun() {
+async fn a_trace_of_the_caller_is_continued_and_no_new_trace_is_begun() {
     let app = app(&["--workers", "1"]);
     let sent = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
     let answer = post(&app, MILL, ONE_PASS, &[("traceparent", sent)]).await;
     let continued = answer.header("traceparent");
-    assert!(continued.starts_with(&sent[..36]) && continued.ends_with("-01"), "{continued}");
+    assert!(
+        continued.starts_with(&sent[..36]) && continued.ends_with("-01"),
+        "not the trace of the caller: {continued}"
+    );
     assert_ne!(continued, sent);
     assert_eq!(get(&app, "/livez").await.header("traceparent"), "");
 }
 
 #[tokio::test]
-async fn pages_of_configured_origins_alone_may_call() {
+async fn only_pages_of_configured_origins_may_call() {
     async fn allowed(flags: &[&str], origin: &str) -> Answer {
         let preflight = Request::options(MILL)
             .header("origin", origin)
@@ -90,26 +97,29 @@ async fn pages_of_configured_origins_alone_may_call() {
 }
 
 #[tokio::test]
-async fn the_documentation_pages_load_from_this_service_alone() {
+async fn the_documentation_pages_load_nothing_from_other_servers() {
     let app = app(&["--workers", "1"]);
     let redirect = get(&app, "/docs").await;
     assert_eq!((redirect.status.as_u16(), redirect.header("location")), (303, "/docs/"));
     let page = get(&app, "/docs/").await;
     let policy = page.header("content-security-policy");
-    assert!(policy.starts_with("default-src 'none';") && !policy.contains("http"), "{policy}");
+    assert!(
+        policy.starts_with("default-src 'none';") && !policy.contains("http"),
+        "the policy allows other servers: {policy}"
+    );
     let text = page.text();
     assert!(
         !text.contains("//cdn") && !text.contains("src=\"http") && !text.contains("href=\"http"),
-        "{text}"
+        "the page names another server: {text}"
     );
     let loaded: Vec<_> =
         text.split(['"']).filter(|name| name.ends_with(".js") || name.ends_with(".css")).collect();
-    assert_eq!(loaded.len(), 5, "{loaded:?}");
+    assert_eq!(loaded.len(), 5, "other files are loaded: {loaded:?}");
     for name in loaded {
         assert_eq!(
             get(&app, &format!("/docs/{}", name.trim_start_matches("./"))).await.status,
             200,
-            "{name}"
+            "{name} cannot be loaded"
         );
     }
     let start = get(&app, "/docs/swagger-initializer.js").await.text();
@@ -117,7 +127,7 @@ async fn the_documentation_pages_load_from_this_service_alone() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_connection_too_many_is_closed_and_one_less_makes_room() {
+async fn a_connection_above_the_limit_is_closed_until_another_one_ends() {
     let app = app(&["--workers", "1", "--connections", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -139,7 +149,7 @@ async fn a_connection_too_many_is_closed_and_one_less_makes_room() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn bodies_under_way_share_a_bounded_memory() {
+async fn a_body_beyond_the_memory_for_all_bodies_is_503() {
     let app = app(&["--workers", "1", "--body-limit", "1000", "--body-memory", "1000"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -151,7 +161,10 @@ async fn bodies_under_way_share_a_bounded_memory() {
         let mut second = connect(address);
         write(&mut second, &format!("{}{most}{{}}", post_head(MILL, 602)));
         let answer = read_answer(&mut second).expect("an answer").to_ascii_lowercase();
-        assert!(answer.starts_with("http/1.1 503") && answer.contains("retry-after: 1"), "{answer}");
+        assert!(
+            answer.starts_with("http/1.1 503") && answer.contains("retry-after: 1"),
+            "the second body was not refused: {answer}"
+        );
         write(&mut first, "{}");
         assert!(read_answer(&mut first).expect("an answer").starts_with("HTTP/1.1 422"));
         write(&mut second, &format!("{}{most}{{}}", post_head(MILL, 602)));
@@ -162,7 +175,7 @@ async fn bodies_under_way_share_a_bounded_memory() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_caller_that_does_not_read_is_dropped() {
+async fn a_caller_that_does_not_read_is_disconnected() {
     let app = app(&["--workers", "1", "--write-timeout-s", "0.4"]);
     let router = Router::new().route("/large", route_get(|| async { vec![0_u8; 64 << 20] }));
     let server = Server::with_router(&app, router).await;
@@ -180,6 +193,6 @@ async fn a_caller_that_does_not_read_is_dropped() {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     };
-    assert!(tokio::time::timeout(PATIENCE, dropped).await.is_ok());
+    assert!(tokio::time::timeout(PATIENCE, dropped).await.is_ok(), "the caller is still connected");
     server.stop().await;
 }

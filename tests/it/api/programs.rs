@@ -1,4 +1,4 @@
-//! Writing programs: the examples in every representation and dialect, and what is refused.
+//! Tests of writing programs: every example in every form and dialect, and the refusal of illegal requests.
 
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ async fn write(body: &Value) -> Answer {
     post(&app(&["--workers", "1"]), WRITE, body.to_string(), &[]).await
 }
 
-/// The example `name` with one member replaced.
+/// The example `name` with one member replaced or added.
 fn with(name: &str, pointer: &str, value: Value) -> Value {
     let mut body = example(name);
     let (parent, member) = pointer.rsplit_once('/').expect("a pointer");
@@ -45,35 +45,46 @@ fn with(name: &str, pointer: &str, value: Value) -> Value {
 }
 
 #[tokio::test]
-async fn every_example_answers_in_every_representation_and_dialect() {
+async fn every_example_of_writing_is_answered_in_every_form_and_dialect() {
     let app = app(&["--workers", "1"]);
     for (name, _) in EXAMPLES {
         for dialect in DIALECTS {
             let body = with(name, "/program/dialect", json!(dialect.name)).to_string();
             let nc = post(&app, WRITE, body.clone(), &[]).await;
-            assert_eq!(nc.status, 200, "{name} {}", dialect.name);
+            assert_eq!(nc.status, 200, "{name} {}: refused", dialect.name);
             assert_eq!(nc.header("content-type"), "text/x-gcode; charset=us-ascii");
             let ending = format!(".{}\"", dialect.file_extension);
-            assert!(nc.header("content-disposition").ends_with(&ending), "{name} {}", dialect.name);
+            assert!(
+                nc.header("content-disposition").ends_with(&ending),
+                "{name} {}: another file extension",
+                dialect.name
+            );
             for (format, content_type) in
                 [("json", "application/json"), ("svg", "image/svg+xml"), ("html", "text/html")]
             {
                 let answer = post(&app, &format!("{WRITE}?format={format}"), body.clone(), &[]).await;
-                assert_eq!(answer.status, 200, "{name} {format}");
-                assert!(answer.header("content-type").starts_with(content_type), "{name} {format}");
+                assert_eq!(answer.status, 200, "{name} {format}: refused");
+                assert!(
+                    answer.header("content-type").starts_with(content_type),
+                    "{name} {format}: another media type"
+                );
             }
             let json = post(&app, WRITE, body, &[("accept", "application/json")]).await.json();
-            assert_eq!(json["nc"].as_str().map(str::as_bytes), Some(nc.body.as_slice()), "{name}");
+            assert_eq!(
+                json["nc"].as_str().map(str::as_bytes),
+                Some(nc.body.as_slice()),
+                "{name}: another program in the JSON answer"
+            );
             certificate_holds(&json, dialect);
         }
     }
 }
 
-/// The figures of a report are those of the text beside it.
+/// Fails unless the figures of a report agree with the program beside it.
 fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
     let (report, nc) = (&answer["report"], answer["nc"].as_str().expect("a text"));
     let unit = if report["units"] == "inch" { 25.4 } else { 1.0 };
-    let decimals = i32::try_from(report["decimals"].as_i64().expect("a number")).expect("few");
+    let decimals = i32::try_from(report["decimals"].as_i64().expect("a number")).expect("a small number");
     let limit_mm = 1.5 * unit / 10f64.powi(decimals);
     let steps: Vec<Step> =
         Reader::new(nc, dialect, limit_mm).map(|placed| placed.expect("a legal text").step).collect();
@@ -85,16 +96,19 @@ fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
         Step::Rapid { .. } | Step::Dwell { .. } => largest,
     });
     let figure = |name: &str| report[name].as_f64().expect("a figure");
-    assert!((figure("radius_mismatch_max_mm") - largest).abs() < 1e-9);
+    assert!((figure("radius_mismatch_max_mm") - largest).abs() < 1e-9, "the mismatch is {largest}");
     assert!(figure("deviation_max_mm") <= limit_mm + figure("arc_adjustment_max_mm"));
     assert!(figure("arc_adjustment_max_mm") <= limit_mm);
     let measures = &answer["measures"];
     let times = ["total_time_s", "time_with_acceleration_s"].map(|name| measures[name].as_f64().expect(name));
-    assert!(times[1] > times[0] && times[1] < 2.0 * times[0], "{times:?}");
+    assert!(
+        times[1] > times[0] && times[1] < 2.0 * times[0],
+        "the time with acceleration is not plausible: {times:?}"
+    );
 }
 
 #[tokio::test]
-async fn a_milled_toolpath_is_written_to_the_same_program_by_both_endpoints() {
+async fn milling_and_writing_make_the_same_program_of_a_toolpath() {
     let app = app(&["--workers", "1"]);
     let milled = post(&app, MILL, DIE, &[]).await.json();
     let job: Value = serde_json::from_str(DIE).expect("JSON");
@@ -107,7 +121,7 @@ async fn a_milled_toolpath_is_written_to_the_same_program_by_both_endpoints() {
         text.lines().filter(|line| !line.starts_with('(')).map(str::to_owned).collect()
     };
     let own = blocks(post(&app, &format!("{MILL}?format=gcode"), DIE, &[]).await);
-    assert!(own.len() > 100);
+    assert!(own.len() > 100, "only {} blocks", own.len());
     assert_eq!(blocks(post(&app, WRITE, body.to_string(), &[]).await), own);
     let report = post(&app, &format!("{WRITE}?format=json"), body.to_string(), &[]).await.json();
     assert_eq!(report["report"]["arc_adjustment_max_mm"], 0.0);
@@ -118,7 +132,7 @@ fn parabola(to: [i32; 3], control: Value) -> Value {
 }
 
 #[tokio::test]
-async fn a_wrong_move_is_named() {
+async fn every_violation_in_a_move_has_its_code_and_its_pointer() {
     let moves = "/toolpath/passes/0/moves";
     for (place, value, code, blamed) in [
         ("/3/to/1", json!("9"), "wrong_type", "/3/to/1"),
@@ -152,11 +166,14 @@ async fn a_wrong_move_is_named() {
     }
     let answer = write(&with("contour", &format!("{moves}/4/center/0"), json!(20.1))).await;
     let detail = answer.problem()["errors"][0]["detail"].as_str().expect("a detail").to_owned();
-    assert!(detail.contains("10.0004") && detail.contains("9.89"), "{detail}");
+    assert!(
+        detail.contains("10.0004") && detail.contains("9.89"),
+        "the detail does not tell both radii: {detail}"
+    );
 }
 
 #[tokio::test]
-async fn all_violations_of_a_program_are_named_at_once() {
+async fn all_violations_of_a_program_are_reported_in_one_answer() {
     let mut body = example("contour");
     let moves = "/toolpath/passes/0/moves";
     body["toolpath"]["start"][2] = json!(-2e6);
@@ -181,7 +198,7 @@ async fn all_violations_of_a_program_are_named_at_once() {
 }
 
 #[tokio::test]
-async fn tools_programs_and_heights_are_checked() {
+async fn every_violation_in_tool_program_meta_and_heights_has_its_code_and_its_pointer() {
     let long = "x".repeat(1001);
     for (place, value, code, blamed) in [
         (
@@ -201,12 +218,12 @@ async fn tools_programs_and_heights_are_checked() {
         let wanted = (code.to_owned(), format!("#{blamed}"));
         assert_eq!(answer.violations(), [wanted], "{place} {value}");
     }
-    // A toolpath may start below the clearance plane: the approach comes from there.
+    // A toolpath may start below the clearance plane, because the program approaches it from that plane.
     assert_eq!(write(&with("contour", "/toolpath/start/2", json!(-3))).await.status, 200);
 }
 
 #[tokio::test]
-async fn a_feed_comes_from_the_move_or_from_its_role_or_is_required() {
+async fn the_feed_of_a_move_is_its_own_or_that_of_its_role_and_is_required_otherwise() {
     let mut body = example("contour");
     let text = String::from_utf8(write(&body).await.body).expect("ASCII");
     assert!(text.contains("CUT 800 RAMP 250 LEAD-OUT 800 MM PER MIN"), "{text}");
@@ -223,7 +240,7 @@ async fn a_feed_comes_from_the_move_or_from_its_role_or_is_required() {
 }
 
 #[tokio::test]
-async fn likely_mistakes_in_a_program_are_warned_of() {
+async fn likely_mistakes_in_a_program_cause_warnings() {
     let app = app(&["--workers", "1"]);
     let mut body = example("one-line");
     body["tool"] = json!({ "shape": "ball", "diameter_mm": 6, "number": 2, "length_offset": 3 });
@@ -232,14 +249,14 @@ async fn likely_mistakes_in_a_program_are_warned_of() {
     assert_eq!(codes, ["clearance_chosen", "no_spindle_speed", "length_offset_differs", "no_work_offset"]);
     let text = answer["nc"].as_str().expect("a text");
     for code in ["CLEARANCE_CHOSEN", "NO_SPINDLE_SPEED", "LENGTH_OFFSET_DIFFERS", "NO_WORK_OFFSET"] {
-        assert!(text.contains(&format!("(WARNING: {code} - ")), "{text}");
+        assert!(text.contains(&format!("(WARNING: {code} - ")), "{code} is not in the program: {text}");
     }
 }
 
 #[tokio::test]
 async fn the_number_of_moves_is_limited_and_many_moves_are_written_quickly() {
     let path = |n: usize| {
-        // Half circles of 2 mm and lines back, side by side.
+        // Half circles of 2 mm diameter, each followed by a line back, side by side.
         let moves: Vec<Value> = (0..n)
             .map(|k| {
                 let y = 0.001 * (k / 2) as f64;
@@ -262,12 +279,12 @@ async fn the_number_of_moves_is_limited_and_many_moves_are_written_quickly() {
     let body = path(120_000).to_string();
     let begun = Instant::now();
     assert_eq!(post(&app(&["--workers", "1"]), WRITE, body, &[]).await.status, 200);
-    assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+    assert!(begun.elapsed() < Duration::from_secs(20), "writing took {:?}", begun.elapsed());
 }
 
 #[tokio::test]
-async fn a_body_of_few_arcs_does_not_make_a_program_without_end() {
-    // Each circle of a kilometre is some hundred thousand chords.
+async fn a_program_that_huge_arcs_would_make_too_long_is_refused() {
+    // Each circle of nearly a kilometre radius would become some hundred thousand chords.
     let circle = json!({ "kind": "arc", "to": [0, 0, 0], "center": [900_000, 0, 0], "plane": "xy", "direction": "cw",
                          "feed_mm_per_min": 500 });
     let body = json!({ "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": vec![circle; 100] }] } });
@@ -276,7 +293,7 @@ async fn a_body_of_few_arcs_does_not_make_a_program_without_end() {
 }
 
 #[tokio::test]
-async fn dialects_say_what_numbers_their_programs_may_have() {
+async fn program_numbers_are_accepted_up_to_the_maximum_that_the_dialect_lists() {
     let answer = get(&app(&["--workers", "1"]), "/v1/dialects").await.json();
     let listed = answer["dialects"].as_array().expect("an array");
     assert_eq!(listed.len(), DIALECTS.len());
@@ -287,7 +304,7 @@ async fn dialects_say_what_numbers_their_programs_may_have() {
         for (value, status) in [(number.max, 200), (number.max + 1, 422)] {
             let mut body = with("one-line", "/program", json!({ "dialect": dialect.name, "number": value }));
             body["meta"] = json!({});
-            assert_eq!(write(&body).await.status, status, "{}", dialect.name);
+            assert_eq!(write(&body).await.status, status, "{}: the program number {value}", dialect.name);
         }
     }
 }
@@ -295,9 +312,9 @@ async fn dialects_say_what_numbers_their_programs_may_have() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
-    /// Whatever names and meta hold, the program beside its comments is the same.
+    /// Any text in names and meta leaves the blocks of the program unchanged.
     #[test]
-    fn names_and_meta_change_nothing_but_comments(
+    fn names_and_meta_change_only_the_comments_of_a_program(
         name in "(?s)([)%;(\r\n]|.){0,60}", key in "(?s).{0,20}", value in "(?s)[(]?(MSG|LOG|%|;|\u{fc}|\n|.){0,40}",
         long: bool, dialect in prop::sample::select(DIALECTS),
     ) {
@@ -317,7 +334,7 @@ proptest! {
         };
         let is_remark = |line: &&String| line.starts_with('(') && line.find(')') == Some(line.len() - 1);
         let (plain, told) = (lines(&plain), lines(&told));
-        // The name stands beside the number too.
+        // The name also follows the program number, on the same line.
         let unnamed = |line: &String| match line.split_once(" (") {
             Some((number, _)) if line.starts_with('O') && line.ends_with(')') => number.to_owned(),
             _ => line.clone(),
@@ -327,9 +344,9 @@ proptest! {
         prop_assert!(told.len() - plain.len() <= 2);
         for line in told.iter().filter(is_remark) {
             let labelled = dialect.comment.separator;
-            prop_assert!(line.contains(labelled), "{line}");
+            prop_assert!(line.contains(labelled), "a comment without a label: {line}");
             for word in ["(LOG", "(DEBUG", "(PROBEOPEN", "(PRINT", "(MSG"] {
-                prop_assert!(!line.starts_with(word), "{line}");
+                prop_assert!(!line.starts_with(word), "a comment that a control would act on: {line}");
             }
         }
     }
@@ -344,9 +361,9 @@ async fn a_name_of_ten_thousand_characters_is_refused() {
     assert_eq!(pointers, ["#/program/name", "#/meta/part_id"]);
 }
 
-/// A program without a clearance height ended at the height where it had cut.
+/// Such a program once ended at the height of its cuts.
 #[tokio::test]
-async fn without_a_clearance_height_a_program_clears_its_own_cuts() {
+async fn without_a_clearance_height_a_program_retracts_above_its_own_cuts() {
     let level = |cutting: Value| {
         json!({
             "toolpath": { "start": [0, 0, 0], "passes": [{ "moves": [
@@ -370,9 +387,9 @@ async fn without_a_clearance_height_a_program_clears_its_own_cuts() {
     assert!(!answer.headers.contains_key("toolpathd-warnings") && !answer.text().contains("WARNING"));
 }
 
-/// Program, report and progress come of one computation.
+/// One request gives the program, the report and the progress.
 #[tokio::test]
-async fn nc_true_puts_the_program_into_the_answer_and_the_event() {
+async fn the_query_nc_true_puts_the_program_into_the_json_answer_and_the_result_event() {
     let app = app(&["--workers", "1"]);
     let text = post(&app, &format!("{MILL}?format=gcode"), DIE.to_owned(), &[]).await.text();
     let json = post(&app, &format!("{MILL}?nc=true"), DIE.to_owned(), &[]).await.json();
@@ -383,11 +400,11 @@ async fn nc_true_puts_the_program_into_the_answer_and_the_event() {
     let result = events.split("event: result\ndata: ").nth(1).and_then(|rest| rest.lines().next()).unwrap();
     assert_eq!(serde_json::from_str::<Value>(result).unwrap()["nc"], json!(text));
     let without = post(&app, MILL, DIE.to_owned(), &[]).await.json();
-    assert!(without.get("nc").is_none_or(Value::is_null), "{without}");
+    assert!(without.get("nc").is_none_or(Value::is_null), "a program that was not asked for: {without}");
 }
 
 #[tokio::test]
-async fn programs_go_home_along_z_where_that_is_asked_for() {
+async fn safe_home_moves_z_home_by_g28_by_g53_or_not_at_all() {
     for (safe_home, words) in [("g28", "G91 G28 Z0.000"), ("g53", "G53 G0 Z0.000"), ("none", "")] {
         let text = write(&with("one-line", "/program/safe_home", json!(safe_home))).await.text();
         let count = if words.is_empty() { 0 } else { text.matches(words).count() };
@@ -399,7 +416,7 @@ async fn programs_go_home_along_z_where_that_is_asked_for() {
 }
 
 #[tokio::test]
-async fn names_in_other_scripts_stay_readable() {
+async fn a_name_with_an_umlaut_stays_readable_in_ascii() {
     let mut body = example("one-line");
     body["program"] = json!({ "dialect": "fanuc", "number": 4711, "name": "M\u{fc}ller, 7/8\" #3" });
     let answer = write(&body).await;

@@ -1,4 +1,4 @@
-//! The end of the real program: nothing that has reached it is lost.
+//! The real program: how it ends, its health check, its address and its contract.
 
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use super::binary::Program;
 use super::support::{MILL, connect, post_head, read_answer, write};
 
 #[test]
-fn requests_under_way_are_answered_whole() {
+fn requests_that_have_begun_before_the_program_is_terminated_are_answered() {
     let mut program = Program::start(&["--workers", "1"]);
     let mut kept_alive = connect(program.address);
     write(&mut kept_alive, "GET /livez HTTP/1.1\r\nHost: here\r\n\r\n");
@@ -36,7 +36,7 @@ fn requests_under_way_are_answered_whole() {
     write(&mut in_its_headers, "TP/1.1\r\nHost: here\r\n\r\n");
     assert!(read_answer(&mut in_its_headers).expect("an answer").starts_with("HTTP/1.1 200"));
 
-    // Longer than any grace for the idle.
+    // This is longer than idle connections are kept after termination.
     std::thread::sleep(Duration::from_millis(1200));
     write(&mut in_its_body, " }");
     let answer = read_answer(&mut in_its_body).expect("an answer");
@@ -45,17 +45,17 @@ fn requests_under_way_are_answered_whole() {
 }
 
 #[test]
-fn an_idle_program_ends_soon() {
+fn an_idle_program_ends_within_three_seconds() {
     let mut program = Program::start(&["--workers", "1"]);
     let _idle = connect(program.address);
     let started = Instant::now();
     program.terminate();
     assert_eq!(program.exit_code(), Some(0));
-    assert!(started.elapsed() < Duration::from_secs(3));
+    assert!(started.elapsed() < Duration::from_secs(3), "it ended only after {:?}", started.elapsed());
 }
 
 #[test]
-fn the_health_command_tells_health_by_its_exit_code() {
+fn the_healthcheck_command_succeeds_only_if_the_service_answers() {
     let program = Program::start(&["--workers", "1"]);
     let healthcheck = |address: &str| {
         let arguments = ["healthcheck", "--listen", address];
@@ -72,21 +72,25 @@ fn the_health_command_tells_health_by_its_exit_code() {
 }
 
 #[test]
-fn a_public_address_needs_allow_public() {
+fn a_public_address_is_refused_without_allow_public() {
     for address in ["0.0.0.0:0", "[::]:0"] {
         let output = Command::new(env!("CARGO_BIN_EXE_toolpathd"))
             .args(["--listen", address])
             .output()
-            .expect("it ends by itself");
+            .expect("the program starts");
         assert_eq!(output.status.code(), Some(1));
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(said.contains(address) && said.contains("--allow-public"), "{said}");
+        assert!(
+            said.contains(address) && said.contains("--allow-public"),
+            "the message does not help: {said}"
+        );
     }
 }
 
 #[test]
-fn the_contract_is_printed() {
-    let output = Command::new(env!("CARGO_BIN_EXE_toolpathd")).arg("openapi").output().expect("its output");
+fn the_openapi_command_prints_the_contract() {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_toolpathd")).arg("openapi").output().expect("the program starts");
     assert!(output.status.success());
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), toolpathd::http::contract());
 }

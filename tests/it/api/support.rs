@@ -1,4 +1,4 @@
-//! Requests without a socket, and with one.
+//! Helpers for requests to the service, with and without a socket.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -19,16 +19,16 @@ use tower::ServiceExt;
 pub const ONE_PASS: &str = include_str!("../../../openapi/examples/surfaces-mill/one-pass.json");
 pub const MILL: &str = "/v1/surfaces/mill";
 
-/// The settings of a command line.
+/// The settings that these flags of the command line give.
 pub fn settings(flags: &[&str]) -> Settings {
     Cli::parse_from(["toolpathd"].iter().chain(flags)).settings
 }
 
 pub fn app(flags: &[&str]) -> Arc<App> {
-    App::new(&settings(flags)).expect("threads")
+    App::new(&settings(flags)).expect("threads start")
 }
 
-/// A finished answer.
+/// An answer whose whole body was read.
 #[derive(Debug)]
 pub struct Answer {
     pub status: StatusCode,
@@ -49,7 +49,7 @@ impl Answer {
         serde_json::from_slice(&self.body).expect("JSON")
     }
 
-    /// The problem, after a look at what every problem has.
+    /// The body as a problem. Fails if a member or a header that every problem has is missing.
     pub fn problem(&self) -> Value {
         assert_eq!(self.header("content-type"), "application/problem+json");
         let problem = self.json();
@@ -57,9 +57,12 @@ impl Answer {
         assert_eq!(problem["type"], "about:blank");
         assert_eq!(problem["request_id"], self.header("x-request-id"));
         for name in ["title", "detail", "code", "request_id"] {
-            assert!(problem[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {problem}");
+            assert!(
+                problem[name].as_str().is_some_and(|text| !text.is_empty()),
+                "the problem lacks {name}: {problem}"
+            );
         }
-        assert!(problem["errors"].is_array());
+        assert!(problem["errors"].is_array(), "the problem lacks errors: {problem}");
         assert_eq!(self.header("x-engine-version"), env!("CARGO_PKG_VERSION"));
         problem
     }
@@ -68,7 +71,7 @@ impl Answer {
         self.problem()["code"].as_str().unwrap_or_default().to_owned()
     }
 
-    /// Code and pointer of every violation.
+    /// The code and the pointer of every violation.
     pub fn violations(&self) -> Vec<(String, String)> {
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let problem = self.problem();
@@ -78,7 +81,7 @@ impl Answer {
 }
 
 pub async fn send(app: &Arc<App>, request: Request<Body>) -> Answer {
-    let response = router(app).oneshot(request).await.expect("infallible");
+    let response = router(app).oneshot(request).await.expect("the router does not fail");
     let (parts, body) = response.into_parts();
     let body = to_bytes(body, usize::MAX).await.expect("a body").to_vec();
     Answer { status: parts.status, headers: parts.headers, body }
@@ -122,13 +125,13 @@ impl Server {
 
     pub async fn stop(self) {
         let _ = self.stop.send(());
-        self.task.await.expect("no panic").expect("no failure");
+        self.task.await.expect("the server did not panic").expect("the server did not fail");
     }
 }
 
-/// Runs what waits on sockets beside the service.
+/// Runs blocking work on sockets in a thread of its own, so that the service can run.
 pub async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    tokio::task::spawn_blocking(work).await.expect("no panic")
+    tokio::task::spawn_blocking(work).await.expect("the thread did not panic")
 }
 
 pub fn connect(address: SocketAddr) -> TcpStream {
@@ -137,7 +140,7 @@ pub fn connect(address: SocketAddr) -> TcpStream {
     stream
 }
 
-/// Reads one answer; `None` when the connection ended without one.
+/// Reads one answer. `None` if the connection ends before the answer does, or no data comes for 20 s.
 pub fn read_answer(stream: &mut TcpStream) -> Option<String> {
     let mut text = Vec::new();
     let mut byte = [0];
@@ -156,7 +159,7 @@ pub fn read_answer(stream: &mut TcpStream) -> Option<String> {
 }
 
 pub fn write(stream: &mut TcpStream, text: &str) {
-    stream.write_all(text.as_bytes()).expect("written");
+    stream.write_all(text.as_bytes()).expect("the request can be written");
 }
 
 /// The head of a POST with a body of `length` bytes.

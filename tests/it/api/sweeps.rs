@@ -1,4 +1,4 @@
-//! Surfaces from section curves: what is answered of them, and what is refused.
+//! Tests of surfaces that are swept from section curves: models, milling, and the refusal of illegal curves.
 
 use serde_json::{Value, json};
 
@@ -36,9 +36,9 @@ fn numbers(point: &Value) -> [f64; 3] {
 }
 
 #[tokio::test]
-async fn an_arc_along_a_line_is_a_cylinder() {
+async fn the_sweep_of_an_arc_along_a_line_is_a_cylinder() {
     let app = app(&["--workers", "1"]);
-    // A half cylinder of radius 20 in two quarters, the walls below it 5 mm high.
+    // A half cylinder of radius 20 mm in two quarters. The walls below it are 5 mm high.
     let mut body =
         json!({ "surface": parallel("l(-20,-5) r(-20,20,20) r(20,20,20) l(20,-5)", "l(0,0) l(30,0)") });
     body["wires"] = json!({ "pitch_mm": 5, "direction": "u" });
@@ -48,19 +48,19 @@ async fn an_arc_along_a_line_is_a_cylinder() {
     assert_eq!(report["n_patches"], 4);
     let bounds = ["min", "max"].map(|end| numbers(&report["bounds"][end]));
     for (found, expected) in bounds.iter().flatten().zip([-20.0, 0.0, -5.0, 20.0, 30.0, 20.0]) {
-        assert!((found - expected).abs() < 1e-5, "{bounds:?}");
+        assert!((found - expected).abs() < 1e-5, "other bounds: {bounds:?}");
     }
     assert_eq!(report["fit_deviation_max_mm"], Value::Null);
     let wires = report["wires"].as_array().expect("wires");
     assert_eq!(wires.len(), 7);
     for [x, _, z] in wires.iter().flat_map(|wire| wire.as_array().expect("a wire")).map(numbers) {
         let off = if z > 0.0 { x.hypot(z) } else { x.abs() } - 20.0;
-        assert!(off.abs() < 1e-12, "{x} {z}");
+        assert!(off.abs() < 1e-12, "a wire is off the surface at x = {x}, z = {z}");
     }
 }
 
 #[tokio::test]
-async fn swept_surfaces_lie_where_the_contract_says() {
+async fn swept_surfaces_have_the_bounds_that_follow_from_the_contract() {
     let app = app(&["--workers", "1"]);
     for (surface, low, high) in [
         (parallel("l(0,0) l(9,4)", "l(1,1) l(8,0)"), [0.0, 0.0, -1.0], [9.0, 7.0, 4.0]),
@@ -75,7 +75,7 @@ async fn swept_surfaces_lie_where_the_contract_says() {
 }
 
 #[tokio::test]
-async fn examples_have_wires_in_every_direction() {
+async fn every_sweep_example_has_wires_in_every_direction() {
     let app = app(&["--workers", "1"]);
     for example in [PARALLEL, NORMAL, RULED] {
         for direction in ["u", "v", "x", "y"] {
@@ -89,7 +89,7 @@ async fn examples_have_wires_in_every_direction() {
 }
 
 #[tokio::test]
-async fn sharp_corners_of_swept_curves_are_warned_of_and_have_no_offset() {
+async fn sharp_corners_of_swept_curves_cause_warnings_and_offset_section_refuses_them() {
     let app = app(&["--workers", "1"]);
     for (surface, place) in [
         (parallel("l(0,0) l(20,0) l(40,9)", "l(0,0) l(30,0)"), [20.0, 0.0, 0.0]),
@@ -113,12 +113,15 @@ async fn sharp_corners_of_swept_curves_are_warned_of_and_have_no_offset() {
         let refused = post(&app, MILL, body.to_string(), &[]).await;
         assert_eq!((refused.status.as_u16(), refused.code().as_str()), (422, "not_smooth"));
         let found = numbers(&refused.problem()["place"]);
-        assert!(found.iter().zip(place).all(|(a, b)| (a - b).abs() < 0.5), "{found:?} {place:?}");
+        assert!(
+            found.iter().zip(place).all(|(a, b)| (a - b).abs() < 0.5),
+            "the corner is reported at {found:?}, not {place:?}"
+        );
     }
 }
 
 #[tokio::test]
-async fn swept_surfaces_are_milled() {
+async fn swept_surfaces_are_milled_within_the_tolerance() {
     let app = app(&["--workers", "1"]);
     for example in [PARALLEL, NORMAL, RULED] {
         let mut body = parsed(BEZIER_PATCHES);
@@ -129,13 +132,16 @@ async fn swept_surfaces_are_milled() {
         assert_eq!(answer.status, 200, "{}", answer.text());
         let report = answer.json()["report"].clone();
         for name in ["deviation_max_mm", "gouge_max_mm"] {
-            assert!(report[name].as_f64().is_some_and(|mm| mm <= 0.01), "{name} {report}");
+            assert!(
+                report[name].as_f64().is_some_and(|mm| mm <= 0.01),
+                "{name} exceeds the tolerance: {report}"
+            );
         }
     }
 }
 
 #[tokio::test]
-async fn every_fault_of_a_curve_is_pointed_at() {
+async fn every_violation_in_a_section_curve_has_its_code_pointer_and_offset() {
     let app = app(&["--workers", "1"]);
     let line = "l(0,0) l(9,0)";
     for (surface, code, name, offset) in [
@@ -143,9 +149,9 @@ async fn every_fault_of_a_curve_is_pointed_at() {
         (parallel(line, "l(0,0) l(0,0)"), "coincident", "drive", 7),
         (parallel("l(0,0) r(9,0,99) l(9,9)", line), "syntax", "basic", 7),
         (ruled(line, "l(0,0,0) l(1,1)"), "syntax", "second", 10),
-        // The rounding of 10 mm, where the drive curve reaches 11 to the left.
+        // The rounding of 10 mm is too small, because the drive curve reaches 11 mm to the left.
         (normal("l(0,0) r(40,0,10) l(40,40)", "l(0,0) l(11,3)"), "out_of_range", "basic", 7),
-        // No mitre beside a smooth curve, and no way back.
+        // A corner beside a smooth curve cannot be mitred, and neither can a corner that turns back.
         (normal("l(0,0) b((20,0),(30,9),(50,0))", "l(0,0) l(4,3)"), "out_of_range", "basic", 7),
         (normal("l(0,0) l(20,0) l(0,0.01)", "l(0,0) l(4,3)"), "out_of_range", "basic", 7),
     ] {
@@ -169,12 +175,12 @@ async fn every_fault_of_a_curve_is_pointed_at() {
 }
 
 #[tokio::test]
-async fn swept_surfaces_are_limited_in_patches() {
+async fn sweeps_that_need_too_many_patches_or_points_are_refused() {
     let app = app(&["--workers", "1"]);
     let zigzag = |n: usize| (0..n).map(|k| format!("l({k},{}) ", k % 2)).collect::<String>();
     let many = post(&app, MODEL, of(parallel(&zigzag(2000), &zigzag(2000))), &[]).await;
     assert_eq!(many.violations(), [("limit_exceeded".to_owned(), "#/surface".to_owned())]);
-    // A smooth curve of great length beside a line would take ever more patches.
+    // A smooth curve of great length would need more and more patches beside a line.
     let wild: String = (0..20_000).map(|k| format!("({},{}),", k % 2 * 900_000, k)).collect();
     let wild = format!("b({}(0,50000))", wild);
     for surface in [ruled(&wild, "l(0,0,9) l(5,0,9)"), normal(&wild, "l(0,0) l(1000000,1)")] {

@@ -39,7 +39,7 @@ fn renumbered(job: &Job, order: impl Fn(&[Vec<Point3<f64>>]) -> Vec<Vec<Point3<f
 /// choice of the ends of elements may change the figures a little.
 fn is_alike(original: &Report, variant: &Job) {
     let report = judge(variant).unwrap().0.report;
-    assert_eq!(report.n_passes, original.n_passes, "other passes: {report:?} {original:?}");
+    assert_eq!(report.n_passes, original.n_passes, "another number of passes: {report:?} {original:?}");
     let near = |a: usize, b: usize| a.abs_diff(b) * 10 <= a.max(b);
     assert!(
         near(report.n_arcs + report.n_lines, original.n_arcs + original.n_lines),
@@ -139,14 +139,17 @@ fn cut_and_refused(job: &Job, amplitude_mm: f64, seeds: std::ops::Range<u64>) ->
         match judge(&noisy) {
             Ok(_) => {
                 let room = least_room(&noisy, Point3::origin(), f64::INFINITY);
-                assert!(room > 0.0, "seed {seed}: cut although the offset folds, by {room}");
+                assert!(
+                    room > 0.0,
+                    "seed {seed}: cut although the offset folds: 1 - radius x curvature is {room}"
+                );
                 counts[0] += 1;
             }
             Err(Error::OffsetFolds { at }) => {
                 let room = least_room(&noisy, at, 0.5);
                 assert!(
                     room < 0.02,
-                    "seed {seed}: refused at {at}, where the offset does not fold, by {room}"
+                    "seed {seed}: refused at {at}, where the offset does not fold: 1 - radius x curvature is {room}"
                 );
                 counts[1] += 1;
             }

@@ -316,7 +316,7 @@ async fn a_program_that_cannot_be_rewritten_is_refused_with_the_code_of_its_faul
         let coded = [plain, &[CODED]].concat();
         assert_refused(&rewrite(&app, QUERY, "", plain).await, 400, "bad_request");
         assert_refused(&rewrite(&app, QUERY, gzip(b""), &coded).await, 400, "bad_request");
-        // Of the first 12 bytes nothing can be decoded.
+        // Nothing can be decoded from the first 12 bytes.
         assert_refused(
             &rewrite(&app, QUERY, gzip(&program())[..12].to_vec(), &coded).await,
             400,

@@ -1,4 +1,4 @@
-//! Rapids end 2 mm above the stock. Entries and exits are made as asked for, unless they do not clear the
+//! Rapids end 2 mm above the stock. Entries and exits are those of the job, unless they do not clear the
 //! part. Links join neighbouring passes.
 
 use nalgebra::Point3;

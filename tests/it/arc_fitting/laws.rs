@@ -226,8 +226,8 @@ fn a_coarse_polygon_becomes_an_arc_only_if_its_lines_are_within_the_tolerance() 
         let points: Vec<_> = (0..corners).map(|k| polar(10.0, angle * f64::from(k))).collect();
         let sagitta = 10.0 * (1.0 - (0.5 * angle).cos());
         let polyline = |part: f64| Fit { measure: Measure::Polyline, ..Fit::within(part * sagitta) };
-        // An arc may pass as far inside the corners as outside of the lines, except at its ends. So no arc fits
-        // within less than half a sagitta.
+        // An arc may pass as far inside the corners as outside of the lines, except at its ends. So no arc
+        // fits within less than half a sagitta.
         let lines = fitted(&points, &polyline(0.49));
         assert!(lines.elements.iter().all(|element| element.shape == Shape::Line), "{lines:?}");
         assert_eq!(lines.elements.len(), points.len() - 1);

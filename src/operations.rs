@@ -1,4 +1,4 @@
-//! The operations: each takes a job and a budget and answers a plan or its own error.
+//! The operations. Each one takes a job and a budget and returns a plan or its own error.
 
 pub mod arc_fitting;
 pub mod cutter_location;

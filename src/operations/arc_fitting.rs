@@ -1,23 +1,24 @@
-//! Fitting arcs and lines to a polyline.
+//! Fits arcs and lines to a polyline.
 //!
 //! # Method
-//! 1. The points are fitted in the plane they lie in, or that is given
+//! 1. Fit the points in the requested plane, or in the plane in which they lie
 //!    ([`arc_fit`](crate::geometry::arc_fit)).
-//! 2. What is left between points and curves is measured again on the curves as they are answered, and
-//!    bounded for the program at its decimals.
-//! 3. The curves become a toolpath.
+//! 2. Measure the deviation again on the fitted curves ([`following`]), and bound it for the program at its
+//!    decimals. Lines replace curves that exceed the tolerance.
+//! 3. Turn the curves into a toolpath.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` is the distance within which the curves pass the points in order; by the measure of
-//!   the polyline that of the lines between them too, both ways. It is at most the tolerance, but for biarcs,
-//!   which know none, and but for rounding.
-//! * `deviation_written_max_mm` bounds the same of the program, whatever of what it allows the control does.
+//! * `deviation_max_mm` bounds the distance of the points from the curves, in order. With the measure
+//!   `polyline` it also bounds the distance between the curves and the lines between the points, both ways.
+//!   It is at most the tolerance and its rounding, except for biarcs, which know no tolerance.
+//! * `deviation_written_max_mm` bounds the same distance for the program. It holds for every path that the
+//!   control may take for a block.
 //!
 //! # Degenerate input
 //! Coincident neighbours count once. Points that are all the same are refused.
 //!
 //! # Cost
-//! That of the fit.
+//! The cost of the fit.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.
@@ -35,27 +36,27 @@ use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{Parabolas, QuantizeError, round};
 use crate::toolpath::{PathError, Toolpath};
 
-/// Curves between two looks at the budget.
+/// Curves between two checks of the budget.
 const CURVES_BETWEEN_CHECKS: usize = 1024;
 
-/// Samples are coarse where the lines between them are this many tolerances away.
+/// Samples count as coarse if the lines between them lie more than this many tolerances from the curves.
 const COARSE_TOLERANCES: f64 = 2.0;
 
-/// Rounding of deviations, in parts of them and mm.
+/// Rounding allowed where a deviation is compared with the tolerance: a share of the tolerance, and mm.
 const ROUNDING: f64 = 1e-6;
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Directions that differ by less, degrees, differ by rounding.
+/// The least angle that counts as a kink, degrees; smaller angles come from rounding.
 const KINK_DEG: f64 = 0.01;
 
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// At least two, mm. Of a closed way the first need not be repeated.
+    /// At least two points, mm. On a closed path the first point need not be repeated at the end.
     pub points: Vec<Point3<f64>>,
-    /// Where arcs lie, if not in the plane of the points.
+    /// The plane of the arcs; `None` for the plane of the points.
     pub plane: Option<Plane>,
     pub fit: Fit,
-    /// Without them the toolpath has no feeds.
+    /// The cutting conditions; without them the toolpath has no feeds.
     pub cutting: Option<CuttingRequest>,
     pub resolution: Resolution,
 }
@@ -73,13 +74,13 @@ pub struct Report {
     pub n_points: usize,
     pub n_arcs: usize,
     pub n_lines: usize,
-    /// By the measure of the job, mm.
+    /// The deviation by the measure of the job, mm.
     pub deviation_max_mm: f64,
-    /// Proved, of the program at its decimals, mm.
+    /// Proved bound for the deviation of the program at its decimals, mm.
     pub deviation_written_max_mm: f64,
     /// The largest angle between neighbouring curves, degrees.
     pub kink_max_deg: f64,
-    /// Joints at which curves meet at an angle.
+    /// The number of joints at which curves meet at an angle.
     pub n_kinks: usize,
     pub length_mm: f64,
     /// `None` without a feed.
@@ -93,14 +94,14 @@ pub enum Warning {
     RoundingExceedsTolerance { deviation_mm: f64 },
     /// The curves are near the points, but not near the lines between them.
     CoarseSamples { deviation_mm: f64 },
-    /// The curves pass the points of themselves, whatever the tolerance.
+    /// The deviation exceeds the tolerance: biarcs pass through the points whatever the tolerance.
     ToleranceExceeded { deviation_mm: f64 },
 }
 
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub toolpath: Toolpath,
-    /// Where curves meet, and the ends.
+    /// The joints of the curves, and both ends of the path.
     pub joints: Vec<Point3<f64>>,
     pub report: Report,
     /// The conditions with every default filled in.
@@ -147,8 +148,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     budget.progress("measure", 0, 1);
     let mut figures = measured(&pieces, &points, job, budget)?;
     if job.fit.method != Method::Biarc {
-        // The measured figure decides: lines replace curves that are too far away, and all curves if some
-        // still are.
+        // The measured deviation decides. Lines replace the curves that exceed the tolerance; if a curve
+        // still exceeds it, lines replace all curves.
         for is_far in [|piece: bool| piece, |_| true] {
             if figures.is_far.iter().any(|is_far| *is_far) {
                 pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));
@@ -179,14 +180,14 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
 struct Figures {
     deviation_mm: f64,
     written_mm: f64,
-    /// Both ways from the lines between the points.
+    /// The distance between the curves and the lines between the points, both ways.
     from_lines_mm: f64,
-    /// Of each curve, whether it is beyond the tolerance.
+    /// For each curve, whether its deviation exceeds the tolerance.
     is_far: Vec<bool>,
 }
 
-/// The chain with lines through the points in place of the curves that are chosen; where all are, it meets
-/// every point.
+/// The chain with lines through the points in place of the chosen curves. If all curves are chosen, the chain
+/// passes through every point.
 fn as_lines(
     pieces: &[FittedCurve],
     points: &[Point3<f64>],
@@ -251,8 +252,8 @@ fn measured(
     Ok(figures)
 }
 
-/// Bound of the distance of half a biarc from the line between the two points that it joins, mm: it is no
-/// farther from its chord than it is high.
+/// A bound for the distance of half a biarc from the line between the two points that the biarc joins, mm. No
+/// point of an arc is farther from the arc's chord than the arc is high.
 fn beside(half: &Curve, points: &[Point3<f64>]) -> f64 {
     let line = Line { start: points[0], end: points[points.len() - 1] };
     let height = match half {
@@ -275,13 +276,13 @@ fn warnings(job: &Job, figures: &Figures) -> Vec<Warning> {
     exceeded.into_iter().chain(rounding).chain(coarse).collect()
 }
 
-/// Whether a deviation exceeds a tolerance by more than the rounding of what was computed at its edge.
+/// Whether a deviation exceeds a tolerance by more than rounding.
 fn exceeds(deviation_mm: f64, tolerance_mm: f64) -> bool {
     deviation_mm > tolerance_mm * (1.0 + ROUNDING) + ROUNDING_MM
 }
 
-/// The angles between neighbouring curves, degrees; of a closed way, also that between the last and the
-/// first.
+/// The angles between neighbouring curves, degrees; for a closed path also the angle between the last and the
+/// first curve.
 fn kinks(curves: &[Curve], is_closed: bool) -> Vec<f64> {
     let angle = |before: &Curve, after: &Curve| {
         let [_, a] = before.tangents();

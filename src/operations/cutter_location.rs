@@ -1,12 +1,13 @@
-//! Where a cutter that comes down at given places touches a surface.
+//! Finds where a cutter that comes down at given places touches a surface.
 //!
 //! # Method
-//! Direct contact ([`contact`](crate::machining::drop_cutter)), each point with the one before as a first
-//! guess: in the order in which they were given, or to and fro along strips, whichever is the shorter way.
-//! Points are shared out to threads in groups whose size does not depend on these.
+//! 1. Order the points: as given, or to and fro along strips, whichever way is shorter.
+//! 2. Share them out to threads in groups. The size of a group does not depend on the number of threads.
+//! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). The contact of the
+//!    point before is the first guess.
 //!
 //! # Guarantees
-//! Tips are proved to within [`Location::gap_mm`].
+//! Each tip is proved to within [`Location::gap_mm`].
 //!
 //! # Cost
 //! O(n log m) for n points and m patches.
@@ -20,18 +21,18 @@ use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contact, Contacts};
 use crate::toolpath::tool::Tool;
 
-/// Points that follow each other on one thread.
+/// The number of points in a group, which one thread handles in order.
 const GROUP: usize = 256;
 
-/// The square of the number of strips over the number of points: the way up and down n points in a square is
-/// the shortest with the root of n/3 strips.
+/// The square of the number of strips divided by the number of points. For n points in a square, the way up
+/// and down the strips is shortest with sqrt(n / 3) strips.
 const STRIPS_SQUARED: f64 = 1.0 / 3.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     pub surface: Source,
     pub tool: Tool,
-    /// Where the axis is, mm.
+    /// The places of the axis, mm.
     pub points: Vec<Point2<f64>>,
 }
 
@@ -54,7 +55,7 @@ pub enum Error {
     Source(#[from] SourceError),
 }
 
-/// The location at each point; `None` beside the surface.
+/// The location at each point; `None` where the cutter passes beside the surface.
 ///
 /// # Errors
 /// When the data make no surface, or the budget stops.
@@ -83,7 +84,7 @@ fn locate_on<P: Patch>(
     Ok(locations)
 }
 
-/// The points in an order in which neighbours are near to each other.
+/// The indices of the points, in an order in which neighbours are close together.
 fn order(points: &[Point2<f64>]) -> Vec<usize> {
     let along_strips = to_and_fro(points);
     let given: Vec<usize> = (0..points.len()).collect();
@@ -93,13 +94,13 @@ fn order(points: &[Point2<f64>]) -> Vec<usize> {
     if length(&along_strips) < length(&given) { along_strips } else { given }
 }
 
-/// The points along strips of y, up and down in turn.
+/// The indices of the points along strips parallel to y, up and down in turn.
 fn to_and_fro(points: &[Point2<f64>]) -> Vec<usize> {
     let (low, high) = points
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.x), high.max(p.x)));
     let strips = (points.len() as f64 * STRIPS_SQUARED).sqrt().ceil();
-    // One strip where all x are the same.
+    // If all x are equal, there is one strip.
     let strip = |p: &Point2<f64>| ((p.x - low) / (high - low) * strips).max(0.0) as usize;
     let key = |k: usize| {
         let p = &points[k];

@@ -1,37 +1,41 @@
-//! Interpolating a plane curve within a band: by lines, parabolas, both or arcs; by bisection, or as few as
-//! possible.
+//! Interpolates a plane curve within a band: by lines, parabolas, both, or arcs; by bisection, or with as few
+//! elements as possible.
 //!
 //! # Method
-//! 1. The curve is made of its data (`source`) and divided into equal initial elements.
-//! 2. `bisection`: Hyun's methods. An element that leaves the band is halved; the mixed method tries a line
-//!    first, then a parabola, then halves. `least`: each element ends as far on as it can; `layers`: where
-//!    that may not be best, several places are kept that as many elements reach. `corridor`: lines whose
-//!    joints may lie anywhere in the band. `corners`: joints lie on real corners where that costs nothing.
-//! 3. Whether an element stays within the band is proved over the whole of it
+//! 1. Make the curve from its data (`source`) and divide its domain into equal initial elements.
+//! 2. Divide each initial element. `bisection` is Hyun's method: an element that leaves the band is halved;
+//!    the mixed method tries a line first, then a parabola, then halves. `least` ends each element as far on
+//!    as possible. Where that may not be best, `beam_search` keeps several places that the same number of
+//!    elements can reach. `corners` moves joints to real corners where that costs no element. `straight` puts
+//!    lines in place of arcs that hardly bend. `corridor` finds lines whose joints may lie anywhere in the
+//!    band.
+//! 3. Prove over the whole of each element that it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
-//! 4. `lower_bound`: how few elements there can be at least.
-//! 5. `path`: the elements become a toolpath. Where the control runs no parabolas, arcs within the same band
-//!    stand for them; beside the contour `compensation` offsets them by the cutter's radius.
+//! 4. Bound from below how many elements are needed (`lower_bound`).
+//! 5. Turn the elements into a toolpath (`path`). If the control runs no parabolas, arcs within the same band
+//!    replace them. For a cutter beside the contour, `compensation` offsets the elements by the cutter's
+//!    radius.
 //!
 //! # Guarantees
-//! * Every element stays within the band, by the measure that is asked for: a proof, not a sample.
-//!   `deviation_max_mm` bounds what was read by at most 5/4.
-//! * Elements follow each other without gaps from the first point of the curve to the last.
-//! * No set of elements of the method with such joints is smaller than `n_elements_lower_bound`.
+//! * Every element is proved, not sampled, to stay within the band by the requested measure.
+//!   `deviation_max_mm` exceeds the largest deviation found by at most a quarter and 2.5e-7 mm.
+//! * Elements join without gaps from the first point of the curve to the last.
+//! * Any set of elements with the same method and the same kind of joints has at least
+//!   `n_elements_lower_bound` elements.
 //!
 //! # Degenerate input
-//! A band that no element keeps however short, as one without room on the side to which the curve bends, is
-//! refused with the place.
+//! A band that no element keeps, however short, is refused with the place. An example is a band without room
+//! on the side to which the curve bends.
 //!
 //! # Cost
 //! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and
-//! paths beside the contour cost more, as `corridor` and [`offset`](crate::geometry::offset) say.
+//! paths beside the contour cost more; see `corridor` and [`offset`](crate::geometry::offset).
 //! `benches/interpolation.rs` measures times over growing sizes.
 //!
 //! # Differences from the paper
-//! The paper samples, and its band is vertical in its formulas and normal in its tables; both are offered.
-//! Its machining time is that of its interpreter; here it is length by feed. Misprints in its tables are
-//! named where they are tested.
+//! The paper samples deviations; here they are proved. The paper measures its band vertically in its formulas
+//! and along the normal in its tables; both measures are offered. The paper's machining time is that of its
+//! interpreter; here it is length divided by feed. The tests name the misprints in the paper's tables.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
@@ -68,14 +72,15 @@ pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Source, Subdivision};
 pub use preview::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 
-/// Bisection is much faster than finding how few elements there can be: that is told of it up to so many.
+/// The most elements of a bisection for which a lower bound is computed. The bound takes much longer than the
+/// bisection.
 const MOST_BOUNDED: usize = 10_000;
 
 /// One element as it is reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportedElement {
     pub element: Element,
-    /// Counted from 0.
+    /// The index of its initial element, from 0.
     pub initial_element: usize,
     /// The range of the curve's parameter, x for a graph.
     pub domain: [f64; 2],
@@ -86,16 +91,17 @@ pub struct ReportedElement {
 pub struct Report {
     pub elements: Vec<ReportedElement>,
     pub elements_per_initial: Vec<usize>,
-    /// No set of elements of the method with such joints is smaller; not told of very many that were
-    /// bisected.
+    /// Any set of elements with the same method and kind of joints has at least this many. `None` if there
+    /// are too many elements to compute it.
     pub n_elements_lower_bound: Option<usize>,
-    /// Length of what is cut, mm.
+    /// The length of all cutting moves, mm.
     pub length_mm: f64,
     /// `None` without a feed.
     pub cutting_time_s: Option<f64>,
-    /// Proved, of all elements, mm.
+    /// Proved bound for the deviation of all elements, mm.
     pub deviation_max_mm: f64,
-    /// Proved, of the program at its decimals, mm; `None` beside the contour.
+    /// Proved bound for the deviation of the program at its decimals, mm; `None` with compensation and by the
+    /// vertical measure.
     pub deviation_written_max_mm: Option<f64>,
 }
 
@@ -159,7 +165,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     if job.band.measure == Measure::Vertical && !curve.is_graph() {
         return Err(Error::VerticalWithoutGraph);
     }
-    // Each kind for itself: the search spends its time on points of the curve.
+    // One instance for each kind of curve: the search spends its time on points of the curve.
     let divided = match &curve {
         AnyCurve::Graph(graph) => divide(graph, job, budget),
         AnyCurve::Piecewise(piecewise) => divide(piecewise, job, budget),
@@ -200,7 +206,7 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
     let mut divided = Divided { elements: Vec::new(), per_initial: Vec::new(), lower_bound: None };
-    // With joints on the curve, each as far on as it can be.
+    // The elements with joints on the curve, each ending as far on as possible.
     let mut longest = Vec::new();
     for initial_element in 0..count {
         let range = [at(initial_element), at(initial_element + 1)];
@@ -249,7 +255,8 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     Ok(divided)
 }
 
-/// The lower bound where the elements do not help to find it; `None` where there are too many to tell.
+/// The lower bound where the elements themselves do not help to find it; `None` if there are too many
+/// elements to compute it.
 fn on_its_own(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
@@ -266,7 +273,7 @@ fn ranges(elements: &[Fitted]) -> Vec<[f64; 2]> {
     elements.iter().map(|fitted| fitted.range).collect()
 }
 
-/// Lines with joints in the band, where they are fewer than those on the curve.
+/// Lines with joints in the band; `None` if they are not proved, or not fewer than the elements on the curve.
 fn in_band(
     fitter: &Fitter<impl PlaneCurve>,
     on_curve: &[Fitted],

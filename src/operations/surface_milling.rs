@@ -1,42 +1,44 @@
-//! Finishing a surface along parallel plane sections (CL-Cartesian machining), by direct contact or by
-//! sections of the offset; and roughing along unions of wires (`wire_union`).
+//! Finishes a surface in passes along parallel planes (CL-Cartesian machining), or roughs it along unions of
+//! wires (`wire_union`).
 //!
 //! # Method
-//! 1. The surface is made of its data ([`source`](crate::geometry::surface::source)), and continued past its
-//!    edges where the cutter is to run past them.
-//! 2. *By contact*: the tip follows where the cutter, larger by the stock to be left, touches from above
-//!    ([`contact`](crate::machining::drop_cutter)). *By sections of the offset*: the surface is proved to be
-//!    smooth ([`joints`](crate::geometry::surface::joints)), its normal to point up and its offset, by the
-//!    radius and the stock, not to fold ([`regularity`](crate::machining::regularity)); sections of the
-//!    offset, lowered by the radius, are the curves (Ju eq. 1). Where that proof is there and the certificate
-//!    bears it out, passes by contact of a ball are made so too. From it come the heights that passes leave
-//!    between them (`scallop`).
-//! 3. `planes`: planes are equally spaced; where the cutter is to stay inside the `outline`, what comes
-//!    nearer to it is cut off. `passes`: the CL points of each section are joined by arcs and lines (Ju,
-//!    section 4).
-//! 4. `links`: one way or zigzag, the passes are joined by links, or the cutter leaves one and enters the
-//!    next (`entries`).
-//! 5. Every move of every cutter, as computed and as it will be written, is certified against the surface
+//! 1. Build the surface from its data ([`source`](crate::geometry::surface::source)). With the boundary
+//!    `past`, continue the surface past its edges.
+//! 2. Find the CL curves. The engine `contact` drops the cutter, enlarged by the allowance, onto the surface
+//!    ([`drop_cutter`](crate::machining::drop_cutter)). The engine `offset_section` proves that the surface
+//!    is smooth ([`joints`](crate::geometry::surface::joints)), that its normal points up, and that its
+//!    offset by the radius and the allowance does not fold ([`regularity`](crate::machining::regularity)). It
+//!    then cuts the offset in sections and lowers them by the radius (Ju eq. 1). The engine `contact` does
+//!    the same for a ball where this proof succeeds and the certificate of step 5 confirms the passes. The
+//!    proof also yields the scallop heights (`scallop`).
+//! 3. Space the planes equally (`planes`). With the boundary `inside`, cut off each part of a section over
+//!    which the cutter crosses the `outline`. Join the CL points of each section by arcs and lines (`passes`;
+//!    Ju, section 4).
+//! 4. Join the passes, one way or zigzag (`links`): by a link, or by leaving one pass and entering the next
+//!    (`entries`).
+//! 5. Prove how deep the cutter cuts into the surface on every move, as computed and as written
 //!    (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance, both ways, between the path (computed, and rounded to the
-//!   resolution) and the exact CL curves, and is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth to which cutter or shank enter the surface on any move; it is found
-//!   without knowledge of how the path was made. Into the
-//!   stock to be left they enter by the tolerance at most; a path that would cut deeper is refused.
-//! * `scallop_max_mm` bounds the height left between passes along the normal of the surface, but for the
-//!   deviation, and for what lies so near to an edge that the way to the next pass would leave the surface.
+//! * `deviation_max_mm` bounds the distance, both ways, between the path and the exact CL curves. It holds
+//!   for the path as computed and as rounded to the resolution, and is at most the tolerance.
+//! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move. The proof does
+//!   not use how the path was made. The cutter enters the allowance by at most the tolerance; a path that
+//!   would cut deeper is refused.
+//! * `scallop_max_mm` bounds the height left between exact passes, along the normal of the surface. The
+//!   deviation of the passes is not counted. Places so near to an edge that the way to the next pass would
+//!   leave the surface are not counted either.
 //!
 //! # Degenerate input
 //! Sections shorter than two steps of the resolution are left out: they would vanish in rounding.
 //!
 //! # Cost
-//! O(p + n log m) for n CL points, m patches and p = m proved patches.
+//! O(p + n log m) for n CL points, m patches and p subpatches of the regularity proof.
 //!
 //! # Differences from the paper
-//! The step follows the proved curvature instead of being constant, and is refined until the tolerance holds
-//! for the curve, not for its points. Rapids, links and the order of passes are not the paper's subject.
+//! The paper's step is constant; here the step follows the proved curvature and is refined until the
+//! tolerance holds for the whole curve, not only for its points. The paper does not treat rapids, links and
+//! the order of passes.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
@@ -71,10 +73,12 @@ pub use job::{
     Spacing, Stock,
 };
 
-/// The least tolerance that a program can hold, in steps of its last decimal: what rounding alone may take.
+/// The smallest tolerance that a job may ask for, in steps of the last decimal. Rounding alone may move a
+/// path by this much.
 pub const LEAST_TOLERANCE_STEPS: f64 = 1.5;
 
-/// The certificate's bound may exceed the deepest penetration by this part of the tolerance.
+/// The share of the tolerance by which the certificate's bound may exceed the deepest penetration found.
+/// Passes have the rest of the tolerance.
 const CERTIFICATE_GAP: f64 = 0.02;
 
 const TOP_ACCURACY_MM: f64 = 1e-6;
@@ -89,15 +93,15 @@ pub struct Report {
     pub deviation_max_mm: f64,
     /// Proved depth of the deepest penetration of the cutter into the surface, mm; zero or more.
     pub gouge_max_mm: f64,
-    /// Where the deepest penetration was found; `None` where none was, or the bound is not of a place.
+    /// Where the deepest penetration was found; `None` if no penetration was found.
     pub gouge_at: Option<Point3<f64>>,
-    /// What the cutter cannot reach at concave places, along the normal of the surface, at most: the largest
-    /// that was found, mm; `None` where it was not looked for.
+    /// The thickest rest found where the cutter cannot reach the surface, mm along the normal, at sampled
+    /// places; `None` if the job does not look for rest.
     pub rest_sampled_max_mm: Option<f64>,
-    /// Where that is, if it is anything.
+    /// The surface point with that rest; `None` without rest.
     pub rest_at: Option<Point3<f64>>,
-    /// Proved height of what is left between passes, along the surface normal, mm; `None` where the passes
-    /// are too far apart to meet.
+    /// Proved height of the scallops, mm along the surface normal; `None` if it is not proved or if the
+    /// passes are too far apart to meet.
     pub scallop_max_mm: Option<f64>,
     pub n_arcs: usize,
     pub n_lines: usize,
@@ -108,21 +112,19 @@ pub struct Report {
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
-    /// What is left between passes is not proved: the cutter cannot follow the surface everywhere, or is no
-    /// ball.
+    /// The scallop height is not proved: the cutter is not a ball, or cannot follow the surface everywhere.
     ScallopNotProved,
     /// Neighbouring passes do not meet: stock of any height is left between them.
     PassesApart { stepover_mm: f64 },
-    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out: the cutter does
-    /// not go there.
+    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out and not cut.
     ShortPiecesLeftOut { count: usize, longest_mm: f64 },
     /// Both extents of the part in plan are less than the diameter of the cutter.
     PartSmallerThanCutter,
-    /// Nobody says what stands over the surface: rapids come down to this far above it.
+    /// The job does not state its stock: rapids come down to this height above the finished surface.
     StockNotGiven { approach_mm: f64 },
-    /// The number of entries and exits for which there is no room: there the cutter goes straight down or up.
+    /// The number of entries and exits without room: there the cutter goes straight down or up.
     EntryNotClear { count: usize },
-    /// The path is one for roughing, and cuts this deep into the surface.
+    /// The path is a roughing path and cuts this deep into the surface.
     RoughingPathGouges { depth_mm: f64 },
 }
 
@@ -220,7 +222,7 @@ impl From<SectionError> for Error {
     }
 }
 
-/// Plans the passes.
+/// Plans the toolpath.
 ///
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
@@ -245,7 +247,7 @@ fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> R
     }
 }
 
-/// What the data of the surface gives reason to warn of.
+/// Warnings that follow from the data of the surface alone.
 fn data_warnings(job: &Job) -> Vec<Warning> {
     let reduced = job.surface.reduced_ends().into_iter();
     reduced.map(|(direction, points)| Warning::EndsReduced { direction, points }).collect()

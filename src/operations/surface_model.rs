@@ -1,14 +1,15 @@
-//! What a surface is like: its patches, bounds and curvature, and a wire model of it.
+//! Describes a surface: its patches, its bounding box, its curvature, and a wire model of it.
 //!
 //! # Method
-//! The surface is made of its data ([`source`](crate::geometry::surface::source)) and turned so that its
-//! normal points up where it starts. Its box and its most concave place are found by branch and bound on
-//! control nets; wires are those of [`wire_model`].
+//! Build the surface from its data ([`source`](crate::geometry::surface::source)) and turn it so that its
+//! normal points up where the surface starts. Find its bounding box and its most concave place by branch and
+//! bound on control nets. Take the wires from [`wire_model`].
 //!
 //! # Guarantees
-//! The box holds the surface and exceeds it by at most [`BOUNDS_ACCURACY_MM`] a side, or where a side is
-//! level along a curve as the control points do; the curvature is an upper bound, within a hundredth as far
-//! as the limit of work allows. Edges and gaps do not stop the model; they are warnings.
+//! The box holds the surface. Each side exceeds the surface by at most [`BOUNDS_ACCURACY_MM`]; if the surface
+//! touches a side along a whole curve, the side may lie as far out as the control points. The curvature is an
+//! upper bound, within a hundredth as far as the limit of work allows. Edges and gaps do not stop the model;
+//! they are warnings.
 //!
 //! # Cost
 //! O(patches + points of wires).
@@ -26,7 +27,8 @@ use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch, Surface, curvature};
 use crate::machining::wire_model::{self, Wire, WireError, WireJob};
 
-/// How far the box may exceed the surface, mm, unless a side of it is level along a whole curve.
+/// How far a side of the box may exceed the surface, mm, unless the surface touches that side along a whole
+/// curve.
 pub const BOUNDS_ACCURACY_MM: f64 = 1e-6;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -37,16 +39,16 @@ pub struct Job {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
-    /// The surface, u and v as in its data.
+    /// The surface, with u and v as in its data.
     pub surface: AnySurface,
     /// The corners of the box around it, mm.
     pub bounds: [Point3<f64>; 2],
     pub wires: Option<Vec<Wire>>,
-    /// Largest distance of the points it was made to pass through from it, mm; `None` for data that are no
+    /// The largest distance of the surface from the points that it interpolates, mm; `None` for data without
     /// such points.
     pub fit_deviation_max_mm: Option<f64>,
-    /// Proved upper bound of the curvature where it is concave seen from above, 1/mm; negative where it is
-    /// convex everywhere, `None` where it has a place without a normal.
+    /// Proved upper bound of the concave curvature, seen from above, 1/mm. It is negative if the surface is
+    /// convex everywhere, and `None` if the surface has a place without a normal.
     pub curvature_max_concave_per_mm: Option<f64>,
     pub warnings: Vec<Warning>,
 }
@@ -75,7 +77,7 @@ pub enum Error {
 /// Models the surface.
 ///
 /// # Errors
-/// When the data make no surface, the wires are too many or cannot be had, or the budget stops.
+/// When the data make no surface, there are too many wires, a wire cannot be traced, or the budget stops.
 pub fn model(job: &Job, budget: &Budget) -> Result<Model, Error> {
     let surface = job.surface.surface()?;
     let findings = match &surface {
@@ -137,7 +139,7 @@ fn bounds(surface: &BezierSurface<impl Patch>, budget: &Budget) -> Result<[Point
     Ok([low, high])
 }
 
-/// The largest distance of a grid of points from the places of the surface that are to pass through them, mm.
+/// The largest distance of a grid of points from the places of the surface that should pass through them, mm.
 fn fit_deviation(surface: &AnySurface, points: &[Vec<Point3<f64>>]) -> f64 {
     let rows = points.iter().enumerate();
     let deviations = rows.flat_map(|(i, row)| {
@@ -197,7 +199,7 @@ mod tests {
                 assert!((way[changing].abs() - 4.0).abs() < 1e-6, "{along:?} {way}");
                 assert!(way[1 - changing].abs() < 1e-6, "{along:?} {way}");
             }
-            // Along v and y the wires are apart along the slope and in plan.
+            // Wires along v are spaced along the slope, wires along y in plan.
             let spaces = if along == Along::V { 20f64.sqrt().ceil() } else { 4.0 };
             assert_eq!(wires.len(), spaces as usize + 1, "{along:?}");
         }

@@ -1,34 +1,35 @@
-//! Fewer elements than greedy growth finds, by keeping several places that as many elements reach.
+//! Finds fewer elements than greedy growth, by keeping several places that the same number of elements can
+//! reach.
 //!
 //! # Method
-//! Of all places that k elements reach, a layer keeps the farthest and some behind it. From each the longest
-//! element is found; where these end, and at equal steps behind the farthest of them as far as some element
-//! of the layer before fits, is the next layer. Where an element from a nearer place reaches farther, as it
-//! may about an inflection, it is not lost.
+//! Layer k holds places that k elements can reach: the farthest one and some behind it. The longest element
+//! is found from each of them. The next layer holds the ends of these elements. It also holds places at equal
+//! steps behind the farthest end, where some element from the layer before ends. So the search does not miss
+//! an element that starts at a nearer place and reaches farther, as happens about an inflection.
 //!
 //! # Cost
-//! Some [`PLACES`] longest elements, and the square of it in strains, for each element.
+//! For each element, about [`PLACES`] searches for a longest element, and the square of [`PLACES`] strains.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Places of a layer.
+/// Equal steps behind the farthest place of a layer. A layer holds at most twice as many places.
 const PLACES: usize = 12;
 
-/// More elements are left as they are.
+/// A chain with more elements is left as it is.
 const MOST_ELEMENTS: usize = 300;
 
-/// A place that as many elements reach as its layer counts.
+/// A place that can be reached with as many elements as its layer counts.
 #[derive(Clone, Copy)]
 struct Place {
     t: f64,
-    /// The place in the layer before where the last of them starts.
+    /// The index, in the layer before, of the place where the last of these elements starts.
     before: usize,
 }
 
-/// Elements over the range of `greedy`, where there are fewer.
+/// Elements over the range of `greedy`; `None` if no fewer are found.
 ///
 /// # Errors
 /// When the budget ends.
@@ -43,7 +44,7 @@ pub fn fewer(
     }
     let (from, to) = (first.range[0], last.range[1]);
     let mut layers = vec![vec![Place { t: from, before: 0 }]];
-    // One element fewer at most: the last layer but one must reach the end.
+    // A chain that is worth finding has at least one element fewer.
     for k in 0..greedy.len() - 1 {
         budget.check()?;
         let layer = &layers[k];
@@ -76,7 +77,7 @@ pub fn fewer(
     Ok(None)
 }
 
-/// The elements of the way to the first place of the last layer, if each is proved.
+/// The elements that lead to the first place of the last layer; `None` if one of them is not proved.
 fn proved(fitter: &Fitter<impl PlaneCurve>, layers: &[Vec<Place>]) -> Option<Vec<Fitted>> {
     let mut joints = Vec::with_capacity(layers.len());
     let mut index = 0;

@@ -1,4 +1,4 @@
-//! Hyun's adaptive interpolation: an element that leaves the band is bisected.
+//! Hyun's adaptive interpolation: an element that leaves the band is halved.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
@@ -9,7 +9,7 @@ use super::fit::{Fitted, Fitter};
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Elements between two looks at the budget.
+/// Elements between two checks of the budget.
 const ELEMENTS_BETWEEN_CHECKS: usize = 64;
 
 /// Bisects `range` until every element stays within the band, and returns the elements in order.

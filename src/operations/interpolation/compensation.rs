@@ -9,9 +9,9 @@ use crate::geometry::offset::{OffsetError, Side, offset, unreached};
 /// The path of the cutter's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensated {
-    /// Of lines and arcs, in the direction of the contour.
+    /// Chains of lines and arcs, in the direction of the contour.
     pub chains: Vec<Vec<Element>>,
-    /// How far the cutter stays away from the contour at most, at samples, mm.
+    /// The largest distance between the cutter and the contour, at sampled points, mm.
     pub uncut_mm: f64,
 }
 

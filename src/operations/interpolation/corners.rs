@@ -4,11 +4,11 @@ use super::fit::{Fitted, Fitter};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// A tangent that jumps by more than this makes a corner, as a sine.
+/// A jump of the tangent by more than this sine makes a corner.
 const CORNER_SINE: f64 = 1e-3;
 
-/// Corners beyond so many are left to the elements: a polyline of that many points is no contour with
-/// corners.
+/// The most corners that get a joint. A polyline with more points is no contour with corners, and its joints
+/// stay where they are.
 const MOST_CORNERS: usize = 10_000;
 
 /// Moves a joint to each corner that an element cuts off, where both elements at the joint then stay within
@@ -33,7 +33,7 @@ pub fn keep_corners(
         if from == corner || to == corner {
             continue;
         }
-        // A joint that is on a corner stays there.
+        // A joint on a corner stays there.
         let is_free = |t: f64| corners.binary_search_by(|c| c.total_cmp(&t)).is_err();
         let before = k
             .checked_sub(1)

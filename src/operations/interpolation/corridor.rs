@@ -1,25 +1,27 @@
-//! The fewest lines with joints anywhere in the band: a path of the least number of links through a corridor.
+//! The fewest lines with joints anywhere in the band: a path with the fewest links through a corridor.
 //!
 //! # Method
-//! 1. Gates across the band, many for each element with joints on the curve, make a polygon of it: a corridor
-//!    between a left and a right chain. How far the chains may be from the edges of the band is bounded by
-//!    derivatives; moved inward by that the corridor lies inside the band, moved outward it holds the band.
-//! 2. From what can be reached with some lines, the next line goes as far as one can that leaves the left
-//!    chain to its left and the right chain to its right. It touches both, and ends where it leaves the
-//!    corridor: from its last touch to there is the window through which every path with one line more has to
-//!    go. (Of the lines through points and below others the steepest and the flattest are kept: O'Rourke.)
-//! 3. The joints are where these lines meet; each lies on a window.
+//! 1. Gates across the band, many for each element with joints on the curve, make the band a polygon: a
+//!    corridor between a left and a right chain. Derivatives bound how far the chains may lie from the edges
+//!    of the band. Moved inward by this bound, the corridor lies inside the band; moved outward, it holds the
+//!    band.
+//! 2. From the window that some number of lines can reach, the next line goes as far as possible with the
+//!    left chain on its left and the right chain on its right. It touches both chains, and ends where it
+//!    leaves the corridor. The stretch from its last touch to that end is the next window: every path with
+//!    one line more has to go through it. (Among the lines through points and below others, the steepest and
+//!    the flattest are kept: O'Rourke.)
+//! 3. Successive lines meet at the joints; each joint lies on a window.
 //!
 //! # Guarantees
-//! The number of lines through the corridor that holds the band is a lower bound for all paths in the band.
-//! Lines through the corridor inside are proved on their own by the caller.
+//! The number of lines through the outer corridor is a lower bound for all paths in the band. Lines through
+//! the inner corridor still need a proof, which the caller makes.
 //!
 //! # Degenerate input
-//! A band that turns back within one line's reach, or folds, gives no path: the joints stay on the curve
-//! then.
+//! A band that folds, or that turns back within the reach of one line, gives no path. The joints then stay on
+//! the curve.
 //!
 //! # Cost
-//! O(n m) for n gates, m of which one line passes.
+//! O(n m) for n gates, if one line passes m of them.
 //!
 //! # Reference
 //! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J.
@@ -35,22 +37,22 @@ use crate::geometry::plane_curve::PlaneCurve;
 use crate::geometry::solve::{TO_ROUNDING, bisect};
 use gates::Gate;
 
-/// Points of a chain between two looks at the budget.
+/// Points of a chain between two checks of the budget.
 const GATES_BETWEEN_CHECKS: usize = 1024;
 
-/// A point this little beside a line, in parts of its place along it, is on it: the last gate is a point of
-/// both chains.
+/// A point counts as on a line if it lies beside it by at most this share of its place along the line. The
+/// last gate needs this, because it is a point of both chains.
 const ROUNDING: f64 = 1e-13;
 
-/// A band as gates.
+/// A band as a sequence of gates.
 pub struct Corridor {
     gates: Vec<Gate>,
     band: Band,
-    /// Whether the tangent jumps somewhere: there the band is not what its gates span.
+    /// Whether the tangent jumps somewhere: there the gates do not span the band.
     has_corner: bool,
 }
 
-/// On which side of the corridor's edge a path is to be.
+/// Which corridor is meant: the one inside the band, or the one that holds the band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Edges {
     Inside,
@@ -61,14 +63,14 @@ enum Edges {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     pub at: Point2<f64>,
-    /// The parameter on whose normal, or vertical, it lies.
+    /// The curve parameter on whose normal, or vertical, the joint lies.
     pub t: f64,
-    /// How far to the left of the curve, mm.
+    /// How far the joint lies to the left of the curve, mm.
     pub offset_mm: f64,
 }
 
 impl Corridor {
-    /// How few lines there are in a path within the band at least.
+    /// A lower bound for the number of lines of a path within the band.
     ///
     /// # Errors
     /// When the budget ends.
@@ -79,8 +81,8 @@ impl Corridor {
         Ok(self.links(curve, Edges::Outside, budget)?.map_or(1, |links| links.len()))
     }
 
-    /// The joints of a path of the fewest lines from the first gate to the last, the ends included; `None`
-    /// where none is found.
+    /// The joints of a path with the fewest lines from the first gate to the last, both ends included; `None`
+    /// if none is found.
     ///
     /// # Errors
     /// When the budget ends.
@@ -99,7 +101,7 @@ impl Corridor {
             return Ok(None);
         }
         let mut walk = Walk { left: &left, right: &right, links: Vec::new() };
-        // The direction in which a link is seen: nothing that it can pass lies behind it.
+        // The direction from which a link is built: all points that the link can pass lie ahead of its start.
         let ahead = |gate: usize| match self.band.measure {
             Measure::Vertical => Vector2::x(),
             Measure::Normal => curve.derivative(self.gates[gate].t),
@@ -115,7 +117,7 @@ impl Corridor {
             let bulge = self.gates[k].bulge_mm.max(if k > 0 { self.gates[k - 1].bulge_mm } else { 0.0 });
             match edges {
                 Edges::Inside => -bulge,
-                // What is judged may be outside by rounding.
+                // An element that the proof accepts may lie outside the band by rounding.
                 Edges::Outside => bulge + 2.0 * (GUARD_MM + GUARD_PART * self.gates[k].point.coords.amax()),
             }
         };
@@ -131,7 +133,7 @@ impl Corridor {
         [chain(1.0, self.band.above_mm), chain(-1.0, self.band.below_mm)]
     }
 
-    /// Where the lines of successive links meet.
+    /// The joints, at which the lines of successive links meet.
     fn joints(&self, links: &[Link], curve: &impl PlaneCurve) -> Option<Vec<Joint>> {
         let end = |gate: &Gate| Joint { at: gate.point, t: gate.t, offset_mm: 0.0 };
         let mut joints = vec![end(self.gates.first()?)];
@@ -140,7 +142,8 @@ impl Corridor {
             let sine = before.along.perp(&after.along);
             let part = (after.through - before.through).perp(&after.along) / sine;
             let at = before.through + before.along * part;
-            // Lines that hardly turn meet anywhere: then the end of the window does as well.
+            // The meeting point of nearly parallel lines is not reliable: the end of the window serves as the
+            // joint instead.
             let at = if part.is_finite() && before.is_in_window(&at) { at } else { before.exit };
             let joint = self.place(at, before.gates, curve)?;
             if joint.t <= joints[joints.len() - 1].t {
@@ -153,7 +156,8 @@ impl Corridor {
         is_rising.then_some(joints)
     }
 
-    /// The parameter on whose normal `at` lies, between two gates or a little beside them.
+    /// The joint at `at`: its parameter is that on whose normal `at` lies, between two gates or a little
+    /// beside them. `None` if there is no such parameter.
     fn place(&self, at: Point2<f64>, [first, last]: [usize; 2], curve: &impl PlaneCurve) -> Option<Joint> {
         if self.band.measure == Measure::Vertical {
             return Some(Joint { at, t: at.x, offset_mm: at.y - curve.point(at.x).y });
@@ -171,12 +175,12 @@ impl Corridor {
     }
 }
 
-/// One line of a path, with the window to the next.
+/// One line of a path, and the window on it to the next line.
 #[derive(Debug, Clone, Copy)]
 struct Link {
     through: Point2<f64>,
     along: Vector2<f64>,
-    /// The last touch and the place where it leaves the corridor.
+    /// The last point at which the line touches a chain, and the place where it leaves the corridor.
     touch: Point2<f64>,
     exit: Point2<f64>,
     /// The gates between which the window lies.
@@ -192,7 +196,7 @@ impl Link {
     }
 }
 
-/// A point of a chain with its gate, in the frame of the link: along it and to the left of it.
+/// A point of a chain with its gate; x is its place along the link, y its distance to the left of the link.
 #[derive(Debug, Clone, Copy)]
 struct Vertex {
     gate: usize,
@@ -201,12 +205,12 @@ struct Vertex {
     y: f64,
 }
 
-/// The line through two points of the chains, first and last touched.
+/// The line through the first and the last point of the chains that it touches.
 #[derive(Debug, Clone, Copy)]
 struct Touching {
     first: Vertex,
     last: Vertex,
-    /// The place of `last` in the list of its side.
+    /// The index of `last` in the list of its side.
     index: usize,
 }
 
@@ -216,7 +220,7 @@ impl Touching {
     }
 }
 
-/// The lines that leave `left` to their left and `right` to their right, of all points so far.
+/// All lines with the points `left` on their left and the points `right` on their right.
 #[derive(Debug, Default)]
 struct Bundle {
     left: Vec<Vertex>,
@@ -234,9 +238,9 @@ enum Side {
 }
 
 impl Bundle {
-    /// Takes one more point of a chain; `false` when no line is left.
+    /// Adds a point of a chain; returns `false` if no line is left.
     fn take(&mut self, side: Side, vertex: Vertex) -> bool {
-        // The right side is the left of a mirror.
+        // The right side is treated as the left side of a mirror image.
         let (own, other, sign) = match side {
             Side::Left => (&mut self.left, &self.right, 1.0),
             Side::Right => (&mut self.right, &self.left, -1.0),
@@ -260,12 +264,13 @@ impl Bundle {
     }
 }
 
-/// A chain from the window of a link on: a few points, then those of the gates from `next`.
+/// The rest of a chain from the window of a link on: first a few points, then the points of the gates from
+/// `next` on.
 struct Rest<'a> {
     first: Vec<(usize, Point2<f64>)>,
     chain: &'a [Point2<f64>],
     next: usize,
-    /// How many have been taken.
+    /// How many points have been taken.
     taken: usize,
 }
 
@@ -279,7 +284,7 @@ impl<'a> Rest<'a> {
         self.first.get(self.taken).copied().or_else(|| Some((gate, *self.chain.get(gate)?)))
     }
 
-    /// What has not been taken, behind other points.
+    /// The points not yet taken, after some other points.
     fn behind(&self, mut points: Vec<(usize, Point2<f64>)>) -> Self {
         points.extend(self.first.iter().skip(self.taken));
         Self::new(points, self.chain, self.next + self.taken.saturating_sub(self.first.len()))
@@ -293,7 +298,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Finds the links; `false` when it is stuck.
+    /// Finds the links; returns `false` if no line leads on.
     fn walk(&mut self, ahead: impl Fn(usize) -> Vector2<f64>, budget: &Budget) -> Result<bool, Stopped> {
         let start = (0, self.left[0]);
         let (mut left, mut right) =
@@ -308,7 +313,7 @@ impl Walk<'_> {
                 Vertex { gate, at, x: along.dot(&from), y: along.perp(&from) }
             };
             let mut bundle = Bundle::default();
-            // Of the two chains the point that is less far along comes first.
+            // Take the points of both chains in order of their place along the link.
             let blocked = loop {
                 let (side, next) = match (left.peek().map(vertex), right.peek().map(vertex)) {
                     (Some(l), Some(r)) if l.x <= r.x => (Side::Left, l),
@@ -335,7 +340,7 @@ impl Walk<'_> {
                 self.finish(self.left.len() - 1, steepest, flattest);
                 return Ok(true);
             };
-            // The line that is farthest from what blocks it reaches farthest.
+            // The line that turns farthest away from the blocking point reaches farthest.
             let (line, own, other) = match side {
                 Side::Left => (bundle.flattest, &bundle.left, &bundle.right),
                 Side::Right => (bundle.steepest, &bundle.right, &bundle.left),
@@ -366,7 +371,8 @@ impl Walk<'_> {
         Ok(false)
     }
 
-    /// The last link ends at the last gate: halfway between the outermost lines that do.
+    /// Adds the last link, which ends at the last gate, halfway between the two outermost lines that reach
+    /// that gate.
     fn finish(&mut self, last: usize, steepest: Touching, flattest: Touching) {
         let end = self.left[last];
         let direction = |line: Touching| (line.last.at - line.first.at).normalize();

@@ -1,4 +1,4 @@
-//! The element over a range of parameters: made by its shape, guessed at by samples, proved by [`judge`].
+//! Makes the element of a shape over a range of parameters: samples guess it, and [`judge`] proves it.
 
 mod bow;
 
@@ -11,40 +11,43 @@ use crate::geometry::element::Element;
 use crate::geometry::plane_curve::PlaneCurve;
 use bow::Bow;
 
-/// Places at which a deviation is looked for, in parts of a range: at even steps, or, for bands with a narrow
+/// Places at which a deviation is sampled, as shares of a range: at even steps, or, for bands with a narrow
 /// side, closer together towards the ends.
 const EVEN: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 const GRADED: [f64; 17] =
     [0.0003, 0.002, 0.01, 0.03, 0.08, 0.18, 0.3, 0.4, 0.5, 0.6, 0.7, 0.82, 0.92, 0.97, 0.99, 0.998, 0.9997];
 
-/// A band is lopsided whose narrow side is less than this part of the wide one.
+/// A band is lopsided if its narrow side is less than this share of its wide side.
 const LOPSIDED_PART: f64 = 0.99;
 
-/// Steps of parabolas through three places to where a deviation is largest; more where an element is to touch
-/// the curve.
+/// The most steps towards the place of the largest deviation, by parabolas through three places. An element
+/// that has to touch the curve takes more steps.
 const PEAK_STEPS: usize = 4;
 const TOUCH_STEPS: usize = 16;
 
-/// An element that may not touch the other side of a curve keeps this part of the wide side away from it in
-/// its middle: an element that coincides with the curve takes many cells to prove.
+/// The distance that an element keeps in its middle from a side of the curve without room, as a share of the
+/// wide side. An element that coincides with the curve takes many cells to prove.
 const CLEAR_PART: f64 = 1e-4;
 
-/// Of a side that is narrower than this part of the other only this part is aimed at.
+/// If a side is narrower than the share `NARROW_PART` of the other, elements aim at the share `NARROW_USE` of
+/// it only.
 const NARROW_PART: f64 = 1e-3;
 const NARROW_USE: f64 = 0.7;
 
-/// How often the places where the deviations of an element are largest join those by which the next is made.
+/// How often the places of an element's largest deviations are added to those that determine the next
+/// element.
 const EXCHANGES: usize = 4;
 
-/// A side of the band that is narrower than this part of the other has no room for an element that bends to
-/// it; one that is this much shorter than the other side would take is there by rounding.
+/// A side of the band narrower than the share `NO_ROOM_PART` of the other has no room for an element that
+/// bends to it. On such a band, an element that is `HOPELESS_FACTOR` times shorter than the wide side alone
+/// would allow stays within the band by rounding only.
 const NO_ROOM_PART: f64 = 1e-7;
 const HOPELESS_FACTOR: f64 = 1024.0;
 
-/// Steps in the search for the best bulge; it takes five to ten.
+/// The most steps of the search for the best bow; it takes five to ten.
 const BULGE_STEPS: usize = 40;
 
-/// What an element may be.
+/// The shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     Line,
@@ -53,7 +56,7 @@ pub enum Shape {
 }
 
 impl Method {
-    /// The shapes that are tried, in this order.
+    /// The shapes to try, in this order.
     pub fn shapes(self) -> &'static [Shape] {
         match self {
             Method::Linear => &[Shape::Line],
@@ -68,7 +71,7 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
     pub element: Element,
-    /// The range of the curve's parameter that it stands for.
+    /// The range of the curve's parameter that the element covers.
     pub range: [f64; 2],
     pub spread: Spread,
 }
@@ -83,7 +86,8 @@ pub struct Fitter<'a, C> {
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// The first shape that is proved to stay within the band over `range`.
+    /// The element over `range` of the first shape that is proved to stay within the band; `None` if no shape
+    /// is.
     pub fn fit(&self, range: [f64; 2]) -> Option<Fitted> {
         self.method.shapes().iter().find_map(|shape| {
             let element = self.element(*shape, range)?;
@@ -94,8 +98,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         })
     }
 
-    /// The largest deviation over `range` in parts of the band, by the shape that needs least: one is its
-    /// edge. It is found by samples: good enough to search with.
+    /// The largest deviation over `range` as a share of the band, by the shape with the least share; at one
+    /// the element reaches the edge of the band. The deviation is sampled, which is good enough for a search.
     pub fn strain(&self, range: [f64; 2]) -> f64 {
         let strains = self.method.shapes().iter().filter_map(|shape| {
             let element = self.element(*shape, range)?;
@@ -104,14 +108,15 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         strains.fold(f64::INFINITY, f64::min)
     }
 
-    /// As `strain`, for lines along a curve that bends to one side only: there the deviation is largest where
-    /// the curve runs along the line, which takes a few tangents to find.
+    /// As `strain`, for lines along a curve that bends to one side only. There the deviation is largest where
+    /// the curve is parallel to the line, and a few tangents find that place.
     pub fn strain_of_hump(&self, [from, to]: [f64; 2]) -> f64 {
         let Some(line) = self.element(Shape::Line, [from, to]) else { return f64::INFINITY };
         let along = line.end() - line.start();
         let turned = |t: f64| along.perp(&self.curve.derivative(t));
         let (at_from, at_to) = (turned(from), turned(to));
-        // The last parameter of a piece that ends in a corner has the tangent of the next.
+        // At a corner, the last parameter of a piece has the tangent of the next piece. The signs may then
+        // agree, and samples serve instead.
         if at_from == 0.0 || at_to == 0.0 || (at_from > 0.0) == (at_to > 0.0) {
             return self.strain([from, to]);
         }
@@ -120,16 +125,16 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         self.part(&line, self.distance(&line, top, 0.5))
     }
 
-    /// A distance of the curve to the left of an element in parts of the side of the band it is on, with half
-    /// of the rounding that proofs allow for.
+    /// The share of the band that a deviation takes up, for a curve that lies `distance` mm to the left of an
+    /// element. The band's side is widened by half of the rounding that proofs allow for.
     fn part(&self, element: &Element, distance: f64) -> f64 {
         let Band { below_mm, above_mm, .. } = self.band;
         let guard = GUARD_MM + 0.5 * GUARD_PART * element.magnitude();
         if distance > 0.0 { distance / (below_mm + guard) } else { -distance / (above_mm + guard) }
     }
 
-    /// Whether an element over `range` is so much shorter than one that both sides of the band would take if
-    /// they were as wide as the wider that it is the narrow side that has no room for any.
+    /// Whether the narrow side of the band has no room for any element near `range`: if both sides were as
+    /// wide as the wider one, an element [`HOPELESS_FACTOR`] times as long would fit.
     pub fn is_hopeless(&self, [from, to]: [f64; 2]) -> bool {
         let Band { below_mm, above_mm, .. } = self.band;
         if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) {
@@ -165,15 +170,15 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
     }
 
-    /// Whether one side of the band is narrower than the other: the paper's parabola, which runs through the
-    /// curve in its middle, then wastes the wide side, and deviations to the narrow side are large only near
-    /// the ends.
+    /// Whether one side of the band is narrower than the other. Then the paper's parabola, which meets the
+    /// curve in its middle, wastes the wide side, and deviations to the narrow side are large only near the
+    /// ends.
     fn is_lopsided(&self) -> bool {
         let Band { below_mm, above_mm, .. } = self.band;
         below_mm.min(above_mm) < LOPSIDED_PART * below_mm.max(above_mm)
     }
 
-    /// Where deviations are looked for, in parts of the range.
+    /// The places at which deviations are sampled, as shares of the range.
     fn places(&self) -> &'static [f64] {
         if self.is_lopsided() { &GRADED } else { &EVEN }
     }
@@ -184,7 +189,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         match self.band.measure {
             Measure::Normal => {
                 let foot = element.foot(p, near);
-                // Behind an end it is farther away than it seems.
+                // Beyond an end of the element, the point is farther from the element than from its
+                // continuation.
                 let out = (-foot.u).max(foot.u - 1.0);
                 if out <= 1e-9 { foot.distance } else { foot.distance.hypot(out * element.speed().lo()) }
             }
@@ -194,12 +200,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     fn strain_of(&self, element: &Element, [from, to]: [f64; 2]) -> f64 {
         let at = |s: f64| self.part(element, self.distance(element, from + (to - from) * s, s));
-        // Other peaks that are nearly as high are found by the proof, if at all.
+        // Other peaks that are nearly as high are left to the proof.
         peak(at, self.places(), [0.0, 0.0], PEAK_STEPS).map_or(f64::INFINITY, |[_, most]| most.max(0.0))
     }
 
-    /// The arc whose deviations use both sides of the band alike; a line where it would be too flat to be run
-    /// as an arc.
+    /// The arc whose deviations use both sides of the band alike; a line if the arc would be too flat to be
+    /// run as an arc.
     fn arc(&self, [from, to]: [f64; 2], start: Point2<f64>, end: Point2<f64>) -> Option<Element> {
         let half = 0.5 * (end - start).norm();
         let bows = Bow::Arcs { start, end };
@@ -217,14 +223,15 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         Some(bows.element(bulge).unwrap_or(line))
     }
 
-    /// The bow whose deviations use both sides of the band alike.
+    /// The bow whose deviations use both sides of the band alike; `None` if it is not finite.
     fn best_bow(&self, bows: &Bow, [from, to]: [f64; 2]) -> Option<f64> {
         let Band { below_mm, above_mm, .. } = self.band;
         let point = |s: f64| self.curve.point(from + (to - from) * s);
         if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) || below_mm == above_mm {
             return self.balanced_bow(bows, point);
         }
-        // The least bow of all leaves the whole curve to the left of the element, the largest to the right.
+        // The least of the bows leaves the whole curve to the left of the element, the largest leaves it to
+        // the right.
         let sign = if above_mm < below_mm { -1.0 } else { 1.0 };
         let tangents = [self.curve.derivative(from), self.curve.derivative(to.next_down())];
         let at_ends = bows.along(tangents).map(|bow| sign * bow);
@@ -234,17 +241,17 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         Some(sign * (most + clear)).filter(|bow| bow.is_finite())
     }
 
-    /// As `best_bow`, where both sides have room; `point` is a point of the curve from 0 to 1.
+    /// As `best_bow`, for a band with room on both sides; `point` maps 0 to 1 to the points of the curve.
     fn balanced_bow(&self, bows: &Bow, point: impl Fn(f64) -> Point2<f64>) -> Option<f64> {
         let wide = self.band.below_mm.max(self.band.above_mm);
-        // Of a side that is very narrow some is left, since its deviations are not found exactly.
+        // A very narrow side is not used up, because its deviations are not found exactly.
         let [below, above] = [self.band.below_mm, self.band.above_mm]
             .map(|mm| GUARD_MM + if mm < NARROW_PART * wide { NARROW_USE * mm } else { mm });
         let balance = |points: &[Point2<f64>], part: f64| {
             let through: Vec<f64> = points.iter().map(|p| bows.through(*p)).collect();
             let low = through.iter().copied().fold(f64::INFINITY, f64::min);
             let high = through.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            // Every distance falls as the bow grows: the root of what the sides lack.
+            // Every distance falls as the bow grows, so this balance of both sides has one root.
             let lack = |bow: f64| {
                 let distance = bows.distance(bow);
                 let [least, most] = points
@@ -272,8 +279,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// The root of a falling function between two places, by regula falsi (the Illinois variant), to a part of
-/// the width.
+/// The root of a falling function between two places, by regula falsi (the Illinois variant), to the share
+/// `part` of the width. If the sign does not change, the end with the smaller value.
 fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64 {
     let width = high - low;
     let (mut at_low, mut at_high) = (f(low), f(high));
@@ -310,8 +317,9 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], part: f64) -> f64
     0.5 * (low + high)
 }
 
-/// Where `f` is largest inside a range, and its value there: at one of the places or near it, by parabolas
-/// through three places, for which it is known at the ends. `None` where `f` is not finite.
+/// Where `f` is largest between 0 and 1, and its value there: the best of `places`, refined by parabolas
+/// through three places. `at_ends` are the values at 0 and 1. `None` if `f` is not finite at one of the
+/// places.
 fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize) -> Option<[f64; 2]> {
     let mut x = [0.0; GRADED.len() + 2];
     let mut y = [at_ends[0]; GRADED.len() + 2];
@@ -331,8 +339,8 @@ fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize)
     Some(climb(f, near(x), near(y), steps))
 }
 
-/// The largest value of `f` near a place where it is larger than at two neighbours, by parabolas through
-/// three places.
+/// The place and the value of the maximum of `f` near a place where `f` is larger than at two neighbours, by
+/// parabolas through three places.
 fn climb(f: impl Fn(f64) -> f64, mut x: [f64; 3], mut y: [f64; 3], steps: usize) -> [f64; 2] {
     let close = 5e-6 * (x[2] - x[0]).min(2.0 * (x[1] - x[0]));
     for _ in 0..steps {
@@ -346,7 +354,7 @@ fn climb(f: impl Fn(f64) -> f64, mut x: [f64; 3], mut y: [f64; 3], steps: usize)
         if value.is_nan() {
             break;
         }
-        // The highest of the four, between its neighbours.
+        // Keep the highest of the four places, between its neighbours.
         let (is_before, is_higher) = (at < x[1], value > y[1]);
         match (is_before, is_higher) {
             (true, true) => (x, y) = ([x[0], at, x[1]], [y[0], value, y[1]]),

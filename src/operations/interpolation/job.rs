@@ -1,4 +1,4 @@
-//! What is to be interpolated, and how.
+//! The interpolation job: curve, method, division and band.
 
 use crate::geometry::deviation::Band;
 use crate::geometry::offset::Side;
@@ -8,24 +8,24 @@ use crate::toolpath::quantize::Parabolas;
 
 pub use super::source::Source;
 
-/// Elements of one job where the caller sets no limit.
+/// The most elements of a job whose caller sets no limit.
 pub const DEFAULT_ELEMENT_LIMIT: usize = 250_000;
 
-/// What elements a curve is interpolated by.
+/// The kind of elements that interpolate a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     Linear,
     Parabolic,
     /// Lines where they stay within the band, else parabolas.
     Mixed,
-    /// Arcs, and lines where they would be too flat.
+    /// Arcs, and lines where arcs would be too flat.
     Arc,
 }
 
 /// How the curve is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subdivision {
-    /// Hyun's: what leaves the band is halved.
+    /// Hyun's method: an element that leaves the band is halved.
     Bisection,
     /// Into as few elements as possible.
     Least(Joints),
@@ -35,7 +35,7 @@ pub enum Subdivision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
     OnCurve,
-    /// Anywhere in the band, for lines where that saves some; the ends of the curve are kept.
+    /// Anywhere in the band, for lines, if that needs fewer of them. The ends of the curve stay on the curve.
     InBand,
 }
 
@@ -45,17 +45,17 @@ pub struct Job {
     pub curve: Source,
     pub method: Method,
     pub subdivision: Subdivision,
-    /// Equal parts of the domain that the curve is divided into beforehand, one or more.
+    /// The number of equal parts into which the domain is divided first, one or more.
     pub initial_elements: usize,
     pub band: Band,
-    /// The side and radius of a cutter that is to run beside the contour, mm.
+    /// The side and the radius (mm) of a cutter that runs beside the contour.
     pub compensation: Option<(Side, f64)>,
     /// Height of the contour, mm.
     pub z_mm: f64,
-    /// Without them the toolpath has no feeds.
+    /// The cutting conditions; without them the toolpath has no feeds.
     pub cutting: Option<CuttingRequest>,
     pub resolution: Resolution,
-    /// The most elements.
+    /// A job that needs more elements is refused.
     pub element_limit: usize,
     /// Whether the control runs parabolas; where it does not, arcs and lines stand for them.
     pub parabolas: Parabolas,

@@ -1,17 +1,17 @@
-//! The fewest elements with joints on the curve: each ends as far on as it can.
+//! Greedy division with joints on the curve: each element ends as far on as possible.
 //!
 //! # Method
-//! 1. From a joint the longest element is searched: its strain, the deviation in parts of the band, is a
-//!    growing function of its length, whose root at one is found in logarithms; the element there is then
-//!    proved.
-//! 2. Where the curve is convex every part of an element that stays within the band does so too
-//!    (`lower_bound`): then the longest element from the farthest joint is the best there is, and greedy
-//!    growth gives the least number. About an inflection that need not be so: a longer element may fit again
-//!    where a shorter does not, and an earlier joint may reach farther. Both are tried.
+//! 1. Search the longest element from a joint. The strain of an element is its deviation as a share of the
+//!    band, and grows with its length. A secant search in logarithms finds the length at which the strain is
+//!    one. Then prove the element of that length.
+//! 2. Where the curve is convex, every part of an element that stays within the band stays within it too
+//!    (`lower_bound`). There the longest element from the farthest joint is the best, and greedy growth gives
+//!    the least number. About an inflection this need not hold: a longer element may fit again where a
+//!    shorter one does not, and an earlier joint may reach farther. Both are tried.
 //!
 //! # Guarantees
-//! Every element is proved. Joints are as far on as they can be, to a part of 2e-7 of the element. How far
-//! the count may be from the least of all is told by the lower bound.
+//! Every element is proved. Each joint is as far on as possible, to a share of 2e-7 of its element. The lower
+//! bound states how far the count may be from the least possible.
 //!
 //! # Cost
 //! O(n) for n elements.
@@ -23,35 +23,36 @@ use crate::budget::Budget;
 use crate::geometry::deviation::Band;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Steps of the search for a length.
+/// The most steps of the search for a length.
 const LENGTH_STEPS: usize = 60;
 
-/// The length is found to this part of itself.
+/// The search ends when it knows the length to this share of itself.
 const LENGTH_PART: f64 = 1e-9;
 
-/// A strain this little below one is at the edge of the band: nearer to it proofs take longer, and elements
-/// grow by less than a part of 1e-7.
+/// The search accepts a strain this little below one as the edge of the band. Nearer to one, proofs take
+/// longer, and elements grow by less than a share of 1e-7.
 const STRAIN_PART: f64 = 2e-7;
 
-/// Parts by which a length is shortened until its element is proved; after them it is halved.
+/// Shares by which a length is shortened until its element is proved. If none of them helps, the length is
+/// halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
-/// Where else a joint is tried, in parts of the element before it.
+/// How far earlier a joint is tried, as shares of the element before it.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
 
-/// The factor by which elements grow that are looked at for one that fits again.
+/// The factor from one trial length to the next where the search looks for a longer element that fits again.
 const LONGER: f64 = 1.03;
 
-/// No longer element is tried than this many times the longest.
+/// The search for a longer element that fits again ends at this many times the longest length found.
 const LONGEST_FACTOR: f64 = 40.0;
 
-/// Tangents by which a curve is seen to be convex.
+/// The steps between tangents that show whether a curve is convex.
 const TANGENTS: usize = 9;
 
 /// Elements between two reports of progress.
 const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 
-/// The fewest elements over `range` that stay within the band, as far as is known.
+/// The fewest elements over `range` that greedy growth finds and that stay within the band.
 ///
 /// # Errors
 /// When the budget ends, there are too many elements, or no element stays within the band however short.
@@ -93,8 +94,8 @@ pub fn fewest(
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// The longest element that starts at `from` and ends at `most` at the latest; `guess` is about how long
-    /// it is.
+    /// The longest element that starts at `from` and ends at `most` at the latest; `guess` is its approximate
+    /// length.
     ///
     /// # Errors
     /// When no element stays within the band however short.
@@ -113,7 +114,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         let reach = self.longest_factor();
         if length < room && self.may_fit_again([from, (from + reach * length).min(most)]) {
-            // It may fit again farther on, where the curve has turned back.
+            // A longer element may fit again farther on, where the curve has turned back.
             let shortest = length;
             let mut factor = LONGER;
             while factor <= reach && shortest * factor < room {
@@ -134,7 +135,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         self.longest_proved([from, most], length)
     }
 
-    /// As `longest`, by proofs alone: for curves whose deviation samples do not tell.
+    /// As `longest`, but by proofs alone: for curves whose deviation samples do not show.
     fn longest_proved(&self, [from, most]: [f64; 2], length: f64) -> Result<Fitted, Error> {
         let mut high = length.min(most - from);
         let mut best = loop {
@@ -163,8 +164,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         to - from <= 1e-13 * (last - first).max(first.abs()).max(last.abs())
     }
 
-    /// How much longer an element may be that fits again: a line that cuts off a bend to the narrow side of
-    /// the band is short beside one to the wide side.
+    /// How many times longer an element that fits again may be. A line that cuts off a bend to the narrow
+    /// side of the band is short compared with a line that cuts off a bend to the wide side.
     fn longest_factor(&self) -> f64 {
         if matches!(self.method, Method::Arc | Method::Parabolic) {
             return 2.0;
@@ -174,8 +175,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         (2.0 * ratio.sqrt()).min(LONGEST_FACTOR)
     }
 
-    /// Whether a longer element might stay within the band where a shorter does not: not where lines meet a
-    /// convex curve.
+    /// Whether a longer element might stay within the band where a shorter one does not. Lines along a convex
+    /// curve exclude this.
     fn may_fit_again(&self, [from, to]: [f64; 2]) -> bool {
         if self.method != Method::Linear {
             return true;
@@ -192,8 +193,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         left && right
     }
 
-    /// The element before with an earlier end, and the next from there, where that reaches farther than
-    /// `next`.
+    /// The element `before` with an earlier end, and the longest element from there, if that one reaches
+    /// farther than `next`.
     fn around(&self, before: &Fitted, next: &Fitted, most: f64) -> Option<[Fitted; 2]> {
         let [start, joint] = before.range;
         let reached = next.range[1];
@@ -216,10 +217,10 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// The length at which the strain is one, or all the room there is.
+/// The length at which the strain is one, or `room` if the strain stays below one.
 ///
-/// The strain is nearly a power of the length: the secant in logarithms through the last two trials finds the
-/// root, within what is bracketed.
+/// The strain is nearly a power of the length. So a secant in logarithms through the last two trials finds
+/// the root; each trial stays within the bracket.
 fn limit_length(strain: impl Fn(f64) -> f64, from: f64, [guess, room]: [f64; 2]) -> f64 {
     let (mut low, mut high) = (0.0, f64::INFINITY);
     let mut length = guess;
@@ -238,7 +239,8 @@ fn limit_length(strain: impl Fn(f64) -> f64, from: f64, [guess, room]: [f64; 2])
             break;
         }
         let here = (length.ln(), strain.ln());
-        // Of the two shapes' powers, two for lines and three for parabolas.
+        // The strain grows with the square of the length for lines and with the cube for parabolas; 2.3 lies
+        // between.
         let power = last
             .map(|last: (f64, f64)| (here.1 - last.1) / (here.0 - last.0))
             .filter(|p| (0.5..8.0).contains(p));

@@ -1,28 +1,29 @@
-//! How few elements there can be at least, whatever their joints on the curve: a bound for the count of all.
+//! A lower bound for the number of elements, whatever their joints on the curve.
 //!
 //! # Method
-//! With r the farthest place that k elements can reach, k + 1 reach no farther than the farthest end of an
-//! element that starts at r or before it. That is bounded in two ways.
+//! Let r be the farthest place that k elements can reach. Then k + 1 elements reach no farther than the
+//! farthest end of an element that starts at r or before it. That end is bounded in two ways.
 //!
-//! 1. **Convex.** Lines: let the curve be convex, and its tangents differ by less than a right angle, where
-//!    an element from before r could run at all. Then the height of a part of the curve over its own chord is
-//!    at most that of the whole over its chord: the part lies in a strip of the whole's height along the
-//!    whole's chord, over which the curve is a graph; the point of the part farthest from its chord has a
-//!    tangent along it, so it lies on the side of the apex where the strip's height counts in full, and its
-//!    distance is at most that height times the cosine between the chords. (By the vertical measure the chord
-//!    of the whole lies above that of the part, which needs no tangents.) So an element from before r to
-//!    beyond b would have a part from r to b within the band; where that element is outside, b bounds the
+//! 1. **Convex.** For lines only. Let the curve be convex, and let its tangents differ by less than a right
+//!    angle, wherever an element from before r could run. Then the height of a part of the curve over its own
+//!    chord is at most the height of the whole over the whole's chord. The proof: the part lies in a strip of
+//!    the whole's height along the whole's chord, over which the curve is a graph. At the point of the part
+//!    farthest from its chord, the tangent is parallel to that chord. So that point lies on the side of the
+//!    apex where the strip's height counts in full, and its distance is at most that height times the cosine
+//!    between the chords. (By the vertical measure the chord of the whole lies above the chord of the part,
+//!    without a condition on the tangents.) So an element within the band from before r to beyond b would
+//!    have a part from r to b within the band. If the element from r to b leaves the band, b bounds the
 //!    reach.
-//! 2. **Free.** An element that stays within the band over a range does so over every part of it, whatever
-//!    its joints. It is ruled out by a few points that none of its kind passes near enough: three for lines
-//!    (the least height of the triangle), four for arcs (the thinnest ring) and for parabolas over graphs
-//!    (the third divided difference).
+//! 2. **Free.** An element that stays within the band over a range does so over every part of that range,
+//!    whatever its joints. A few points rule out a range if no element of the method passes near enough to
+//!    all of them: three points for lines (the least height of the triangle), four for arcs (the thinnest
+//!    ring) and for parabolas over graphs (the third divided difference).
 //!
 //! # Guarantees
-//! No set of elements of the method with joints on the curve is smaller, up to rounding of 1e-9 of the band.
-//! The bound is the count itself for lines on convex curves; for arcs and parabolas it is smaller by some
-//! tenth, about inflections by more: 10 for 15 at worst of what was seen. For parabolas on curves that are no
-//! graphs nothing but 1 is known.
+//! Any set of elements of the method with joints on the curve has at least as many elements, up to rounding
+//! of 1e-9 of the band. For lines on convex curves the bound is the count itself. For arcs and parabolas it
+//! is lower by some tenth, and lower still about inflections: at worst 10 for 15 elements in what was seen.
+//! For parabolas on curves that are no graphs the bound is 1.
 //!
 //! # Cost
 //! O(n) for n elements, as much as finding the elements.
@@ -42,36 +43,37 @@ use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 use crate::geometry::solve::bisect;
 
-/// How much farther than guessed an element is looked at, in parts of its length: the first that is outside
-/// bounds the reach.
+/// How far beyond the guessed reach an element is tested, as shares of its length. The first element that
+/// leaves the band bounds the reach.
 const BEYOND_PARTS: [f64; 5] = [1e-6, 1e-4, 1e-3, 1e-2, 5e-2];
 
-/// How much farther than that no element at all reaches, where it is convex; tried in turn.
+/// Lengths, in multiples of the guessed length, that are tried in turn for one that no element reaches. The
+/// curve must be convex up to there.
 const FAR_FACTORS: [f64; 3] = [1.5, 2.0, 3.0];
 
-/// How often a range is halved until the curve is seen to be convex there.
+/// How often a range is halved to show that the curve is convex there.
 const HALVINGS: u32 = 4;
 
-/// A tangent that jumps by more than this, as a sine, makes a corner: the curve is not taken for convex
-/// there.
+/// A jump of the tangent by more than this sine makes a corner: the curve does not count as convex there.
 const CORNER_SINE: f64 = 1e-9;
 
-/// Elements between two looks at the budget.
+/// Elements between two checks of the budget.
 const STEPS_BETWEEN_CHECKS: usize = 16;
 
-/// Where the four points stand that rule out an arc or a parabola: those of Chebyshev, in parts of the range.
+/// The places of the four points that rule out an arc or a parabola, as shares of the range: those of
+/// Chebyshev.
 const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 
-/// Points among which the three that rule out a line are looked for.
+/// Points from which the three that rule out a line are chosen.
 const LINE_POINTS: usize = 17;
 
-/// Ranges grow by this factor until an element is ruled out, and the growth is then refined by halving it so
-/// often.
+/// A range grows by the factor `GROWTH` until an element is ruled out. Then `REFINEMENTS` bisection steps
+/// refine its length.
 const GROWTH: f64 = 1.04;
 const REFINEMENTS: usize = 8;
 
-/// A bound for the number of elements over the range of `guide`: elements that are each as long as they can
-/// be.
+/// A lower bound for the number of elements over the range of `guide`, whose elements are each as long as
+/// possible.
 ///
 /// # Errors
 /// When the budget ends.
@@ -99,15 +101,15 @@ pub fn lower_bound(
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {
-    /// A bound for where elements end that start between `before` and `start`, which lies in `own`; `next` is
-    /// the element behind that.
+    /// An upper bound for the end of every element that starts between `before` and `start`. `own` is the
+    /// range of the guide's element with `start` in it; `next` is the range of the element after it.
     fn reach_at_most(&self, [before, start, to]: [f64; 3], own: [f64; 2], next: Option<[f64; 2]>) -> f64 {
         let Some(next) = next else { return to };
-        // As far into the next element as the start is into its own.
+        // The guessed end lies as far into the next element as the start lies into its own.
         let part = (start - own[0]) / (own[1] - own[0]);
         let length = next[0] + part * (next[1] - next[0]) - start;
         if self.method == Method::Linear {
-            // Elements end here at the latest, so that far the curve must be convex.
+            // No element reaches past this place, so the curve has to be convex only up to it.
             let farthest = FAR_FACTORS.iter().map(|factor| start + factor * length);
             let farthest = farthest.take_while(|end| *end < to).find(|end| self.rules_out([start, *end]));
             if let Some(farthest) = farthest.filter(|farthest| self.is_convex([before, *farthest])) {
@@ -127,7 +129,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         matches!(judge(self.curve, &element, [from, to], Ends::OnCurve, &self.band), Verdict::Outside { .. })
     }
 
-    /// Whether the curve turns to one side only over a range, and by the normal measure by less than a right
+    /// Whether the curve turns to one side only over a range; by the normal measure also by less than a right
     /// angle.
     fn is_convex(&self, [from, to]: [f64; 2]) -> bool {
         let breaks = self.curve.breaks();
@@ -154,9 +156,9 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         (left || right) && !breaks.iter().any(|t| self.curve.has_corner(*t, CORNER_SINE))
     }
 
-    /// Whether the curve turns to the left, and to the right, over a range without breaks; a straight one
-    /// does both. `None` where it cannot be told, or by the normal measure where its tangents are not within
-    /// half a right angle of `along`.
+    /// Whether the curve turns only to the left, and whether only to the right, over a range without breaks.
+    /// A straight piece does both. `None` if this cannot be told; by the normal measure also if the tangents
+    /// are not within half a right angle of `along`.
     fn turns(&self, [from, to]: [f64; 2], along: Vector2<f64>) -> Option<[bool; 2]> {
         let Enclosure { first, second, .. } = self.curve.enclose(from, to);
         if self.band.measure == Measure::Normal {
@@ -167,13 +169,14 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         }
         let turn = first[0] * second[1] - first[1] * second[0];
-        // A curve that is straight but for rounding is as good as convex.
+        // A curve that is straight up to rounding counts as convex.
         let slack = 1e-12 * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
         let sides = [turn.lo() >= -slack, turn.hi() <= slack];
         (sides[0] || sides[1]).then_some(sides)
     }
 
-    /// A bound for where elements end that stay within the band from `start` on, wherever they start.
+    /// An upper bound for the end of every element that stays within the band from `start` on, wherever it
+    /// starts.
     fn free_reach(&self, [start, to]: [f64; 2], length: f64) -> f64 {
         if matches!(self.method, Method::Parabolic | Method::Mixed) && !self.curve.is_graph() {
             return to;
@@ -191,7 +194,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         start + ruled_out
     }
 
-    /// Whether a few points over a range show that no element of the method stays within the band there.
+    /// Whether a few points over a range prove that no element of the method stays within the band there.
     fn rules_out(&self, [from, to]: [f64; 2]) -> bool {
         let at = |part: f64| from + (to - from) * part;
         match self.method {
@@ -204,14 +207,14 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
             Method::Arc => {
                 let width = self.band.below_mm + self.band.above_mm + 4.0 * GUARD_MM;
-                // By the vertical measure a curve is no farther away than that.
+                // The distance is at most the vertical deviation, so this test serves both measures.
                 ring(FOUR.map(|part| self.curve.point(at(part)))) > width * (1.0 + 1e-9)
             }
             Method::Parabolic | Method::Mixed => self.no_parabola(FOUR.map(at)),
         }
     }
 
-    /// The least that a line lies away from one of three points on one side and another on the other, in sum.
+    /// The width of the thinnest strip that holds three points, by the measure of the band.
     fn thickness(&self, [a, b, c]: [Point2<f64>; 3]) -> f64 {
         let twice_area = (b - a).perp(&(c - a)).abs();
         match self.band.measure {
@@ -222,12 +225,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     /// Whether no quadratic function passes near enough to four points of a graph.
     ///
-    /// An element that lies within w of the curve lies above or below it by at most w sqrt(1 + m^2), with m
-    /// the largest slope of the curve within w of there.
+    /// An element within the distance w of the curve lies above or below the curve by at most w sqrt(1 +
+    /// m^2). Here m is the largest slope of the curve within w of that place.
     fn no_parabola(&self, x: [f64; 4]) -> bool {
         let [first, last] = self.curve.domain();
         let (below, above) = (self.band.below_mm + 2.0 * GUARD_MM, self.band.above_mm + 2.0 * GUARD_MM);
-        // The sum of (y + e) / w'(x) is zero for a quadratic through the points y moved by e.
+        // For a quadratic through the points with each y moved by e, the sum of (y + e) / w'(x) is zero.
         let (mut sum, mut least, mut most) = (0.0, 0.0, 0.0);
         for (k, xk) in x.iter().enumerate() {
             let product: f64 = x.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, xj)| xk - xj).product();
@@ -248,8 +251,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// All triples of neighbours at equal distances and those with an end moved: enough to see how thick a bent
-/// strip is.
+/// For each inner point: the triple with both ends, and the triples in which an end is moved so that the
+/// inner point is the middle. They suffice to show how thick a bent strip is.
 fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).flat_map(move |b| {
         let last = count - 1;
@@ -261,8 +264,8 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
 
 /// The width of the thinnest ring, or strip, that holds four points.
 ///
-/// It has two of them on each of its circles, or three on one and one on the other; a strip has two on one of
-/// its lines.
+/// The thinnest ring has two points on each of its circles, or three on one circle and one on the other. The
+/// thinnest strip has two points on one of its lines.
 fn ring(p: [Point2<f64>; 4]) -> f64 {
     let mut thinnest = strip(p);
     let mut try_center = |center: Option<Point2<f64>>| {
@@ -284,7 +287,7 @@ fn ring(p: [Point2<f64>; 4]) -> f64 {
     thinnest
 }
 
-/// The point as far from one of a pair as from the other, for two pairs.
+/// The point at equal distances from both points of a pair, for two pairs at once; `None` if there is none.
 fn equidistant(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> Option<Point2<f64>> {
     let [[a, b], [c, d]] = [one, other];
     let (u, v) = (b - a, d - c);

@@ -16,17 +16,16 @@ use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::{self, Parabolas};
 use crate::toolpath::{Move, PathError, Role, Toolpath};
 
-/// What the cutter leaves is worth a word from here on, mm: less is lost in the program's decimals.
+/// The least uncut distance that causes a warning, mm: less is lost in the program's decimals.
 const UNCUT_MM: f64 = 1e-3;
 
-/// At corners that are hardly any the path may be this far away from where it should be, in steps of the last
-/// decimal.
+/// How far the path may lie outside its exact place at nearly smooth joints, in steps of the last decimal.
 const MITRE_STEPS: f64 = 0.1;
 
-/// Moves between two looks at the budget.
+/// Moves between two checks of the budget.
 const MOVES_BETWEEN_CHECKS: usize = 1024;
 
-/// The way of the tool, with its figures.
+/// The toolpath with its figures.
 pub struct Path {
     pub toolpath: Toolpath,
     pub length_mm: f64,
@@ -36,7 +35,7 @@ pub struct Path {
     pub warnings: Vec<Warning>,
 }
 
-/// An element on its way to the program, with its proved deviation from the curve.
+/// An element as the control runs it, with its proved deviation from the curve.
 struct ProvedElement {
     element: Element,
     deviation_mm: f64,
@@ -81,14 +80,14 @@ pub fn path(
             written = written.max(deviations.next().unwrap_or(0.0) + rounded.displacement_mm);
         }
     }
-    // A displacement has no bound along y on an upright curve.
+    // Where the curve is vertical, a small displacement may mean any deviation along y.
     let is_told = job.compensation.is_none() && job.band.measure == Measure::Normal;
     let deviation_written_mm = is_told.then_some(written);
     Ok(Path { toolpath, length_mm, cutting_time_s: seconds, deviation_written_mm, cutting, warnings })
 }
 
-/// The elements as the control runs them: arcs, else lines, within the same band instead of parabolas that it
-/// does not know.
+/// The elements as the control runs them. If it runs no parabolas, arcs within the same band replace each
+/// parabola; if arcs do not fit, lines do.
 fn runnable(
     curve: &impl PlaneCurve,
     elements: &[ReportedElement],
@@ -105,7 +104,7 @@ fn runnable(
             continue;
         }
         let fitted = match least::fewest(&fitter(Method::Arc), element.domain, budget) {
-            // Upright arcs are no graphs.
+            // By the vertical measure, an arc that is vertical somewhere is no graph.
             Err(Error::BandInfeasible { .. }) => {
                 bisection::bisect(&fitter(Method::Linear), element.domain, budget)?
             }
@@ -119,7 +118,7 @@ fn runnable(
     Ok(stretches)
 }
 
-/// The element at a height.
+/// The element as a curve at the height `z_mm`.
 fn lifted(element: &Element, z_mm: f64) -> Result<Curve, Error> {
     let at = |p: &Point2<f64>| Point3::new(p.x, p.y, z_mm);
     Ok(match element {

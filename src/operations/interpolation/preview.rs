@@ -1,4 +1,4 @@
-//! The curve, its band and the joints of its elements as points: what a picture shows beside the toolpath.
+//! What a picture shows beside the toolpath: the curve, its band and the joints of its elements, as points.
 
 use nalgebra::{Point2, Vector2};
 
@@ -6,7 +6,7 @@ use super::ReportedElement;
 use crate::geometry::deviation::{Band, Measure};
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Points of the curve, more or less, and those for each element at least and at most.
+/// About how many points of the curve a picture has, and the least and the most for one element.
 const POINTS: usize = 20_000;
 const POINTS_AN_ELEMENT: (usize, usize) = (2, 64);
 
@@ -14,7 +14,7 @@ const POINTS_AN_ELEMENT: (usize, usize) = (2, 64);
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sketch {
     pub curve: Vec<Point2<f64>>,
-    /// Below and above.
+    /// The lower edge and the upper edge.
     pub band: [Vec<Point2<f64>>; 2],
     pub joints: Vec<Point2<f64>>,
 }

@@ -1,4 +1,4 @@
-//! Curves as they are given, and the curves that come of them.
+//! The data of a curve, and the curve made from them.
 
 use nalgebra::{Point2, Vector2};
 
@@ -11,10 +11,10 @@ use crate::language::expression::{Expression, ExpressionError, Undefined};
 use crate::language::graph::Graph;
 use crate::language::section_curve::{SectionCurve, SectionCurveError};
 
-/// Coordinates beyond a kilometre are mistakes, mm.
+/// The largest coordinate, mm: a kilometre. A larger one is taken for a mistake.
 const LARGEST_MM: f64 = 1e6;
 
-/// A curve as it is given.
+/// The data of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// y(x) over a domain, mm.
@@ -25,11 +25,11 @@ pub enum Source {
     /// The C2 cubic through points.
     Points(Vec<Point2<f64>>),
     Nurbs(Nurbs),
-    /// In the language of section curves.
+    /// Text in the language of section curves.
     SectionCurve(String),
 }
 
-/// Why there is no curve.
+/// Why the data make no curve.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {
     #[error(transparent)]
@@ -52,7 +52,7 @@ impl Source {
     /// Makes the curve.
     ///
     /// # Errors
-    /// When the data make none, or the budget ends.
+    /// When the data make no curve, or the budget ends.
     pub fn curve(&self, budget: &Budget) -> Result<AnyCurve, SourceError> {
         Ok(match self {
             Self::Graph { expression, domain } => {
@@ -73,14 +73,14 @@ impl Source {
     }
 }
 
-/// A curve of one of the kinds there are.
+/// A curve of any kind.
 #[derive(Debug, Clone)]
 pub enum AnyCurve {
     Graph(Graph),
     Piecewise(Piecewise),
 }
 
-/// For drawing; what is computed much of is computed on the kind itself.
+/// For drawing. Long computations use the curve of its own kind instead.
 impl PlaneCurve for AnyCurve {
     fn domain(&self) -> [f64; 2] {
         match self {

@@ -1,8 +1,8 @@
-//! Lines in the place of arcs that are hardly bent, where that takes no more elements.
+//! Puts lines in place of arcs that hardly bend, where that takes no more elements.
 //!
-//! An arc of several metres along a flank that is straight, or as good as straight, is a move that no
-//! machinist expects and that rounding of its centre bends. Where the band holds a line from the arc's start
-//! on, and the arcs after it reach as far as before, the line stays.
+//! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects,
+//! and rounding of its centre bends it. A line replaces such an arc if the band holds the line from the arc's
+//! start on, and if the arcs after it reach as far as before.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
@@ -11,13 +11,13 @@ use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// A line is taken only if the chain is back at an old joint after this many elements.
+/// A line is taken only if, after at most this many elements, the chain is back at an old joint.
 const MOST_MOVED: usize = 16;
 
-/// A line shorter than this part of its arc is not taken: the bend would be all the sharper behind it.
+/// A line shorter than this share of its arc is not taken: the arc behind it would bend more sharply.
 const LEAST_PART: f64 = 0.5;
 
-/// Puts lines in the place of arcs.
+/// Puts lines in place of arcs that bulge no more than the band is wide.
 ///
 /// # Errors
 /// When the budget ends.
@@ -41,13 +41,13 @@ pub fn straighten(
     Ok(())
 }
 
-/// How far an arc leaves its chord, mm.
+/// The largest distance of an arc from its chord, mm.
 fn bulge_mm(start: nalgebra::Point2<f64>, end: nalgebra::Point2<f64>, turn: f64) -> f64 {
     0.5 * (end - start).norm() * (turn / 4.0).tan().abs()
 }
 
-/// A line at the place of the first element, and new ones for those after it up to a joint that stays; `None`
-/// where there are none.
+/// A line in place of the first element, and new elements after it up to an old joint; `None` if the chain
+/// does not get back to one.
 fn from_line(fitter: &Fitter<impl PlaneCurve>, rest: &[Fitted]) -> Option<Vec<Fitted>> {
     let [from, to] = rest[0].range;
     let lines = Fitter { method: Method::Linear, ..*fitter };

@@ -1,4 +1,4 @@
-//! What the service's answers do not show: errors, limits, and joints.
+//! Tests of what the service's answers do not show: errors, limits, and joints.
 
 use super::*;
 use crate::geometry::deviation::{Band, GUARD_MM};
@@ -94,7 +94,7 @@ fn a_control_without_parabolas_gets_arcs_within_the_same_band() {
 }
 
 #[test]
-fn limits_and_budgets_end_it() {
+fn a_limit_or_a_cancelled_budget_ends_the_job_with_an_error() {
     let mut small = job(graph("sin(x)", [0.0, 6.5]), Method::Linear, Subdivision::Bisection, 1e-4);
     small.element_limit = 100;
     assert_eq!(plan(&small, &Budget::unlimited()).unwrap_err(), Error::TooManyElements { limit: 100 });

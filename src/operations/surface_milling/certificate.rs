@@ -1,4 +1,4 @@
-//! How deep the cutter cuts into the surface on the moves of a path, computed and written.
+//! Proves how deep the cutter cuts into the surface on the moves of a path, as computed and as written.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,15 +10,16 @@ use crate::machining::gouge::{GougeProof, Penetration};
 use crate::toolpath::quantize::{Parabolas, quantize};
 use crate::toolpath::{Move, Role, Toolpath};
 
-/// Moves that one thread looks at in a row; each row is searched as deep as its own deepest needs.
+/// Moves that one thread examines in a row. A row compares with its own deepest move only, so that the answer
+/// does not depend on the number of threads.
 const MOVES_IN_A_ROW: usize = 64;
 
-/// What the tip moves along.
+/// The curves along which the tip moves.
 pub(super) fn curves(toolpath: &Toolpath) -> Vec<Curve> {
     toolpath.moves().filter_map(curve).collect()
 }
 
-/// What the tip moves along on the way from pass to pass, and while it cuts.
+/// The curves along which the tip moves: first those between passes, then those of passes.
 pub(super) fn curves_between_and_of_passes(toolpath: &Toolpath) -> [Vec<Curve>; 2] {
     let is_of_pass = |step: &&Move| matches!(step, Move::Feed { role: Role::Cut, .. });
     let (of, between): (Vec<&Move>, Vec<&Move>) = toolpath.moves().partition(is_of_pass);
@@ -33,27 +34,28 @@ fn curve(step: &Move) -> Option<Curve> {
     }
 }
 
-/// Why a search ends.
+/// Why a search ends early.
 enum End {
-    /// At something deep enough.
+    /// A penetration is deeper than `enough`.
     Deep(Penetration),
     Error(Error),
 }
 
-/// A search for the deepest penetration, and how far it has come.
+/// A search for the deepest penetration, with its progress.
 pub(super) struct Search<'a, P> {
     proof: &'a GougeProof<'a, P>,
     job: &'a Job,
     gap: f64,
     enough: f64,
-    /// Moves, done and in all.
+    /// Moves examined so far, of `total`.
     done: AtomicUsize,
     total: usize,
     budget: &'a Budget,
 }
 
 impl<'a, P: Patch> Search<'a, P> {
-    /// Over `total` moves, to within `gap` mm; what is deeper than `enough` mm ends it.
+    /// A search over `total` moves, to within `gap` mm. It ends early at a penetration deeper than `enough`
+    /// mm.
     pub(super) fn new(
         proof: &'a GougeProof<'a, P>,
         job: &'a Job,
@@ -64,8 +66,7 @@ impl<'a, P: Patch> Search<'a, P> {
         Self { proof, job, gap, enough, done: AtomicUsize::new(0), total, budget }
     }
 
-    /// The deepest penetration on any of the moves, as computed and as written, or that which is `known`, if
-    /// it is deeper.
+    /// The deepest penetration on `moves`, as computed and as written; `known` if that is deeper.
     pub(super) fn deepest(&self, known: Penetration, moves: &[Curve]) -> Result<Penetration, Error> {
         let rows: Vec<&[Curve]> = moves.chunks(MOVES_IN_A_ROW).collect();
         match self.budget.in_order(rows.len(), |k| self.of_row(known, rows[k])) {
@@ -90,7 +91,7 @@ impl<'a, P: Patch> Search<'a, P> {
     }
 }
 
-/// Raises the deepest penetration to that on one move, as computed and as written.
+/// Raises `deepest` to the penetration on one move, as computed and as written, if that is deeper.
 pub(super) fn penetrate(
     curve: &Curve,
     proof: &GougeProof<impl Patch>,

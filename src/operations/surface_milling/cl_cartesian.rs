@@ -24,26 +24,26 @@ use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;
 
-/// The part of the tolerance that a CL curve may take between its points. Smaller parts cost points, larger
-/// ones arcs, whose number falls only with the cube root of what is left. Points of direct contact are
-/// dearer.
+/// The share of the tolerance that a CL curve may take as height over the chords of its points. A smaller
+/// share needs more points. A larger one needs more arcs, but their number grows only with the inverse cube
+/// root of the tolerance that is left. Points of direct contact cost more time, so their share is larger.
 const SECTION_HEIGHT_SHARE: f64 = 0.03;
 const CONTACT_HEIGHT_SHARE: f64 = 0.06;
 
-/// The outline that a cutter stays inside of is known to this part of the tolerance.
+/// The accuracy of the outline, as a share of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
 
-/// A rim reaches up to the root of 2 farther below the surface than its path deviates: passes that it takes
-/// too deep are cut again with this part of the tolerance.
+/// The rim of a flat end reaches up to the root of 2 farther below the surface than its path deviates. If the
+/// certificate rejects such passes, they are cut again with this share of the tolerance.
 const RIM_SHARE: f64 = 0.65;
 
 /// What the passes of a job are cut from.
 struct Found<'a, P> {
     curves: &'a dyn ClCurves,
-    /// Where the cutter touches; `None` by sections of the offset, which need no such search.
+    /// Contacts of the cutter, for the search for rest; `None` with the engine `offset_section`.
     contacts: Option<&'a Contacts<'a, P>>,
     slopes: Vec<Slope>,
-    /// Whether the slopes are all there are, and the cutter can follow them everywhere.
+    /// Whether `slopes` covers the whole surface and the cutter is proved to follow the surface everywhere.
     is_followed: bool,
     seam: Seam,
     chord_height_share: f64,
@@ -55,8 +55,8 @@ struct Found<'a, P> {
 enum Depth {
     /// By the tolerance.
     Tolerance,
-    /// By the deviation of the passes. A pass that cuts deeper meets a part of the surface that its CL curve
-    /// does not know of.
+    /// By the deviation of the passes, plus the certificate's gap and one step of the last decimal. A deeper
+    /// cut shows that the passes miss some other part of the surface.
     Deviation,
 }
 
@@ -140,8 +140,8 @@ fn proved<T>(proof: Result<T, Error>, is_needed: bool) -> Result<Option<T>, Erro
     }
 }
 
-/// Plans by sections of the offset. With `contacts`, the sections stand for the tips of the cutter in contact,
-/// and passes may cut no deeper than they deviate.
+/// Plans passes along sections of the offset. With `contacts` given, the passes stand for passes by contact
+/// and may cut no deeper than they deviate.
 fn by_sections<P: Patch>(
     surface: &BezierSurface<P>,
     offset: &Offset,
@@ -189,7 +189,7 @@ fn by_contact<P: Patch>(
     plan_with(surface, &found, job, budget)
 }
 
-/// The surface with its normal up, as far as the cutter's contact may go.
+/// The surface with its normal up; with the boundary `past`, continued as far as the cutter may touch it.
 fn prepared<P: Patch>(surface: BezierSurface<P>, job: &Job) -> Result<BezierSurface<P>, Error> {
     let surface = surface.upward();
     match job.boundary {
@@ -198,13 +198,13 @@ fn prepared<P: Patch>(surface: BezierSurface<P>, job: &Job) -> Result<BezierSurf
     }
 }
 
-/// What joints that are smooth but for the rounding of their data do to the offset.
+/// How far the offset may jump and bend at joints that are smooth only up to the rounding of their data.
 fn seam(joints: &Joints, job: &Job, slopes: &[Slope]) -> Seam {
     let least_share = slopes.iter().map(|slope| slope.share).fold(1.0, f64::min);
     Seam { jump: joints.jump(job.offset_mm()), bend: joints.kink / (4.0 * least_share) }
 }
 
-/// Passes that are proved.
+/// Proved passes and their toolpath.
 struct Cut {
     passes: Vec<CutPass>,
     left_out: LeftOut,
@@ -214,7 +214,7 @@ struct Cut {
     penetration: Penetration,
 }
 
-/// Cuts the passes, which may deviate by a share of the tolerance, and proves them.
+/// Cuts passes that deviate by at most a share of the tolerance, joins them and proves their depth.
 fn cut<P: Patch>(
     job: &Job,
     slicer: &Slicer,
@@ -289,7 +289,8 @@ fn plan_with<P: Patch>(
     Ok(Plan { toolpath, report, cutting, warnings })
 }
 
-/// What keeps the cutter inside the outline, where it is to stay there.
+/// The outline, and the distance in mm that the axis keeps from it; `None` where the boundary is not
+/// `inside`.
 fn inside(
     surface: &BezierSurface<impl Patch>,
     job: &Job,
@@ -304,8 +305,8 @@ fn inside(
     }
 }
 
-/// Proves how deep the cutter cuts into the surface on any move, as computed and as written: within the
-/// tolerance, and within `depth_mm` on the passes.
+/// Proves how deep the cutter cuts into the surface, as computed and as written: at most `depth_mm` on
+/// passes, and at most the tolerance on any move. A deeper cut is an error.
 fn certify(
     toolpath: &Toolpath,
     job: &Job,

@@ -1,4 +1,4 @@
-//! How far curves leave the exact CL curve, as computed and as written.
+//! Bounds how far curves leave the exact CL curve, as computed and as written.
 
 use nalgebra::Point3;
 
@@ -7,48 +7,50 @@ use crate::geometry::curve::Curve;
 use crate::machining::offset_section::chord_height;
 use crate::toolpath::quantize::{Grid, Parabolas, round};
 
-/// How exactly a tip lies on its section, mm.
+/// The largest distance of a tip from its exact section, mm.
 const ACCURACY_MM: f64 = 2e-10;
 
-/// Rounding of a distance in parts of the coordinates.
+/// The rounding of a distance, as a share of the coordinates.
 const ROUNDING: f64 = 1e-14;
 
-/// A bound is sharp within this factor of what was found and so many steps of the last decimal.
+/// A bound is sharp if it is at most the first number times the deviation found plus the second number of
+/// steps of the last decimal.
 const SHARP: [f64; 2] = [2.0, 1.5];
 
-/// What the exact CL curve may do where patches join that are smooth but for the rounding of their data.
+/// How far the exact CL curve may jump and bend at joints that are smooth only up to the rounding of their
+/// data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seam {
-    /// It jumps by this at most, mm.
+    /// The largest jump, mm.
     pub(super) jump: f64,
-    /// It leaves a chord across the joint by this part of the chord at most: a quarter of the angle in which
-    /// it bends.
+    /// The largest distance of the curve from a chord across the joint, as a share of the chord: a quarter of
+    /// the angle by which the curve bends, in radians.
     pub(super) bend: f64,
 }
 
 impl Seam {
-    /// The CL curve is the exact one everywhere.
+    /// No jump and no bend.
     pub(super) const NONE: Self = Self { jump: 0.0, bend: 0.0 };
 }
 
 /// The distance between the exact CL curve and curves that stand for it, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Deviation {
-    /// Proved, both ways.
+    /// The proved bound, both ways.
     pub(super) bound_mm: f64,
-    /// Between the CL points and the curves: the true one is no less.
+    /// The largest distance found between the CL points and the curves; the true deviation is no less.
     pub(super) found_mm: f64,
 }
 
 impl Deviation {
     pub(super) const NONE: Self = Self::within(0.0);
 
-    /// A bound, under which nothing was found.
+    /// A bound without a distance that was found.
     pub(super) const fn within(bound_mm: f64) -> Self {
         Self { bound_mm, found_mm: 0.0 }
     }
 
-    /// The larger of each.
+    /// The larger bound and the larger distance found.
     pub(super) fn or_more(&self, other: &Self) -> Self {
         Self { bound_mm: self.bound_mm.max(other.bound_mm), found_mm: self.found_mm.max(other.found_mm) }
     }
@@ -57,7 +59,8 @@ impl Deviation {
         Self { bound_mm: self.bound_mm + more_mm, ..*self }
     }
 
-    /// Whether the bound is not much larger than what was found, with steps of the last decimal of `step_mm`.
+    /// Whether the bound is not much larger than the deviation found; `step_mm` is one step of the last
+    /// decimal.
     pub(super) fn is_sharp(&self, step_mm: f64) -> bool {
         self.bound_mm <= SHARP[0] * self.found_mm + SHARP[1] * step_mm
     }
@@ -66,12 +69,12 @@ impl Deviation {
 /// Bounds the distance, both ways, between the CL curve through `tips` and `curve`, as computed and as
 /// written.
 ///
-/// Between neighbouring tips the CL curve leaves their chord by at most `section_height`, and what `seam`
-/// adds. A point of the chord is as far from a line as its ends, and from an arc, which lies as far away as
-/// the tips at most, by the height of the chord under that arc more. Ends correspond to ends, and arcs go
-/// round their centres as the tips do, so the nearest points of a path that stays in so narrow a band run
-/// over all of the other: the bound holds both ways. What is written in several pieces is bounded by its
-/// displacement from `curve`.
+/// Between neighbouring tips the CL curve leaves their chord by at most `section_height` plus the part of
+/// `seam`. A point of a chord is no farther from a line than the ends of the chord are. It may be farther
+/// from an arc, by at most the height of the chord under a concentric arc; that arc's radius is smaller by
+/// the largest distance of a tip. The curve and the tips have the same ends, and an arc turns about its
+/// centre as the tips do. So the points of one path nearest to the other cover it whole, and the bound holds
+/// both ways. A curve that is written in several pieces is bounded by its displacement from `curve`.
 pub(super) fn of(
     job: &Job,
     curve: &Curve,
@@ -85,7 +88,8 @@ pub(super) fn of(
     let computed = from_tips(curve, tips, chord).and(known);
     let rounded = round(curve, job.resolution, Parabolas::AsLines)?;
     let written = match &rounded.curves[..] {
-        // The element vanishes on the grid; what remains is its length, and half a step each way.
+        // The curve vanishes on the grid: its length, and the rounding of a point by half a step along each
+        // axis, bound the deviation.
         [] => Deviation::within(curve.length() + job.resolution.step_mm()),
         [only] => from_tips(&only.curve, tips, chord).and(known + only.slack_mm),
         _ => computed.and(rounded.displacement_mm),
@@ -99,7 +103,7 @@ pub(super) fn of(
     Ok(deviation)
 }
 
-/// From the chords of the tips, of which the longest is known.
+/// The deviation of a curve from the chords of the tips; `chord` is the length of the longest chord, mm.
 fn from_tips(curve: &Curve, tips: &[Point3<f64>], chord: f64) -> Deviation {
     let farthest = tips.iter().map(|tip| curve.distance_to(tip)).fold(0.0, f64::max);
     let under = |radius: f64| chord_height(chord, 1.0 / (radius - farthest).max(0.0));

@@ -1,10 +1,10 @@
 //! How the cutter comes down to a pass, and how it leaves one.
 //!
 //! # Method
-//! Rapids end [`APPROACH_MM`] above the stock. The top of a block is one height. The height over stock that
-//! follows the surface is found by halving an interval: the cutter, larger by the stock all around and lower
-//! by that distance, is proved to stay off the surface ([`gouge`](crate::machining::gouge)). From there the
-//! cutter plunges, or enters by a ramp or along an arc where that is asked for and proved clear.
+//! Rapids end [`APPROACH_MM`] above the stock. Over a block that height is the same everywhere. Over a layer
+//! of stock it is found by bisection: the cutter, larger by the stock all around and lower by
+//! [`APPROACH_MM`], is proved to stay off the surface ([`gouge`](crate::machining::gouge)). From that height
+//! the cutter plunges, or enters by a ramp or an arc if the job asks for one and it is proved clear.
 
 use nalgebra::{Point3, Vector3};
 
@@ -22,17 +22,18 @@ use crate::toolpath::{Builder, PathError, Role};
 /// Height of the cutter over the stock where a rapid down ends and the feed begins, mm.
 pub(super) const APPROACH_MM: f64 = 2.0;
 
-/// Halvings between a height that is not proved free and one that is: to a thousandth of the way down.
+/// Bisection steps between a height that is not proved free and one that is: 10 find it to a thousandth of
+/// the way down.
 const HALVINGS: usize = 10;
 
-/// Legs of one ramp; one that needs more is not made.
+/// The most legs of one ramp; a ramp that needs more is not made, and the cutter plunges.
 const LEG_LIMIT: usize = 200;
 
-/// How deep the cutter cuts.
+/// The proofs of how deep the cutter cuts.
 pub(super) struct Proofs<'a, P> {
-    /// Into the surface with the stock that is to be left.
+    /// Depth in the surface with its allowance.
     pub(super) left: GougeProof<'a, P>,
-    /// Into that with the stock that is to be cut as well.
+    /// Depth in the surface with its allowance and the layer of stock to be cut.
     stocked: GougeProof<'a, P>,
 }
 
@@ -44,7 +45,7 @@ impl<'a, P: Patch> Proofs<'a, P> {
     }
 }
 
-/// Finds the ways by which the cutter comes to a pass and leaves it.
+/// Finds the moves by which the cutter enters and leaves a pass.
 pub(super) struct Entries<'a, P> {
     pub(super) job: &'a Job,
     pub(super) cutting: &'a Cutting,
@@ -53,13 +54,13 @@ pub(super) struct Entries<'a, P> {
 }
 
 impl<P: Patch> Entries<'_, P> {
-    /// Over which place the cutter comes down first.
+    /// The place over which the cutter first comes down to a pass.
     pub(super) fn first_place(&self, pass: &CutPass) -> Result<Point3<f64>, Error> {
         Ok(self.lead_in(pass)?.first().map_or(pass.start(), Curve::start))
     }
 
-    /// From the height of rapids, where the builder is, to the start of a pass. Whether by the entry that was
-    /// asked for.
+    /// Moves the cutter from the builder's place at rapid height to the start of a pass. Returns whether the
+    /// entry is the requested one.
     pub(super) fn enter(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
         let lead = self.lead_in(pass)?;
         let (from, low) = match lead.first() {
@@ -77,7 +78,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(!lead.is_empty() || self.job.entry == Entry::Plunge)
     }
 
-    /// From the end of a pass along the arc asked for. Whether there is one, if so.
+    /// Moves the cutter from the end of a pass along the requested arc. Returns `false`, without a move, if
+    /// there is no room for the arc.
     pub(super) fn leave(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
         let Exit::Arc { radius_mm } = self.job.exit else { return Ok(true) };
         let last = pass.curves[pass.curves.len() - 1];
@@ -92,7 +94,7 @@ impl<P: Patch> Entries<'_, P> {
         Ok(is_clear)
     }
 
-    /// Whether curves are proved to cut no deeper than the tolerance, as computed and as written.
+    /// Whether all curves are proved to cut no deeper than the tolerance, as computed and as written.
     pub(super) fn are_clear(&self, curves: impl IntoIterator<Item = Curve>) -> Result<bool, Error> {
         for curve in curves {
             if !self.is_clear(&curve, &self.proofs.left)? {
@@ -102,7 +104,7 @@ impl<P: Patch> Entries<'_, P> {
         Ok(true)
     }
 
-    /// How long the way up from the start of a link and down to its end takes, min.
+    /// The time from the start of a link to its end by way of the retract plane, min.
     pub(super) fn minutes_over(&self, link: &Line) -> Result<f64, Error> {
         let free = self.free_height(link.end, self.above_stock(link.end.z))?;
         let high = self.cutting.retract_z_mm;
@@ -130,8 +132,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(free)
     }
 
-    /// Whether nothing is to be cut up to [`APPROACH_MM`] below the cutter on its way down from `high` to
-    /// `low` over a place.
+    /// Whether the cutter on its way down from `high` to `low` over a place has nothing to cut within
+    /// [`APPROACH_MM`] below it.
     fn is_free(&self, place: Point3<f64>, [low, high]: [f64; 2]) -> Result<bool, Error> {
         let way = Line { start: at_height(place, high), end: at_height(place, low - APPROACH_MM) };
         self.is_clear(&Curve::Line(way), &self.proofs.stocked)
@@ -139,20 +141,20 @@ impl<P: Patch> Entries<'_, P> {
 
     fn is_clear(&self, curve: &Curve, proof: &GougeProof<P>) -> Result<bool, Error> {
         let gap = CERTIFICATE_GAP * self.job.tolerance.mm();
-        // How deep does not matter, as long as it is no deeper than this.
+        // From this bound on, the search looks for deeper cuts only.
         let most = self.job.tolerance.mm() - gap;
         let mut deepest = Penetration { bound_mm: most, ..Penetration::NONE };
         certificate::penetrate(curve, proof, self.job, gap, &mut deepest, self.budget)?;
         Ok(deepest.bound_mm <= most)
     }
 
-    /// The curves along which a pass is entered, none for a plunge.
+    /// The curves along which the cutter enters a pass; empty for a plunge.
     fn lead_in(&self, pass: &CutPass) -> Result<Vec<Curve>, Error> {
         let start = pass.start();
         match self.job.entry {
             Entry::Plunge => Ok(Vec::new()),
             Entry::Arc { radius_mm } => {
-                // A way out of the pass, if it were cut backwards.
+                // The entry is the exit from the same pass cut backwards.
                 let backwards = -pass.curves[0].tangents()[0];
                 let Some(Quarter { far, center }) = self.quarter(start, backwards, radius_mm) else {
                     return Ok(Vec::new());
@@ -179,8 +181,8 @@ impl<P: Patch> Entries<'_, P> {
         }
     }
 
-    /// Down to `end` in legs between it and a place one `leg` away, at most, which fall by `slope` mm a
-    /// millimetre. None where that takes too many.
+    /// The legs of a ramp down to `end`, to and fro between `end` and a place at most one `leg` away. They
+    /// fall by `slope` mm per mm of horizontal travel. Empty if the ramp needs more than [`LEG_LIMIT`] legs.
     fn ramp(&self, end: Point3<f64>, leg: Vector3<f64>, slope: f64) -> Result<Vec<Curve>, Error> {
         let rise = self.free_height(end, self.above_stock(end.z))? - end.z;
         let way = rise / slope;
@@ -197,8 +199,8 @@ impl<P: Patch> Entries<'_, P> {
         Ok(down.map(|k| Curve::Line(Line { start: place(k + 1), end: place(k) })).collect())
     }
 
-    /// The quarter of a circle that goes on from `place` along `tangent` and bends up; none where it ends
-    /// below the place, or above the retract plane.
+    /// The quarter of a circle that continues from `place` along `tangent` and bends up; `None` if it ends
+    /// below `place` or above the retract plane.
     fn quarter(&self, place: Point3<f64>, tangent: Vector3<f64>, radius_mm: f64) -> Option<Quarter> {
         let mut along = tangent;
         along[self.job.plane.normal_axis()] = 0.0;
@@ -219,7 +221,7 @@ impl<P: Patch> Entries<'_, P> {
     }
 }
 
-/// A quarter of a circle by its far end and its centre.
+/// A quarter of a circle, given by its far end and its centre.
 struct Quarter {
     far: Point3<f64>,
     center: Point3<f64>,

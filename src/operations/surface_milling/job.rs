@@ -1,4 +1,4 @@
-//! What is to be milled, and how.
+//! The milling job: surface, tool, passes and approach.
 
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::source::Source;
@@ -8,10 +8,10 @@ use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::tool::Tool;
 use crate::toolpath::units::{FeedRate, Tolerance};
 
-/// Section planes of one job where the caller sets no limit.
+/// The most section planes of a job whose caller sets no limit.
 pub const DEFAULT_PLANE_LIMIT: usize = 20_000;
 
-/// The planes of the sections: zx at constant y, yz at constant x.
+/// The direction of the section planes: `Zx` at constant y, `Yz` at constant x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionPlane {
     #[default]
@@ -33,13 +33,13 @@ impl SectionPlane {
     }
 }
 
-/// What finds the CL curves.
+/// The method that finds the CL curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Engine {
     /// Direct contact of the cutter with the surface.
     #[default]
     Contact,
-    /// Sections of the offset of the surface (Ju), for balls that can follow it everywhere.
+    /// Sections of the offset surface (Ju), for ball cutters that can follow the surface everywhere.
     OffsetSection,
 }
 
@@ -50,20 +50,20 @@ pub enum Spacing {
     Stepover(f64),
     /// The largest height that may be left between passes, along the surface normal, mm.
     ScallopHeight(f64),
-    /// The largest distance of the wires of `wire_union`, mm: a method of its own, to which engine, plane,
-    /// boundary, direction and interpolation say nothing.
+    /// The largest distance between the wires of `wire_union`, mm. This method ignores engine, plane,
+    /// boundary, direction and interpolation.
     WirePitch(f64),
 }
 
 /// Where the passes end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// The cutter stays inside the outline, seen from above.
+    /// The whole cutter stays inside the outline, seen from above.
     Inside,
     /// The cutter's contact reaches the edge.
     #[default]
     On,
-    /// The contact goes on past the edge, straight on along the tangents, by the cutter's radius at least.
+    /// The contact point goes on past the edge, straight along the tangents, by at least the cutter's radius.
     Past,
 }
 
@@ -75,7 +75,7 @@ pub enum CutDirection {
     Zigzag,
 }
 
-/// What the CL points are joined by.
+/// The curves that join the CL points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
     #[default]
@@ -83,18 +83,18 @@ pub enum Interpolation {
     Lines,
 }
 
-/// What stands over the surface before the path is cut.
+/// The material over the surface before the path is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stock {
-    /// A layer on the surface, as roughing leaves it, at most this thick along the normal, mm. The surface
-    /// counts with its allowance.
+    /// A layer that roughing left, at most this thick along the normal, mm. It lies on the surface with its
+    /// allowance.
     OnSurface { thickness_mm: f64 },
-    /// Everything up to a height.
+    /// A block of material up to this height.
     Block { top_z_mm: f64 },
 }
 
 impl Stock {
-    /// How thick it is over the surface, mm; zero for what does not follow the surface.
+    /// The thickness of a layer on the surface, mm; zero for a block.
     pub(super) fn thickness_mm(self) -> f64 {
         match self {
             Self::OnSurface { thickness_mm } => thickness_mm,
@@ -108,7 +108,7 @@ impl Stock {
 pub enum Entry {
     #[default]
     Plunge,
-    /// Down lines that fall by `slope` mm a millimetre, in the plane of the pass.
+    /// Down sloping lines in the plane of the pass, which fall by `slope` mm per mm of horizontal travel.
     Ramp { slope: f64 },
     /// Down a quarter of a circle in the plane of the pass, along its tangent.
     Arc { radius_mm: f64 },
@@ -135,18 +135,18 @@ pub struct Job {
     pub tolerance: Tolerance,
     /// Stock to be left on the surface, mm; zero or more.
     pub allowance_mm: f64,
-    /// `None` where the caller does not say: rapids then come down as if there were no stock, and the answer
-    /// warns. Wire unions take it for a block as high as the part.
+    /// `None` if the caller does not state the stock: rapids then come down as if there were none, and the
+    /// answer warns. Wire unions assume a block as high as the part.
     pub stock: Option<Stock>,
     pub entry: Entry,
     pub exit: Exit,
     pub interpolation: Interpolation,
-    /// Upper bound for the distance of neighbouring CL points, mm.
+    /// The largest distance between neighbouring CL points, mm.
     pub step_length_mm: Option<f64>,
     pub cutting: CuttingRequest,
-    /// The resolution the program will be written with: the bounds hold after rounding to it.
+    /// The resolution of the written program. The report's bounds hold after rounding to it.
     pub resolution: Resolution,
-    /// More section planes than this are refused.
+    /// A job that needs more section planes is refused.
     pub plane_limit: usize,
 }
 
@@ -174,7 +174,7 @@ impl Job {
         }
     }
 
-    /// The cutter with the stock to be left around it.
+    /// The cutter enlarged by the allowance.
     pub(super) fn cutter(&self) -> Cutter {
         self.tool.cutter().enlarged(self.allowance_mm)
     }
@@ -188,7 +188,7 @@ impl Job {
         }
     }
 
-    /// Distance of the ball's centre from the surface, mm.
+    /// The distance of a ball's centre from the surface, mm.
     pub(super) fn offset_mm(&self) -> f64 {
         self.tool.radius_mm + self.allowance_mm
     }

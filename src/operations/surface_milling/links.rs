@@ -1,9 +1,9 @@
-//! Joins passes to one toolpath: links where they are clear and quicker, else the cutter leaves one pass and
-//! enters the next (`entries`).
+//! Joins passes to one toolpath: by a link where one is clear and quicker, else the cutter leaves one pass
+//! and enters the next (`entries`).
 //!
 //! # Method
-//! A link is straight, or two lines over a place above its middle, as low as doubled heights find it clear:
-//! what bulges between two passes is climbed over.
+//! A link is a straight line. If that line is not clear, the link is two lines that meet above its middle.
+//! The height of that point is doubled until both lines are proved clear.
 
 use nalgebra::{Point3, center};
 
@@ -17,18 +17,18 @@ use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
 use crate::toolpath::{Role, Toolpath};
 
-/// A link that is not clear is lifted in its middle by this part of its length first, and by twice as much
-/// each time after that.
+/// The first lift of a link's middle, as a share of the link's length; each further lift is twice as high.
 const FIRST_LIFT: f64 = 1.0 / 64.0;
 
-/// The passes as a toolpath, with the entries and exits that were asked for and are not clear.
+/// The toolpath, and how many of the requested entries and exits are not clear.
 #[derive(Debug)]
 pub(super) struct Joined {
     pub(super) toolpath: Toolpath,
     pub(super) n_not_clear: usize,
 }
 
-/// The toolpath of `passes`, from the clearance plane over the first to that over the last.
+/// Joins `passes` to a toolpath, from the clearance plane over the first pass to the clearance plane over the
+/// last.
 pub(super) fn join<P: Patch>(
     job: &Job,
     cutting: &Cutting,
@@ -68,7 +68,8 @@ pub(super) fn join<P: Patch>(
     Ok(Joined { toolpath: builder.finish()?, n_not_clear })
 }
 
-/// The lines from one pass to the next that are clear and quicker than going up and down.
+/// The lines of a link from one pass to the next; `None` if no link is both clear and quicker than the way
+/// over the retract plane.
 fn link(
     entries: &Entries<impl Patch>,
     from: Point3<f64>,

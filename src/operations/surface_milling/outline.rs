@@ -1,4 +1,4 @@
-//! The outline of a surface seen from above, and the parts of sections over which a cutter stays inside it.
+//! The outline of a surface seen from above, and the parts of sections that keep the cutter inside it.
 
 use nalgebra::{Point3, Vector2};
 
@@ -6,21 +6,21 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 use crate::machining::offset_section::Chain;
 
-/// Chords of the whole outline, shared evenly by the patches along it; each has one at least.
+/// The most chords of the whole outline. The patches along it share them evenly; each patch has at least one.
 const CHORD_LIMIT: usize = 20_000;
 
-/// Steps between two looks at the budget.
+/// Steps between two checks of the budget.
 const STEPS_BETWEEN_CHECKS: usize = 64;
 
 /// The four sides of a surface in plan, as chords.
 pub(super) struct Outline {
     corners: Vec<Vector2<f64>>,
-    /// The sides leave their chords by no more than this, mm.
+    /// The largest distance of the sides from their chords, mm.
     chord_height_mm: f64,
 }
 
 impl Outline {
-    /// With chords that leave the sides by about `accuracy` mm.
+    /// The outline with chords that leave the sides by about `accuracy` mm.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -64,7 +64,8 @@ impl Outline {
         }));
     }
 
-    /// Distance of a place from the outline, mm: positive inside. It changes no faster than the place moves.
+    /// The distance of a place from the outline, mm: positive inside. A place that moves by d changes it by
+    /// at most d.
     fn depth(&self, p: &Vector2<f64>) -> f64 {
         let mut squared = f64::INFINITY;
         let mut is_inside = false;
@@ -80,7 +81,7 @@ impl Outline {
         if is_inside { squared.sqrt() } else { -squared.sqrt() }
     }
 
-    /// The parts of `chain` at least `margin` mm inside the sides, a distance above zero.
+    /// The parts of `chain` that lie at least `margin` mm inside the sides; `margin` is above zero.
     ///
     /// # Errors
     /// Only the budget's stop.
@@ -88,7 +89,8 @@ impl Outline {
         let margin = margin + self.chord_height_mm;
         let mut parts = Vec::new();
         let mut part: Vec<Point3<f64>> = Vec::new();
-        // How far from the margin the last look found the chain to be: it stays on its side that far.
+        // The distance from the margin at the last test, less the length gone since: so far the chain cannot
+        // cross the margin.
         let (mut certain, mut was_inside) = (0.0, false);
         for (k, pair) in chain.points.windows(2).enumerate() {
             if k.is_multiple_of(STEPS_BETWEEN_CHECKS) {
@@ -125,7 +127,7 @@ impl Outline {
         Ok(parts.into_iter().map(|points| Chain { points, chord_height_mm }).collect())
     }
 
-    /// Whether some of the line at the coordinate `at` along `axis` lies at least `margin` mm inside the
+    /// Whether a part of the line at the coordinate `at` along `axis` lies at least `margin` mm inside the
     /// sides.
     pub(super) fn is_inside(&self, axis: usize, at: f64, margin: f64) -> bool {
         let end = |along: f64| {
@@ -139,9 +141,9 @@ impl Outline {
         !self.free(end(low), end(high), margin + self.chord_height_mm).is_empty()
     }
 
-    /// The parts of the way from `a` to `b`, in fractions of it, that lie inside and farther than `margin` mm
-    /// from every chord. What lies nearer to one chord is an interval, because that chord's neighbourhood is
-    /// convex.
+    /// The parts of the way from `a` to `b`, as fractions of it, that lie inside and farther than `margin` mm
+    /// from every chord. The points nearer to one chord form an interval, because the chord's neighbourhood
+    /// is convex.
     fn free(&self, a: Vector2<f64>, b: Vector2<f64>, margin: f64) -> Vec<[f64; 2]> {
         let mut blocked: Vec<[f64; 2]> =
             self.chords().filter_map(|chord| near(chord, a, b - a, margin)).collect();
@@ -165,8 +167,8 @@ impl Outline {
     }
 }
 
-/// The fractions of the way from `start` along `way` that lie nearer than `reach` mm to a chord, where there
-/// are any in 0..=1: near one of its ends, or beside it.
+/// The interval of the way from `start` along `way`, in fractions of it, that lies nearer than `reach` mm to
+/// a chord: near one of its ends, or beside it. `None` if there is none in 0..=1.
 fn near([p, q]: [Vector2<f64>; 2], start: Vector2<f64>, way: Vector2<f64>, reach: f64) -> Option<[f64; 2]> {
     let along = q - p;
     let length = along.norm();
@@ -244,7 +246,7 @@ mod tests {
         }
         let edge = chain((0..=20).map(|k| Point3::new(f64::from(k), 1.0, 0.0)).collect());
         assert!(outline().clipped(&edge, 2.0, &Budget::unlimited()).unwrap().is_empty());
-        // A long step over a notch: no point of it is near, and still it is left.
+        // A long step over a notch: both ends are far from the notch, and the part over the notch is cut out.
         let notched = Outline {
             corners: [
                 [0.0, 0.0],

@@ -1,4 +1,4 @@
-//! The passes: sections of the offset as chains of arcs and lines with a proved deviation.
+//! Makes passes: CL curves as chains of arcs and lines with a proved deviation.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -12,28 +12,30 @@ use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::machining::offset_section::{Chain, PlaneAt, Spacing, chord_height};
 
-/// CL points of one job; a path of ten kilometres has some of the order.
+/// The most CL points of one job: a path of ten kilometres has about as many.
 const CL_POINT_LIMIT: usize = 20_000_000;
 
-/// Arcs and lines of one job; as a program they are some thirty megabytes.
+/// The most arcs and lines of one job: a program of some thirty megabytes.
 const CURVE_LIMIT: usize = 1_000_000;
 
-/// What rounding the ends and centre of an arc usually takes, in steps of the last decimal.
+/// Room kept for rounding the ends and the centre of an arc, in steps of the last decimal; most arcs stay
+/// within it.
 const ROUNDING_STEPS: f64 = 0.8;
 
-/// What is nearly straight deviates by less than is stated of it: its chords are made shorter so many times,
-/// by so much.
+/// Nearly straight sections deviate far less than their bound states. To sharpen the bound, the allowed chord
+/// height is multiplied by `SHARPENED_BY`, at most `SHARPENINGS` times.
 const SHARPENINGS: usize = 3;
 const SHARPENED_BY: f64 = 0.3;
 
-/// Arcs that leave a chord by so many times as much as the section does are none of the section.
+/// An arc bridges a wall if it leaves a chord by more than this multiple of the section's height over that
+/// chord.
 const BULGE: f64 = 20.0;
 
-/// Pieces of a section that are shorter than this part of the cutter's radius are left out, where it has
-/// longer ones.
+/// Pieces of a section shorter than this share of the cutter's radius are left out if the section has a
+/// longer piece.
 const SHORT_SHARE: f64 = 0.1;
 
-/// Refinements of one section before the tolerance counts as not reachable.
+/// Trials with finer points before a section's tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
 
 /// One connected chain of cuts, in the direction of travel.
@@ -41,7 +43,7 @@ const REFINEMENT_LIMIT: usize = 12;
 pub(super) struct CutPass {
     pub(super) curves: Vec<Curve>,
     pub(super) n_points: usize,
-    /// From the exact CL curve.
+    /// The deviation from the exact CL curve.
     pub(super) deviation: Deviation,
 }
 
@@ -55,14 +57,14 @@ impl CutPass {
     }
 }
 
-/// All passes in the order of cutting, and the pieces that are too short to be passes.
+/// All passes in the order of cutting, and the pieces left out because they are too short.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Passes {
     pub(super) passes: Vec<CutPass>,
     pub(super) left_out: LeftOut,
 }
 
-/// Pieces that are left out.
+/// The pieces left out: how many, and the length of the longest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct LeftOut {
     pub(super) count: usize,
@@ -78,15 +80,16 @@ impl Passes {
     }
 }
 
-/// What every pass is held to, mm.
+/// The limits that every pass keeps.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Allowed {
-    /// Each pass deviates by at most this.
+    /// The largest deviation of a pass, mm.
     pub(super) tolerance: f64,
-    /// What the rounding of the data makes of joints.
+    /// The jump and the bend that rounded data cause at joints.
     pub(super) seam: Seam,
-    /// The part of the tolerance that the section may take between its points. Smaller parts cost points,
-    /// larger ones arcs, whose number falls only with the cube root of what is left.
+    /// The share of the tolerance that the section may take as height over its chords. A smaller share needs
+    /// more points. A larger one needs more arcs, but their number grows only with the inverse cube root of
+    /// the tolerance that is left.
     pub(super) chord_height_share: f64,
 }
 
@@ -129,7 +132,8 @@ fn cut_plane(
 ) -> Result<Passes, Error> {
     let mut spacing = Spacing {
         chord_height_mm: chord_height_share * tolerance,
-        // Short enough that a seam under a chord takes no more than the section's own height.
+        // At this step length a seam bends the section under a chord by no more than the section's own
+        // height.
         step_length_mm: job
             .step_length_mm
             .unwrap_or(f64::INFINITY)
@@ -138,7 +142,7 @@ fn cut_plane(
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
-    // What is shorter would vanish in rounding.
+    // A shorter chain would vanish in rounding.
     let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (Deviation::NONE, Point3::origin());
     for tries in 0..REFINEMENT_LIMIT {
@@ -170,7 +174,7 @@ fn cut_plane(
     Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm, at: worst.1 })
 }
 
-/// Removes the chains that are shorter than `shortest` mm. Where all are shorter, none is removed.
+/// Removes the chains shorter than `shortest` mm. If all chains are shorter, none is removed.
 fn leave_out_short(chains: &mut Vec<Chain>, shortest: f64) -> LeftOut {
     let mut left_out = LeftOut::default();
     if chains.iter().any(|chain| chain.length() >= shortest) {
@@ -186,8 +190,7 @@ fn leave_out_short(chains: &mut Vec<Chain>, shortest: f64) -> LeftOut {
     left_out
 }
 
-/// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by where they
-/// start.
+/// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by their starts.
 fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
     let first = |chain: &Chain| chain.points[0][axis];
     let last = |chain: &Chain| chain.points[chain.points.len() - 1][axis];
@@ -202,8 +205,8 @@ fn orient(chains: &mut [Chain], axis: usize, forward: bool) {
     });
 }
 
-/// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves how far these leave
-/// the section, which may bend and jump at seams.
+/// Joins the CL points of a section by arcs and lines in the plane at `at` mm, and proves their deviation
+/// from the section, which may jump and bend at seams.
 fn fit(
     job: &Job,
     chain: &Chain,
@@ -224,11 +227,11 @@ fn fit(
         on
     };
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
-    // The points are exact: elements meet on them, and growing leaves no more than one in five hundred to a
-    // search for the fewest.
+    // The points are exact, so elements meet on them. Greedy growth is enough: a search for the fewest
+    // elements would save at most one in five hundred.
     let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
     let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation: Deviation::NONE };
-    // Ranges of points that are open, the first on top.
+    // Ranges of points still to be joined; the first range is on top.
     let mut open = vec![[0, tips.len() - 1]];
     while let Some([first, last]) = open.pop() {
         let pieces = match fit_in_space(&flat[first..=last], Some(plane), &request, budget) {
@@ -255,8 +258,8 @@ fn fit(
     if pass.curves.is_empty() { Err(Error::NothingToCut) } else { Ok(pass) }
 }
 
-/// The longest chord of the tips, where an arc leaves it by more than the section may: an upright wall, or as
-/// good as one, that knows no points between its ends.
+/// The index of the longest chord of the tips, if the arc leaves that chord by far more than the section
+/// does. Such a chord is a vertical or nearly vertical wall, which has no points between its ends.
 fn wall_under_arc(curve: &Curve, tips: &[Point3<f64>], section_height: f64) -> Option<usize> {
     let Curve::Arc(arc) = curve else { return None };
     let chord = |k: &usize| (tips[k + 1] - tips[*k]).norm();

@@ -1,4 +1,4 @@
-//! The planes in which a job is cut, and the sections in them.
+//! The section planes of a job, and the sections in them.
 
 use super::outline::Outline;
 use super::{Error, Job};
@@ -8,36 +8,39 @@ use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::TipSections;
 use crate::machining::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
 
-/// Where an edge is not straight, the outermost plane would touch the offset in a point; it lies this far
-/// inside instead, half a hundredth of a millimetre, to have a section.
+/// How far inside the extent the outermost plane lies at an edge that is not straight, mm. On the extent the
+/// plane would touch the offset in one point and have no section; half a hundredth of a millimetre inside it
+/// has one.
 const TOUCH_MM: f64 = 5e-3;
 
-/// An edge is straight where the section next to it has this part of the length of that a little inside.
+/// An edge counts as straight if the section next to it has at least this share of the length of the section
+/// [`TOUCH_MM`] inside.
 const STRAIGHT_SHARE: f64 = 0.9;
 
-/// Places at which the first and the last section inside an outline are looked for; a part narrower than the
-/// distance of two is left out.
+/// The number of places at which the first and the last section are looked for. A part narrower than the
+/// distance between two places may be missed.
 const PROBES: usize = 64;
 
-/// Halvings between a plane with sections and one without: to a ten-millionth of the distance of two probes.
+/// Bisection steps between a plane with sections and one without: 24 find the limit to a ten-millionth of the
+/// distance between two probes.
 const HALVINGS: usize = 24;
 
-/// Enough to know how long a section is.
+/// Spacing of points that is fine enough to compare the lengths of sections.
 const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
 
 /// A way to find the CL curves in a plane.
 pub(super) trait ClCurves: Sync {
-    /// Between which planes there may be some, mm.
+    /// The range of planes that may hold CL curves, mm.
     fn reach(&self) -> [f64; 2];
 
-    /// The first and the last plane within the reach that holds some, mm.
+    /// The first and the last plane within the reach that hold CL curves, mm.
     fn extent(&self, reach: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError>;
 
-    /// The curves in a plane, of the tip.
+    /// The curves of the tip in one plane.
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError>;
 }
 
-/// Sections of the offset of a surface, whose points lie `rise` mm over the tip.
+/// CL curves as sections of the offset surface, whose points lie `rise` mm above the tip.
 pub(super) struct OffsetCurves<'a> {
     pub(super) sections: Sections<'a>,
     pub(super) rise: f64,
@@ -57,7 +60,7 @@ impl ClCurves for OffsetCurves<'_> {
     }
 }
 
-/// Direct contact of a cutter that is larger than the real one by the stock to be left, `stock` mm.
+/// CL curves by direct contact of the cutter, enlarged by the allowance `stock` mm.
 pub(super) struct ContactCurves<'a, P> {
     pub(super) sections: TipSections<'a, P>,
     pub(super) stock: f64,
@@ -70,7 +73,8 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
 
     fn extent(&self, [low, high]: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
         let has_section = |at: f64| self.sections.has_any(PlaneAt::new(at), COARSE, budget);
-        // What touches the cutter first may be another place than the one that reaches farthest.
+        // The place that reaches farthest across the planes may not be the place that touches the cutter
+        // first.
         let inset = TOUCH_MM.min(1e-3 * (high - low));
         if has_section(low + inset)? && has_section(high - inset)? {
             return Ok([low, high]);
@@ -83,7 +87,8 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
     }
 }
 
-/// Between which two planes from `low` to `high` something holds, as far as [`PROBES`] find it.
+/// The range within `low` to `high` in which `holds` is true, as far as [`PROBES`] find it; `None` if it
+/// holds at no probe.
 fn extent_where<E>(
     [low, high]: [f64; 2],
     holds: impl Fn(f64) -> Result<bool, E>,
@@ -108,9 +113,9 @@ fn extent_where<E>(
     Ok(Some([low, high]))
 }
 
-/// The number of equal spaces, none larger than `stepover` mm; at least one.
+/// The least number of equal spaces of at most `stepover` mm; at least one.
 fn spaces([low, high]: [f64; 2], stepover: f64) -> f64 {
-    // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
+    // Without the one part in 1e9, rounding could divide 80 mm at 2 mm into 41 spaces.
     ((high - low) / stepover - 1e-9).ceil().max(1.0)
 }
 
@@ -123,12 +128,12 @@ fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
     chains
 }
 
-/// The sections of a job, as far as the cutter is to follow them.
+/// The sections of a job, clipped to where the cutter may go.
 pub(super) struct Slicer<'a> {
     curves: &'a dyn ClCurves,
     /// The index of the coordinate that is constant on a plane.
     axis: usize,
-    /// The outline with the distance that is to be kept from it, mm.
+    /// The outline, and the distance to be kept from it, mm.
     inside: Option<(Outline, f64)>,
 }
 
@@ -174,11 +179,11 @@ impl<'a> Slicer<'a> {
         Ok(std::iter::once(first).chain(inner).chain([last]).collect())
     }
 
-    /// Between which planes there may be sections that count, mm.
+    /// The range of planes that may hold sections inside the outline, mm.
     fn reach(&self) -> Result<[f64; 2], Error> {
         let [low, high] = self.curves.reach();
-        // A surface that is a point or an upright line has no tangent plane to touch: nothing bounds its
-        // planes.
+        // The reach is empty or infinite for a surface that is a point or a vertical line: it has no tangent
+        // plane to touch.
         if !(low <= high && (high - low).is_finite()) {
             return Err(Error::NothingToCut);
         }
@@ -187,8 +192,8 @@ impl<'a> Slicer<'a> {
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)
     }
 
-    /// The outermost plane at `extent`, from which `inward` (1 or -1) leads into the part: on the extent
-    /// itself along a straight edge, else as far inside as [`TOUCH_MM`].
+    /// The outermost plane at `extent` mm; `inward` (1 or -1) points into the part. Along a straight edge the
+    /// plane lies on the extent, else [`TOUCH_MM`] inside.
     fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<PlaneAt, Error> {
         let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
         let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
@@ -199,7 +204,7 @@ impl<'a> Slicer<'a> {
         }
     }
 
-    /// The length of the sections in the plane at `at` mm, roughly.
+    /// The total length of the sections in the plane at `at` mm, roughly.
     fn cut_length(&self, at: f64, budget: &Budget) -> Result<f64, Error> {
         Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?))
     }

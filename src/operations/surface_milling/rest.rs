@@ -1,13 +1,16 @@
-//! What a cutter cannot reach.
+//! Searches for rest: material that the cutter cannot reach.
 //!
 //! # Method
-//! At places of the surface the cutter is put where its lower side would touch with the tangent plane there.
-//! Where other places lift it by then, its axis is put around the place, nearer and farther, and moved about
-//! from the best of these, for as long as its lower side comes nearer to the place from above. The stock left
-//! at the place is the least height found times the z coordinate of the unit normal.
+//! 1. At sampled places of the surface, put the cutter where its lower side touches the tangent plane at the
+//!    place.
+//! 2. If another place of the surface lifts the cutter there, try axes around the place in several directions
+//!    and distances. From the best of them, move the axis step by step for as long as the lower side of the
+//!    cutter comes nearer to the place from above.
+//! 3. The rest at the place is the least height found times the z coordinate of the unit normal.
 //!
 //! # Guarantees
-//! None between the places: the figure is sampled. At them it is too low by `TIP_ACCURACY_MM` at most.
+//! None between the sampled places. At a place the figure is too low by at most `TIP_ACCURACY_MM`; it may be
+//! too high, because the search may miss the best axis.
 
 use nalgebra::{Point3, Vector2};
 
@@ -15,36 +18,36 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::Patch;
 use crate::machining::drop_cutter::Contacts;
 
-/// Places that are looked at.
+/// About how many places of the surface are sampled.
 const PLACES: usize = 1500;
 
-/// What is less is reached, mm.
+/// A place with less rest than this counts as reached, mm.
 const REACHED_MM: f64 = 1e-6;
 
-/// The axis is tried in this many directions around a place, at these distances in radii of the cutter.
+/// Directions and distances, in radii of the cutter, in which the axis is tried around a place.
 const DIRECTIONS: usize = 8;
 const DISTANCES: [f64; 2] = [0.5, 0.999];
 
-/// The search goes on from this many of the best axes tried.
+/// The number of best axes from which the axis is moved on.
 const STARTS: usize = 4;
 
-/// The first and the last distance by which the axis is moved about, in radii of the cutter.
+/// The first and the last step by which the axis is moved, in radii of the cutter, and the most steps.
 const FIRST_MOVE: f64 = 0.5;
 const LAST_MOVE: f64 = 1e-3;
 const MOVES: usize = 60;
 
-/// Material that is left.
+/// The thickest rest found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rest {
     pub(super) height_mm: f64,
-    /// Where, if it is anything.
+    /// The surface point with that rest; `None` without rest.
     pub(super) at: Option<Point3<f64>>,
 }
 
-/// Tips are known to this, mm.
+/// The accuracy of a tip, mm.
 const TIP_ACCURACY_MM: f64 = 1e-4;
 
-/// The most that is left at one of the places.
+/// The thickest rest at the sampled places.
 pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Result<Rest, Stopped> {
     let mut largest = Rest { height_mm: 0.0, at: None };
     for place in contacts.places(PLACES) {
@@ -58,8 +61,8 @@ pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Resu
     Ok(largest)
 }
 
-/// How high over a point of the surface the lower side of the cutter stays, mm, wherever it goes from an axis
-/// on; what is below `enough` is not looked at closer.
+/// The least height of the cutter's lower side over a point of the surface that the search finds, mm. The
+/// first axis tried is `axis`. The search ends early at a height of at most `enough` mm.
 fn left_over<P: Patch>(
     contacts: &Contacts<P>,
     point: &Point3<f64>,
@@ -102,7 +105,7 @@ fn left_over<P: Patch>(
     Ok(least)
 }
 
-/// The least of a height, mm, that is found by moving from an axis to a better one.
+/// The least height, mm, that is found by moving the axis to better places.
 fn moved_about(
     (mut axis, mut left): (Vector2<f64>, f64),
     radius: f64,

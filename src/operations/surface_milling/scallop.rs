@@ -1,58 +1,57 @@
-//! The height of what a ball leaves between parallel passes.
+//! Scallops: the height of material that a ball leaves between parallel passes.
 //!
 //! # Method
-//! A point P of the surface with unit normal n has its ball centre O = P + R n on the offset. In the offset,
-//! the way from O to the nearest of two sections whose planes are s apart is no longer than l = s / (2
-//! share), straight up or down the slope across the planes (`share`: [`Slope`]). At its end lies a centre C
-//! of a pass, with |C - O| <= l and n . (C - O) <= k l^2 / 2, where k is the largest concave curvature of the
-//! offset. The ball about C reaches down to the height h over P for which (R - h)^2 + k l^2 (R - h) + l^2 =
-//! R^2.
+//! Let P be a point of the surface with unit normal n. A ball that touches P has its centre O = P + R n on
+//! the offset. Go from O within the offset straight up or down the slope across the planes. The nearest of
+//! two sections whose planes are s apart is reached after at most l = s / (2 share) (`share`: [`Slope`]).
+//! There lies a centre C of a pass, with |C - O| <= l and n . (C - O) <= k l^2 / 2, where k is the largest
+//! concave curvature of the offset. The ball about C reaches down to the height h over P for which (R - h)^2
+//! + k l^2 (R - h) + l^2 = R^2.
 //!
 //! # Guarantees
-//! An upper bound, but for places so near to an edge of the surface that the way to the pass would leave it.
-//! On a plane it is the height itself.
+//! An upper bound, except at places so near to an edge of the surface that the way to the pass would leave
+//! it. On a plane the bound is the exact height.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;
 use crate::geometry::surface::{BezierSurface, Patch, curvature};
 use crate::machining::regularity::Slope;
 
-/// Places of a patch, each way, at which slopes are looked at.
+/// Sampled places along each parameter of a patch.
 const SAMPLES: usize = 5;
 
-/// Slopes of the surface steeper than this across the planes are left out of what is sampled: no spacing of
-/// planes serves walls.
+/// The least share of a sampled slope. Steeper slopes count as this steep: no spacing of planes serves walls.
 const LEAST_SHARE: f64 = 0.05;
 
-/// Passes of flat ends over level ground are this part of the diameter apart.
+/// The stepover of a flat end on level ground, as a share of its diameter.
 const FLAT_SHARE: f64 = 0.9;
 
-/// Halvings in the search for a spacing: to the last bit.
+/// Bisection steps for a spacing; 60 find it to the last bit.
 const HALVINGS: usize = 60;
 
-/// The largest height left between passes in planes `spacing` mm apart by a ball of `radius` mm, mm; `None`
-/// where the passes are too far apart to meet.
+/// The largest scallop height that a ball of `radius` mm leaves between planes `spacing` mm apart, mm; `None`
+/// if the passes are too far apart to meet.
 pub(super) fn height(radius: f64, spacing: f64, slopes: &[Slope]) -> Option<f64> {
     slopes.iter().try_fold(0.0f64, |highest, slope| Some(highest.max(height_at(radius, spacing, slope)?)))
 }
 
-/// The largest spacing of planes that leaves no more than `height_mm`, mm.
+/// The largest spacing of planes with scallops no higher than `height_mm`, mm.
 pub(super) fn spacing(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
     let is_low = |spacing: f64| height(radius, spacing, slopes).is_some_and(|left| left <= height_mm);
     bisect([0.0, 2.0 * radius], HALVINGS, is_low)[0]
 }
 
-/// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm` on slopes
-/// across the planes, mm: at a slope whose normal has the sine n across the planes, stairs of width s are n s
-/// high. On level ground it is most of the diameter.
+/// The largest spacing of planes at which a flat end leaves stairs no higher than `height_mm`, mm. On a slope
+/// whose normal has the sine n across the planes, stairs of width s are n s high. On level ground the spacing
+/// is most of the diameter.
 pub(super) fn spacing_of_flat_ends(radius: f64, height_mm: f64, slopes: &[Slope]) -> f64 {
     let steepest =
         slopes.iter().map(|slope| (1.0 - slope.share * slope.share).max(0.0).sqrt()).fold(0.0, f64::max);
     (height_mm / steepest).min(FLAT_SHARE * 2.0 * radius)
 }
 
-/// Slopes and concavities at places of a surface, where a proof of them all cannot be had; where a ball of
-/// `radius` mm does not fit, as if it just did not.
+/// Slopes and concavities at sampled places, for a surface on which not all can be proved. Where a ball of
+/// `radius` mm does not fit, or only just fits, the concavity counts as zero.
 pub(super) fn sampled_slopes(
     surface: &BezierSurface<impl Patch>,
     radius: f64,
@@ -82,7 +81,7 @@ fn height_at(radius: f64, spacing: f64, slope: &Slope) -> Option<f64> {
         return None;
     }
     let half_sum = 0.5 * slope.concavity * way * way;
-    // R - h is the positive root; this form of h does not cancel.
+    // R - h is the positive root of the equation in the module's doc; this form of h avoids cancellation.
     let root = half_sum.hypot((radius * radius - way * way).sqrt());
     Some((way * way + 2.0 * radius * half_sum) / (radius + half_sum + root))
 }
@@ -92,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn on_a_plane_it_is_the_height_of_the_cusp() {
+    fn on_a_plane_the_bound_is_the_height_of_the_cusp() {
         for (radius, spacing, slope) in [(5.0f64, 1.0f64, 0.0f64), (3.0, 0.2, 1.0), (10.0, 6.0, 0.7)] {
             let share = 1.0 / (1.0 + slope * slope).sqrt();
             let apart = spacing / share;
@@ -104,8 +103,8 @@ mod tests {
     }
 
     #[test]
-    fn in_a_trough_it_is_not_below_the_height_of_the_cusp() {
-        // A cylinder of radius 20 along the planes; centres on one of 15, a way along it apart.
+    fn in_a_trough_the_bound_is_not_below_the_height_of_the_cusp() {
+        // A cylinder of radius 20 along the planes; the centres of the passes lie on a cylinder of radius 15.
         let (radius, trough) = (5.0f64, 20.0f64);
         for half_angle in [0.01f64, 0.03, 0.1] {
             let (center_x, center_z) = (15.0 * half_angle.sin(), -15.0 * half_angle.cos());
@@ -127,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_that_do_not_meet_leave_no_height() {
+    fn passes_that_do_not_meet_have_no_scallop_height() {
         let slopes = [Slope { share: 0.5, concavity: 0.0 }];
         assert_eq!(height(5.0, 5.0, &slopes), None);
         assert!(height(5.0, 4.999, &slopes).is_some());

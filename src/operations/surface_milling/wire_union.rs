@@ -1,24 +1,24 @@
-//! Roughing along the union of a wire model with itself shifted by the radius of the cutter.
+//! Roughs a surface along the union of a wire model with copies of itself, shifted by the radius of the
+//! cutter.
 //!
 //! # Method
-//! 1. The wires are the sections of the surface with equally spaced planes of constant y, at most the pitch
-//!    apart, the first and the last on the extent of the surface. Of a surface that overhangs they are its
-//!    highest sheet ([`envelope`](crate::machining::upper_envelope)).
-//! 2. The wire model is shifted by the radius along +y and -y and united with itself: over wire k the path
-//!    passes at the largest z that wire k or one of its neighbours has at the same x.
-//! 3. The path follows that union with the tip, from left to right: CL points on the union are joined by
-//!    lines.
-//! 4. One way: up to the clearance plane (the paper's top z), over the next wire, down by rapid to the
-//!    retract plane, plunge.
-//! 5. The depth to which the cutter cuts into the surface on the path is bounded and reported
-//!    ([`gouge`](crate::machining::gouge)).
+//! 1. Cut the surface by equally spaced planes of constant y, at most the pitch apart; the first and the last
+//!    plane lie on the extent of the surface. The sections are the wires. On a surface that overhangs, the
+//!    wires are sections of its highest sheet ([`upper_envelope`](crate::machining::upper_envelope)).
+//! 2. Shift the wire model by the radius along +y and along -y, and unite both copies with it. Over wire k
+//!    the path takes the largest z of wire k and its neighbours at the same x.
+//! 3. Move the tip along that union from left to right: lines join the CL points on the union.
+//! 4. Between passes go up to the clearance plane (the paper's top z), over the next wire, down by rapid to
+//!    the retract plane, and plunge.
+//! 5. Bound how deep the cutter cuts into the surface on the path ([`gouge`](crate::machining::gouge)), and
+//!    report that depth.
 //!
 //! # Guarantees
 //! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the
-//!   exact union, as far as the envelope guarantees; it is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it has no
-//!   offset in its own plane. On a slope of angle a along the wires a ball cuts R (1 - cos a) deep. It is a
-//!   roughing path, and answered with a warning.
+//!   exact union. It rests on the guarantees of the envelope, and is at most the tolerance.
+//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it is not
+//!   offset in its own plane. On a slope of angle a along the wires a ball cuts R (1 - cos a) deep. The path
+//!   is for roughing, and the answer warns of the gouge.
 //!
 //! # Degenerate input
 //! Unions shorter than two steps of the resolution are left out: they would vanish in rounding.
@@ -27,15 +27,15 @@
 //! O(n log n) for n stretches of wires, and the certificate.
 //!
 //! # Differences from the paper
-//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that this protects
-//!   from the wires on either side while the diameter is at most twice the pitch. Here every wire nearer than
-//!   or at the radius counts, and always one on each side: that is the same for such diameters, and goes on
-//!   for larger ones. Lengths count in the equal pitch that is cut, which may be a little less than the one
-//!   asked for.
-//! * For stock the paper calculates with a larger cutter. Here the shift is the radius and the stock, and the
-//!   path is lifted by the stock as well, so that level places keep it.
-//! * The points follow from the tolerance instead of a raster of 5 mm, and the path does not run in and out
-//!   beside the part.
+//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that the neighbouring
+//!   wires protect the part while the diameter is at most twice the pitch. Here every wire within the radius
+//!   counts, and always one wire on each side. For such diameters this is the paper's rule; it also holds for
+//!   larger ones. The pitch that counts is the equal pitch that is cut, which may be a little less than the
+//!   requested one.
+//! * For an allowance the paper calculates with a larger cutter. Here the shift is the radius plus the
+//!   allowance, and the path is also lifted by the allowance, so that level places keep it.
+//! * The paper's points lie on a raster of 5 mm; here they follow from the tolerance. The path does not run
+//!   in and out beside the part.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -63,27 +63,27 @@ use crate::toolpath::quantize::{Parabolas, round};
 use crate::toolpath::{Role, Toolpath};
 use wires::WireModel;
 
-/// The part of the tolerance that wires may take between their points: points are many and cheap, lines are
-/// few and dear.
+/// The share of the tolerance that wires may take as height over the chords of their points. It is small
+/// because points cost little; more tolerance left over saves lines of the program.
 const HEIGHT_SHARE: f64 = 0.1;
 
-/// The part of the tolerance that upright walls may be out of place.
+/// The share of the tolerance by which vertical walls may be out of place.
 const WIDTH_SHARE: f64 = 0.02;
 
-/// Lines of one job; as a program they are some thirty megabytes.
+/// The most lines of one job: a program of some thirty megabytes.
 const LINE_LIMIT: usize = 1_000_000;
 
-/// Looks at each point that the fewest lines are worth.
+/// Search budget for the fewest lines: evaluations for each point.
 const EFFORT: usize = 600;
 
-/// The certificate counts its own rounding, and contacts their accuracy of 1e-9 mm: less than this, mm, is
-/// none.
+/// Depths up to this are reported as zero, mm. The certificate counts its own rounding, and contacts are
+/// accurate to 1e-9 mm.
 const LEAST_DEPTH_MM: f64 = 1e-8;
 
-/// How exactly a envelope is made of its stretches, mm.
+/// The accuracy with which an envelope is made from its segments, mm.
 const SKYLINE_ACCURACY_MM: f64 = 2e-7;
 
-/// Wires at the radius are counted although their places are rounded; in pitches.
+/// A wire exactly at the radius counts although its place is rounded; this is the margin, in pitches.
 const PITCH_ROUNDING: f64 = 1e-9;
 
 impl From<EnvelopeError> for Error {
@@ -95,10 +95,10 @@ impl From<EnvelopeError> for Error {
     }
 }
 
-/// Plans the path along the union.
+/// Plans the roughing path along the union.
 ///
 /// # Errors
-/// One of [`Error`], but not that the path gouges.
+/// One of [`Error`]. A path that gouges is not an error.
 pub(super) fn plan<P: Patch>(
     surface: &BezierSurface<P>,
     job: &Job,
@@ -141,7 +141,7 @@ fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
     warnings
 }
 
-/// How many wires on each side a path keeps above.
+/// The number of wires on each side over which a path passes at least as high.
 fn neighbours(reach_mm: f64, pitch_mm: f64) -> usize {
     ((reach_mm / pitch_mm + PITCH_ROUNDING).floor() as usize).max(1)
 }
@@ -172,7 +172,7 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
-/// The pass along a envelope in the plane at `y` mm; `None` where it would vanish in rounding.
+/// The pass along an envelope in the plane at `y` mm; `None` if it would vanish in rounding.
 fn pass(
     job: &Job,
     envelope: &UpperEnvelope,
@@ -188,7 +188,7 @@ fn pass(
         return Ok(None);
     }
     let known = accuracy.height_mm.hypot(accuracy.width_mm) + SKYLINE_ACCURACY_MM;
-    // Rounding moves an end by half a step each way at most.
+    // Rounding moves an end by at most half a step along each axis.
     let rounding = 0.5 * 3f64.sqrt() * step;
     let fit_tolerance = job.tolerance.mm() - known - rounding - SKYLINE_ACCURACY_MM;
     let request = Fit {
@@ -234,7 +234,7 @@ fn divided(line: &Line, longest_mm: Option<f64>) -> Vec<Curve> {
     (0..n as usize).map(|k| Curve::Line(Line { start: at(k as f64), end: at(k as f64 + 1.0) })).collect()
 }
 
-/// The toolpath from the clearance plane over the first pass to that over the last.
+/// The toolpath from the clearance plane over the first pass to the clearance plane over the last.
 fn one_way(cutting: &Cutting, passes: &[CutPass]) -> Result<Toolpath, Error> {
     let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
     for pass in passes {

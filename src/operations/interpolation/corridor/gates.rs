@@ -1,4 +1,4 @@
-//! A band as gates across it, with how far its edges may be from the chords between them.
+//! Gates across a band, and how far the band's edges may lie from the chords between neighbouring gates.
 
 use nalgebra::{Point2, Vector2};
 
@@ -7,29 +7,29 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Band, Measure};
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
-/// Gates for one element with joints on the curve: its deviation is then some 4,000 times that of a chord
-/// between gates.
+/// Gates for each element with joints on the curve. The element's deviation is then some 4,000 times the
+/// deviation of a chord between gates.
 const GATES_AN_ELEMENT: usize = 64;
 
-/// More gates are not made: all of them are held at once.
+/// The most gates: all of them are in memory at once.
 const MOST_GATES: usize = 2_000_000;
 
-/// A tangent that jumps by more than this, as a sine, makes a corner.
+/// A jump of the tangent by more than this sine makes a corner.
 const CORNER_SINE: f64 = 1e-9;
 
-/// A place of the band.
+/// A line across the band at the parameter `t` of the curve.
 #[derive(Debug, Clone, Copy)]
 pub struct Gate {
     pub t: f64,
     pub point: Point2<f64>,
-    /// The unit vector to the left along which the band is measured.
+    /// The unit vector to the left of the curve along which the band is measured.
     pub across: Vector2<f64>,
-    /// How far the edges of the band may lie from the chords to the next gate, mm.
+    /// How far the edges of the band may lie from their chords to the next gate, mm.
     pub bulge_mm: f64,
 }
 
 impl Corridor {
-    /// The corridor along elements that follow each other; `None` where it would need too many gates.
+    /// The corridor along successive elements; `None` if it would need too many gates.
     ///
     /// # Errors
     /// When the budget ends.
@@ -79,7 +79,8 @@ fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
     let Enclosure { first, second, .. } = curve.enclose(from, to);
     let width = to - from;
     match band.measure {
-        // A function whose slope varies by s, or whose second derivative is at most c.
+        // Two bounds: for a function whose slope varies by at most s, and for one whose second derivative is
+        // at most c.
         Measure::Vertical => (0.25 * first[1].width() * width).min(0.125 * second[1].mag() * width * width),
         Measure::Normal => {
             let along = curve.derivative(0.5 * (from + to)).normalize();
@@ -88,14 +89,15 @@ fn bulge(curve: &impl PlaneCurve, [from, to]: [f64; 2], band: &Band) -> f64 {
             if ahead.lo() <= 0.0 {
                 return f64::INFINITY;
             }
-            // Beyond the centre of curvature the band folds: then its gates say nothing.
+            // Beyond the centre of curvature the band folds, and gates do not bound it.
             let turn = first[0] * second[1] - first[1] * second[0];
             let widest = band.below_mm.max(band.above_mm);
             if turn.mag() * widest >= ahead.lo().powi(3) {
                 return f64::INFINITY;
             }
-            // The tangent leaves the middle one by this sine at most; normals turn as much, which moves the
-            // edge along itself by the sine times the offset and across itself by its square.
+            // The tangent differs from the tangent in the middle by at most this sine. The normals turn by
+            // the same angle. That moves the edge along itself by the sine times the offset, and across
+            // itself by the square of the sine.
             let sine = aside.mag() / ahead.lo();
             let speed = ahead.hi().hypot(aside.mag());
             let chord = (0.5 * speed * sine * width)

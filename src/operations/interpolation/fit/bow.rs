@@ -1,28 +1,28 @@
-//! Elements over two points that one number bends more or less: their bow.
+//! Families of elements over a chord, bent by one number: the bow.
 //!
 //! # Method
-//! Through every point beside the chord goes one element, which has that point's bow; at the ends of a curve
-//! it is the element along the curve's tangent. The distances of a curve from the elements over its ends all
-//! fall as the bow grows, so the best bow, whose deviations use both sides of the band alike, is a root;
-//! where one side has no room at all it is the least or the largest of the bows that the points of the curve
-//! have.
+//! One element of a family passes through each point beside the chord, so each point has a bow. At an end of
+//! a curve, the bow is that of the element along the curve's tangent. The signed distances of a curve from
+//! the elements over its ends all fall as the bow grows. So the best bow, whose deviations use both sides of
+//! the band alike, is a root. If one side of the band has no room at all, the best bow is the least or the
+//! largest bow of the points of the curve.
 
 use nalgebra::{Point2, Vector2};
 
 use crate::geometry::element::{Element, PlaneArc};
 
-/// The elements over a chord.
+/// A family of elements over a chord.
 #[derive(Debug, Clone, Copy)]
 pub enum Bow {
     /// Arcs; the bow is the bulge, tan(turn / 4).
     Arcs { start: Point2<f64>, end: Point2<f64> },
-    /// Parabolas with this axis, a unit vector to the left of the chord; the bow is how far the control point
-    /// lies from the middle of the chord, mm.
+    /// Parabolas with this axis, a unit vector to the left of the chord. The bow is the distance of the
+    /// control point from the middle of the chord, mm.
     Parabolas { start: Point2<f64>, end: Point2<f64>, axis: Vector2<f64> },
 }
 
 impl Bow {
-    /// The element with a bow; `None` where that is no arc.
+    /// The element with a bow; `None` if there is no such arc.
     pub fn element(&self, bow: f64) -> Option<Element> {
         match *self {
             Self::Arcs { start, end } => PlaneArc::with_bulge(start, end, bow).map(Element::Arc),
@@ -33,8 +33,9 @@ impl Bow {
         }
     }
 
-    /// How far a point lies to the left of the element with a bow, mm; from parabolas up to a small part of
-    /// itself, for a point that lies a small part of the chord away.
+    /// A function that tells how far a point lies to the left of the element with a bow, mm. For parabolas
+    /// the distance has a small relative error, for points nearer to the parabola than a small share of the
+    /// chord.
     pub fn distance(&self, bow: f64) -> impl Fn(Point2<f64>) -> f64 + use<> {
         let bows = *self;
         let arc = self.element(bow);
@@ -52,7 +53,7 @@ impl Bow {
         }
     }
 
-    /// The change of bow that moves the middle of an element by `mm`; for arcs to first order.
+    /// The change of bow that moves the middle of an element by `mm` millimetres; for arcs to first order.
     pub fn rise(&self, mm: f64) -> f64 {
         match *self {
             Self::Arcs { start, end } => 2.0 * mm / (end - start).norm(),
@@ -60,8 +61,8 @@ impl Bow {
         }
     }
 
-    /// The bow of the element through `p`; of several arcs the one that turns least. Not finite where there
-    /// is none.
+    /// The bow of the element through `p`. If there are several arcs, the one that turns least counts. Not
+    /// finite if there is no such element.
     pub fn through(&self, p: Point2<f64>) -> f64 {
         match *self {
             Self::Arcs { start, end } => bulge_through(p, start, end),
@@ -73,7 +74,7 @@ impl Bow {
         }
     }
 
-    /// The bows of the elements along the tangents of a curve at the start and at the end.
+    /// The bows of the two elements that run along the tangent of a curve at its start and at its end.
     pub fn along(&self, [first, last]: [Vector2<f64>; 2]) -> [f64; 2] {
         match *self {
             Self::Arcs { start, end } => {
@@ -91,12 +92,12 @@ impl Bow {
     }
 }
 
-/// tan(angle / 2) of the angle from one direction to another, positive to the left.
+/// tan(angle / 2) for the angle from one direction to another, positive to the left.
 fn tan_half(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
     from.perp(&to) / (from.norm() * to.norm() + from.dot(&to))
 }
 
-/// The bulge of the arc over a chord that goes through `p`; of the two it has the one that turns least.
+/// The bulge of the arc over a chord and through `p`; of the two arcs, the one that turns least.
 fn bulge_through(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
     let chord = end - start;
     let half = 0.5 * chord.norm();
@@ -104,8 +105,8 @@ fn bulge_through(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
     let from = p - start;
     let (x, y) = (from.dot(&along) - half, along.perp(&from));
     let from_end = (x - half).hypot(y);
-    // tan(turn / 4) from tan(turn / 2): the chord is seen from the arc under half a turn less half of the
-    // arc's.
+    // From any point of the arc, the chord is seen under an angle of pi less half the arc's turn. This gives
+    // tan(turn / 2), and from that tan(turn / 4) follows.
     let k = x * x + y * y - half * half;
     2.0 * half * y / ((from.norm() * from_end) - k)
 }
@@ -114,7 +115,7 @@ fn bulge_through(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// Points of an element, and its tangents at the ends, have the element's own bow.
+    /// The points of an element and its end tangents all have the element's own bow.
     #[test]
     fn an_element_has_its_own_bow_everywhere() {
         let (start, end) = (Point2::new(1.0, 2.0), Point2::new(5.0, 3.5));

@@ -41,7 +41,7 @@ fn shapes() -> [Shape; 3] {
     [Shape::Ball, Shape::Flat, Shape::BullNose { corner_radius_mm: 1.5 }]
 }
 
-/// Every end of a cut.
+/// Both ends of every cutting move.
 fn tips(plan: &Plan) -> Vec<Point3<f64>> {
     let cuts = plan.toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut, .. } => Some(along),
@@ -75,7 +75,7 @@ fn on_a_slope_along_the_wires_the_path_gouges_as_the_closed_form_says() {
     for slope in [0.2f64, 1.0] {
         for shape in shapes() {
             let plan = planned(&with_shape(job(plate(|x, _| slope * x)), shape));
-            // Along the axis, and from there along the normal.
+            // The depth along the axis, times the cosine between axis and normal.
             let cos = 1.0 / slope.hypot(1.0);
             let depth = match shape {
                 Shape::Ball => RADIUS * (1.0 / cos - 1.0),

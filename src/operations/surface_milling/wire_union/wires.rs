@@ -1,4 +1,4 @@
-//! The wire model: sections at a pitch.
+//! The wire model: sections of a surface at equal distances.
 
 use nalgebra::Vector3;
 
@@ -8,17 +8,19 @@ use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::INSET_MM;
 use crate::machining::upper_envelope::{Accuracy, Profiles, Segment};
 
-/// How exactly the extent of the surface is known, mm: less than what its outermost wires are inside.
+/// The accuracy of the extent of the surface, mm: finer than [`INSET_MM`], by which the outermost wires are
+/// traced inside it.
 const EXTENT_ACCURACY_MM: f64 = 1e-7;
 
-/// Where an edge is not straight, the outermost plane would touch the surface in a point; it lies this far
-/// inside instead, mm.
+/// How far inside the extent the outermost wire lies at an edge that is not straight, mm. On the extent its
+/// plane would touch the surface in one point.
 const TOUCH_MM: f64 = 5e-3;
 
-/// An edge is straight where the section next to it has this part of the width of that a little inside.
+/// An edge counts as straight if the section next to it has at least this share of the width of the section
+/// [`TOUCH_MM`] inside.
 const STRAIGHT_SHARE: f64 = 0.9;
 
-/// Stretches of one model; some hundred megabytes.
+/// The most stretches of one model: some hundred megabytes of memory.
 const STRETCH_LIMIT: usize = 4_000_000;
 
 /// A section of the surface with a plane of constant y.
@@ -28,14 +30,14 @@ pub(super) struct Wire {
     pub(super) stretches: Vec<Segment>,
 }
 
-/// Wires at equal distances, by growing y.
+/// Wires at equal distances, in order of y.
 pub(super) struct WireModel {
     pub(super) pitch_mm: f64,
     pub(super) wires: Vec<Wire>,
 }
 
 impl WireModel {
-    /// Wires at most `pitch_mm` apart, the first and the last on the extent of the surface.
+    /// The wires of a surface, at most `pitch_mm` apart; the first and the last lie on its extent.
     pub(super) fn new(
         surface: &BezierSurface<impl Patch>,
         pitch_mm: f64,
@@ -47,7 +49,7 @@ impl WireModel {
         let low = -surface.farthest_along(&-Vector3::y(), EXTENT_ACCURACY_MM, budget)?;
         let high = surface.farthest_along(&Vector3::y(), EXTENT_ACCURACY_MM, budget)?;
         let width = high - low;
-        // One part in 1e9 keeps 80 mm at 2 mm from becoming 41 spaces.
+        // Without the one part in 1e9, rounding could divide 80 mm at 2 mm into 41 spaces.
         let spaces = (width / pitch_mm - 1e-9).ceil().max(1.0);
         if spaces >= limit as f64 {
             let needed = (spaces as usize).saturating_add(1);
@@ -75,8 +77,8 @@ impl WireModel {
     }
 }
 
-/// The outermost wire at `extent` mm, from which `inward` (1 or -1) leads into the part: on the extent itself
-/// along a straight edge, else as far inside as [`TOUCH_MM`].
+/// The outermost wire at `extent` mm; `inward` (1 or -1) points into the part. Along a straight edge the wire
+/// lies on the extent, else [`TOUCH_MM`] inside.
 fn outermost<P: Patch>(
     profiles: &Profiles<P>,
     extent: f64,

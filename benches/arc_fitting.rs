@@ -12,7 +12,7 @@ use toolpathd::geometry::arc_fit::{Continuity, Fit, Method, Points, fit};
 use toolpathd::post::dialect;
 use toolpathd::post::rewrite::{RewriteJob, Rewriter};
 
-/// Points along `at`, which is asked from 0 to 1.
+/// `n` points along the curve `at`, whose parameter runs from 0 to 1.
 fn points(n: usize, at: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {
     (0..n).map(|i| at(i as f64 / (n - 1) as f64)).collect()
 }
@@ -25,7 +25,7 @@ fn spiral(n: usize) -> Vec<Vector2<f64>> {
     points(n, |t| Vector2::new((12.0 * t).cos(), (12.0 * t).sin()) * (2.0 + 8.0 * t))
 }
 
-/// A circle of radius 10 whose points are off by up to `noise` mm, always by the same.
+/// A circle of radius 10 whose points are off by up to `noise` mm, by the same amounts in every run.
 fn noisy_circle(n: usize, noise: f64) -> Vec<Vector2<f64>> {
     let mut state = 88_172_645_463_325_252_u64;
     let mut random = || {
@@ -52,7 +52,7 @@ fn run(c: &mut Criterion, group: &str, cases: impl IntoIterator<Item = (String, 
     group.finish();
 }
 
-/// The fewest elements for ever more points of the same curve, and at ever finer tolerances.
+/// The fewest elements for more and more points of the same curve, and at finer and finer tolerances.
 fn optimal(c: &mut Criterion) {
     let sizes = [1_000, 2_500, 5_000, 10_000].map(|n| ("sine 1e-4".to_owned(), sine(n), Fit::within(1e-4)));
     let exponents = [-2, -3, -4, -5];
@@ -74,7 +74,7 @@ fn others(c: &mut Criterion) {
     run(c, "others", cases.map(|(name, request)| (name.to_owned(), sine(10_000), request)));
 }
 
-/// A program of one long run.
+/// A program that is one long run of G1 blocks.
 fn program(bytes: usize) -> String {
     let mut text = String::from("G17 G21 G90 G94\nG0 X0 Y0 Z0\nG1 F1000\n");
     let mut t = 0.0f64;

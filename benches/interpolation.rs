@@ -11,7 +11,7 @@ use toolpathd::geometry::deviation::{Band, Measure};
 use toolpathd::geometry::plane_curve::nurbs::Nurbs;
 use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
 
-/// A cubic of `n` control points in waves.
+/// A wavy cubic with `n` control points.
 fn nurbs(n: usize) -> Source {
     let height = |x: f64| 5.0 * (0.7 * x).sin() + 3.0 * (0.13 * x).cos();
     let mut knots = vec![0.0; 4];
@@ -59,7 +59,7 @@ fn least(c: &mut Criterion) {
     run(c, "least", sizes.map(|n| (format!("{n} points"), job(nurbs(n), Method::Linear, LEAST, 1e-2))));
 }
 
-/// The same curve by each method: an expression.
+/// The same curve, an expression, by each method.
 fn methods(c: &mut Criterion) {
     let methods = [Method::Linear, Method::Parabolic, Method::Mixed, Method::Arc].into_iter();
     let jobs = methods.flat_map(|method| {

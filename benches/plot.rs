@@ -16,7 +16,7 @@ fn feed() -> FeedRate {
     FeedRate::from_mm_per_min(1000.0).unwrap()
 }
 
-/// Rows of `n` short lines in all over 160 x 120 mm, on a wave.
+/// Rows with `n` short lines in all, on a wave over 160 x 120 mm.
 fn lines(n: usize) -> Toolpath {
     let side = (n as f64).sqrt() as usize;
     let mut builder = Toolpath::builder(Point3::origin());

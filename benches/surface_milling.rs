@@ -1,5 +1,5 @@
-//! Times of the steps of surface milling over growing sizes; milling and drops on as many threads as there
-//! are.
+//! Times of the steps of surface milling over growing sizes. Milling and drops use all threads of the
+//! machine.
 //!
 //! `cargo bench --bench surface_milling`
 
@@ -74,12 +74,12 @@ fn mill(c: &mut Criterion) {
     group.finish();
 }
 
-/// The points of all sections.
+/// The number of points of all sections.
 fn count(planes: &[PlaneAt], chains: impl Fn(PlaneAt) -> Result<Vec<Chain>, SectionError>) -> usize {
     planes.iter().flat_map(|plane| chains(*plane).unwrap()).map(|chain| chain.points.len()).sum()
 }
 
-/// Twenty sections, spread over the grid, without the arcs.
+/// Twenty sections, spread over the grid, without fitting arcs.
 fn sections(c: &mut Criterion) {
     let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
     let spacing = Spacing { chord_height_mm: 3e-4, step_length_mm: f64::INFINITY };
@@ -103,8 +103,8 @@ fn sections(c: &mut Criterion) {
     group.finish();
 }
 
-/// What `benches/peers/opencascade` has Open CASCADE do: 100 sections of the offset through 9 x 9 points at
-/// 10 mm, with all that it takes from the points on.
+/// The task that `benches/peers/opencascade` gives to Open CASCADE: 100 sections of the offset through 9 x 9
+/// points at 10 mm, with every step from the points on.
 fn sections_of_peer(c: &mut Criterion) {
     let (radius, axis, budget) = (5.0, 1, Budget::unlimited());
     let planes: Vec<PlaneAt> =

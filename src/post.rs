@@ -22,8 +22,8 @@
 //! * User text stands in comments only, behind a fixed label.
 //!
 //! # Cost
-//! O(n) in the moves, in time and memory. Half arcs, half lines take 1.5 microseconds a move, for 2,000 to
-//! 200,000 moves (`benches/programs.rs`).
+//! O(n) in the moves, in time and memory. A toolpath of half arcs and half lines takes 1.5 microseconds for
+//! each move, from 2,000 to 200,000 moves (`benches/programs.rs`).
 
 pub mod dialect;
 pub mod dialects;
@@ -55,7 +55,7 @@ pub const MAX_BLOCKS: usize = 2_000_000;
 /// Blocks between two checks of the budget. More blocks delay a cancellation; fewer cost time.
 const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 
-/// What a program is written from beside its toolpath.
+/// The input from which a program is written, without its toolpath.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramJob<'a> {
     pub program: &'a Program,
@@ -66,7 +66,7 @@ pub struct ProgramJob<'a> {
     pub dialect: &'a Dialect,
     /// User text, one comment each; any characters.
     pub comments: &'a [String],
-    /// Warnings to people at the machine, one comment or several each; any characters.
+    /// Warnings to people at the machine; each becomes one comment or several. Any characters.
     pub warnings: &'a [String],
 }
 

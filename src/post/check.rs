@@ -57,8 +57,8 @@ pub fn read_back(
     }
 }
 
-/// What differs between a block and the step that was read for it. `at` is where the block starts, and then
-/// where the block ends.
+/// The name of what differs between a block and the step that was read for it; `None` if they agree. `at` is
+/// where the block starts, and afterwards where the block ends.
 fn difference(
     block: &Block,
     at: &mut [Option<i64>; 3],

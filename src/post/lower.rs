@@ -94,8 +94,8 @@ struct Lowering {
 }
 
 impl Lowering {
-    /// From the tool change to the start: across at the height of the tool change, then down to the clearance
-    /// plane, then to the start.
+    /// Moves from the tool change to the start: across at the height of the tool change, then down to the
+    /// clearance plane, then to the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
         let [x, y, z] = self.at;
         self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;

@@ -27,7 +27,7 @@ use crate::geometry::curve::{Arc, Curve, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
 
-/// G codes that the reader knows, in tenths. G5.1 is known besides, where the dialect writes parabolas.
+/// G codes that the reader knows, in tenths. In a dialect that writes parabolas, the reader also knows G5.1.
 const KNOWN_G: &[i32] = &[
     0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 400, 430, 490, 530, 540, 550, 560, 570, 580, 590, 610,
     640, 800, 900, 910, 940,
@@ -46,7 +46,7 @@ const ENDS: [i32; 2] = [20, 300];
 /// The modal group of G0 to G3, G5.1 and G80.
 const MOTION_GROUP: i32 = 1;
 
-/// What one block moves.
+/// The effect of one block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
     /// Coordinates in mm, where they are known.
@@ -94,7 +94,7 @@ pub struct Reader<'a> {
     modal: Modal<f64, FeedRate>,
 }
 
-/// What the next line has to be.
+/// The kind of line that has to come next.
 #[derive(Clone, Copy, PartialEq)]
 enum Expected {
     TapeMark,
@@ -152,7 +152,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where a point decides the value, measured numbers have a point and counted numbers have none.
+    /// In a dialect where a decimal point decides the value, measured numbers need a point and counted
+    /// numbers must not have one.
     fn check_points(&self, words: &Words) -> Result<(), Fault> {
         if self.dialect.numbers.point == Point::WhereNeeded {
             return Ok(());
@@ -162,7 +163,7 @@ impl<'a> Reader<'a> {
         missing.or_else(unexpected).map_or(Ok(()), Err)
     }
 
-    /// Behind the last block stands the mark and nothing else, where the dialect has a mark.
+    /// After the last block only the tape mark may follow, in a dialect with a tape mark.
     fn check_end(&mut self) -> Result<(), Fault> {
         let Some(mark) = self.dialect.tape_mark else { return Ok(()) };
         let mut rest = self.lines.by_ref().map(|(_, text)| text.trim());
@@ -225,8 +226,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The way to the machine's end of Z: a step of no length by G28, or a rapid to zero of the machine's
-    /// coordinates.
+    /// The move to the machine's end of Z: by G28 as a step of no length, or as a rapid to zero of the
+    /// machine's coordinates.
     fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
         let is_relative = self.modal.distance == Some(Distance::Incremental);
         let is_rapid = self.modal.motion == Some(Motion::Rapid);

@@ -1,50 +1,52 @@
 //! Rewrites NC programs of any origin: runs of G1 blocks become fewer arcs and lines.
 //!
 //! # Method
-//! 1. `push` cuts bytes into lines, wherever the chunks of bytes end. `block` reads the words of a line as
-//!    far as they are understood, and `modes` follows the modal state of the control.
+//! 1. `push` cuts the bytes into lines; the chunks of bytes may end anywhere. `block` reads the words of a
+//!    line as far as it understands them. `modes` follows the modal state of the control.
 //! 2. Consecutive G1 blocks with one feed, under modes that allow it, are a run (`run`). Any other line ends
 //!    the run.
-//! 3. `segments` fits, rounds and proves the points of a run, and `text` writes them. Blocks that would not
-//!    get shorter stay. A run longer than [`WINDOW`] is fitted window by window. Of each window the segments
-//!    that end within its first three quarters are written, and the next window begins where they end.
+//! 3. `segments` fits, rounds and proves the points of a run, and `text` writes them. Blocks whose
+//!    replacement is no shorter stay. A run longer than [`WINDOW`] is fitted window by window: the segments
+//!    that end within the first three quarters of a window are written, and the next window begins where they
+//!    end.
 //! 4. A line may rely on G1, or on a plane, where the output has left another mode. Then the mode is set
-//!    again: by a G1 in the line where the line moves as the mode says, else by a block before the line.
+//!    again: by a G1 in the line if the line moves as the mode says, else by a block before the line.
 //!
 //! # Guarantees
-//! * Every byte outside of runs stays where it is. Only such a G1 or such a block is added, and no motion.
+//! * Every byte outside of runs stays where it is. Only a G1 or a block of step 4 is added, and no motion.
 //! * A run's output lies within the tolerance of the run's lines and vice versa, whatever radius a control
 //!   takes for an arc between the two radii at its ends. Joints are exactly points of the program, so no
 //!   error accumulates.
 //! * The output does not depend on where the input is cut into chunks.
 //! * No full circle is written, because controls read a full circle in several ways.
-//! * The optimal method finds the optimum of each window of [`WINDOW`] blocks. Tangent continuity, where it
-//!   is asked for, ends at windows, at kept blocks, and at segments that rounding moved too far and that were
-//!   fitted again.
+//! * The optimal method finds the optimum of each window of [`WINDOW`] blocks. Where the job asks for tangent
+//!   continuity, that continuity ends at windows, at kept blocks, and at segments that rounding moved too far
+//!   and that were fitted again.
 //!
 //! # What is left alone
-//! * A program is taken to begin in mm, absolute, in XY, with feeds by the minute. Behind macros, calls,
-//!   jumps, program names and ends, the units, the modifiers, and the way feeds and centres are counted are
-//!   taken to be as before. Every other mode is unknown until the program says it again. An assignment makes
-//!   only feed and position unknown.
+//! * A program is taken to begin in mm, absolute, in XY, with feeds per minute. After a macro, a call, a
+//!   jump, a program name or a program end, some modes are taken to be as before: the units, the modifiers,
+//!   the feed mode, and whether centres are absolute. Every other mode is unknown until the program states it
+//!   again. An assignment makes only feed and position unknown.
 //! * Nothing is fitted under cutter compensation, rotation, scaling, mirroring, polar or cylindrical
-//!   coordinates, diameters, tool centre point control, exact stop, modal macros, or feeds by the turn.
-//! * A block gives an axis a known position, and any shift of coordinates takes it away. A block that moves
-//!   an unknown axis absolutely is in no run. An axis that never moves counts as 0.
-//! * Behind the first line that jumps, numbered blocks are in no run, and nothing is known behind a numbered
-//!   block: the program may jump there. Numbers of earlier blocks may have gone.
+//!   coordinates, diameters, tool centre point control, exact stop, modal macros, or feeds per turn.
+//! * A block makes the position of an axis known, and any shift of coordinates makes it unknown. A block that
+//!   moves an unknown axis absolutely is in no run. An axis that never moves counts as 0.
+//! * After the first line that jumps, numbered blocks are in no run, and after each numbered block nothing is
+//!   known: the program may jump there. The rewriter may have removed the numbers of earlier blocks.
 //!
 //! # Degenerate input
 //! A line longer than [`MAX_LINE_LENGTH`] is an error. Other odd text is left alone: bytes of any encoding,
 //! missing line ends, numbers finer than a millionth.
 //!
 //! # Numbers
-//! Numbers have as many decimals as those of the run, at least the dialect's default, and more where the
-//! points need more. Zeros at the end are written where all numbers of the run have that many decimals. A run
-//! whose points need more decimals than the dialect has stays as it is.
+//! The numbers written for a run have as many decimals as the run's own numbers, at least the dialect's
+//! default, and more if the points need more. Zeros at the end are written if all numbers of the run have
+//! that many decimals. A run whose points need more decimals than the dialect has stays as it is.
 //!
 //! # Cost
-//! O(n) beside the fitting. Memory is bounded by one window of blocks of at most 256 bytes, and one line.
+//! O(n), and the cost of fitting. Memory is bounded by one window of blocks of at most 256 bytes, and one
+//! line.
 
 mod block;
 mod modes;
@@ -79,8 +81,8 @@ const LINES_BETWEEN_CHECKS: u64 = 1024;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RewriteJob {
     pub dialect: &'static Dialect,
-    /// Measure, joints and closure are replaced: the polyline is measured, joints lie on its points, and it
-    /// is open.
+    /// The rewriter sets three fields itself: it measures the polyline, puts joints on the points, and takes
+    /// the path to be open.
     pub fit: Fit,
 }
 
@@ -110,8 +112,8 @@ pub struct LeftAlone {
     pub macros: u64,
     /// Axes beside X, Y and Z.
     pub other_axes: u64,
-    /// Cutter compensation or another modifier, absolute centres without a known position, feeds by the turn,
-    /// or an unknown mode.
+    /// Cutter compensation or another modifier, absolute centres without a known position, feeds per turn, or
+    /// an unknown mode.
     pub modes: u64,
 }
 
@@ -135,7 +137,7 @@ pub struct Rewriter {
     modes: Modes,
     output: Output,
     run: Run,
-    /// The beginning of a line whose end is still to come.
+    /// The start of a line whose end has not come yet.
     partial: Vec<u8>,
     /// The text for a window.
     written: Vec<u8>,
@@ -188,7 +190,7 @@ impl Rewriter {
         Ok(())
     }
 
-    /// Says that the input is over; the last line may lack its end.
+    /// Ends the input; the last line may lack its line end.
     ///
     /// # Errors
     /// As [`Rewriter::push`].
@@ -262,7 +264,7 @@ impl Rewriter {
         let Some(step) = self.run.step(block, &self.modes, self.job.dialect) else { return Ok(false) };
         if !self.run.is_empty() && !self.run.continues(&step, &self.modes) {
             self.end_run(out, budget)?;
-            // Now the step starts where the next run does.
+            // The block may start the next run, whose first step begins at the modal position.
             return self.join(line, block, out, budget);
         }
         self.run.push(line, block, &step, &mut self.modes);
@@ -350,7 +352,7 @@ impl Rewriter {
     }
 
     /// Puts the text that may replace at most `reach` blocks into `written`. Returns how many blocks the text
-    /// replaces, and its tally; no tally where the text is no shorter than the blocks.
+    /// replaces, and its tally; `None` for the tally if the text is no shorter than the blocks.
     fn rewritten(
         &mut self,
         style: Style,

@@ -47,7 +47,7 @@ fn cutting() -> Cutting {
     request.at_heights(45.0, 12.0)
 }
 
-/// Longer than a line.
+/// A warning longer than a line.
 const WARNING: &str = "length_offset_differs - tool 3 is cut with the length offset 4, which is that of another place of the \
                        table: `tool.length_offset`";
 
@@ -270,7 +270,8 @@ proptest! {
     ) {
         let mut path = Toolpath::builder(Point3::new(1.0, 2.0, 50.0));
         for one in &hops {
-            // A centre that rounding has put off its arc is refused; the tool then stays where it is.
+            // The builder refuses a centre that rounding has moved off its arc; the tool then stays where it
+            // is.
             let _ = hop(&mut path, one);
         }
         let path = path.finish().unwrap();
@@ -314,7 +315,7 @@ proptest! {
         for line in text.lines() {
             prop_assert!(line.len() <= dialect.max_line_length);
             let block = line.split_once(' ').filter(|_| numbers && line.starts_with('N')).map_or(line, |(_, block)| block);
-            // The number of a program has its name beside it.
+            // The line of the program number also has the program's name.
             let block = block.strip_prefix('O').map_or(block, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
             let named = block.strip_prefix(" (").and_then(|rest| rest.strip_suffix(')'));
             if let Some(name) = named {
@@ -337,8 +338,7 @@ proptest! {
     }
 }
 
-/// What stands in a text, seen as characters: the decimals of every coordinate, no lower case, no exponent,
-/// no minus zero.
+/// Checks a text as characters: the decimals of every coordinate, no lower case, no exponent, no minus zero.
 fn check_words(text: &str, dialect: &Dialect, resolution: Resolution) -> Result<(), TestCaseError> {
     let header = |line: &&str| line.contains(dialect.comment.open);
     for line in text.lines().filter(|line| !header(line)) {

@@ -19,7 +19,7 @@ const FEED_AGREEMENT: f64 = 5e-5;
 /// Most decimals of a feed. A feed that needs more is refused.
 const MAX_FEED_DECIMALS: u8 = 6;
 
-/// Largest feed, units of the program a minute. A larger feed is refused.
+/// Largest feed, in units of the program per minute. A larger feed is refused.
 const MAX_FEED: f64 = 1e9;
 
 /// The word that selects a plane.
@@ -47,7 +47,7 @@ pub fn center_offsets(plane: Plane, center: [i64; 2]) -> [(usize, i64); 2] {
     offsets
 }
 
-/// A feed in units of the program a minute, `digits` times ten to the power of minus `decimals`.
+/// A feed in units of the program per minute: `digits` times ten to the power of minus `decimals`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FeedWord {
     pub digits: i64,
@@ -55,12 +55,14 @@ pub struct FeedWord {
 }
 
 impl FeedWord {
-    /// In units of the program a minute.
+    /// The feed in units of the program per minute.
     pub fn value(self) -> f64 {
         self.digits as f64 / 10f64.powi(i32::from(self.decimals))
     }
 }
 
+/// The feed word for `rate`, in the units of the program.
+///
 /// # Errors
 /// When the feed is too small or too large for six decimals and nine digits.
 pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {

@@ -19,7 +19,7 @@ const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 /// Most characters of a warning. The rest of a longer warning is left out.
 const MAX_WARNING_LENGTH: usize = 600;
 
-/// The text of a whole program.
+/// Returns the text of a whole program.
 ///
 /// # Errors
 /// When a word of the frame cannot be written, a number has more digits or a line more characters than the
@@ -110,7 +110,7 @@ impl Writer<'_> {
         self.end_line()
     }
 
-    /// Up to the machine's end of Z, from any position.
+    /// Moves up to the machine's end of Z, from any position.
     fn safe_home(&mut self) -> Result<(), WriteError> {
         match self.job.program.safe_home {
             SafeHome::None => return Ok(()),

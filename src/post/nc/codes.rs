@@ -118,8 +118,8 @@ pub fn effect(tenths: i32) -> Effect {
     }
 }
 
-/// The modal group of a G word: two words of one group exclude each other. Codes without a group here exclude
-/// only themselves.
+/// The modal group of a G word: two words of one group exclude each other. A code without a listed group
+/// excludes only itself.
 pub fn modal_group(tenths: i32) -> i32 {
     match tenths {
         0..=39 | 51 | 800 => 1,

@@ -62,8 +62,8 @@ impl Decimal {
         (at, Some(Self { millionths, decimals: decimals as u8, has_point }))
     }
 
-    /// As a coordinate in millionths of a unit of the program, and its decimals. Where `increment` is given,
-    /// a number without a point counts units of that decimal. None beyond ten kilometres.
+    /// The number as a coordinate in millionths of a unit of the program, and its decimals. With `increment`
+    /// given, a number without a point counts units of that decimal. `None` beyond ten kilometres.
     pub fn coordinate(self, increment: Option<u8>) -> Option<(i64, u8)> {
         let (millionths, decimals) = match increment {
             Some(decimals) if !self.has_point => (self.millionths / 10i64.pow(u32::from(decimals)), decimals),
@@ -72,7 +72,7 @@ impl Decimal {
         is_coordinate(millionths).then_some((millionths, decimals))
     }
 
-    /// As the number of a G or M word, in tenths.
+    /// The number of a G or M word, in tenths.
     pub fn tenths(self) -> Option<i32> {
         let is_code = self.millionths >= 0 && self.millionths % 100_000 == 0;
         is_code.then(|| i32::try_from(self.millionths / 100_000).ok()).flatten()

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::decimal::Decimal;
 
-/// What stands at one place of a line.
+/// The smallest piece of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Token<'a> {
     /// An address letter in upper case, with the text and the value of its number ([`Decimal::at_start`]).

@@ -27,7 +27,7 @@ pub enum FeedMode {
     PerTurn,
 }
 
-/// Modes under which a block of motion does more, or goes elsewhere, than its words alone say.
+/// Modes under which a block of motion does more than its words say, or goes elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Modifier {
@@ -84,7 +84,8 @@ impl<P: Copy + PartialEq, F: Copy + PartialEq> Modal<P, F> {
         ..Self::UNKNOWN
     };
 
-    /// What is known when either state may hold. A modifier of either state counts as in force.
+    /// The state that is known if either of two states may hold. A modifier of either state counts as in
+    /// force.
     pub fn common_with(&self, other: &Self) -> Self {
         fn both<T: PartialEq>(one: Option<T>, other: Option<T>) -> Option<T> {
             one.filter(|one| Some(one) == other.as_ref())

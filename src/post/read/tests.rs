@@ -94,7 +94,7 @@ fn every_fault_is_found_with_its_line() {
     ];
     for (line, wanted) in cases {
         let (at, found) = fault(&format!("{before}{line}\n"));
-        // A centre at the start is found by its mismatch before anything else.
+        // A centre at the start is refused for its mismatch before any other fault.
         if line == "G2 X1 I0" {
             assert!(matches!(found, Fault::RadiusMismatch { .. }));
         } else {

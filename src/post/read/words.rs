@@ -1,4 +1,4 @@
-//! The words of one line, strictly: a character, number or comment that is not whole is a fault.
+//! Reads the words of one line strictly: a character, number or comment that is not whole is a fault.
 
 use super::Fault;
 use crate::post::nc::{Codes, Lexer, Token};
@@ -76,7 +76,7 @@ impl<'a> Words<'a> {
         letters.chars().find(|&letter| self.has(letter))
     }
 
-    /// The first of `letters` whose number has a decimal point, if `has_point`, or else none.
+    /// The first of `letters` whose number has a decimal point (`has_point`) or has none (not `has_point`).
     pub fn first_written(&self, letters: &str, has_point: bool) -> Option<char> {
         let is_so = |letter: &char| self.values[index(*letter)].contains('.') == has_point;
         letters.chars().filter(|&letter| self.has(letter)).find(is_so)

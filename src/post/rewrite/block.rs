@@ -1,4 +1,4 @@
-//! The words of one line of any kind, as far as they are understood.
+//! The words of one line of any program, as far as they are understood.
 
 use std::ops::Range;
 
@@ -10,13 +10,13 @@ pub const MAX_RUN_BLOCK_LENGTH: usize = 256;
 /// Letters of axes beside X, Y and Z. No arc is fitted along them.
 const OTHER_AXES: &[u8] = b"ABCUVW";
 
-/// Letters that may carry a value besides: parameters of G and M words, and O, T, H and S.
+/// Other letters that may carry a value: parameters of G and M words, and O, T, H and S.
 const PARAMETERS: &[u8] = b"DHIJKLOPQRST";
 
 /// The only letters that a block of a run may have.
 const RUN_LETTERS: &[u8] = b"GXYZF";
 
-/// What a line says. Places are those of bytes in the line.
+/// The content of a line. Places are byte ranges in the line.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
     pub g: Codes,
@@ -27,13 +27,13 @@ pub struct Block {
     letters: u32,
     /// Of the N word at the start; empty where there is none.
     pub number: Range<usize>,
-    /// Where the first word behind the N word begins.
+    /// Where the first word after the N word begins.
     pub first: usize,
     /// Where the last word or comment ends.
     pub end: usize,
     /// Blanks stand between words.
     pub is_spaced: bool,
-    /// Block delete: a switch of the machine decides whether the line is run.
+    /// The line begins with a block delete: a switch of the machine decides whether the line is run.
     pub is_optional: bool,
     pub has_comment: bool,
     /// The line has a percent sign, which begins and ends programs.
@@ -59,7 +59,7 @@ impl Block {
         block
     }
 
-    /// Whether the line says where a G1 block goes, at which feed at most, and nothing else.
+    /// Whether the line gives only the end of a G1 block, and at most its feed.
     pub fn may_be_in_run(&self) -> bool {
         let is_plain = !(self.is_unclear || self.is_optional || self.has_comment || self.has_tape_mark);
         let others = self.letters & !bits(RUN_LETTERS);
@@ -70,7 +70,7 @@ impl Block {
         self.letters & bits(letters) != 0
     }
 
-    /// Whether the line says where some axis is to go, or how far.
+    /// Whether the line gives a coordinate or a distance of an axis.
     pub fn has_axes(&self) -> bool {
         self.has(b"XYZ") || self.has_other_axes()
     }
@@ -79,7 +79,7 @@ impl Block {
         self.has(OTHER_AXES)
     }
 
-    /// Takes tokens up to the first that is not understood, which gives none.
+    /// Takes tokens up to the first one that is not understood; that one returns `None`.
     fn tokens(&mut self, line: &[u8]) -> Option<()> {
         let mut lexer = Lexer::new(line);
         let mut next = lexer.next();

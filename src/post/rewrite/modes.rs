@@ -1,4 +1,4 @@
-//! The modal state of the control, followed line by line, and what each line needs of it.
+//! Follows the modal state of the control line by line, and tells what each line needs of that state.
 
 use super::block::Block;
 use crate::post::dialect::{Dialect, Point};
@@ -10,16 +10,16 @@ use crate::toolpath::program::Units;
 /// The modal state before a line. Coordinates are millionths of a unit of the program.
 pub type Modes = Modal<i64, Feed>;
 
-/// A feed as it is written. Where the point decides what a number means, numbers with and without a point
-/// differ.
+/// A feed as it is written. If the decimal point decides what a number means, numbers with and without a
+/// point differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Feed {
     pub millionths: i64,
     pub has_point: bool,
 }
 
-/// What a line needs of the modes that a rewritten run may have left different, and which of them the line
-/// itself says.
+/// The modes that a line relies on and that a rewritten run may have changed, and which of these modes the
+/// line itself sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Needs {
     pub plane: bool,
@@ -32,9 +32,9 @@ pub struct Needs {
 pub enum MotionNeed {
     #[default]
     Nothing,
-    /// The line moves as the mode says. A G1 in the line says the same.
+    /// The line moves as the mode says; a G1 in the line has the same effect.
     Word,
-    /// Something in the line may depend on the mode.
+    /// The line may depend on the mode in another way.
     Mode,
 }
 
@@ -47,7 +47,7 @@ impl Needs {
 }
 
 impl Modes {
-    /// Whether a run may stand here, if its blocks are lines.
+    /// Whether lines under these modes may be in a run.
     pub fn allow_runs(&self) -> bool {
         let may_write_centers = match self.centers {
             Some(Distance::Absolute) => self.at.iter().all(Option::is_some),
@@ -59,13 +59,13 @@ impl Modes {
         self.modifiers == 0 && may_write_centers && is_known && has_feed_mode
     }
 
-    /// What is left when another part of the program, or another program, has run. Units, the way centres and
-    /// feeds are counted, and modifiers are taken to be as before.
+    /// The modes that are still known after another part of the program, or another program, has run. Units,
+    /// centre mode, feed mode and modifiers are taken to be as before.
     pub fn forgotten(&self) -> Self {
         Self { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*self }
     }
 
-    /// The state behind `block`, and what the block needs of the state before it.
+    /// The state after `block`, and what the block needs of the state before it.
     pub fn read(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
         if block.is_assignment {
             return (Self { feed: None, at: [None; 3], ..*self }, Needs::ALL);
@@ -108,7 +108,7 @@ impl Modes {
         (dialect.numbers.point == Point::Always).then(|| default_decimals(self.units, dialect))
     }
 
-    /// Where the axis is behind a block that has this word for the axis.
+    /// The position of the axis after a block with this word for the axis; `None` if it is unknown.
     fn reached(&self, axis: usize, word: Decimal, dialect: &Dialect) -> Option<i64> {
         let (value, _) = word.coordinate(self.increment(dialect))?;
         let from = match self.distance? {
@@ -138,7 +138,7 @@ impl Feed {
 struct Reading {
     modes: Modes,
     needs: Needs,
-    /// The axis words say where to go. Otherwise they are parameters of a code.
+    /// Whether the axis words are coordinates; otherwise they are parameters of a code.
     moves_axes: bool,
     loses_place: bool,
     is_unknown: bool,
@@ -162,7 +162,7 @@ impl Reading {
             }
             Effect::Place(place) => self.place(place),
             Effect::NoMotion => {
-                // G80 beside another word of motion ends no more than the cycle.
+                // If another word of motion stands beside G80, G80 ends only the cycle.
                 self.modes.motion = before.motion.filter(|_| self.needs.says_motion);
                 self.needs.plane = true;
                 self.needs.motion = MotionNeed::Mode;
@@ -203,7 +203,7 @@ impl Reading {
         self.loses_place |= matches!(place, Place::Taken | Place::Elsewhere);
     }
 
-    /// Goes where the axis words say.
+    /// Moves to the coordinates of the axis words.
     fn go(&mut self, block: &Block, dialect: &Dialect) {
         let is_arc = matches!(self.modes.motion, Some(Motion::Arc(_)));
         let has_center = block.has(b"IJKR");

@@ -17,11 +17,11 @@ const SPEED_AGREEMENT: f64 = 0.01;
 /// One block of a run. Places within the block are counted from the start of its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// With the line end, in the run's text.
+    /// The range of the block in the run's text, with its line end.
     pub text: Range<usize>,
     /// The N word; empty where there is none.
     pub number: Range<usize>,
-    /// The start of the first word behind the N word.
+    /// The start of the first word after the N word.
     pub first: usize,
     pub has_g1: bool,
     /// The F word; empty where there is none.
@@ -69,13 +69,13 @@ pub struct Step {
 }
 
 impl Run {
-    /// Whether the run has not begun. A run whose blocks have all been written has begun.
+    /// Whether the run has not begun yet. A run whose blocks have all been written counts as begun.
     pub fn is_empty(&self) -> bool {
         self.units.is_empty()
     }
 
-    /// The step of `block` under `modes`, behind the last block of the run or as the first. None where the
-    /// start or the end is unknown, or where G93 needs a feed and the block has none.
+    /// The step of `block` under `modes`, after the last block of the run or as the first block. `None` if
+    /// the start or the end is unknown, or if G93 needs a feed and the block has none.
     pub fn step(&self, block: &Block, modes: &Modes, dialect: &Dialect) -> Option<Step> {
         let from = self.units.last().copied().unwrap_or_else(|| modes.at.map(Option::unwrap_or_default));
         let (mut to, mut decimals) = (from, [u8::MAX, 0]);
@@ -113,7 +113,7 @@ impl Run {
         }
     }
 
-    /// Takes the next block with its line `text`, and changes `modes` to the state behind the block.
+    /// Takes the next block with its line `text`, and changes `modes` to the state after the block.
     pub fn push(&mut self, text: &[u8], block: &Block, step: &Step, modes: &mut Modes) {
         if self.is_empty() {
             self.begin(modes);
@@ -167,7 +167,7 @@ impl Run {
         self.is_continued = false;
     }
 
-    /// How the numbers of the run are written. None where its points need more decimals than the dialect has.
+    /// How the numbers of the run are written; `None` if its points need more decimals than the dialect has.
     pub fn style(&self, units: Units, dialect: &Dialect) -> Option<Style> {
         let [least, most] = self.decimals;
         let usual = default_decimals(Some(units), dialect);

@@ -1,5 +1,5 @@
-//! Fits the points of a run, rounds the curves to the grid of the output, and proves that they are near
-//! enough.
+//! Fits the points of a run, rounds the curves to the grid of the output, and proves that they lie within the
+//! tolerance.
 //!
 //! # Method
 //! 1. The points are fitted with a tolerance that leaves some room for rounding.
@@ -21,9 +21,9 @@ use crate::toolpath::quantize::{self, Parabolas, Written};
 /// How often the points of a curve are fitted again. More tries rarely succeed and cost time.
 const MAX_TRIES: u8 = 3;
 
-/// Part of the tolerance that is reserved for rounding, in units of the last decimal. Rounding rarely moves
-/// the centre of an arc by more. Without a reserve, nearly every arc that uses up its tolerance would be
-/// fitted again.
+/// The part of the tolerance that is reserved for rounding, in units of the last decimal. Rounding rarely
+/// moves the centre of an arc by more. Without a reserve, nearly every arc that uses up its tolerance would
+/// be fitted again.
 const RESERVE_STEPS: f64 = 0.35;
 
 /// Smallest relative cut of a missed tolerance at the first try; twice and three times as large at the next
@@ -37,12 +37,12 @@ const LARGEST_RESERVE: f64 = 0.15;
 /// A part of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segment {
-    /// The index behind its last block.
+    /// The index after its last block.
     pub end: usize,
     /// The curves that replace its blocks; empty where the blocks stay.
     pub curves: Vec<Written>,
-    /// Upper bound for the distance of the curves, as a control may run them, from the polyline, mm, both
-    /// ways.
+    /// Upper bound for the distance between the polyline and any path that a control may run for the curves,
+    /// mm, both ways.
     pub deviation_mm: f64,
 }
 
@@ -56,7 +56,7 @@ impl Segment {
 pub struct Fitting<'a> {
     pub fit: &'a Fit,
     pub resolution: Resolution,
-    /// Axes along which the end of a curve can be written.
+    /// The axes along which the end of a curve can be written.
     pub is_writable: [bool; 3],
     pub budget: &'a Budget,
 }
@@ -71,7 +71,7 @@ struct Open {
 }
 
 impl Fitting<'_> {
-    /// Segments from the first point on, as far as they end at `reach` or before, but at least one.
+    /// The segments from the first point on that end at `reach` or before, but at least one segment.
     ///
     /// # Errors
     /// When the budget is spent. Points that cannot be fitted stay as they are.
@@ -104,7 +104,7 @@ impl Fitting<'_> {
     }
 
     /// Fits the points from the start to the end of `range`, both included, and puts the curves on `open`,
-    /// the first curve on top. `false` where the points cannot be fitted.
+    /// the first curve on top. Returns `false` if the points cannot be fitted.
     fn open(
         &self,
         points: &[Point3<f64>],
@@ -139,7 +139,8 @@ impl Fitting<'_> {
         Ok(is_whole)
     }
 
-    /// The segment of a curve, or by how much the rounded curve exceeds the tolerance, mm.
+    /// The segment of a curve; as an error, the distance in mm by which the rounded curve exceeds the
+    /// tolerance.
     fn rounded(&self, one: &Open, points: &[Point3<f64>]) -> Result<Segment, f64> {
         let (blocks, points) = (one.end - one.from, &points[one.from..=one.end]);
         let joins = one.curve.start() == points[0] && one.curve.end() == points[blocks];

@@ -156,7 +156,7 @@ fn a_block_from_an_unknown_position_stays() {
 #[test]
 fn a_block_that_moves_an_unknown_axis_is_in_no_run() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    // X and Y are known behind the first block; Z never moves.
+    // X and Y are known after the first block; Z never moves.
     let output = rewritten(&format!("G1 F100\n{arc}"));
     let lines: Vec<_> = output.lines().collect();
     assert_eq!(lines.len(), 3, "{output}");
@@ -164,7 +164,7 @@ fn a_block_that_moves_an_unknown_axis_is_in_no_run() {
     assert!(!lines[2].contains('Z'));
     let shifted = rewritten(&format!("G0 X20 Y0 Z0\nG55\nG1 F100\n{arc}"));
     assert_eq!(shifted.lines().count(), 5, "{shifted}");
-    // In G91 nothing has to be known.
+    // Under G91 no position has to be known.
     let steps = "G91\nG1 X0.5 Y0.001 F1\nX0.5 Y-0.001\nX0.5\nX0.5 F2\nX0.5\nX1.5\nX1\n";
     assert_eq!(rewritten(steps), "G91\nG1 X1.5 F1\nX3.5 F2\n");
 }
@@ -220,7 +220,7 @@ fn inverse_time_feeds_keep_the_time_of_a_run() {
     for (a, b) in one.iter().zip(&other) {
         assert!((a.minutes - b.minutes).abs() <= 1e-6 * a.minutes, "{} {}", a.minutes, b.minutes);
     }
-    // Another speed is another run, and a block without a feed is in none.
+    // A block with another speed starts another run, and a block without a feed is in no run.
     let program = "G0 X0 Y0\nG93\nG1 X1 F10\nX2 F10\nX3 F11\nX4 F11\nX5\nX6\nX7\n";
     assert_eq!(rewritten(program), program);
 }
@@ -247,7 +247,7 @@ fn centers_are_absolute_under_g90_1() {
     let run = arc(['X', 'Y', 'Z'], 80, 1.5, 0.0);
     let output = check("G90.1\nG0 X20 Y0 Z0\nG1 F100\n", &run, "(a)\n");
     assert!(output.contains("G3") && stops(&output, 1.0).len() == 2);
-    // What is not known cannot be written.
+    // An unknown position cannot be written.
     let program = format!("G90.1\nG0 X20 Y0\nG1 F100\n{run}");
     assert_eq!(rewritten(&program), program);
 }

@@ -1,4 +1,4 @@
-//! The text that replaces a part of a run, and the words that set the modes right behind it.
+//! Writes the text that replaces a part of a run, and the words that set the modes after it.
 
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};
@@ -16,12 +16,12 @@ const RATE_DIGITS: i32 = 7;
 /// Most decimals of a feed in inverse time, however small the feed is.
 const MAX_RATE_DECIMALS: i32 = 8;
 
-/// How the modal state behind the output differs from the modal state behind the input.
+/// The difference between the modal state after the output and the modal state after the input.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Output {
     /// The output is in G2 or G3 where the program is in G1.
     pub is_arc: bool,
-    /// The plane of the output where it is another than the program's.
+    /// The plane of the output, if it is another than the program's.
     pub plane: Option<Plane>,
     /// The last feed in inverse time.
     pub rate: f64,
@@ -75,12 +75,12 @@ impl Output {
     }
 }
 
-/// Counts of what has been written for blocks of a run.
+/// Counts of the curves written for blocks of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     pub arcs: u64,
     pub lines: u64,
-    /// Upper bound for the distance from the lines it replaces, mm.
+    /// Upper bound for the distance between the curves and the lines they replace, mm.
     pub deviation_mm: f64,
 }
 

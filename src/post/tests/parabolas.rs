@@ -1,9 +1,10 @@
-//! Parabolas as each dialect says them.
+//! Parabolas in each dialect.
 
 use super::*;
 use crate::geometry::curve::Parabola;
 
-/// Level parabolas between a plunge in another plane's arc and moves that need their words again.
+/// Level parabolas after a plunge along an arc in another plane, and before moves that need their G words
+/// again.
 fn wave() -> Toolpath {
     let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 45.0));
     path.rapid(Point3::new(0.0, 0.0, 1.0)).unwrap();
@@ -113,7 +114,7 @@ fn a_rising_parabola_becomes_lines_and_a_large_parabola_several_splines() {
         assert!(program.max_displacement_mm <= 0.0015);
         lies_along(&path, &program.text, DIALECTS[0]);
         let splines = program.text.matches("G5.1").count();
-        // Beside the approach and the retract.
+        // Besides the approach and the retract.
         (splines, program.blocks - 4 - splines)
     };
     assert_eq!(count([5.0, 4.0, 0.0], [10.0, 0.0, 0.0]), (1, 0));

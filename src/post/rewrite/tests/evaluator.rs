@@ -1,16 +1,16 @@
-//! A tiny control of its own: follows the words of a program and notes where they lead.
+//! A small control, written independently: it follows the words of a program and records the path.
 
 use nalgebra::{Point3, Vector2};
 
-/// Paths along arcs leave them by this much, mm.
+/// Paths along arcs are chords that leave the arc by at most this, mm.
 pub const SAGITTA_MM: f64 = 1e-5;
 
-/// What holds behind a line, and where the path led since the line before that had a tag.
+/// The state after a line with a comment, and the path since the line with a comment before it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stop {
     pub line: String,
     pub path: Vec<Point3<f64>>,
-    /// Of the blocks of the path under G93, minutes.
+    /// The time of the path's blocks under G93, minutes.
     pub minutes: f64,
     pub state: State,
     pub moves: bool,
@@ -28,8 +28,8 @@ pub struct State {
     pub is_inverse: bool,
 }
 
-/// The lines with a comment, and the end, in order. `increment` is what a number without a point counts, if
-/// not 1.
+/// The stops at all lines with a comment and at the end, in order. A number without a point counts
+/// `increment` units.
 pub fn stops(program: &str, increment: f64) -> Vec<Stop> {
     let mut state = State {
         at: Point3::origin(),
@@ -133,7 +133,7 @@ fn step(state: &mut State, words: &[(char, f64)], path: &mut Vec<Point3<f64>>, m
     true
 }
 
-/// The largest distance of a point on one path from the other, both ways.
+/// The largest distance of a point on one path from the other path, both ways.
 pub fn distance(one: &[Point3<f64>], other: &[Point3<f64>]) -> f64 {
     let to_path = |p: &Point3<f64>, path: &[Point3<f64>]| {
         let segments = path.windows(2).map(|s| {

@@ -1,12 +1,11 @@
-//! Random programs: what is no run stays, and the path of the rest.
+//! Random programs: lines outside runs stay, and so does the path of the runs.
 
 use proptest::prelude::*;
 
 use super::evaluator::{SAGITTA_MM, Stop, distance, stops};
 use super::*;
 
-/// Lines that end runs. Each has a comment with a place for a number, so that both programs can be compared
-/// there.
+/// Lines that end runs. Each has a comment with a number in it, so that both programs can be compared there.
 const BARRIERS: &[&str] = &[
     "(@)",
     "G0 X# Y# (@)",
@@ -46,7 +45,7 @@ const BARRIERS: &[&str] = &[
 #[derive(Debug, Clone)]
 enum Part {
     Barrier(usize, [i64; 3]),
-    /// Steps of a turning, rising path, in thousandths.
+    /// Steps along a path that turns and rises, in thousandths.
     Run {
         plane: usize,
         n: usize,
@@ -83,7 +82,8 @@ struct Looks {
     is_padded: bool,
 }
 
-/// The text of the parts; it follows the position as the evaluator does, so that runs are what they say.
+/// The text of the parts. It follows the position as the evaluator does, so that the runs go where they
+/// should.
 fn program(parts: &[Part], looks: Looks) -> String {
     let end = if looks.has_crlf { "\r\n" } else { "\n" };
     let mut text =
@@ -168,7 +168,7 @@ fn block(text: &mut String, [from, to]: [[i64; 3]; 2], i: usize, is_absolute: bo
     text.push_str(&words.join(gap));
 }
 
-/// The line without a G1 that was put in, and without blanks.
+/// The line without an added G1, and without blanks.
 fn without_g1(line: &str) -> String {
     line.replace([' ', '\r'], "")
         .replace("G1X", "X")

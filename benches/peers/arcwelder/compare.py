@@ -24,7 +24,7 @@ import urllib.parse
 
 DECIMALS = 3
 FEED = 600
-# What the evaluator may be off by, each: arcs become chords with this sagitta, the search for the maximum stops at this gap.
+# Two errors of the evaluator: arcs become chords with this sagitta, and the search for the maximum stops at this gap.
 SAGITTA_MM = 1e-6
 GAP_MM = 1e-6
 
@@ -113,7 +113,7 @@ def inputs():
     ]
     made = []
     for key, title, points in shapes:
-        # The polyline is what the program says: its rounded vertices, without those that rounding made the same.
+        # The polyline of the program: rounded vertices, without neighbours that rounding made equal.
         rounded = []
         for x, y in points:
             p = (round(x, DECIMALS) + 0.0, round(y, DECIMALS) + 0.0)
@@ -137,7 +137,8 @@ def program(polyline, extruding=False):
 
 # ------------------------------------------------------------------------------------------------------------- evaluator
 
-# Dwell, the plane xy, compensations off, coordinates, path modes, no cycle, centres of arcs from the start, units of feed and speed.
+# G codes that move nothing: dwell, plane xy, compensations off, coordinates, path modes, no cycle, centres of arcs from the start, units
+# of feed and speed.
 UNMOVED = (4, 17, 40, 43, 49, 54, 61, 64, 80, 91.1, 94, 97)
 WORD = re.compile(r"([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))")
 
@@ -145,7 +146,7 @@ WORD = re.compile(r"([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))")
 def read_program(text):
     """The feed moves in xy of a program: ("line", start, end) and ("arc", start, end, centre, clockwise).
 
-    G20, G21, G90, G91 and I J from the start are understood; what could move otherwise is an error.
+    G20, G21, G90, G91 and I J from the start are understood; any other word that could move is an error.
     """
     moves, motion, unit, relative = [], 0, 1.0, False
     position = [0.0, 0.0]
@@ -248,10 +249,10 @@ class Segments:
                         d = self.distance(i, p)
                         if d < best:
                             best, at = d, i
-            # A segment was entered in cells at most half a cell beside it: what is not seen yet is this far at least.
+            # A segment is listed in cells at most half a cell beside it, so a segment not seen yet is at least this far away.
             if best <= max(0.0, ring - 0.5) * self.cell:
                 return best, at
-            # All within reach of what is known is nearer than the next ring: the own cell says so too.
+            # The nearest segment found is nearer than any segment of the next ring, by the place of the point in its cell.
             room = min(p[0] - (kx - ring) * self.cell, (kx + ring + 1) * self.cell - p[0])
             room = min(room, p[1] - (ky - ring) * self.cell, (ky + ring + 1) * self.cell - p[1])
             if best <= room - 0.25 * self.cell:
@@ -262,7 +263,7 @@ class Segments:
 def one_sided(path, target):
     """The largest distance of a point of the polyline `path` from `target`, at most GAP_MM too small.
 
-    The distance from one segment, a convex set, is convex along a piece: no more in between than at the ends.
+    The distance from one segment, a convex set, is convex along a piece: between the ends it is no larger than at the ends.
     """
     near, ends, largest = None, [], 0.0
     for p in path:
@@ -411,7 +412,7 @@ class Service:
             kind = "text/x-gcode"
             query["tolerance_mm"] = f"{tolerance:g}"
             body = program(polyline)
-        # While the answers before were judged, the service may have closed what was idle; the first request opens it again.
+        # The service may have closed the idle connection while the last answers were judged; the first request opens a new one.
         self.connection.close()
         answers = [self.post(query, body, kind) for _ in range(runs)]
         computes = [compute for _, _, compute in answers if compute is not None]

@@ -66,7 +66,7 @@ def random_points(n, margin):
 
 
 def line_points(n, margin):
-    """Equally spaced along 50 lines from edge to edge, as passes are, all a little askew to miss the seams of the patches."""
+    """Points equally spaced along 50 lines from edge to edge, like passes, a little askew to miss the seams of the patches."""
     lines, per_line = 50, max(2, n // 50)
     at = np.linspace(-margin, SIDE_MM + margin, per_line)
     across = np.linspace(0.37, SIDE_MM - 0.41, lines)
@@ -244,7 +244,7 @@ class OpenCamLib:
         self.lowest = float(corners[..., 2].min()) - 1.0
 
     def batch(self, points):
-        """Heights (None beside the surface), seconds to drop, and with the tree and the points."""
+        """Heights (None beside the surface), seconds to drop, and seconds with building the tree and the points."""
         begun = time.perf_counter()
         drop = ocl.BatchDropCutter()
         drop.setThreads(1)
@@ -261,7 +261,7 @@ class OpenCamLib:
     def path(self, points, per_line):
         """The same for points along lines, by PathDropCutter, which drops them one at a time."""
         begun = time.perf_counter()
-        # The library does not hold what it is given: the lines must live as long as the path.
+        # The library keeps no reference to its arguments: the lines must live as long as the path.
         path, lines = ocl.Path(), []
         for from_ in range(0, len(points), per_line):
             (ax, ay), (bx, by) = points[from_], points[from_ + per_line - 1]
@@ -316,7 +316,7 @@ class Service:
 
 
 def errors(found, exact):
-    """Most too low, most too high, median, and how many are judged touching or beside otherwise than by the reference."""
+    """The largest error downward and upward, the median, and how many points touch where the reference is beside, or the reverse."""
     pairs = [(z, t) for z, t in zip(found, exact) if z is not None and math.isfinite(t)]
     other = sum((z is None) != (not math.isfinite(t)) for z, t in zip(found, exact))
     gaps = [z - t for z, t in pairs]

@@ -26,7 +26,7 @@ import urllib.parse
 
 NEEDED = {"numpy": "numpy", "OCP": "cadquery-ocp"}
 SIDE_MM = 80.0
-# Points of a path that are judged lie no farther apart.
+# The largest distance between neighbouring points of a path that are judged.
 STEP_MM = 0.2
 
 
@@ -83,7 +83,7 @@ class Judge:
         return scale * np.einsum("ka,kb,kabc->kc", bernstein(u - i, du), bernstein(v - j, dv), self.nets[i, j])
 
     def distance(self, points):
-        """Newton's method for the nearest point, from below each point and from where the normal below it leads."""
+        """Newton's method for the nearest point, started below each point and at the foot that the normal there suggests."""
         best = np.full(len(points), np.inf)
         start = np.clip(points[:, :2] / SIDE_MM, 0, 1).T
         below = self.at(*start)
@@ -152,7 +152,7 @@ class OpenCascade:
 
     @staticmethod
     def array(name, module, older, *bounds):
-        """Arrays go by other names since version 8."""
+        """Makes an array; version 8 renamed the array types."""
         try:
             return getattr(importlib.import_module("OCP.collections"), name)(*bounds)
         except (ImportError, AttributeError):
@@ -300,7 +300,7 @@ def points_of(start, move):
 
 
 def self_test(judge, nets):
-    """A point beside the surface at a known distance, and the poles' own corner."""
+    """Checks the judge: points at a known distance from the surface, and from the corner of the control net."""
     inner = judge.at(np.array([0.31, 0.77]), np.array([0.42, 0.13]))
     su, sv = (judge.at(np.array([0.31, 0.77]), np.array([0.42, 0.13]), *k) for k in ((1, 0), (0, 1)))
     normal = np.cross(su, sv)
@@ -331,7 +331,7 @@ def main():
     nets = np.array(service.post("/v1/surfaces/model", {"surface": shape})[0]["report"]["patches"])
     judge = Judge(nets)
     self_test(judge, nets)
-    # The planes are those of the service; on the outermost, which only touch, nobody is measured.
+    # The planes are those of the service. The outermost planes only touch the offset, and are left out for all.
     radius = options.radius
     engines = options.engines.split(",")
     stepover, heights = SIDE_MM / (options.planes + 1), []

@@ -1,47 +1,54 @@
-//! Arcs and lines through a sequence of points in a plane.
+//! Replaces a sequence of points by a chain of lines and arcs.
 //!
 //! # Method
-//! 1. A closed form decides whether one element can replace a run of points. The arcs over a chord are a
-//!    family with one parameter. The arcs within the tolerance of a point are an interval of this parameter
-//!    (`chord`, `candidate`).
-//! 2. `greedy` is Ju's method: each element grows as far as it can. `biarc` puts two arcs between each two
-//!    neighbouring points. `optimal` finds the least number of elements that meet on points: a breadth first
-//!    search, with bounds (`bounds`) that skip elements which cannot shorten the chain.
-//! 3. If `optimal` beats `greedy`, the points have errors of their own. Elements may then also meet beside
-//!    the points (`joints`), if that saves elements.
-//! 4. `tangent` makes a chain in which each element starts in the direction in which the element before it
+//! An element is a line or an arc.
+//! 1. `candidate` decides whether one element can replace a run of points. The arcs over the chord of the run
+//!    differ in one number, the bulge. The bulges of the arcs that pass within the tolerance of a point are
+//!    known in closed form (`chord`).
+//! 2. Three methods make a chain of elements. `greedy` is Ju's method: each element takes in points until the
+//!    next point does not fit. `biarc` puts two arcs between each two neighbouring points. `optimal` searches
+//!    for the chain with the fewest elements, if elements meet on points only. `bounds` tells this search
+//!    which elements it may skip.
+//! 3. If `optimal` finds a chain that is shorter than the chain of `greedy`, the points count as noisy.
+//!    Elements may then also meet beside the points (`joints`), if that saves elements.
+//! 4. `tangent` makes a smooth chain: each element starts in the direction in which the element before it
 //!    ends.
-//! 5. `space` divides points in space where the plane of their arcs changes.
+//! 5. `space` fits points in space. It finds the planes in which the arcs lie.
 //!
 //! # Guarantees
-//! For all methods but biarcs, which do not use the tolerance:
-//! * Every point is within the tolerance of its element. The elements pass the points in order, so a reversal
-//!   of the points is kept. The last point is reached. Arcs turn about their centres in the same sense as the
-//!   lines between the points.
+//! [`Method::Biarc`] passes through every point and does not use the tolerance. For the other methods:
+//! * Every point is within the tolerance of the element that replaces it. The element passes its points in
+//!   order. An arc turns about its centre in the same sense as the lines between its points.
+//! * The chain runs from the first point to the last. A full circle, and a chain with [`Joints::Free`], may
+//!   start and end beside these points, within the tolerance. A closed chain returns to its start.
 //! * With [`Measure::Polyline`] the lines between the points are within the tolerance of the elements, and
-//!   the elements within the tolerance of these lines. [`Measure::Points`] promises nothing between the
-//!   points: the caller has to know how far the true curve leaves its chords.
-//! * In a plane, with joints on points, no chain of elements within the tolerance is shorter than that of
-//!   [`Method::Optimal`], within windows of [`WINDOW`] points. There are two exceptions. The search tries the
-//!   order of the points and the lines between them at nineteen bulges only, and can miss a bulge that would
-//!   do. A search that exceeds its effort ends with the best chain found. In space the chain is no longer
-//!   than the greedy chain.
+//!   the elements within the tolerance of these lines. With [`Measure::Points`] nothing is promised between
+//!   the points.
+//! * With [`Method::Optimal`] and [`Joints::OnPoints`], a chain that need not be smooth has the fewest
+//!   elements possible. This holds for points in a plane, within each window of [`WINDOW`] points. There are
+//!   two exceptions. First, only nineteen bulges of an interval are tried, so a bulge that fits may be
+//!   missed. Second, a search that exceeds [`Fit::effort`] ends with the best chain found. That chain is
+//!   never longer than the greedy chain.
 //!
 //! # Degenerate input
-//! Two points make a line. An arc sweeps 350 degrees at most, and its ends differ. A full circle is made only
-//! of closed points, the first equal to the last, that are no farther apart than 30 degrees. An arc flatter
-//! than [`FLATTEST_MM`] becomes a line if a line fits. No arc has a radius above [`LARGEST_RADIUS_MM`],
-//! except in smooth chains, where a line would make a kink.
+//! * Two points make a line.
+//! * One full circle replaces all points if the last point equals the first ([`Fit::is_closed`]), and if
+//!   neighbouring points are at most 30 degrees apart on the circle. Any other arc turns by at most 350
+//!   degrees.
+//! * An arc that rises less than [`FLATTEST_MM`] above its chord becomes a line, if the line keeps the
+//!   tolerance. Arcs with a radius above [`LARGEST_RADIUS_MM`] are not tried. Smooth chains have neither
+//!   limit, because a line would make a kink. Biarcs have no limits at all.
 //!
 //! # Cost
-//! O(n m) for n points with m points an element, at some 10 ns each. Points in space, and noise as large as
-//! the tolerance, would take much longer: there the search ends with the best chain found. See
-//! `benches/arc_fitting.rs`.
+//! O(n m) evaluations, of some 10 ns each, for n points and elements of m points. A search in space, or over
+//! noise as large as the tolerance, would need many more. It ends when its evaluations are used up
+//! ([`Fit::effort`]). `benches/arc_fitting.rs` measures times.
 //!
 //! # Differences from the paper
-//! The printed algorithm drops a tail of two points; here the tail becomes a line. Eq. 4 measures the
-//! distance from the whole circle; here it is measured from the arc. The paper asks for the arc with the
-//! least largest error: it leaves the farthest points to its left and to its right equally far.
+//! The printed algorithm drops the last two points if they are left over; here they become a line. Eq. 4
+//! measures the distance from the whole circle; here the distance is measured from the arc. The paper asks
+//! for the arc with the least largest error. That arc is found as the one from which the farthest points on
+//! its left and on its right are equally far.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.

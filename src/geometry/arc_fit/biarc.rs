@@ -1,10 +1,15 @@
-//! Biarcs through every point: between each two neighbouring points, two arcs that meet with a common
-//! tangent.
+//! Biarcs: two arcs between each two neighbouring points. All arcs follow each other without a kink.
 //!
-//! The tangent at a point is that of the circle through it and its neighbours; at an end, of the circle
-//! through the three points there. Between two points with their tangents, the joint is chosen so that both
-//! tangent lengths are equal. The arcs follow the tangents and do not use the tolerance. Ju compares his
-//! method with biarcs.
+//! # Method
+//! 1. Each point gets a tangent: that of the circle through the point and its two neighbours. The first point
+//!    takes the circle through the first three points, and the last point the circle through the last three.
+//! 2. Between two points, the tangents at both points and at the joint of the two arcs make three lines. The
+//!    joint is chosen such that the first and the third line are equally long, up to the line in the middle.
+//!
+//! The tolerance is not used. Ju compares his method with this one.
+//!
+//! # Degenerate input
+//! If two points and their tangents lie on one line, a line replaces the two arcs.
 //!
 //! # Reference
 //! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.

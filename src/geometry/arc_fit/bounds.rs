@@ -1,19 +1,22 @@
-//! Bounds for the search: how far an element can reach at most, and how few elements can be left at least.
+//! Bounds for the search of `optimal`: how far one element can reach at most, and how many elements are
+//! needed at least from a point to the last point.
 //!
 //! # Method
-//! 1. Let an arc pass within e of the points i to j, and let i <= i' < j' <= j. The part of the arc between
-//!    its places near i' and j' ends within e of these two points. A similarity moves these two ends onto the
-//!    points. It moves every place of the part by at most e (|w| + |1 - w|), where w is the place with the
-//!    ends at 0 and 1. That is at most sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees and 23 e up
-//!    to 350 degrees, and e on a line. So if no arc over the chord from i' to j' passes within the tolerance
-//!    enlarged accordingly, no arc within the tolerance passes any longer run of points.
-//! 2. From the point so bounded backwards, ends are tried one by one until the evaluations for bounds are
-//!    spent.
-//! 3. The least counts of elements follow from the last point to the first. On clean data the count of the
-//!    first point equals the number of greedy elements, which is thereby proved to be the least.
+//! 1. Suppose that an element replaces the points from i to j, within the tolerance. Choose two of these
+//!    points. Then some arc over the chord of the two points passes near every point between them. "Near"
+//!    means within a multiple of the tolerance: 2 for lines, 2.42 for arcs up to half a turn, 3.83 up to 270
+//!    degrees, and 23.95 up to 350 degrees. So if there is no such arc, no element replaces any run that
+//!    contains the two points.
+//! 2. Step 1 gives each point a bound for the reach of its elements. Below this bound, every end is tried,
+//!    from the farthest to the nearest, until an element fits. When the evaluations for bounds are spent, the
+//!    bound from step 1 stays.
+//! 3. The least number of elements from a point to the last point is one more than the least number at any
+//!    point within its reach. It is computed from the last point to the first. If the number at the first
+//!    point is that of the greedy chain, no chain is shorter, and the search is not needed.
 //!
 //! # Cost
-//! O(n m) for elements of m points. Step 2 ends after a fixed number of evaluations.
+//! O(n m) for n points and elements of m points. The evaluations of step 2 are limited to a number in
+//! proportion to n.
 
 use super::Shapes;
 use super::candidate::{Points, Rule, Span, Witnesses};

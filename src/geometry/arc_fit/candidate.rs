@@ -1,11 +1,18 @@
-//! One element over a span of the points: whether there is one, and the best one.
+//! One element that replaces a run of points: whether there is one, and the best one.
 //!
 //! # Method
-//! The bulges of the arcs near every point are an intersection of intervals in closed form ([`Chord`]).
-//! Single bulges out of this set are then checked: that the element passes the points in order, that the
-//! lines between the points stay near (for polylines), and that the heights follow. An arc passes the points
-//! in order if there are places on it, each near its point, that never go back, and if the lines between the
-//! points turn about its centre as the arc does.
+//! 1. The arcs over the chord of the run differ in one number, the bulge. [`Chord`] gives the bulges of the
+//!    arcs that pass near one point. The bulges near all points are the intersection of these sets: one
+//!    interval, two, or none.
+//! 2. The line and nineteen arcs are tried from each interval, on each side of the chord. An element has to
+//!    pass its points in order. For a polyline it also has to stay near the lines between the points, and in
+//!    space near their heights.
+//! 3. An element passes its points in order if there is a place on it near each point, and if these places
+//!    never go back. An arc also has to turn about its centre as the lines between the points do.
+//! 4. The best element has its farthest points on the left and on the right equally far away. If it fails the
+//!    checks of step 2, the element found in step 2 stays.
+//!
+//! If all tried elements fail, the run counts as too long for one element.
 
 use nalgebra::Vector2;
 

@@ -1,15 +1,20 @@
-//! The arcs over one chord, a family with one parameter: which of them pass near a point or a line.
+//! The arcs over one chord that pass near a point, in closed form.
 //!
 //! # Method
-//! The bulge b = tan(sweep / 4) tells the arcs from P to Q apart; it is positive to the left of PQ. Let L be
-//! half the chord, (x, y) a point in the frame of the chord's middle, dP and dQ its distances from P and Q,
-//! and e the tolerance. Let S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2. These arcs
-//! pass within e of the point:
-//! 1. If dP <= e or dQ <= e, all arcs.
-//! 2. Else, if k <= 0, the arcs with b in [2L(y - e)/(S - k), 2L(y + e)/(S - k)].
-//! 3. If k > 0, these two bounds are (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)), because
-//!    S^2 - k^2 = 4L^2(y^2 - e^2). In this form nothing cancels. If |y| < e as well, the point lies beyond
-//!    an end of the chord. Then the valid bulges are outside the two bounds, and the bulge 0 is not valid.
+//! The chord runs from P to Q. An arc over it is given by its bulge b = tan(sweep / 4), positive if the arc
+//! lies to the left of the chord. The line PQ has the bulge 0.
+//!
+//! The origin is the middle of the chord, the x axis runs along it, and the y axis to its left. L is half the
+//! length of the chord, and e the tolerance. The point is (x, y), with the distances dP from P and dQ from Q.
+//! Let S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2. Then these arcs pass within e of the
+//! point:
+//! 1. If dP <= e or dQ <= e: all arcs.
+//! 2. Otherwise, if k <= 0: the arcs with b between 2L(y - e)/(S - k) and 2L(y + e)/(S - k).
+//! 3. Otherwise, if |y| > e: the arcs with b between (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)). These are
+//!    the bounds of case 2 in a form without cancellation, because S^2 - k^2 = 4L^2(y^2 - e^2).
+//! 4. Otherwise the point lies beyond an end of the chord. The arcs are those with b not between the bounds
+//!    of case 3. One of these bounds is negative, the other positive, so the line PQ does not pass near the
+//!    point.
 
 use nalgebra::Vector2;
 

@@ -1,8 +1,9 @@
-//! Finds the points at which the polyline through the points has a real corner.
+//! Finds the points at which a polyline has a real corner.
 //!
-//! A smooth polyline turns about as much at one point as at the next. At a corner it turns much more than at
-//! any point nearby. For samples of a curve the turns are compared for the same length: a longer step turns
-//! more.
+//! At each point the polyline turns by some angle. A point is a corner if its angle is at least
+//! [`LEAST_TURN`], and more than [`TIMES`] times the largest angle at the [`BESIDE`] points before it and
+//! after it. With [`Measure::Points`] the points are samples of a curve, where longer lines turn more. There,
+//! the angle divided by the length of the lines is compared instead.
 
 use nalgebra::Vector2;
 

@@ -1,7 +1,9 @@
-//! One full circle through closed points.
+//! One full circle through points whose last point equals the first.
 //!
-//! The method finds the circle with the least largest deviation by weighted least squares. Each round solves
-//! Kasa's equations, which are linear, and then raises the weight of each point with its deviation (Lawson).
+//! A circle of least squares is fitted in rounds, by Kasa's linear equations. After each round, the weight of
+//! each point is multiplied by its distance from the circle (Lawson). So the largest distance falls towards
+//! the least possible one. The first circle within the tolerance is the result. If no circle of [`ROUNDS`]
+//! rounds is, there is no result.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

@@ -1,9 +1,14 @@
-//! Ju's method: each element grows as far as it can.
+//! Ju's method: each element takes in as many points as it can.
 //!
-//! An element takes in one point after another until the first point that it cannot take in. With the measure
-//! of a polyline, where points are many, it first grows by [`STRIDE`] points at a time. Beyond a number of
-//! points the lengths tried double, and halving then finds the end. This may end later than the first
-//! failure, but never earlier.
+//! An element takes in one point after another until the next point does not fit. Two things make long
+//! elements faster:
+//! * With [`Measure::Polyline`] an element takes in [`STRIDE`] points at a time, and single points at its
+//!   end.
+//! * After a given number of points ([`ONE_BY_ONE`], or [`FAST`]) the element tries to double. When the
+//!   doubled element fails, bisection finds an end between the two.
+//!
+//! An element may fit although a shorter one fails. So these elements may be longer than Ju's, but never
+//! shorter.
 
 use nalgebra::Vector2;
 

@@ -1,8 +1,8 @@
-//! Places beside the points where elements may meet too.
+//! Nodes beside the points. A node is a place where two elements may meet.
 //!
-//! On noisy or rounded data, an element whose ends are pinned to two points has to follow the errors of these
-//! points. So at some points of each element there are also nodes to the left and to the right of the point,
-//! at several distances within the tolerance.
+//! If elements meet only on noisy points, they have to follow the noise. So some of the points get several
+//! nodes on a line across the polyline, to the left and to the right of the point. All of these nodes are
+//! within the tolerance of their point.
 
 use nalgebra::Vector2;
 

@@ -1,15 +1,20 @@
-//! Finds the least number of elements between given nodes.
+//! Finds the chain with the fewest elements between given nodes. A node is a place where two elements may
+//! meet.
 //!
 //! # Method
-//! Breadth first search: first the nodes that one element reaches from the start, then the nodes that a
-//! second element reaches from there, and so on. An element to a node may be possible although no shorter
-//! element is, so every node is tried, not the farthest only. The search skips nodes that were reached
-//! before. It also skips nodes from which [`Bounds`] leave too many elements to the end to beat the known
-//! chain.
+//! A breadth first search. It first finds all nodes that one element reaches from the start. From there it
+//! finds all nodes that a second element reaches, and so on.
+//! 1. An element may fit although a shorter one does not. So every node is tried, and not only the next one.
+//! 2. A node that has been reached is not tried again.
+//! 3. A node is not tried if [`Bounds`] prove that no chain through it is shorter than the known chain.
+//! 4. A [`Fan`] holds the circles through a node that pass near the points after it. When it is empty, no
+//!    farther nodes are tried from this node.
+//!
+//! The search gives up after a given number of evaluations.
 //!
 //! # Cost
-//! Each node is reached once, at the cost of testing its span. Most other pairs of nodes fail at the first
-//! points tested.
+//! Each node is reached once, by an element that is checked against all its points. Most elements that do not
+//! fit fail at the first points checked.
 
 use nalgebra::Vector2;
 

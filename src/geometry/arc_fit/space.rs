@@ -1,8 +1,10 @@
-//! Fits points in space: finds the planes of their arcs, and returns elements as curves.
+//! Fits points in space, and returns lines, arcs and helices.
 //!
-//! Arcs lie in a coordinate plane, or are helices about the normal of one. If the plane is not given, the
-//! points are divided into stretches. Stretches that keep one coordinate lie in a plane, with arcs in this
-//! plane. The arcs of all other stretches are helices over the xy plane.
+//! Arcs lie in a coordinate plane, or are helices about the normal of one. If the caller gives the plane, it
+//! holds for all arcs. Otherwise the points are divided into stretches. A stretch with the same x, y or z
+//! over at least four points, or over all points, has its arcs in the plane of the other two coordinates. All
+//! other stretches have helices about the z axis. If helices over the whole length need fewer curves, they
+//! replace the stretches.
 
 use nalgebra::{Point3, Vector2, Vector3};
 

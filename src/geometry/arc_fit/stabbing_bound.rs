@@ -1,19 +1,26 @@
-//! The set of circles through one place that pass within the tolerance of all points taken so far. If the set
-//! is empty, no element from that place reaches beyond these points.
+//! Proves that no longer element can start at a given place.
+//!
+//! An element that starts at the place lies on a circle through it. The set of circles through the place that
+//! pass within the tolerance of all points so far shrinks with every point. When the set is empty, no element
+//! from the place reaches beyond these points.
 //!
 //! # Method
-//! 1. Inversion about the place turns its circles into lines. A disc about a point, with the distance d and
-//!    the tolerance e as radius, becomes a disc with its centre at d / (d^2 - e^2) and the radius e / (d^2 -
-//!    e^2).
-//! 2. Two discs that are far apart for their radii make a frame along the line of their centres. The lines
-//!    that meet both are y = m x + t with a small slope m.
-//! 3. "The line meets the disc" is the strip |c_y - m c_x - t| <= rho sqrt(1 + m^2) of (m, t). With the
-//!    largest slope under the root, the strip has a half-plane on each side.
-//! 4. The polygon that these half-planes leave is kept. It contains every circle of the set and little else.
-//!    The frame is chosen again when a better pair of discs comes.
+//! 1. An inversion about the place turns each circle through it into a line. The disc of the tolerance e
+//!    about a point becomes another disc. If d is the vector from the place to the point, the new disc has
+//!    the centre d / (|d|^2 - e^2) and the radius e / (|d|^2 - e^2). The task is now to find the lines that
+//!    meet all discs.
+//! 2. The x axis is laid through the centres of two discs that are far apart, measured by their radii. Lines
+//!    that meet both discs are then y = m x + t with a small slope m. Until there are two such discs, no
+//!    circle is excluded.
+//! 3. The line meets a disc with the centre (x, y) and the radius r if |y - m x - t| <= r sqrt(1 + m^2). The
+//!    largest possible slope replaces m under the root. Then the lines that meet the disc make a strip in the
+//!    plane of m and t. The strip may be too wide, but never too narrow.
+//! 4. The strips of all discs have a polygon in common, which is kept. If it is empty, the set is empty. When
+//!    a better pair of discs for step 2 comes, the polygon is computed again.
 //!
 //! # Cost
-//! O(v) for each point, with a polygon of v corners; the frame changes O(log n) times.
+//! O(v) for each point, where v is the number of corners of the polygon. The x axis changes O(log n) times
+//! for n points.
 
 use nalgebra::Vector2;
 

@@ -1,23 +1,25 @@
-//! A chain in which each element starts in the direction in which the element before it ends.
+//! Makes a smooth chain: each element starts in the direction in which the element before it ends.
 //!
 //! # Method
-//! 1. Over a chord of direction psi, the arc with bulge b starts in the direction psi + 2 atan b. It ends in
-//!    the direction psi - 2 atan b: the start direction mirrored in the chord.
-//! 2. The bulges within the tolerance form an interval. So the directions in which an element may start form
-//!    an interval too.
-//! 3. The directions in which a chain can arrive at a node are the arrival directions at the node before, cut
-//!    by the element's interval and mirrored in the chord.
-//! 4. These intervals are carried forward from node to node, element by element. Only the farthest nodes
-//!    reached so far are continued.
-//! 5. When the last node is reached, one direction there is followed back to the start. At a real corner
-//!    ([`corners`]) any direction may follow.
+//! A node is a place where two elements may meet.
+//! 1. An arc over a chord is given by its bulge b. Let psi be the direction of the chord. The arc starts in
+//!    the direction psi + 2 atan b and ends in the direction psi - 2 atan b.
+//! 2. The bulges that keep the tolerance form one or two intervals. So the directions in which an element may
+//!    start, and those in which it may end, form intervals too.
+//! 3. From the intervals in which a chain may arrive at one node, those at the next node follow: the arrival
+//!    directions that are also start directions of the element, mirrored in its chord.
+//! 4. The search carries these intervals from node to node. After each element it goes on from the farthest
+//!    nodes only.
+//! 5. When the last node is reached, one direction there is chosen. It is followed back to the start, and
+//!    gives the bulge of each element.
+//! 6. At a real corner ([`corners`]) the next element may start in any direction.
 //!
 //! # Guarantees
-//! Directions agree to rounding, except at corners. If the search finds no such chain, or exceeds its budget,
-//! elements meet at an angle.
+//! Elements meet in the same direction to rounding, except at corners. If the search finds no such chain, or
+//! exceeds its evaluations, the result is the chain that need not be smooth.
 //!
 //! # Cost
-//! O(c k^2 m) for c elements of m points with k nodes each; k is constant.
+//! O(c k^2 m) for c elements of m points, each with k nodes. k has a constant limit.
 
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};

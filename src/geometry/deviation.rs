@@ -1,30 +1,32 @@
-//! How far an element lies from a curve, proved over the whole of both.
+//! How far an element lies from a curve: proved bounds that hold at every point of both.
 //!
 //! # Method
-//! 1. The deviation is read at parameters of the curve (`gauge`): a reading encloses the point of the curve
-//!    and its signed distance from the element. With the normal measure this is the distance to the foot on
-//!    the element. It is largest where curve and element run parallel. There the distance from the curve to
-//!    the element equals that from the element to the curve.
-//! 2. Between two readings the second derivative of the distance is enclosed, from the derivatives of the
-//!    curve and the curvature of the element. So the distance lies within a parabola of the line through the
-//!    readings.
-//! 3. If this bound does not decide, or exceeds 5/4 of the largest reading, the range is halved. Where no
-//!    derivatives are bounded, as at a kink, the distance changes from a reading by no more than the curve
+//! The distance of a point from the element is measured to the foot of the point, its nearest place on the
+//! element. [`Measure::Vertical`] takes the difference of the heights instead.
+//! 1. The distance is read at some parameters of the curve (`gauge`). A reading is an interval that contains
+//!    the exact value.
+//! 2. Between two readings, the second derivative of the distance is bounded. The derivatives of the curve
+//!    and the curvature of the element give this bound. So the distance differs from the straight line
+//!    through the two readings by no more than a parabola does.
+//! 3. At a kink the derivatives have no bound. There, the distance changes by no more than the curve's point
 //!    moves.
+//! 4. The range between two readings is halved if the bound there leaves the band, or if it exceeds 5/4 of
+//!    the largest reading.
 //!
 //! # Guarantees
-//! * [`Verdict::Within`] is a proof. Every point of the curve over the range lies within the band about the
-//!   element. Its foot runs from one end of the element to the other, so every point of the element is as
-//!   near to the curve. All numbers are rounded outward; a band is kept up to rounding ([`GUARD_MM`]).
-//! * The spread is never below the readings. It exceeds them by at most a quarter plus 2.5e-7 mm.
+//! * [`Verdict::Within`] is a proof: over the given range of parameters, every point of the curve lies within
+//!   the band about the element. With [`Measure::Normal`] the feet run from one end of the element to the
+//!   other. So every point of the element is as near to the curve. All numbers are rounded outward. The band
+//!   itself is widened by [`GUARD_MM`] and a few roundings, so that a line on its edge passes.
+//! * [`Spread`] contains every deviation. It exceeds the largest reading by at most a quarter plus 2.5e-7 mm.
 //! * [`Verdict::Outside`] is certain: it names a point at which the curve leaves the band.
 //!
 //! # Degenerate input
-//! A case that some thousands of cells do not decide is [`Verdict::Unproved`].
+//! [`Verdict::Unproved`] is the result if some thousands of ranges are not enough.
 //!
 //! # Cost
-//! O(1) for a smooth piece that the element fits; O(log(1 / g)) if the deviation differs from the band by the
-//! part g of it.
+//! O(1) for a smooth curve well within the band. O(log(1 / g)) if the largest deviation is the part 1 - g or
+//! 1 + g of the band.
 
 mod gauge;
 

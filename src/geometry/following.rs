@@ -1,22 +1,30 @@
-//! Bounds for the Frechet distance: how far a line or an arc is from points, and from the lines between them,
-//! taken in order.
+//! Upper bounds of the distance between a curve (a line or an arc) and a sequence of points. The points are
+//! matched with places on the curve in the order of travel, as for the Frechet distance. [`from_points`]
+//! bounds the distance of the points from the curve. [`from_lines`] also bounds the distance between the
+//! curve and the lines from point to point.
 //!
 //! # Method
-//! 1. Each point gets a place on the curve: its foot, if the feet follow each other. If they do not,
-//!    bisection finds the least distance within which places in order exist. Each point then takes the first
-//!    place that is near enough.
-//! 2. Between the places of two neighbouring points, the curve and the line run side by side. If both places
-//!    are feet on an arc in a plane, the distance there has a closed form. Otherwise the line is halved, each
-//!    time with a place for its middle, until the bound is close to the largest distance found. The bound:
-//!    one point moves evenly on a line, another evenly round an arc of radius r by the angle a. They are no
-//!    farther apart than the larger of their distances at the ends plus r a^2 / 8.
+//! 1. Each point gets a place on the curve: its foot, the place nearest to it. If the feet run backward
+//!    somewhere, other places in order are chosen. Bisection finds the least distance within which such
+//!    places exist. Each point then takes the first place within this distance.
+//! 2. For [`from_lines`], the line between two points is matched with the part of the curve between their
+//!    places. On a curve that is a line, the largest distance is at an end. On an arc in a plane, with feet
+//!    as places, the largest distance has a closed form.
+//! 3. In all other cases, one point moves evenly on the line and another evenly on the arc. They are no
+//!    farther apart than the larger of their distances at the two ends plus r a^2 / 8. Here r is the radius
+//!    of the arc, and a the angle that it turns between the places. The line is halved, and both halves are
+//!    bounded, until the bound is close to the largest distance found. After 400 parts it is left as it is.
 //!
 //! # Guarantees
-//! The result is an upper bound for any places in order from the first to the last. Badly chosen places make
-//! it larger, never smaller. The computation shares nothing with the fit whose curves it judges.
+//! The result is an upper bound whatever places are chosen, as long as they are in order. Badly chosen places
+//! make it larger, never smaller. No code is shared with the fit that makes the curves.
+//!
+//! # Degenerate input
+//! A parabola has an infinite bound. So has an arc that turns by more than half a turn between two
+//! neighbouring points, if only the points count.
 //!
 //! # Cost
-//! O(n) for n points whose feet follow each other, O(n log(1 / rounding)) if they do not.
+//! O(n) for n points whose feet are in order, O(n log(1 / rounding)) if they are not.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,12 +1,14 @@
-//! Interval arithmetic with outward rounding.
+//! Interval arithmetic with outward rounding: each result contains the exact value.
 //!
 //! # Guarantees
-//! The result of an operation contains the result for every choice of members of the operands. Each end is
-//! rounded to the nearest number and then moved outward to the next number. That is enough for operations
-//! that are rounded correctly.
+//! The result contains the exact result for all numbers of the operands. Sums, differences, products,
+//! quotients and square roots of `f64` are the exact values rounded to the nearest number. So it is enough to
+//! move each end outward by one number. The functions in [`elementary`] are less accurate in the standard
+//! library: there, each end is moved outward by more numbers.
 //!
 //! # Degenerate input
-//! A result with an end that would be NaN is the whole line.
+//! If an end would be NaN, the result is the whole line from minus to plus infinity. A quotient is the whole
+//! line if the divisor contains zero.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009.

@@ -1,38 +1,40 @@
 //! The offset of contours of lines and arcs: the places on one side of the contours at a given distance from
-//! all of them.
+//! them.
 //!
 //! # Method
-//! 1. `pieces`: every element of a contour moves aside by the distance, and convex corners get arcs. The
-//!    offset consists of parts of these pieces.
-//! 2. `clip`: each piece loses the ranges that are too near to an element of a contour. This removes concave
-//!    corners, cusps and global loops alike, and opens the offset where a neck is too narrow.
-//! 3. `link`: the remaining ranges are joined to chains. Mitres replace the arcs about nearly straight
-//!    corners (`mitre`).
-//! 4. Proof: the least distance between two elements has a closed form (`distance`). Each element of the
-//!    offset is compared with each element of the contours in reach. If a distance is too small, the offset
-//!    is refused.
+//! 1. `pieces`: each element of a contour is moved aside by the distance, and each convex corner gets an arc.
+//!    The offset consists of parts of these pieces.
+//! 2. `clip`: the parts of a piece that are too near to any element of a contour are removed. This also
+//!    removes the loops at concave corners and cusps. Where contours leave too little room between them, the
+//!    offset falls apart into several chains.
+//! 3. `link`: the parts that are left are joined to chains. At a nearly straight corner, a mitre replaces the
+//!    arc (`mitre`).
+//! 4. Proof: the least distance between an element of the offset and an element of a contour has a closed
+//!    form (`distance`). It is checked for all pairs that may be too near to each other. If a mitre fails,
+//!    all corners keep their arcs. If the offset still fails, it is refused.
 //!
 //! # Guarantees
-//! No point of the offset is nearer to a contour than the distance less `TOO_NEAR_MM`. The chains run in the
-//! direction of their contours and are connected exactly. Their elements are parallel to elements of a
-//! contour or run about its corners, within 1e-7 mm at their ends. The offset of an open contour does not run
-//! around its ends.
+//! * Every point of the offset has at least the given distance from every contour, less `TOO_NEAR_MM`.
+//! * The chains run in the direction of their contours. Each element starts exactly where the one before it
+//!   ends.
+//! * Each element is parallel to an element of a contour, or an arc about a corner. Its ends lie within 1e-7
+//!   mm of that parallel line or circle.
+//! * The offset of an open contour does not run around its ends.
 //!
 //! # Degenerate input
-//! Elements shorter than 1e-9 mm are skipped. Arcs whose radius is not above the distance give no piece on
-//! their inner side. Contours may cross themselves and each other: the ranges of one contour's offset that
-//! are too near to another contour are cut away. Parabolas are refused. The offset is empty if nothing is
-//! left.
+//! Elements shorter than 1e-9 mm are skipped. An arc has no piece on its inner side if its radius is not
+//! larger than the distance. Contours may cross themselves and each other. Parabolas are refused, and so are
+//! more than a million elements. If nothing is left, the offset is empty.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements. Here k is the number of elements near one piece: nearer to its middle
-//! than the distance and half of its length. A larger distance makes k larger. 10 to 40 ms for 2,000
-//! elements, 100 ms with a distance ten times the size of the elements.
+//! O(n (log n + k)) for n elements, where k is the number of elements that come as near to one piece as the
+//! distance. 2,000 elements take 10 to 40 ms, and 100 ms if the distance is ten times the size of the
+//! elements.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in
 //! Industry 58, 2007: pieces of lines and arcs, and clipping by distance. The paper clips between crossings
-//! of pieces only; here each element of the contours clips each piece in reach.
+//! of pieces only. Here each piece is compared with each element near it.
 
 mod clip;
 pub(super) mod distance;

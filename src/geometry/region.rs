@@ -1,34 +1,37 @@
 //! Regions of the plane with outlines of lines and arcs, and with islands: area, containment, union, offset.
 //!
 //! # Method
-//! 1. [`Outline::new`] checks a loop: closed, of finite numbers, and not crossing itself.
-//! 2. Loops are cut at each other into edges (`arrangement`). The windings of the loops about the two sides
-//!    of an edge (`winding`) tell on which sides the region is. Edges with the region on one side only are
-//!    its boundary (`trace`). Unions, intersections and differences are different rules for the same
-//!    windings.
-//! 3. The offset of a region is the [`offset`](crate::geometry::offset) of all its outlines together. Its
-//!    chains go through step 2 again. That step finds the outline of each island, and drops necks exactly as
-//!    wide as twice the distance.
+//! 1. [`Outline::new`] accepts a closed loop of finite numbers that does not cross itself.
+//! 2. Loops are cut at each other into edges (`arrangement`). The winding of a loop about a place is how
+//!    often the loop turns about it (`winding`). The windings on both sides of an edge tell whether the
+//!    region lies there. Edges with the region on one side only are its boundary (`trace`).
+//! 3. Union, intersection and difference use different rules for the same windings.
+//! 4. To offset a region, all its outlines are offset together ([`offset`](crate::geometry::offset)). The
+//!    chains of the offset go through step 2 again, which finds the islands of each outline and drops parts
+//!    without width.
 //!
 //! # Guarantees
-//! Outer outlines run counterclockwise and islands clockwise: the region is on the left. Outlines of one
-//! region do not cross, and meet at most in single points. A boundary lies within a few times 1e-6 mm of the
-//! boundaries that it comes from. Lines stay lines and arcs stay arcs. Offsets keep the proof of the offset
-//! module, except for this snap.
+//! Outer outlines run counterclockwise and islands clockwise, so the region is on the left. The outlines of
+//! one region do not cross, and meet at most in single points. Lines stay lines and arcs stay arcs. The
+//! boundary of a result lies within a few times 1e-6 mm of the boundaries that it comes from. An offset keeps
+//! its distance up to the same few times 1e-6 mm.
 //!
 //! # Degenerate input
-//! Places within 1e-6 mm of each other count as one place: shared edges, coincident arcs, touching corners
-//! and tangent arcs meet there. Regions narrower than that are dropped. An empty region is valid.
+//! Places within 1e-6 mm of each other count as one place. So shared edges, touching corners and tangent arcs
+//! meet exactly. Parts of a region that are narrower than 1e-6 mm are dropped. If outlines run so close to
+//! each other that rounding decides, the 1e-6 mm grow to at most 1.6e-5 mm; if that does not help, the region
+//! is refused. More than a million elements are refused, too. An empty region is valid.
 //!
 //! # Cost
-//! O(n log n + k) for n elements with k pairs of elements whose boxes meet. Each place where outlines meet
-//! adds O(log n + r), with r boxes on a ray. `benches/regions.rs` measures times over growing sizes.
+//! O(n log n + k) for n elements, of which k pairs have boxes that meet. Each place where outlines meet adds
+//! O(log n + r), where r is the number of boxes that a ray from this place meets. `benches/regions.rs`
+//! measures times.
 //!
 //! # Reference
 //! W. Randolph Franklin's rule for places in polygons: an edge contains its lower end, but not its upper end.
-//! The windings of both sides of an edge are as in A. Margalit, G. D. Knott, *An algorithm for computing the
-//! union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here the method also
-//! covers arcs, and snaps vertices.
+//! The windings on both sides of an edge are those of A. Margalit, G. D. Knott, *An algorithm for computing
+//! the union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here the method
+//! also covers arcs, and moves vertices that nearly coincide to one place.
 
 mod arrangement;
 mod contacts;

@@ -1,5 +1,5 @@
-//! Gauges: they read the distance of a curve from an element, along the normal or along y, and enclose it
-//! between readings.
+//! Two ways to measure the distance of a curve from an element: along the normal of the element, and along y.
+//! Each gives an interval for the distance at one parameter, and bounds between two parameters.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,21 +1,23 @@
-//! Elementary functions of intervals, with outward rounding.
+//! Elementary functions of intervals, with outward rounding: sine, logarithm, powers and so on.
 //!
 //! # Method
-//! A monotone function is evaluated at the ends. An even function is evaluated at the least and the largest
-//! absolute value. Sine and cosine are evaluated at the ends and joined with the extremes that may lie
-//! between.
+//! A function that only rises or only falls is evaluated at the two ends. An even function is evaluated at
+//! the least and at the largest absolute value. Sine and cosine are evaluated at the two ends; if an extreme
+//! may lie between, the result also contains 1 or -1.
 //!
 //! # Guarantees
-//! The result contains the value of the function at every member of the operand. It lies in the range of the
-//! function. Both hold as long as the functions of the standard library are accurate to `ULPS`.
+//! The result contains the value of the function at every number of the operand. It contains no number
+//! outside the range of the function, such as a sine above 1, except by rounding. This holds if the standard
+//! library errs by at most `ULPS` units in the last place.
 //!
 //! # Degenerate input
-//! A member outside the domain of the function counts as the nearest number of the domain. The logarithm has
-//! no such nearest number and ignores members that are not positive; without positive members, its result is
-//! the whole line. The caller has to find out whether a function is defined over its operand.
+//! A number outside the domain of the function counts as the nearest number of the domain: the root of -1 is
+//! that of 0. The logarithm leaves out the numbers that are not positive; if none is positive, the result is
+//! the whole line. A tangent with a pole in the operand is the whole line. The sine and cosine of angles
+//! above 1e8 are not evaluated; the result is [-1, 1]. The caller has to check whether a function is defined.
 //!
 //! # Cost
-//! O(1): two evaluations of the function, four for powers with an interval as the exponent.
+//! O(1): two evaluations of the function, or four for a power with an interval as the exponent.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 

@@ -1,22 +1,24 @@
-//! Clipping: the ranges of a piece that are not too near to any contour.
+//! Clipping: removes the parts of a piece that are too near to a contour. A piece is an element of the
+//! contour moved aside, or an arc about one of its corners.
 //!
 //! # Method
-//! Take one element of the contour. Along a piece, the distance to this element passes through the offset's
-//! distance only where the piece crosses a line or circle beside the element, or a circle about one of its
-//! ends. These crossings divide the piece; so do the places where the piece is nearest to such a curve or
-//! farthest from it. Between two neighbouring divisions the two distances are equal nowhere, so one sample in
-//! the middle decides. A range is removed if any element forbids it.
+//! 1. A piece is compared with one element of the contour after the other. The points whose distance from the
+//!    element equals the offset's distance lie on parallels to the element and on circles about its ends.
+//! 2. The piece is cut where it crosses these lines and circles, and where it comes nearest to them or is
+//!    farthest from them. Within each part that results, the distance from the element is either too small
+//!    everywhere or nowhere.
+//! 3. So the middle of each part decides. The part is removed if its middle is too near to the element.
 //!
 //! # Guarantees
-//! The ranges that are left are too near by no more than about the rounding allowed.
+//! The parts that are left are too near by no more than about the rounding allowed.
 //!
 //! # Degenerate input
-//! Where a piece touches one of these circles, the two crossings are ill-conditioned. The range between them
-//! is too near by no more than the rounding, and stays.
+//! Where a piece touches one of the lines or circles, the two crossings are inaccurate. The part between them
+//! is too near by no more than rounding, and stays.
 //!
 //! # Cost
-//! A piece is compared with the elements that are nearer to its middle than the distance and half of its
-//! length.
+//! A piece is compared only with the elements that are nearer to its middle than the distance plus half of
+//! its length.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,16 +1,16 @@
-//! Distances between lines and arcs, in closed form.
+//! The least distance between two lines or arcs, in closed form.
 //!
 //! # Method
-//! The least distance between two elements is at an end of one of them, at a crossing, or on a normal that
-//! both have in common. The distance to the other element is computed at every such place. Each figure is the
-//! distance of some point of an element, so an extra place does no harm.
+//! The least distance is at an end of one element, where the two cross, or on a line that is normal to both.
+//! At each such place of one element, the distance to the other element is computed. The least of these
+//! distances is the result. No place can make it too small, because each place lies on an element.
 //!
 //! # Guarantees
-//! Correct to rounding, some 1e-15 of the largest coordinate or radius.
+//! The error is some 1e-15 of the largest coordinate or radius.
 //!
 //! # Degenerate input
-//! Elements without length are points. Concentric arcs have common normals wherever they face each other; the
-//! least distance is then found at their ends.
+//! Elements without length count as points. Two arcs with the same centre have infinitely many common
+//! normals; there, the ends of the arcs are enough.
 //!
 //! # Cost
 //! O(1), without trigonometric functions.

@@ -1,19 +1,22 @@
-//! Joins the ranges of pieces that are left to chains.
+//! Joins the parts of pieces that clipping has left to chains.
 //!
 //! # Method
-//! Where two pieces clip each other, both end at the same place to rounding. Ends are joined to starts, the
-//! nearest pairs first. Among equally near pairs, the pieces that follow each other soonest come first.
+//! Where two pieces clip each other, both parts end at the same place, up to rounding. The end of one part is
+//! joined to the start of another, the nearest pairs first. Among equally near pairs, those whose pieces
+//! follow each other most closely along the contour come first. Ends that find no start nearby end their
+//! chain.
 //!
 //! # Guarantees
-//! Chains are connected exactly. A joint is off the lines and circles of its pieces by at most [`BESIDE_MM`].
-//! The chains and their elements are in the contour's order. A closed chain starts at its first piece.
+//! Each element starts exactly where the one before it ends. This place lies within [`BESIDE_MM`] of the line
+//! or circle of both pieces. Chains run in the direction of their contours, and are sorted by their first
+//! parts.
 //!
 //! # Degenerate input
-//! Pieces that meet at a tiny angle may end at places that differ along them; their joint lies between these
-//! places.
+//! If two pieces meet at a tiny angle, their ends may lie apart along the pieces. The joint is then put in
+//! the middle between them.
 //!
 //! # Cost
-//! O(n log n) for n ranges, unless many ends are nearer to each other than the rounding of joints.
+//! O(n log n) for n parts, unless many ends lie within the reach of one joint.
 
 use nalgebra::{Point2, center};
 

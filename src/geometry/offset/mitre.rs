@@ -1,14 +1,16 @@
-//! Mitres at corners that are nearly straight: an arc about such a corner would be a move of a few
-//! micrometres.
+//! Mitres at corners of a contour that are nearly straight. Without a mitre, the offset has an arc of a few
+//! micrometres there.
 //!
 //! # Method
-//! Where elements of the contour meet at a small angle a, the offset has a short arc about their joint. The
-//! elements before and after this arc are lengthened instead until they meet. They meet d (1 / cos(a / 2) -
-//! 1) farther from the joint than the distance d: a little away from the contour.
+//! Two elements of the contour meet at a small angle a. The offset at the distance d has a short arc about
+//! their joint. This arc is left out, and the elements before and after it are lengthened until they meet.
+//! The place where they meet is farther from the joint than d, by d (1 / cos(a / 2) - 1). If that is more
+//! than the caller allows, or if the two elements do not meet, the arc stays.
 //!
 //! # Guarantees
-//! Chains stay connected exactly. Elements stay on their lines and circles, within 1e-9 mm. No mitre comes
-//! too near to another part of a contour: the proof of the offset covers mitres too.
+//! Each element starts exactly where the one before it ends. Elements stay on their lines and circles, within
+//! 1e-9 mm. The proof of the offset covers mitres too: a mitre that comes too near to another part of a
+//! contour is not used.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,18 +1,19 @@
-//! The pieces of an offset before clipping: the elements of the contour moved aside, and arcs about its
-//! convex corners.
+//! The pieces of an offset before clipping: the elements of the contour moved aside by the distance, and arcs
+//! about its convex corners.
 //!
 //! # Method
-//! Lines move in parallel. Arcs keep their centres; an arc whose radius would not stay above zero gives no
-//! piece. The part of the offset that belongs to a corner lies on the circle about the corner, between the
-//! normals of the two elements.
+//! Lines are moved parallel to themselves. Arcs keep their centres and change their radii; if the new radius
+//! is not above zero, there is no piece. An arc about a corner runs from the normal of the element before the
+//! corner to the normal of the element after it.
 //!
 //! # Guarantees
-//! Take any place on the chosen side whose distance from the contour is exactly the offset's distance. That
-//! place lies on a piece.
+//! Every place on the chosen side at exactly the given distance from the contour lies on a piece. The ends of
+//! an open contour are an exception: there are no arcs about them.
 //!
 //! # Degenerate input
-//! If a contour turns back on itself along a straight line, it is rounded on both sides. If it is curved
-//! there, it is rounded on the side of the cusp.
+//! Where a contour turns back by half a turn, its corner could lie on either side. Between two lines, the
+//! corner gets an arc on the side that is offset, whichever it is. If one of the elements is an arc, the
+//! corner gets its arc on the outer side of the cusp.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 

@@ -1,21 +1,21 @@
 //! An arrangement: loops of lines and arcs, cut at each other into edges that meet at vertices only.
 //!
 //! # Method
-//! 1. Arcs are divided at their highest and lowest points, so that y only rises or only falls along every
-//!    element.
-//! 2. Every place where two elements cross or nearly touch becomes a vertex, and so do all ends. Places
-//!    within the snap of a vertex are that vertex.
-//! 3. Every element is cut at the vertices within the snap of it. The parts are edges. An edge lies on the
-//!    line or circle of its element.
-//! 4. Edges between the same vertices that stay together all along are one edge. It counts how often each
-//!    group of loops runs along it. An edge along which the loops run as often forward as backward is
-//!    dropped.
+//! Places that are nearer to each other than a short distance, the snap, count as one place.
+//! 1. Arcs are divided at their highest and lowest points. Along each part, y only rises or only falls.
+//! 2. Each place where two parts cross or nearly touch becomes a vertex, and so does each end.
+//! 3. Each part is cut at the vertices within the snap of it. The results are the edges. An edge starts and
+//!    ends exactly at its vertices.
+//! 4. Edges between the same two vertices become one edge, if they also stay together in the middle. The edge
+//!    counts how often the loops run along it, less how often they run back. If this count is zero, the edge
+//!    is dropped.
 //!
 //! # Guarantees
-//! At every vertex as many edges of a group arrive as leave. Edges lie within a few snaps of their elements.
+//! At every vertex, the loops arrive as often as they leave. Edges lie within a few snaps of the elements
+//! that they come from.
 //!
 //! # Cost
-//! O(n log n + k) for n elements with k pairs of elements whose boxes meet.
+//! O(n log n + k) for n elements, of which k pairs have boxes that meet.
 
 use std::collections::HashMap;
 

@@ -1,13 +1,18 @@
 //! Traces the outlines of an area from the edges that bound it.
 //!
 //! # Method
-//! 1. The boundary consists of the edges with the area on one side only, run with the area on their left.
-//! 2. At a vertex the boundary goes on along the first edge clockwise from the edge that it arrived by: it
-//!    stays about the same corner of the area. A loop that returns to a vertex is divided there, so that no
-//!    outline visits a vertex twice.
-//! 3. Successive edges on one line or circle become one element.
-//! 4. Outlines that run clockwise are islands. A ray from an island finds the outlines about it; the smallest
-//!    of them is the outline of the island.
+//! 1. An edge bounds the area if the area lies on one side only. The edge is turned so that the area is on
+//!    its left.
+//! 2. Each edge is followed by an edge that leaves its end. If several edges leave there, the first one
+//!    clockwise from the arriving edge is taken: it bounds the same corner of the area.
+//! 3. The loops that result are divided where they visit a vertex twice. Loops narrower than 1e-6 mm are
+//!    dropped.
+//! 4. Successive edges on one line or circle become one element.
+//! 5. Loops that run clockwise are islands. A ray from an island tells which outlines contain it. The island
+//!    belongs to the smallest of these outlines.
+//!
+//! # Degenerate input
+//! If the edges do not close, the area is refused.
 
 use std::collections::HashMap;
 

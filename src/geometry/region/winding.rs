@@ -1,16 +1,17 @@
-//! Windings: how often loops turn about a place, and about the two sides of an edge.
+//! Windings: how often loops turn about a place, counterclockwise turns less clockwise turns.
 //!
 //! # Method
-//! A ray runs from the place toward larger x. Every element that passes the ray upward adds one to the
-//! winding, and every element that passes it downward takes one away. An element contains its lower end but
-//! not its upper end. So a vertex on the ray counts once, and a horizontal line never. The windings of both
-//! sides stay the same along an edge, and on through vertices where only two edges meet. So one ray serves a
-//! whole chain of edges.
+//! 1. A ray runs from the place toward larger x. An element that crosses the ray upward adds one to the
+//!    winding, and an element that crosses it downward takes one away.
+//! 2. An element contains its lower end, but not its upper end. So a vertex on the ray counts once, and a
+//!    horizontal line never counts.
+//! 3. The windings on the two sides of an edge stay the same along the edge. They also stay the same through
+//!    vertices where only two edges meet. So one ray is enough for a whole chain of edges.
 //!
 //! # Guarantees
-//! The side of an element on which a place lies is right to rounding. It comes from the cross product with a
-//! line, or from the distance from an arc's centre. Nothing else is computed, so rays tangent to an arc need
-//! no special case.
+//! Whether a place lies on the left or on the right of an element is right up to rounding. For a line, the
+//! cross product decides; for an arc, the distance from its centre. Crossings are not computed, so a ray that
+//! is tangent to an arc needs no special case.
 
 use nalgebra::Point2;
 

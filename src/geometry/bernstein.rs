@@ -1,5 +1,5 @@
-//! Products of polynomials in Bernstein form. A polynomial lies between the least and the largest of its
-//! coefficients.
+//! Products and derivatives of polynomials over the unit interval, given by their Bernstein coefficients. The
+//! values of a polynomial lie between the least and the largest of its coefficients.
 
 use nalgebra::SVector;
 

@@ -1,19 +1,22 @@
-//! Knot rules and Bezier control points for B-spline curves and surfaces.
+//! Rules for knots, and the Bezier control points of B-spline curves and surfaces.
 //!
 //! # Method
-//! Let p be the degree. The Bezier control points of a span [a, b] are values of the span's blossom: for k
-//! from 0 to p, a is an argument p - k times and b is an argument k times. These values are linear in the
-//! control points of the span. So they are computed from the knots alone, as matrices ([`spans`]), by de
-//! Boor's recursion with one argument at each step.
+//! A B-spline of degree p is a polynomial over each span, the interval between two neighbouring knots. The
+//! Bezier control points of a span are weighted sums of p + 1 control points of the B-spline. The weights
+//! depend on the knots only. [`spans`] computes them as a matrix for each span, by de Boor's recursion.
+//!
+//! The recursion has p steps, and each step has a parameter. Over the span from a to b, Bezier control point
+//! k takes the parameter b in k steps and the parameter a in the other p - k steps (a value of the blossom).
 //!
 //! # Guarantees
-//! Every step is a convex combination, for any spacing and multiplicity of the knots, clamped or not.
+//! Every step is a weighted mean, so no step enlarges rounding errors. Knots may have any spacing and
+//! multiplicity. The ends may be clamped or not: a clamped end has p + 1 equal knots.
 //!
 //! # Degenerate input
-//! Knot spans without length are left out.
+//! Spans without length are left out.
 //!
 //! # Cost
-//! O(p^4) for each span of degree p.
+//! O(p^4) for each span.
 //!
 //! # Reference
 //! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.

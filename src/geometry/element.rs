@@ -1,7 +1,8 @@
 //! Elements of an interpolation: a line, an arc or a parabola between two points of the plane.
 //!
-//! The foot of a point is its nearest place on an element. The signed distance of the point from its foot is
-//! positive if the point lies to the left of the element's direction.
+//! The foot of a point is the nearest place on the element, or on the line, circle or parabola that continues
+//! it. The signed distance of a point is positive if the point lies to the left of the element, seen in its
+//! direction.
 
 use std::f64::consts::PI;
 

@@ -1,11 +1,13 @@
-//! A surface as triangles between points on a grid of parameters, for pictures.
+//! A surface as triangles, for pictures. The corners of the triangles are points of the surface on a grid of
+//! parameters.
 //!
 //! # Guarantees
-//! The grid includes the joints of patches if there are no more joints than cells. The number of points does
-//! not depend on the size of the surface.
+//! The caller chooses the largest number of grid cells in each direction, whatever the size of the surface.
+//! If a direction has no more patches than cells, the joints of the patches are grid lines.
 //!
 //! # Degenerate input
-//! At a pole, triangles have no area. A point has no normal if none of its triangles has an area.
+//! Where a side of the surface shrinks to a point, triangles have no area. A point whose triangles all have
+//! no area has no normal.
 //!
 //! # Cost
 //! O(cells).

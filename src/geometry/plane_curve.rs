@@ -1,4 +1,5 @@
-//! Designed curves in the plane, with proved enclosures: the input of interpolation.
+//! Curves in the plane that are to be interpolated. Each gives its points, and proved bounds of its points
+//! and derivatives over a range of parameters.
 
 pub mod interpolant;
 pub mod nurbs;

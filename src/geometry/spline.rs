@@ -1,18 +1,22 @@
-//! First derivatives of the C2 cubic spline through values in any number of dimensions.
+//! The first derivatives of the cubic spline through given values. The spline has two continuous derivatives.
+//! The values may have any number of dimensions.
 //!
 //! # Method
-//! The first derivatives solve a tridiagonal system. One row for each inner value says that the second
-//! derivatives on both sides are equal. One row for each end is its end condition.
+//! The derivatives solve a tridiagonal system of linear equations. Each inner value has an equation: the
+//! second derivatives before and after it are equal. Each end has an equation for its end condition
+//! ([`EndCondition`]).
 //!
 //! # Guarantees
-//! Elimination needs no pivoting. The rows are diagonally dominant, except at a not-a-knot end, whose pivots
-//! stay above zero (with steps a, b, .. from the end, a + b after one step).
+//! Gaussian elimination never divides by zero and needs no exchange of rows. In each row, the diagonal
+//! coefficient is larger than the sum of the others. A not-a-knot end is an exception, but the divisors there
+//! stay above zero too.
 //!
 //! # Degenerate input
-//! With too few values for their end condition, not-a-knot and Bessel give the interpolating polynomial.
+//! If there are too few values for not-a-knot or Bessel ends, the result belongs to the polynomial through
+//! the values.
 //!
 //! # Cost
-//! O(n).
+//! O(n) for n values.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.

@@ -1,22 +1,25 @@
 //! A part of a parabola: a quadratic Bezier curve in space.
 //!
 //! # Method
-//! Let B be the vector from the start to the control point, and A = start - 2 control + end. The point at the
-//! parameter t is start + 2 t B + t^2 A, and its velocity is 2 (B + t A). With w = (B + t A) . A / |A| along
-//! the axis and q = |A x B| / |A| across the axis, half the speed is sqrt(w^2 + q^2).
-//! * Length: the integral of the speed is w sqrt(w^2 + q^2) + q^2 asinh(w / q) between the ends, over |A|. It
-//!   is computed as a sum of terms that are not negative, so that nothing cancels, however small A is.
-//! * Distance: the cubic (P(t) - p) . P'(t) = 0. The ends and the extremes of the cubic divide the curve;
-//!   each part has one root at most.
-//! * Curvature: |A x B| / (2 |B + t A|^3), largest where the speed is least: at the vertex, or at an end.
+//! Let B be the vector from the start to the control point, and A = start - 2 control + end, which runs along
+//! the axis of the parabola. For the parameter t from 0 to 1, the point is P(t) = start + 2 t B + t^2 A, and
+//! the derivative is P'(t) = 2 (B + t A). Split B + t A into its part w along A and its part q across A. Here
+//! q does not depend on t.
+//! * Length: the integral of 2 sqrt(w^2 + q^2) over t, which is the difference of
+//!   (w sqrt(w^2 + q^2) + q^2 asinh(w / q)) / |A| between the two ends. It is computed as a sum of terms that
+//!   are not negative, so nothing cancels if A is small.
+//! * Distance from a point p: the nearest place is an end or a root of the cubic (P(t) - p) . P'(t). The
+//!   places where the cubic is largest or smallest divide the range of t. Each part has at most one root.
+//! * Curvature: |A x B| / (2 |B + t A|^3). It is largest at the vertex, or at the end nearest to the vertex.
 //!
 //! # Degenerate input
-//! Control points on one line give a straight motion. It turns back if the control point lies beyond an end;
-//! length, distance and support are then those of the motion. A control point at an end, and three equal
-//! points, are valid.
+//! Three control points on one line give a straight motion. If the control point lies beyond an end, the
+//! motion turns back, and its length counts both ways. A control point at an end and three equal points are
+//! valid.
 //!
 //! # Cost
-//! O(1) for each function; a point by length, and a distance, take some ten steps of Newton's method.
+//! O(1) for each function. A point at a given length and a distance each take some ten steps of Newton's
+//! method.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,22 +1,24 @@
-//! The smooth curve through given points: a C2 cubic spline.
+//! The smooth curve through given points: a cubic spline with two continuous derivatives.
 //!
 //! # Method
-//! 1. Parameters: the chord lengths, summed from the first point on.
-//! 2. First derivatives at the points: those of the C2 cubic with not-a-knot ends ([`derivatives_over`]).
-//! 3. A cubic Bezier piece between neighbouring points.
+//! 1. The parameter of a point is the sum of the chord lengths from the first point to this one.
+//! 2. The first derivatives at the points follow from the condition that the second derivatives are
+//!    continuous ([`derivatives_over`]). At either end of the curve, the last two pieces are parts of one
+//!    cubic (a not-a-knot end).
+//! 3. Each pair of neighbouring points gets a cubic Bezier piece with these derivatives at its ends.
 //!
 //! # Guarantees
-//! The curve passes through the points exactly, at its breaks. Two points make a line. Three points make the
-//! parabola through them at these parameters. The distance from a smooth curve falls with the fourth power of
-//! the distance between the points.
+//! The curve passes through the points exactly. Two points make a line. Three points make a parabola. If the
+//! points are samples of a smooth curve, the distance from this curve falls with the fourth power of the
+//! distance between the points.
 //!
 //! # Degenerate input
-//! Neighbours that coincide are refused, and so are neighbours so close that the summed length does not grow.
-//! A last point equal to the first closes the curve. The curve has a kink there, because the two ends are
-//! computed independently.
+//! Neighbouring points that coincide are refused. So are neighbours so close together that rounding leaves
+//! the parameter unchanged. If the last point equals the first, the curve is closed, but it usually has a
+//! kink there.
 //!
 //! # Cost
-//! O(n).
+//! O(n) for n points.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.

@@ -1,19 +1,21 @@
 //! NURBS curves in the plane, as chains of Bezier pieces.
 //!
 //! # Method
-//! Each knot span that has a length becomes a piece. The control points of the piece are linear in those of
-//! the span ([`spans`]). For a rational curve this holds for the weights and the weighted control points.
+//! Each knot span with a length becomes one piece. The control points of the piece are sums of control points
+//! of the curve, times factors that depend on the knots only ([`spans`]). If the curve has weights, the same
+//! sums are taken of the weights, and of the control points times their weights.
 //!
 //! # Guarantees
-//! The pieces equal the curve to rounding. The knots may have any spacing and multiplicity, and may be
-//! clamped or not. Without weights, the curve passes exactly through its control points at clamped knots.
+//! The pieces equal the curve, up to rounding. The knots may have any spacing and multiplicity. The ends may
+//! be clamped or not: a clamped end has p + 1 equal knots, where p is the degree. At a clamped end, a curve
+//! without weights passes exactly through its control point there.
 //!
 //! # Degenerate input
-//! A knot span without length has no piece. A knot of multiplicity p + 1 inside the domain tears the curve;
-//! such a curve is refused unless both ends at the tear coincide.
+//! A knot span without length has no piece. A knot inside the domain that occurs p + 1 times may leave a gap
+//! in the curve. A curve with a gap is refused.
 //!
 //! # Cost
-//! O(n p^4) for n control points of degree p.
+//! O(n p^4) for n control points.
 
 use nalgebra::{Point2, Vector3};
 

@@ -2,26 +2,27 @@
 //! chain.
 //!
 //! # Method
-//! 1. A table of equal stretches of the domain, then bisection inside a stretch, finds the piece of a
-//!    parameter.
-//! 2. The algorithm of de Casteljau gives points and derivatives.
-//! 3. Enclosures over a range are hulls of control points: of the part of the piece and of its derivatives
-//!    (`net`), or for a rational piece of its numerator and denominator (`quotient`).
+//! 1. To find the piece of a parameter, the domain is divided into equal parts. A table gives the pieces that
+//!    meet each part, and bisection finds the piece among them.
+//! 2. De Casteljau's algorithm gives points and derivatives.
+//! 3. An enclosure is a box that contains all points, or all derivatives, over a range of parameters. For a
+//!    polynomial piece, the control points of the range give the box (`net`). For a rational piece, so do
+//!    those of numerator and denominator (`quotient`).
 //!
 //! # Guarantees
-//! Enclosures include every rounding, by forward error bounds. The enclosure at a single parameter is some
-//! ten units of rounding of the coordinates' magnitude wide. It also contains the value that
-//! [`PlaneCurve::point`] returns there. The excess of an enclosure of points or first derivatives shrinks
-//! with the square of the range. For second derivatives, the excess shrinks with the square of the range for
-//! polynomial pieces, and with the range for rational pieces.
+//! * Enclosures include every rounding error.
+//! * The enclosure at a single parameter is some ten units of rounding wide. It contains the value that
+//!   [`PlaneCurve::point`] returns there.
+//! * An enclosure may be too wide. If the range is halved, the excess falls to a quarter. For the second
+//!   derivative of a rational piece it falls to a half only.
 //!
 //! # Degenerate input
-//! Ends of neighbouring pieces that differ by rounding only are made equal. Ends that are farther apart are
-//! refused. A parameter outside the piece or the domain counts as the nearest end.
+//! If two neighbouring pieces differ by rounding only where they meet, they are joined. If they differ by
+//! more, the chain is refused. A parameter outside the domain counts as the nearest end.
 //!
 //! # Cost
-//! O(p^2) a point and O(p^3) an enclosure of degree p. To find the piece takes O(log n) at most, where the
-//! parameters are most uneven.
+//! O(p^2) for a point and O(p^3) for an enclosure, where p is the degree. To find the piece takes O(1) if the
+//! parameters are evenly spaced, and O(log n) at most for n pieces.
 //!
 //! # Reference
 //! G. Farin, *Curves and Surfaces for CAGD*, 5th ed., Morgan Kaufmann, 2002, chapters 5 and 13.

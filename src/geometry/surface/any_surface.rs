@@ -1,4 +1,4 @@
-//! A surface of patches of any kind.
+//! A surface whose patches may be of any of the supported types.
 
 use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
 

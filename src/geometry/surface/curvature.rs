@@ -1,17 +1,21 @@
-//! Principal curvatures: at a point, bounds over a part of a patch, and the most concave place of a surface.
+//! Principal curvatures of a surface: at a point, as bounds over a part of a patch, and at the most concave
+//! place.
 //!
 //! # Method
-//! A ball contains every value of each derivative over a part. A linear change of the parameters makes the
-//! first fundamental form at the centre the identity. Then the principal curvatures over the part are those
-//! at the centre, widened by the radii of the balls. A branch and bound with these bounds, best first, finds
-//! the most concave place of a surface.
+//! 1. For each derivative, a ball of vectors contains all its values over a part ([`VectorBall`]).
+//! 2. New parameters are chosen such that the balls of the two first derivatives have unit vectors at right
+//!    angles as their centres. From the centres of all balls, the curvatures follow as the eigenvalues of a
+//!    matrix. The radii of the balls tell how far the curvatures of the part may differ from these two.
+//! 3. To find the most concave place of a surface, the part with the largest bound is halved again and again
+//!    (branch and bound), until the bound is near the largest curvature found. If the halvings run out, the
+//!    bound holds, but is less tight.
 //!
 //! # Guarantees
-//! Curvatures are signed: positive where the surface is concave, seen along its normal. Bounds hold for every
-//! point.
+//! A curvature is positive where the surface is concave, seen from the side to which its normal points.
+//! Bounds hold for every point of the part.
 //!
 //! # Degenerate input
-//! Where the normal vanishes, the curvature does not exist, and a part with such a point has no bound.
+//! A part with a point without a normal has no bound.
 
 use super::patch::{Bounds, DerivativeBounds};
 use super::vector_ball::VectorBall;

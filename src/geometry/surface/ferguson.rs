@@ -1,8 +1,9 @@
-//! Ferguson's composite surface: points with given tangents and twists at every corner.
+//! Ferguson's surface: points on a grid, with a tangent in each direction and a twist (mixed second
+//! derivative) at each point.
 //!
 //! # Guarantees
-//! The surface passes through its points with the given tangents. It is C1 across patches, because neighbours
-//! share the data at their common corners.
+//! The surface passes through its points with the given tangents. First derivatives are continuous across
+//! patches, because neighbouring patches share the data at their common corners.
 //!
 //! # Reference
 //! J. C. Ferguson, "Multivariable Curve Interpolation", Journal of the ACM 11, 1964.

@@ -1,4 +1,4 @@
-//! Bicubic patches from points, tangents and twists at their corners.
+//! Bicubic patches from points, tangents and twists (mixed second derivatives) at their corners.
 
 use nalgebra::Vector3;
 

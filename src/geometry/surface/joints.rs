@@ -1,9 +1,15 @@
-//! Checks whether neighbouring patches meet along their common sides, and share their tangent planes there.
+//! Checks whether neighbouring patches meet along their common sides, and whether they have the same normals
+//! there.
 //!
 //! # Method
-//! The points and the normals of both patches are compared at `PLACES` places along each common side. Both
-//! differences are quotients of polynomials along the side, of degree 40 at most for patches of degree 7. A
-//! difference that vanishes at all these places therefore vanishes everywhere.
+//! Points and normals of both patches are compared at `PLACES` places along each common side. Along a side,
+//! their differences are quotients of polynomials of degree 40 at most, for patches of degree 7. So a
+//! difference that is zero at all these places is zero everywhere on the side.
+//!
+//! # Guarantees
+//! Points farther apart than [`GAP_LIMIT_MM`] are refused, and so are normals at a larger angle than
+//! [`KINK_LIMIT`]. Smaller differences count as rounding. The largest distance and the largest angle are
+//! doubled, so that they also hold between the places.
 //!
 //! # Cost
 //! O(common sides that are compared).

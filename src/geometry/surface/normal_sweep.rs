@@ -1,32 +1,32 @@
-//! A drive curve carried along a basic curve in the plane, always at right angles to the basic curve.
+//! A drive curve is carried along a basic curve. It always stands at right angles to the basic curve, which
+//! lies in the xy plane.
 //!
 //! # Method
-//! c is the basic curve in the xy plane, n its unit normal to the left, and (x, z) the drive curve. Then
-//! S(u, v) = c(u) + n(u) x(v) + k z(v), where k points up. Each pair of pieces makes a tensor product:
+//! Let c(u) be the basic curve, n(u) its unit normal to the left, and k the unit vector upward. The drive
+//! curve has the coordinates x(v) along n and z(v) along k. The surface is
+//! S(u, v) = c(u) + n(u) x(v) + k z(v). Each piece of the basic curve with each piece of the drive curve
+//! makes a patch:
 //! 1. Along a line n is constant. Along an arc n is a rational quadratic with the weights of the arc.
-//! 2. Along a cubic the unit normal is not rational. Cubics replace it that agree with it and with its
-//!    derivative at their ends (`unit_normal`). The cubic of the basic curve is halved until they are near
-//!    enough.
-//! 3. At a sharp corner between two lines both normals become the vector of the mitre (`corner`): each line
-//!    is shortened or lengthened to the plane that halves the corner. The ends of a closed curve get a mitre,
-//!    too.
+//! 2. Along a cubic n is not rational. A cubic replaces n that has the same values and derivatives at both
+//!    ends (`unit_normal`). If it is not near enough, the piece is halved.
+//! 3. At a sharp corner between two lines, the patches of both lines end in the plane that halves the corner
+//!    (a mitre, `corner`). A closed curve also gets a mitre where it starts and ends.
 //!
 //! # Guarantees
-//! Along lines and arcs the surface is exact to rounding. Along cubics of the basic curve it leaves the exact
-//! surface by at most [`TOLERANCE_MM`], proved by Bernstein coefficients, and stays as smooth. No part of the
-//! surface runs backward along the basic curve, so the surface does not fold locally. The module does not
-//! check whether distant parts of the surface intersect.
+//! Along lines and arcs the surface is exact, up to rounding. Along cubics it differs from the exact surface
+//! by at most [`TOLERANCE_MM`], and stays smooth where the exact surface is smooth. The surface does not fold
+//! along any piece of the basic curve. Distant parts of the surface may intersect; this is not checked.
 //!
 //! # Degenerate input
-//! A drive curve that reaches exactly to the centre of an arc, or to the point where mitres meet, makes a
-//! pole there. A drive curve that reaches farther is refused. A sharp corner beside an arc or a cubic is
-//! refused too, because the surfaces on its two sides do not meet in a plane.
+//! The drive curve may reach as far as the centre of an arc, or as far as the point where two mitres meet.
+//! There, the surface shrinks to a point. A drive curve that reaches farther is refused. A sharp corner
+//! beside an arc or a cubic is refused too, because the surfaces on its two sides do not meet in a plane.
 //!
 //! # Cost
 //! O(patches).
 //!
 //! # Differences from the paper
-//! The basic curve of the paper may leave its plane. Here it has to be plane.
+//! The basic curve of the paper may leave the plane.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

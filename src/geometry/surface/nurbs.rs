@@ -1,21 +1,24 @@
-//! Rational B-spline surfaces as Bezier patches, a patch for each pair of knot spans.
+//! Rational B-spline surfaces, as Bezier patches: one patch for each pair of a knot span along u and a knot
+//! span along v.
 //!
 //! # Method
-//! Along one direction, the Bezier control points of a span are linear in the control points of the span
-//! ([`spans`]). So the net of a patch is the product of a matrix, the net of the data, and a second matrix.
+//! Along one direction, the Bezier control points of a span are sums of the control points of the surface,
+//! times factors that depend on the knots only ([`spans`]). The factors along u and those along v make two
+//! matrices. The control points of a patch are the product of the first matrix, the control points of the
+//! surface, and the second matrix.
 //!
 //! # Guarantees
-//! The patches equal the surface to rounding. The knots may have any spacing and multiplicity, and may be
-//! clamped or not. Patches of degree up to 3 with equal weights are raised to
-//! [`BicubicPatch`](super::BicubicPatch), which is exact.
+//! The patches equal the surface, up to rounding. The knots may have any spacing and multiplicity. The ends
+//! may be clamped (p + 1 equal knots for the degree p) or not. Patches of degree up to 3 with equal weights
+//! become [`BicubicPatch`](super::BicubicPatch), which is exact.
 //!
 //! # Degenerate input
-//! A knot span without length has no patch. A knot of multiplicity p may make an edge, which
-//! [`joints`](super::joints) finds. A knot of higher multiplicity inside the domain would tear the surface
-//! and is refused.
+//! A knot span without length has no patch. A knot that occurs p times may make a sharp edge, which
+//! [`joints`](super::joints) finds. A knot inside the domain that occurs more often could leave a gap and is
+//! refused.
 //!
 //! # Cost
-//! O(p^2 q^2) for each patch of degree (p, q).
+//! O(p^2 q^2) for each patch of degree p along u and q along v.
 
 use nalgebra::{Point3, Vector4};
 

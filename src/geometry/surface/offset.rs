@@ -1,4 +1,5 @@
-//! The offset of a surface along its normal: the places of the centre of a ball that touches the surface.
+//! The offset of a surface along its normal. The centre of a ball that rolls on the surface moves on the
+//! offset.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,10 +1,12 @@
-//! A drive curve carried along a basic curve without rotation.
+//! A drive curve is carried along a basic curve without being rotated.
 //!
 //! # Method
-//! S(u, v) = basic(u) + drive(v) - drive(0): a patch for each pair of pieces, as a tensor product.
+//! S(u, v) = basic(u) + drive(v) - drive(0). Each piece of the basic curve with each piece of the drive curve
+//! makes a patch.
 //!
 //! # Guarantees
-//! Exact to rounding; arcs become rational quadratics. A corner of either curve is a joint between patches.
+//! The surface is exact, up to rounding. Arcs become rational quadratics. A corner of either curve becomes a
+//! joint between patches.
 //!
 //! # Degenerate input
 //! Where both curves run in the same direction, the surface has no normal. Such curves are accepted.

@@ -1,7 +1,8 @@
-//! The trait of all Bezier patches: evaluation, subdivision, and bounds from the control net.
+//! What all Bezier patches can do: give points and derivatives, be divided, and give bounds from their
+//! control points.
 //!
-//! Two types implement it: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to 7.
-//! Proofs and certificates are written once, over this trait.
+//! Two types are patches: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to 7.
+//! Proofs are written for [`Patch`], so they hold for both.
 
 pub mod bicubic;
 pub mod raise;

@@ -1,30 +1,31 @@
 //! A surface through a grid of measured points.
 //!
 //! # Method
-//! Koo et al. 3.1, eq. 1-7: a C2 cubic in Bezier form runs through every row and every column of points. Its
-//! derivatives give the boundary control points of each patch. The four inner control points follow from the
-//! mixed derivative (twist) at the corners: Q11 = P + Su/3 + Sv/3 + Suv/9.
-//! 1. Su at every point: splines along u through the points.
-//! 2. Sv at every point: splines along v through the points.
-//! 3. Suv at every point: splines along v through the Su.
+//! Koo et al. 3.1, eq. 1-7. A cubic spline runs through every row of points (along v) and through every
+//! column (along u). It has two continuous derivatives.
+//! 1. The splines along u give the derivative Su at every point.
+//! 2. The splines along v give the derivative Sv.
+//! 3. Splines along v through the values of Su give the twist Suv, the mixed second derivative.
+//! 4. Each patch gets its boundary control points from Su and Sv. The inner control point next to the corner
+//!    P with the least u and v is P + Su/3 + Sv/3 + Suv/9. At the other corners some signs change.
 //!
 //! # Guarantees
-//! With [`Twist::Spline`] the surface is the tensor-product cubic spline: C2 everywhere, and the same
-//! whichever direction comes first. With [`Twist::Zero`] its grid curves are C2, and the surface is C1 across
-//! patches.
+//! With [`Twist::Spline`] the surface has continuous second derivatives. It does not depend on whether u or v
+//! comes first. With [`Twist::Zero`] step 3 is left out. Then rows and columns have continuous second
+//! derivatives, but the surface has continuous first derivatives only.
 //!
 //! # Degenerate input
-//! Two points in a direction make straight lines. `not_a_knot` and `bessel` with too few points give the
-//! interpolating polynomial. Coincident points are accepted. If they leave the surface without a normal, the
-//! proof of an upward normal refuses the surface later.
+//! Two points in a direction make straight lines. If there are too few points for `not_a_knot` or `bessel`
+//! ends, the polynomial through the points is used. Coincident points are accepted here. If they leave the
+//! surface without a normal, the proof that its normals point upward refuses it later.
 //!
 //! # Cost
-//! O(n) for n points: three tridiagonal systems, each solved in constant time a point.
+//! O(n) for n points.
 //!
 //! # Differences from the paper
-//! [`Twist::Zero`] is eq. 6 of the paper, the parallelogram rule; the paper has no other twist. The paper
-//! does not print its end conditions. On z = 10 sin(pi x/40) cos(pi y/40) over 80 x 80 mm with 9 x 9 points,
-//! zero twist leaves an error of 0.333 mm, and the spline twist with not-a-knot ends 0.099 mm.
+//! The paper has only [`Twist::Zero`] (eq. 6). It does not print its end conditions. On z = 10 sin(pi x/40)
+//! cos(pi y/40) over 80 x 80 mm with 9 x 9 points, [`Twist::Zero`] leaves an error of 0.333 mm, and
+//! [`Twist::Spline`] with not-a-knot ends 0.099 mm.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

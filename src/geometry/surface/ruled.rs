@@ -1,21 +1,24 @@
-//! A ruled surface: straight lines join the points of two curves at equal fractions of the curves' lengths.
+//! A ruled surface between two curves. Straight lines join the points that divide the lengths of both curves
+//! in the same ratio.
 //!
 //! # Method
-//! Both curves are cut, by length (`part`), at the joints of either curve. Then for each stretch between
-//! cuts:
-//! 1. Two lines make a bilinear patch. Two arcs of the same sweep make a rational patch. In both cases equal
-//!    parameters mean equal fractions of the lengths.
-//! 2. In any other pair, a cubic in its own length replaces each part that is not a line. The cubic agrees
-//!    with the ends of the part and the tangents there. The stretch is halved until the cubics are near
-//!    enough.
+//! Each curve is cut at its own joints (`part`). It is also cut where the other curve has a joint at the same
+//! fraction of its length. Each part of one curve then faces a part of the other.
+//! 1. Two lines make a bilinear patch. Two arcs that turn by the same angle make a rational patch. On both,
+//!    equal parameters divide the lengths in the same ratio.
+//! 2. In any other pair, each part that is not a line is replaced by a cubic whose parameter is the length.
+//!    The cubic has the same ends and end tangents as the part. Both parts are halved until their cubics are
+//!    near enough.
 //!
 //! # Guarantees
-//! Case 1 is exact to rounding. In case 2 every curve of constant v leaves the exact one by at most
-//! [`TOLERANCE_MM`]. Tangents agree where cubics meet. The error of such a cubic is its length to the fourth
-//! by 384, times the fourth derivative of the curve by its length. That derivative is 1 / R^3 for an arc. For
-//! a cubic c it is at most 64 a^3 + 26 a b with a = max |c''| / min |c'|^2 and b = max |c'''| / min |c'|^3;
-//! this follows by differentiating c' / |c'| three times and bounding every term. Lengths of cubics come from
-//! quadrature, with an error of some 1e-12 mm.
+//! Case 1 is exact, up to rounding. In case 2, the straight lines are off by at most [`TOLERANCE_MM`] at
+//! either end, and so is the surface. Neighbouring cubics meet with the same tangent.
+//!
+//! The error of a cubic is at most D s^4 / 384. Here s is the length of the part, and D the largest fourth
+//! derivative of the curve by its length. For an arc of radius R, D is 1 / R^3. For a cubic c, D is at most
+//! 64 a^3 + 26 a b, where a is max |c''| / min |c'|^2 and b is max |c'''| / min |c'|^3. To obtain this bound,
+//! differentiate c' / |c'| three times and bound every term. The lengths of cubics are integrated
+//! numerically, with an error of some 1e-12 mm.
 //!
 //! # Degenerate input
 //! Where the curves meet, the surface has no normal. A cubic with a cusp, where its direction jumps, is
@@ -25,8 +28,8 @@
 //! O(patches).
 //!
 //! # Differences from the paper
-//! The paper divides the curves into equal intervals and joins the ends of the intervals. The number of
-//! intervals does not affect the surface here.
+//! The paper divides each curve into a number of equal intervals and joins their ends. Here every point is
+//! joined.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

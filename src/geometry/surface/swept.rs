@@ -1,11 +1,13 @@
-//! The part that all sweeps share: a drive curve carried along a basic curve, as tensor-product patches.
+//! What all sweeps share: a drive curve is carried along a basic curve, and each pair of their pieces makes a
+//! patch.
 //!
 //! # Method
-//! The basic curve has the control points o and the weights w. At each of these control points the
-//! coordinates of the drive curve count along three vectors: these vectors have the control points a, b, c
-//! and the same weights w. The drive curve has the control points (x, y, z) and the weights m. Then the
-//! surface o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v) has the control points o + a x + b y + c z and the
-//! weights w m.
+//! At the parameter u, the basic curve gives an origin o(u) and three vectors a(u), b(u), c(u). The drive
+//! curve is (x(v), y(v), z(v)). The surface is o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v).
+//!
+//! o, a, b and c have control points with the same weights. The drive curve has control points with weights
+//! of its own. So each control point of a patch is the same sum of control points, and its weight is the
+//! product of the two weights.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,4 +1,4 @@
-//! Balls of vectors and intervals of numbers: sets that contain every value of a polynomial over a patch.
+//! Balls of vectors and intervals of numbers. They contain every value of a polynomial over a patch.
 
 use nalgebra::Vector3;
 

@@ -1,14 +1,19 @@
-//! Bezier control nets over a part of their range, with bounds of all rounding errors.
+//! Control points of a part of a Bezier polynomial, with a bound of all rounding errors. A net is a list of
+//! control points.
 //!
 //! # Method
-//! Control point k of the part [u, v] of a polynomial of degree n is the value of its blossom at n - k times
-//! u and k times v. Each control point takes n steps a + (b - a) t, with t in [0, 1].
+//! The polynomial has the degree n, and the part runs from the parameter u to the parameter v. De Casteljau's
+//! steps a + (b - a) t give its control points. Control point k takes n - k steps with t = u, and k steps
+//! with t = v.
 //!
 //! # Guarantees
-//! e is the unit of rounding, M the largest absolute value of the net, and L its largest step. One step of
-//! the recursion errs by at most e (M + 2 L). It does not enlarge the errors of the earlier steps. The
-//! parameters have an error of 3 e, which moves a value by 3 e L in each step. So all n steps together err by
-//! at most n e (M + 5 L), plus the error of the net itself.
+//! Let e be the unit of rounding, M the largest absolute value in the net, and L the largest difference
+//! between neighbouring control points.
+//! 1. The rounding of one step is at most e (M + 2 L).
+//! 2. u and v have an error of at most 3 e. In one step, it moves the result by at most 3 e L.
+//! 3. A step does not enlarge earlier errors, because t is between 0 and 1.
+//!
+//! So all n steps together err by at most n e (M + 5 L). The errors of the given control points come on top.
 
 use crate::geometry::interval::{Interval, outward};
 

@@ -1,17 +1,21 @@
-//! Rational Bezier pieces: points, derivatives and enclosures by the quotient rule.
+//! Rational Bezier pieces: points, derivatives and enclosures. An enclosure is a box that contains all values
+//! over a range of parameters.
 //!
 //! # Method
-//! The curve, counted from an origin, is C = A / W. A has the control points times their weights, W the
-//! weights. C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. The terms that cancel here are as
-//! small as C, so the origin is the point in the middle of the range.
-//! 1. Over the range: C is in the hull of the control points A_k / W_k of the range. C' and C'' follow from
-//!    the hulls of A, W and their derivatives.
-//! 2. In the middle: the same over a range without length.
-//! 3. By the mean value theorem C' differs from its value in the middle by at most C'' times half the range,
-//!    and C by at most C' times half the range.
+//! Let W be the polynomial whose control points are the weights. Let A be the polynomial whose control points
+//! are those of the curve, times their weights. The curve is C = A / W, with the derivatives
+//! C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. Points are counted from the point of the curve
+//! in the middle of the range. So C is small, and little is lost in the differences.
+//! 1. The control points of the range enclose C, A, W and the derivatives of A and W. The formulas then
+//!    enclose C' and C''.
+//! 2. The same is done for the middle of the range alone. The results there are much narrower.
+//! 3. By the mean value theorem, C' differs from its value in the middle by at most half of the range times
+//!    the bound of C''. C likewise differs by at most half of the range times the bound of C'. The result is
+//!    what these enclosures and those of step 1 have in common.
 //!
 //! # Guarantees
-//! The excess shrinks with the square of the range for C and C', and with the range for C''.
+//! An enclosure may be too wide. If the range is halved, the excess falls to a quarter for C and C', and to a
+//! half for C''.
 
 use super::net::{Net, NetPart, UNIT};
 use crate::geometry::interval::{Interval, outward};

@@ -1,8 +1,9 @@
 //! Normals at the ends of the pieces of a plane curve, and the mitres at its sharp corners.
 //!
-//! a and b are the unit normals of two lines that meet. The offsets of both lines at the distance x pass
-//! through the point m x, counted from the corner, with m = (a + b) / (1 + a b). m lies on the plane that
-//! halves the corner, and m a = m b = 1.
+//! Two lines meet at a corner. Let a and b be their unit normals, and a . b the scalar product. The mitre
+//! vector is m = (a + b) / (1 + a . b). It lies in the plane that halves the corner, and m . a = m . b = 1.
+//! So, for any distance x, the parallels of both lines at the distance x meet at the point x m, counted from
+//! the corner.
 
 use nalgebra::Vector2;
 

@@ -1,15 +1,15 @@
-//! The unit normal along a plane cubic, replaced by cubics that agree with it and its derivative at their
-//! ends.
+//! The unit normal along a plane cubic. It is not a polynomial, so other cubics replace it. They have the
+//! same values and derivatives at their ends.
 //!
 //! # Guarantees
-//! c' is the derivative of the plane cubic, t its direction, n the unit normal, and q the cubic that replaces
-//! n. The difference q - n has the coordinate q c' / |c'| along t. Along n its coordinate is at most
-//! | |q|^2 - 1 | plus the square of the coordinate along t, as long as q n is above zero. The Bernstein
-//! coefficients of q c', |q|^2 - 1 and |c'|^2 bound both. q c' and |q|^2 - 1 vanish twice at both ends, so
-//! the bounds fall with the fourth power of the length, as the error does.
-//!
-//! The surface does not run backward where (c' + q' x) c' is positive. This expression is linear in x, so it
-//! is enough that its coefficients are above zero at both ends of the drive curve's reach.
+//! Let c' be the derivative of the plane cubic, n its unit normal, and q the cubic that replaces n.
+//! 1. The error q - n has a part along the curve and a part along n. The part along the curve is
+//!    q . c' / |c'|. The part along n is at most | |q|^2 - 1 | plus the square of the part along the curve.
+//!    The latter holds if q . n is above zero, which is checked.
+//! 2. The Bernstein coefficients of q . c', |q|^2 - 1 and |c'|^2 bound both parts.
+//! 3. If a cubic is halved, these bounds fall to a sixteenth, as the error does.
+//! 4. The parallel curve at the distance x does not run backward where (c' + q' x) . c' is above zero. This
+//!    is linear in x, so it is checked for the least and the largest x of the drive curve only.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,9 +1,10 @@
-//! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] each way.
+//! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] along u, and likewise along v.
 //!
-//! Control points are stored multiplied by their weights, (w x, w y, w z, w). Every weight is above zero. So
-//! a point of the patch is a convex combination of the control points in space. A quotient of two
-//! polynomials, the divisor with coefficients above zero, lies between the least and the largest quotient of
-//! their Bernstein coefficients.
+//! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero.
+//! Two facts give the bounds:
+//! * Every point of the patch is a weighted mean of the control points.
+//! * A quotient of two polynomials lies between the least and the largest quotient of their Bernstein
+//!   coefficients, if the coefficients of the divisor are above zero.
 
 mod product;
 mod swept;

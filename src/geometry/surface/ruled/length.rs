@@ -1,8 +1,9 @@
 //! Lengths of cubics, and places at a given length.
 //!
 //! # Method
-//! The Gauss-Legendre rule of eight points integrates the speed. An interval is halved until the sum over its
-//! halves agrees with the whole. Newton's method finds places; bisection keeps it within bounds.
+//! The length is the integral of the speed, by the Gauss-Legendre rule of eight points. An interval is halved
+//! until both halves together give the same length as the whole, up to rounding. To find the place at a given
+//! length, Newton's method is used. A step that leaves the interval of the place is replaced by bisection.
 
 use nalgebra::{Point3, Vector3};
 

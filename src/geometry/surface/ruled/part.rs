@@ -1,4 +1,4 @@
-//! A part of a curve in space that can be cut by length.
+//! A part of a curve in space. It can be cut at a given fraction of its length.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,5 +1,5 @@
-//! Bounds of derivatives for patches whose weights are constant in one direction: swept surfaces, and arcs
-//! that are swept along a line or rotated.
+//! Bounds of derivatives for patches whose weights do not change along one of the two directions. Examples
+//! are arcs swept along a line, and cubics rotated about an axis.
 
 use nalgebra::Vector3;
 

@@ -2,13 +2,13 @@
 //!
 //! # Method
 //! An element is a line or an arc.
-//! 1. `candidate` decides whether one element can replace a run of points. The arcs over the chord of the run
-//!    differ in one number, the bulge. The bulges of the arcs that pass within the tolerance of a point are
-//!    known in closed form (`chord`).
-//! 2. Three methods make a chain of elements. `greedy` is Ju's method: each element takes in points until the
-//!    next point does not fit. `biarc` puts two arcs between each two neighbouring points. `optimal` searches
-//!    for the chain with the fewest elements, if elements meet on points only. `bounds` tells this search
-//!    which elements it may skip.
+//! 1. `candidate` decides whether one element can replace a run of points. The arcs over its chord, from its
+//!    first to its last point, differ in one number: the bulge, the tangent of a quarter of the sweep. A
+//!    closed form gives the bulges of the arcs that pass within the tolerance of a point (`chord`).
+//! 2. Three methods make a chain of elements. `greedy` is Ju's method: each element takes in points until no
+//!    element can replace them all. `biarc` puts two arcs between each two neighbouring points. `optimal`
+//!    searches for the chain with the fewest elements, if elements meet on points only. `bounds` tells this
+//!    search which elements it may skip.
 //! 3. If `optimal` finds a chain that is shorter than the chain of `greedy`, the points count as noisy.
 //!    Elements may then also meet beside the points (`joints`), if that saves elements.
 //! 4. `tangent` makes a smooth chain: each element starts in the direction in which the element before it
@@ -24,11 +24,11 @@
 //! * With [`Measure::Polyline`] the lines between the points are within the tolerance of the elements, and
 //!   the elements within the tolerance of these lines. With [`Measure::Points`] nothing is promised between
 //!   the points.
-//! * With [`Method::Optimal`] and [`Joints::OnPoints`], a chain that need not be smooth has the fewest
-//!   elements possible. This holds for points in a plane, within each window of [`WINDOW`] points. There are
-//!   two exceptions. First, only nineteen bulges of an interval are tried, so a bulge that fits may be
-//!   missed. Second, a search that exceeds [`Fit::effort`] ends with the best chain found. That chain is
-//!   never longer than the greedy chain.
+//! * With [`Method::Optimal`], [`Joints::OnPoints`] and [`Continuity::Position`], no chain has fewer
+//!   elements. This holds for up to [`WINDOW`] points in a plane; longer inputs are fitted in windows of this
+//!   size. There are two exceptions. First, only some of the bulges near all points are tried, so an element
+//!   may be missed that also passes the points in order. Second, a search that exceeds [`Fit::effort`] ends
+//!   with the best chain found. That chain is never longer than the greedy chain.
 //!
 //! # Degenerate input
 //! * Two points make a line.
@@ -40,15 +40,15 @@
 //!   limit, because a line would make a kink. Biarcs have no limits at all.
 //!
 //! # Cost
-//! O(n m) evaluations, of some 10 ns each, for n points and elements of m points. A search in space, or over
-//! noise as large as the tolerance, would need many more. It ends when its evaluations are used up
-//! ([`Fit::effort`]). `benches/arc_fitting.rs` measures times.
+//! O(n m) evaluations for n points and elements of m points. An evaluation checks one point against one
+//! element, in some 10 ns. A search in space, or over noise as large as the tolerance, would need many more.
+//! It ends when its evaluations are used up ([`Fit::effort`]). `benches/arc_fitting.rs` measures times.
 //!
 //! # Differences from the paper
 //! The printed algorithm drops the last two points if they are left over; here they become a line. Eq. 4
 //! measures the distance from the whole circle; here the distance is measured from the arc. The paper asks
-//! for the arc with the least largest error. That arc is found as the one from which the farthest points on
-//! its left and on its right are equally far.
+//! for the arc with the least largest error. Here, the arc is found by a property of such arcs: the farthest
+//! points on its left and on its right are equally far from it.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.

@@ -6,8 +6,8 @@
 //! 1. The distance is read at some parameters of the curve (`gauge`). A reading is an interval that contains
 //!    the exact value.
 //! 2. Between two readings, the second derivative of the distance is bounded. The derivatives of the curve
-//!    and the curvature of the element give this bound. So the distance differs from the straight line
-//!    through the two readings by no more than a parabola does.
+//!    and the curvature of the element give this bound. It limits how far the distance may rise above the
+//!    larger reading, or fall below the smaller one.
 //! 3. At a kink the derivatives have no bound. There, the distance changes by no more than the curve's point
 //!    moves.
 //! 4. The range between two readings is halved if the bound there leaves the band, or if it exceeds 5/4 of

@@ -10,10 +10,11 @@
 //! 2. For [`from_lines`], the line between two points is matched with the part of the curve between their
 //!    places. On a curve that is a line, the largest distance is at an end. On an arc in a plane, with feet
 //!    as places, the largest distance has a closed form.
-//! 3. In all other cases, one point moves evenly on the line and another evenly on the arc. They are no
-//!    farther apart than the larger of their distances at the two ends plus r a^2 / 8. Here r is the radius
-//!    of the arc, and a the angle that it turns between the places. The line is halved, and both halves are
-//!    bounded, until the bound is close to the largest distance found. After 400 parts it is left as it is.
+//! 3. In all other cases, two points move at constant speeds, one along the line and one along the arc. They
+//!    are never farther apart than the larger of their distances at the start and at the end, plus r a^2 / 8.
+//!    Here r is the radius of the arc, and a the angle that it turns between the places. The line is halved,
+//!    and both halves are bounded, until the bound is close to the largest distance found. After 400 parts
+//!    the bound reached so far is used.
 //!
 //! # Guarantees
 //! The result is an upper bound whatever places are chosen, as long as they are in order. Badly chosen places
@@ -21,7 +22,7 @@
 //!
 //! # Degenerate input
 //! A parabola has an infinite bound. So has an arc that turns by more than half a turn between two
-//! neighbouring points, if only the points count.
+//! neighbouring points, for [`from_points`].
 //!
 //! # Cost
 //! O(n) for n points whose feet are in order, O(n log(1 / rounding)) if they are not.

@@ -3,7 +3,7 @@
 //!
 //! # Guarantees
 //! The caller chooses the largest number of grid cells in each direction, whatever the size of the surface.
-//! If a direction has no more patches than cells, the joints of the patches are grid lines.
+//! If a direction has no more patches than this number, the joints of its patches are grid lines.
 //!
 //! # Degenerate input
 //! Where a side of the surface shrinks to a point, triangles have no area. A point whose triangles all have

@@ -27,9 +27,8 @@
 //! more than a million elements. If nothing is left, the offset is empty.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements, where k is the number of elements that come as near to one piece as the
-//! distance. 2,000 elements take 10 to 40 ms, and 100 ms if the distance is ten times the size of the
-//! elements.
+//! O(n (log n + k)) for n elements, where k is the number of elements within the distance of one piece. 2,000
+//! elements take 10 to 40 ms, and 100 ms if the distance is ten times the size of the elements.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in

@@ -1,4 +1,4 @@
-//! Curves in the plane that are to be interpolated. Each gives its points, and proved bounds of its points
+//! Curves in the plane that are to be interpolated. Each curve gives points, and proved bounds of its points
 //! and derivatives over a range of parameters.
 
 pub mod interpolant;

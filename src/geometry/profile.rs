@@ -1,4 +1,5 @@
-//! Profiles: chains of lines, arcs and cubics, in the plane or in space, from which surfaces are swept.
+//! Profiles: chains of lines, arcs and cubics, in the plane or in space. Swept and ruled surfaces are made
+//! from them.
 
 #[cfg(test)]
 pub mod drawn;

@@ -3,8 +3,9 @@
 //! # Method
 //! 1. Each point gets a tangent: that of the circle through the point and its two neighbours. The first point
 //!    takes the circle through the first three points, and the last point the circle through the last three.
-//! 2. Between two points, the tangents at both points and at the joint of the two arcs make three lines. The
-//!    joint is chosen such that the first and the third line are equally long, up to the line in the middle.
+//! 2. Between two points P and Q, the two arcs meet in a joint. The tangent at the joint meets the tangent at
+//!    P in a place A, and the tangent at Q in a place B. The joint is chosen such that A is as far from P as
+//!    B is from Q.
 //!
 //! The tolerance is not used. Ju compares his method with this one.
 //!

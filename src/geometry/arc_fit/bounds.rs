@@ -8,11 +8,11 @@
 //!    degrees, and 23.95 up to 350 degrees. So if there is no such arc, no element replaces any run that
 //!    contains the two points.
 //! 2. Step 1 gives each point a bound for the reach of its elements. Below this bound, every end is tried,
-//!    from the farthest to the nearest, until an element fits. When the evaluations for bounds are spent, the
-//!    bound from step 1 stays.
+//!    from the farthest to the nearest, until an element fits. After a given number of evaluations (checks of
+//!    one point), the bound from step 1 stays.
 //! 3. The least number of elements from a point to the last point is one more than the least number at any
 //!    point within its reach. It is computed from the last point to the first. If the number at the first
-//!    point is that of the greedy chain, no chain is shorter, and the search is not needed.
+//!    point is the number of elements of the greedy chain, no chain is shorter, and the search is not needed.
 //!
 //! # Cost
 //! O(n m) for n points and elements of m points. The evaluations of step 2 are limited to a number in
@@ -25,6 +25,11 @@ use crate::budget::{Budget, Stopped};
 
 /// Factors of the tolerance, each with the largest bulge to which it applies: that of half a turn, of 270
 /// degrees, and of the largest arc. `LINES` is for lines.
+///
+/// Each factor is 1 plus the following. The part of an arc between its places near two points ends within e of
+/// these points. A similarity moves both ends onto the points. It moves every place of the part by at most
+/// e (|w| + |1 - w|), where w is the place as a complex number, with the ends at 0 and 1. That is at most
+/// sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees, 22.95 e up to 350 degrees, and e on a line.
 const ARCS: &[(f64, f64)] = &[(2.4143, 1.0), (3.8285, 2.4143), (23.95, LARGEST_BULGE)];
 const LINES: &[(f64, f64)] = &[(2.0, 0.0)];
 

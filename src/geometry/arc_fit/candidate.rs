@@ -4,11 +4,12 @@
 //! 1. The arcs over the chord of the run differ in one number, the bulge. [`Chord`] gives the bulges of the
 //!    arcs that pass near one point. The bulges near all points are the intersection of these sets: one
 //!    interval, two, or none.
-//! 2. The line and nineteen arcs are tried from each interval, on each side of the chord. An element has to
-//!    pass its points in order. For a polyline it also has to stay near the lines between the points, and in
-//!    space near their heights.
-//! 3. An element passes its points in order if there is a place on it near each point, and if these places
-//!    never go back. An arc also has to turn about its centre as the lines between the points do.
+//! 2. From each interval, the line and some arcs on either side of the chord are tried. An element has to
+//!    pass its points in order. For a polyline it also has to stay near the lines between the points. In
+//!    space, its height has to follow the heights of the points.
+//! 3. An element passes its points in order if each point has a place on it within the tolerance, and if
+//!    these places never go back. An arc also has to turn about its centre as the lines between the points
+//!    do.
 //! 4. The best element has its farthest points on the left and on the right equally far away. If it fails the
 //!    checks of step 2, the element found in step 2 stays.
 //!

@@ -1,5 +1,5 @@
-//! One element in the frame of its chord: the place nearest to a point, and how far lines lie from the
-//! element.
+//! One element in the frame of its chord: the place on it that is nearest to a point, and how far the lines
+//! between points lie from it.
 
 use nalgebra::Vector2;
 

@@ -1,9 +1,10 @@
 //! Finds the points at which a polyline has a real corner.
 //!
-//! At each point the polyline turns by some angle. A point is a corner if its angle is at least
-//! [`LEAST_TURN`], and more than [`TIMES`] times the largest angle at the [`BESIDE`] points before it and
-//! after it. With [`Measure::Points`] the points are samples of a curve, where longer lines turn more. There,
-//! the angle divided by the length of the lines is compared instead.
+//! At each point the polyline turns by some angle. A point is a corner if its angle is several times the
+//! largest angle at a few points before it and after it ([`TIMES`], [`BESIDE`]). An angle below
+//! [`LEAST_TURN`] is never a corner. With [`Measure::Points`] the points are samples of a curve, where longer
+//! lines turn more. There, each angle is divided by the mean length of the two lines at its point before
+//! angles are compared.
 
 use nalgebra::Vector2;
 

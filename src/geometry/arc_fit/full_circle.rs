@@ -2,8 +2,9 @@
 //!
 //! A circle of least squares is fitted in rounds, by Kasa's linear equations. After each round, the weight of
 //! each point is multiplied by its distance from the circle (Lawson). So the largest distance falls towards
-//! the least possible one. The first circle within the tolerance is the result. If no circle of [`ROUNDS`]
-//! rounds is, there is no result.
+//! the least possible one. The first circle within the tolerance is the result. After [`ROUNDS`] rounds the
+//! search ends without a result. There is no result either if the points do not pass the circle once and in
+//! order, or if neighbouring points are more than 30 degrees apart.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

@@ -4,8 +4,8 @@
 //! elements faster:
 //! * With [`Measure::Polyline`] an element takes in [`STRIDE`] points at a time, and single points at its
 //!   end.
-//! * After a given number of points ([`ONE_BY_ONE`], or [`FAST`]) the element tries to double. When the
-//!   doubled element fails, bisection finds an end between the two.
+//! * After a given number of points ([`ONE_BY_ONE`], or [`FAST`]) its number of points doubles, until they
+//!   are too many for one element. Bisection then finds an end between the last two numbers.
 //!
 //! An element may fit although a shorter one fails. So these elements may be longer than Ju's, but never
 //! shorter.

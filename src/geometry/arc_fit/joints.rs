@@ -1,8 +1,8 @@
 //! Nodes beside the points. A node is a place where two elements may meet.
 //!
-//! If elements meet only on noisy points, they have to follow the noise. So some of the points get several
-//! nodes on a line across the polyline, to the left and to the right of the point. All of these nodes are
-//! within the tolerance of their point.
+//! Elements that meet on noisy points have to follow the noise. So some of the points also get nodes to their
+//! left and to their right, on a line across the polyline. These nodes are within the tolerance of their
+//! point.
 
 use nalgebra::Vector2;
 

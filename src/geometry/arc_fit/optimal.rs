@@ -10,7 +10,8 @@
 //! 4. A [`Fan`] holds the circles through a node that pass near the points after it. When it is empty, no
 //!    farther nodes are tried from this node.
 //!
-//! The search gives up after a given number of evaluations.
+//! The search gives up after a given number of evaluations (checks of one point). The caller may repeat it
+//! with fewer nodes; otherwise the known chain stays.
 //!
 //! # Cost
 //! Each node is reached once, by an element that is checked against all its points. Most elements that do not

@@ -1,10 +1,10 @@
 //! Fits points in space, and returns lines, arcs and helices.
 //!
 //! Arcs lie in a coordinate plane, or are helices about the normal of one. If the caller gives the plane, it
-//! holds for all arcs. Otherwise the points are divided into stretches. A stretch with the same x, y or z
-//! over at least four points, or over all points, has its arcs in the plane of the other two coordinates. All
-//! other stretches have helices about the z axis. If helices over the whole length need fewer curves, they
-//! replace the stretches.
+//! holds for all arcs. Otherwise the points are divided into stretches. If x, y or z does not change over at
+//! least four points, or over all points, they make a stretch with arcs in the plane of the other two
+//! coordinates. All other stretches have helices about the z axis. A second fit uses such helices for all
+//! points; if it needs fewer curves, it is the result.
 
 use nalgebra::{Point3, Vector2, Vector3};
 

@@ -5,11 +5,11 @@
 //! from the place reaches beyond these points.
 //!
 //! # Method
-//! 1. An inversion about the place turns each circle through it into a line. The disc of the tolerance e
-//!    about a point becomes another disc. If d is the vector from the place to the point, the new disc has
-//!    the centre d / (|d|^2 - e^2) and the radius e / (|d|^2 - e^2). The task is now to find the lines that
-//!    meet all discs.
-//! 2. The x axis is laid through the centres of two discs that are far apart, measured by their radii. Lines
+//! 1. An inversion about the place moves the end of each vector d to d / |d|^2. It turns each circle through
+//!    the place into a line. The disc of the tolerance e about a point becomes another disc. If d is the
+//!    vector from the place to the point, the new disc has the centre d / (|d|^2 - e^2) and the radius
+//!    e / (|d|^2 - e^2). The task is now to find the lines that meet all discs.
+//! 2. The x axis is laid through the centres of two discs that are far apart compared with their radii. Lines
 //!    that meet both discs are then y = m x + t with a small slope m. Until there are two such discs, no
 //!    circle is excluded.
 //! 3. The line meets a disc with the centre (x, y) and the radius r if |y - m x - t| <= r sqrt(1 + m^2). The

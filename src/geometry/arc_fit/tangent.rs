@@ -6,8 +6,9 @@
 //!    the direction psi + 2 atan b and ends in the direction psi - 2 atan b.
 //! 2. The bulges that keep the tolerance form one or two intervals. So the directions in which an element may
 //!    start, and those in which it may end, form intervals too.
-//! 3. From the intervals in which a chain may arrive at one node, those at the next node follow: the arrival
-//!    directions that are also start directions of the element, mirrored in its chord.
+//! 3. The chain arrives at a node in certain directions. Those that are also start directions of the element
+//!    to the next node are kept. Mirrored in the chord of this element, they are the directions in which the
+//!    chain arrives at the next node.
 //! 4. The search carries these intervals from node to node. After each element it goes on from the farthest
 //!    nodes only.
 //! 5. When the last node is reached, one direction there is chosen. It is followed back to the start, and

@@ -11,10 +11,11 @@
 //! library errs by at most `ULPS` units in the last place.
 //!
 //! # Degenerate input
-//! A number outside the domain of the function counts as the nearest number of the domain: the root of -1 is
-//! that of 0. The logarithm leaves out the numbers that are not positive; if none is positive, the result is
-//! the whole line. A tangent with a pole in the operand is the whole line. The sine and cosine of angles
-//! above 1e8 are not evaluated; the result is [-1, 1]. The caller has to check whether a function is defined.
+//! A number outside the domain of the function counts as the nearest number of the domain: the inverse sine
+//! of 2 is that of 1. The logarithm leaves out the numbers that are not positive; if none is positive, the
+//! result is the whole line. A tangent with a pole in the operand is the whole line. The sine and cosine of
+//! angles above 1e8 are not evaluated; the result is [-1, 1]. The caller has to check whether a function is
+//! defined.
 //!
 //! # Cost
 //! O(1): two evaluations of the function, or four for a power with an interval as the exponent.

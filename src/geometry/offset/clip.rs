@@ -10,7 +10,7 @@
 //! 3. So the middle of each part decides. The part is removed if its middle is too near to the element.
 //!
 //! # Guarantees
-//! The parts that are left are too near by no more than about the rounding allowed.
+//! The parts that are left are too near to the contour by no more than the rounding of a computed distance.
 //!
 //! # Degenerate input
 //! Where a piece touches one of the lines or circles, the two crossings are inaccurate. The part between them

@@ -5,20 +5,21 @@
 //! 1. To find the piece of a parameter, the domain is divided into equal parts. A table gives the pieces that
 //!    meet each part, and bisection finds the piece among them.
 //! 2. De Casteljau's algorithm gives points and derivatives.
-//! 3. An enclosure is a box that contains all points, or all derivatives, over a range of parameters. For a
-//!    polynomial piece, the control points of the range give the box (`net`). For a rational piece, so do
-//!    those of numerator and denominator (`quotient`).
+//! 3. An enclosure is a box that contains all points, or all derivatives, over a range of parameters. The
+//!    part of a polynomial piece over the range has control points of its own, and the box about them is the
+//!    enclosure (`net`). For a rational piece, numerator and denominator are enclosed, and the enclosures
+//!    divided (`quotient`).
 //!
 //! # Guarantees
 //! * Enclosures include every rounding error.
 //! * The enclosure at a single parameter is some ten units of rounding wide. It contains the value that
 //!   [`PlaneCurve::point`] returns there.
-//! * An enclosure may be too wide. If the range is halved, the excess falls to a quarter. For the second
-//!   derivative of a rational piece it falls to a half only.
+//! * An enclosure may be wider than needed. If the range is halved, the excess falls to a quarter. For the
+//!   second derivative of a rational piece the excess falls to a half only.
 //!
 //! # Degenerate input
-//! If two neighbouring pieces differ by rounding only where they meet, they are joined. If they differ by
-//! more, the chain is refused. A parameter outside the domain counts as the nearest end.
+//! If one piece ends where the next one starts, up to rounding, the two places are made equal. If the places
+//! differ by more, the chain is refused. A parameter outside the domain counts as the nearest end.
 //!
 //! # Cost
 //! O(p^2) for a point and O(p^3) for an enclosure, where p is the degree. To find the piece takes O(1) if the

@@ -1,4 +1,4 @@
-//! Profiles for tests.
+//! Profiles that tests use.
 
 use nalgebra::{Point, SVector};
 

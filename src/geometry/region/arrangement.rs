@@ -14,6 +14,9 @@
 //! At every vertex, the loops arrive as often as they leave. Edges lie within a few snaps of the elements
 //! that they come from.
 //!
+//! # Degenerate input
+//! More than a million elements, or cuts of elements, are refused.
+//!
 //! # Cost
 //! O(n log n + k) for n elements, of which k pairs have boxes that meet.
 

@@ -7,8 +7,8 @@
 //! S(u, v) = c(u) + n(u) x(v) + k z(v). Each piece of the basic curve with each piece of the drive curve
 //! makes a patch:
 //! 1. Along a line n is constant. Along an arc n is a rational quadratic with the weights of the arc.
-//! 2. Along a cubic n is not rational. A cubic replaces n that has the same values and derivatives at both
-//!    ends (`unit_normal`). If it is not near enough, the piece is halved.
+//! 2. Along a cubic n is not rational. It is replaced by a cubic with the same values and derivatives at both
+//!    ends (`unit_normal`). If this cubic is not near enough to n, the piece is halved.
 //! 3. At a sharp corner between two lines, the patches of both lines end in the plane that halves the corner
 //!    (a mitre, `corner`). A closed curve also gets a mitre where it starts and ends.
 //!

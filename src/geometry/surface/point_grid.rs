@@ -15,9 +15,10 @@
 //! derivatives, but the surface has continuous first derivatives only.
 //!
 //! # Degenerate input
-//! Two points in a direction make straight lines. If there are too few points for `not_a_knot` or `bessel`
-//! ends, the polynomial through the points is used. Coincident points are accepted here. If they leave the
-//! surface without a normal, the proof that its normals point upward refuses it later.
+//! Two points in a direction make straight lines, unless end tangents are given. If there are too few points
+//! for `not_a_knot` or `bessel` ends, the polynomial through the points is used. Coincident points are
+//! accepted here. If they leave the surface without a normal, the proof that its normals point upward refuses
+//! it later.
 //!
 //! # Cost
 //! O(n) for n points.

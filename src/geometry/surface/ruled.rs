@@ -11,8 +11,9 @@
 //!    near enough.
 //!
 //! # Guarantees
-//! Case 1 is exact, up to rounding. In case 2, the straight lines are off by at most [`TOLERANCE_MM`] at
-//! either end, and so is the surface. Neighbouring cubics meet with the same tangent.
+//! Case 1 is exact, up to rounding. In case 2, either end of a straight line is off by at most
+//! [`TOLERANCE_MM`]. So the surface is off by no more than that. Neighbouring cubics meet with the same
+//! tangent.
 //!
 //! The error of a cubic is at most D s^4 / 384. Here s is the length of the part, and D the largest fourth
 //! derivative of the curve by its length. For an arc of radius R, D is 1 / R^3. For a cubic c, D is at most

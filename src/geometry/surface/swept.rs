@@ -6,8 +6,8 @@
 //! curve is (x(v), y(v), z(v)). The surface is o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v).
 //!
 //! o, a, b and c have control points with the same weights. The drive curve has control points with weights
-//! of its own. So each control point of a patch is the same sum of control points, and its weight is the
-//! product of the two weights.
+//! of its own. So o + a x + b y + c z, taken of control points, gives the control points of a patch. The
+//! weight of each is the product of the two weights.
 
 use nalgebra::{Point3, Vector3};
 

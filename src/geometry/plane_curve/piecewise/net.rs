@@ -10,7 +10,7 @@
 //! Let e be the unit of rounding, M the largest absolute value in the net, and L the largest difference
 //! between neighbouring control points.
 //! 1. The rounding of one step is at most e (M + 2 L).
-//! 2. u and v have an error of at most 3 e. In one step, it moves the result by at most 3 e L.
+//! 2. u and v have an error of at most 3 e. In one step, this error moves the result by at most 3 e L.
 //! 3. A step does not enlarge earlier errors, because t is between 0 and 1.
 //!
 //! So all n steps together err by at most n e (M + 5 L). The errors of the given control points come on top.

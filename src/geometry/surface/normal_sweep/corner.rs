@@ -1,7 +1,7 @@
 //! Normals at the ends of the pieces of a plane curve, and the mitres at its sharp corners.
 //!
 //! Two lines meet at a corner. Let a and b be their unit normals, and a . b the scalar product. The mitre
-//! vector is m = (a + b) / (1 + a . b). It lies in the plane that halves the corner, and m . a = m . b = 1.
+//! vector is m = (a + b) / (1 + a . b). m lies in the plane that halves the corner, and m . a = m . b = 1.
 //! So, for any distance x, the parallels of both lines at the distance x meet at the point x m, counted from
 //! the corner.
 

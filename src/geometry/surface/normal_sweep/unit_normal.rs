@@ -1,11 +1,11 @@
-//! The unit normal along a plane cubic. It is not a polynomial, so other cubics replace it. They have the
-//! same values and derivatives at their ends.
+//! The unit normal along a plane cubic. It is not a polynomial, so cubics replace it. Each cubic has the
+//! values and derivatives of the unit normal at both of its ends.
 //!
 //! # Guarantees
 //! Let c' be the derivative of the plane cubic, n its unit normal, and q the cubic that replaces n.
 //! 1. The error q - n has a part along the curve and a part along n. The part along the curve is
 //!    q . c' / |c'|. The part along n is at most | |q|^2 - 1 | plus the square of the part along the curve.
-//!    The latter holds if q . n is above zero, which is checked.
+//!    This bound holds if q . n is above zero, which is checked.
 //! 2. The Bernstein coefficients of q . c', |q|^2 - 1 and |c'|^2 bound both parts.
 //! 3. If a cubic is halved, these bounds fall to a sixteenth, as the error does.
 //! 4. The parallel curve at the distance x does not run backward where (c' + q' x) . c' is above zero. This

@@ -1,4 +1,4 @@
-//! Products of polynomials by their Bernstein coefficients.
+//! Products and quotients of polynomials, by their Bernstein coefficients.
 
 use super::{MAX_DEGREE, SIZE};
 

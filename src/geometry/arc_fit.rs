@@ -2,9 +2,9 @@
 //!
 //! # Method
 //! An element is a line or an arc.
-//! 1. `candidate` decides whether one element can replace a run of points. The arcs over its chord, from its
-//!    first to its last point, differ in one number: the bulge, the tangent of a quarter of the sweep. A
-//!    closed form gives the bulges of the arcs that pass within the tolerance of a point (`chord`).
+//! 1. `candidate` decides whether one element can replace a run of points. The arcs over the chord of the
+//!    run, from its first to its last point, differ in one number: the bulge, the tangent of a quarter of the
+//!    sweep. A closed form gives the bulges of the arcs that pass within the tolerance of a point (`chord`).
 //! 2. Three methods make a chain of elements. `greedy` is Ju's method: each element takes in points until no
 //!    element can replace them all. `biarc` puts two arcs between each two neighbouring points. `optimal`
 //!    searches for the chain with the fewest elements, if elements meet on points only. `bounds` tells this
@@ -26,8 +26,8 @@
 //!   the points.
 //! * With [`Method::Optimal`], [`Joints::OnPoints`] and [`Continuity::Position`], no chain has fewer
 //!   elements. This holds for up to [`WINDOW`] points in a plane; longer inputs are fitted in windows of this
-//!   size. There are two exceptions. First, only some of the bulges near all points are tried, so an element
-//!   may be missed that also passes the points in order. Second, a search that exceeds [`Fit::effort`] ends
+//!   size. There are two exceptions. First, not every bulge that keeps the tolerance is tried. So an element
+//!   that also passes the points in order may be missed. Second, a search that exceeds [`Fit::effort`] ends
 //!   with the best chain found. That chain is never longer than the greedy chain.
 //!
 //! # Degenerate input
@@ -40,7 +40,7 @@
 //!   limit, because a line would make a kink. Biarcs have no limits at all.
 //!
 //! # Cost
-//! O(n m) evaluations for n points and elements of m points. An evaluation checks one point against one
+//! O(n m) evaluations, for n points and elements of m points. An evaluation checks one point against one
 //! element, in some 10 ns. A search in space, or over noise as large as the tolerance, would need many more.
 //! It ends when its evaluations are used up ([`Fit::effort`]). `benches/arc_fitting.rs` measures times.
 //!

@@ -26,10 +26,10 @@ use crate::budget::{Budget, Stopped};
 /// Factors of the tolerance, each with the largest bulge to which it applies: that of half a turn, of 270
 /// degrees, and of the largest arc. `LINES` is for lines.
 ///
-/// Each factor is 1 plus the following. The part of an arc between its places near two points ends within e of
-/// these points. A similarity moves both ends onto the points. It moves every place of the part by at most
+/// Each factor is 1 plus the following. The part of an arc between its places near two points ends within e
+/// of these points. A similarity moves both ends onto the points. It moves every place of the part by at most
 /// e (|w| + |1 - w|), where w is the place as a complex number, with the ends at 0 and 1. That is at most
-/// sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees, 22.95 e up to 350 degrees, and e on a line.
+/// sqrt(2) e up to half a turn, 2 sqrt(2) e up to 270 degrees, 22.93 e up to 350 degrees, and e on a line.
 const ARCS: &[(f64, f64)] = &[(2.4143, 1.0), (3.8285, 2.4143), (23.95, LARGEST_BULGE)];
 const LINES: &[(f64, f64)] = &[(2.0, 0.0)];
 

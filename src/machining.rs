@@ -1,5 +1,5 @@
-//! Cutters against surfaces: where a cutter touches, how deep it cuts, and which curves its tip or centre
-//! follows. No module here names feeds, programs or wire formats.
+//! Cutters and surfaces: where a cutter touches a surface, how deep it cuts into it, and which curves its tip
+//! or its centre follows. No module here names feeds, programs or wire formats.
 
 pub mod cutter;
 pub mod drop_cutter;

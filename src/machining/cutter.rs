@@ -1,14 +1,14 @@
 //! Cutters as geometry: a flat disc with a rounded edge, turning about a vertical axis, below a shank of the
 //! same radius.
 //!
-//! A ball cutter has no flat, a flat end has no rounding, a bull nose has both. h(d) is the height of the
-//! lower side above the tip, at the distance d from the axis. With r the radius of the flat and c the radius
-//! of the corner:
+//! Let r be the radius of the flat and c the radius of the rounded corner. A ball cutter has r = 0, a flat
+//! end has c = 0, and a bull nose has neither. At the distance d from the axis, the lower side of the cutter
+//! has the height h(d) above the tip:
 //! * h(d) = 0 for d <= r;
 //! * h(d) = c - sqrt(c^2 - (d - r)^2) for r < d <= r + c;
 //! * beyond r + c there is no lower side.
 //!
-//! h is convex as a function of d, and also as a function of d^2.
+//! h is a convex function of d, and also a convex function of d^2.
 
 use nalgebra::{Matrix2, Vector2};
 

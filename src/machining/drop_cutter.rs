@@ -1,34 +1,42 @@
 //! Finds where a cutter that comes down from above touches a surface first.
 //!
 //! # Method
-//! Let a be the position of the cutter's axis in plan. A surface point P within the cutter's radius R of the
-//! axis lifts the tip to P_z - h(|P - a|). h is the height of the cutter's lower side over its tip
-//! ([`Cutter`]). The tip's height is the largest lift over the whole surface. This is an upper envelope, so
-//! folds of the offset, loops, sharp edges, overhangs and boundaries need no special care.
-//! 1. The surface is divided into small parts under a hierarchy of boxes. Each box has a plane above
-//!    everything in the box (`tree`).
-//! 2. Newton's method finds the largest lift on a part (`newton`), in one of two ways. One seeks the place
-//!    whose tangent plane the cutter touches with its axis at a; it works on steep slopes too. The other
-//!    maximizes the lift within the part's square of parameters; it handles edges and corners.
-//! 3. A proof shows, part by part, that no other place lifts more. It uses boxes and planes; the tangent
-//!    plane of the known contact, with the paraboloid that supports the cutter (`support`); the side of the
-//!    cutter, for parts along it; a concave quadratic bound (`lift_bound`); and round bodies about the cutter
-//!    (`round`, `side`). A part that none of these decides is halved.
+//! The axis of the cutter stands at the position a in plan. Let h(d) be the height of the cutter's lower side
+//! over the tip, at the distance d from the axis ([`Cutter`]). A surface point P under the cutter lifts the
+//! tip to the height P_z - h(|P - a|). This height is the *lift* of P. The tip comes to rest at the largest
+//! lift of the whole surface. So folds, sharp edges, overhangs and boundaries need no special care.
+//! 1. Divide the surface into small parts, in a hierarchy of boxes. Each box has a plane above all its parts
+//!    (`tree`).
+//! 2. Find the largest lift on a part by Newton's method (`newton`).
+//! 3. Prove for every other part that it does not lift the tip higher. Several bounds are tried, quick ones
+//!    first:
+//!    * the height of a box, or of the plane above it;
+//!    * the tangent plane of the contact found so far, and a paraboloid about it (`support`);
+//!    * the part's distance from the axis, for steep parts beside the cutter;
+//!    * round bodies that contain the cutter (`round`, `side`);
+//!    * a quadratic function above the lift (`lift_bound`).
+//! 4. Halve a part that none of these bounds excludes, and go on with both halves.
 //!
 //! # Guarantees
-//! A tip is below the true height by at most [`Contact::gap_mm`]. The gap is at most about 1e-9 mm, or the
-//! accuracy asked for, unless the work limit is reached. Rounding is not included. The surface may have any
-//! shape: the proof uses only its control nets.
+//! * The surface may have any shape: the proof uses only its control nets.
+//! * The true tip is higher than [`Contact::tip`] by at most [`Contact::gap_mm`], but for rounding. The gap
+//!   is 1e-9 mm or the accuracy asked for. It is larger where the limit of halvings is reached.
 //!
 //! # Cost
-//! O(log m) for m parts. On a wave of 9 x 9 points a ball or a flat end of 10 mm takes about 3 us a point
-//! along lines, where each drop starts from its neighbour. Without a neighbour the ball takes 10 us and the
-//! flat end 20 us. Where the cutter touches all around, as on the axis of a bowl, a drop takes tens of
-//! milliseconds.
+//! O(log m) for m parts. The times below were measured on a wave of 9 x 9 points with cutters of 10 mm:
+//! * about 3 us for a point on a line, where the contact of the neighbour is known;
+//! * 10 us for a ball and 20 us for a flat end, where no contact is known.
+//!
+//! On the axis of a bowl, where the cutter touches all around, a drop takes tens of milliseconds.
 //!
 //! # Differences from the papers
-//! Ju traces sections of the offset, and Koo et al. unite shifted wires. Neither method sees the surface
-//! beside the section or the wire; this one does.
+//! Ju traces sections of the offset. Koo et al. unite shifted wires. Both methods see the surface only at the
+//! section or at the wires. Here every part of the surface counts.
+//!
+//! # References
+//! * S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
+//! * Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for
+//!   Machining of Sculptured Surface of Die", 1989.
 
 mod axis_above_surface;
 mod drop;

@@ -1,31 +1,36 @@
 //! Sections of the offset of a surface with planes at right angles to x or y.
 //!
 //! # Method
-//! Ju, section 3, for a plane x_axis = c and the offset S + R n:
-//! 1. `boundary` cuts the four boundary curves of the offset into stretches on which x_axis is monotone; the
-//!    plane meets each stretch at most once. These are the initial intersection points (3.1).
-//! 2. From each of these points that no section has reached yet, [`trace`](Sections::chains) follows the
-//!    section (3.2). A step along the tangent m x n gives the predicted point G. Newton's method then finds
-//!    the point of the section in the plane through G at right angles to the tangent.
-//! 3. A section ends at another initial intersection point.
+//! The method is that of Ju, section 3. R is the offset distance.
+//! 1. Cut the four boundary curves of the offset into stretches on which the coordinate of the plane rises or
+//!    falls throughout (`boundary`). The plane meets each stretch at most once. The points where it does are
+//!    Ju's initial intersection points (3.1).
+//! 2. Follow the section from each initial point that no section has reached yet
+//!    ([`trace`](Sections::chains); 3.2). A step along the tangent predicts the next point. Newton's method
+//!    corrects it: it finds the point of the section in the plane through the predicted point, at right
+//!    angles to the tangent.
+//! 3. End the section where it reaches another initial point or the boundary.
 //!
 //! # Guarantees
-//! Given the proof of [`regularity`](super::regularity), every point lies on the section to within rounding.
-//! Between consecutive points the section leaves the chord by at most 1.01 times the chord height asked for,
-//! because its curvature is bounded over the patches around both points.
+//! The surface must have passed the proof of [`regularity`](super::regularity) for R. Then:
+//! * Every point lies on the section to within rounding.
+//! * Between two neighbouring points the section leaves their chord by at most 1.01 times the chord height
+//!   asked for. The proof bounds the curvature of the section over the patches around both points.
 //!
 //! # Degenerate input
-//! The caller must avoid planes that only touch the boundary or contain a part of it: sections at the ends of
-//! the extent are traced [`INSET_MM`] inside it.
+//! A plane that only touches the boundary, or that contains a part of the boundary, has to be avoided by the
+//! caller. So the first and the last section of a surface are traced [`INSET_MM`] inside it.
 //!
 //! # Cost
 //! O(boundary stretches + points) for each plane.
 //!
 //! # Differences from the paper
-//! The boundary is not replaced by a polygon: a pair of intersections could lie between two of its corners
-//! and be missed. Extremes are found from sign changes of the derivative, at 16 places a span. The step
-//! length follows the curvature bound. Sections that never meet the boundary do not exist: a closed section
-//! needs a fold or an overhang, and the proof excludes both.
+//! * The paper replaces the boundary by a polygon. A polygon can miss two intersections that lie between two
+//!   of its corners. Here the extremes of each boundary curve are found, from the sign of the derivative at
+//!   16 places of each patch.
+//! * The step length follows from the bound of the curvature.
+//! * Sections that never meet the boundary are not searched. There are none: a closed section needs a fold or
+//!   an overhang, and the proof excludes both.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", eq. 2 and 3.

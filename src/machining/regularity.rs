@@ -1,27 +1,33 @@
-//! Proof that a ball cutter can follow a surface: the normal points up and the offset does not fold.
+//! Proves that a ball cutter of radius R can follow a surface.
 //!
 //! # Method
-//! The proof runs on boxes: sub-patches with their control nets. On a box every derivative lies in a ball,
-//! and these balls bound the principal curvatures ([`curvature`]). A box is finished when
-//! 1. the upward component of the normal is positive over all of it, and
-//! 2. R times the largest concave curvature is below 1, by at least half the margin at the centre;
+//! Two conditions must hold at every point of the surface:
+//! 1. The normal n points up: its z coordinate is positive.
+//! 2. Every concave curvature is below 1 / R. Then the offset by R does not fold.
 //!
-//! otherwise it is halved across the direction in which its tangents change more. A finished box is halved
-//! further, to a limited depth, while its [`Slope::share`] is only roughly known. The share must be known
-//! better where the box may be the steepest or the most concave place of the surface.
+//! A box is a patch, or a subpatch of one, with its control net. The control net encloses each derivative
+//! over the box in a ball of vectors. The balls bound the normal and the principal curvatures
+//! ([`curvature`]). A box is proved if these bounds show both conditions. Condition 2 must be shown with half
+//! the margin 1 - R k or more, where k is the largest concave curvature at the centre of the box. A box that
+//! is not proved is halved.
 //!
-//! A centre that violates condition 1 is the place of the error `Overhang`, and a centre that violates
-//! condition 2 shows that the offset `Folds`. A box may still be undecided at the limits of depth and number.
-//! Then the condition in doubt gives the error: it fails there, or holds by less than could be proved.
-//! `Folds` names the most concave place that is found on the whole surface.
+//! A proved box also bounds how steep the surface is ([`Slope::share`]). If that bound is too loose, the box
+//! is halved further, but at most 14 times in all.
+//!
+//! # Errors
+//! * A centre of a box violates condition 1 (`Overhang`) or condition 2 (`Folds`).
+//! * A box is still undecided when the limit of halvings or of boxes is reached. The condition in doubt gives
+//!   the error. The surface violates it, or holds it by less than could be proved.
+//!
+//! `Folds` names the most concave point among 5 x 5 points of each patch.
 //!
 //! # Guarantees
-//! `Ok` is a proof over the whole surface: n . z > 0, and every concave curvature is below 1 / R. The bounds
-//! hold for the offset surface and for its plane sections.
+//! `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for all of
+//! the offset surface and for its sections with planes at right angles to the chosen axis.
 //!
 //! # Cost
 //! O(boxes). The number of boxes of a patch grows with the square of its size over its radius of curvature,
-//! and with the inverse square of the margin of condition 2.
+//! and with the inverse square of the margin in condition 2.
 
 use nalgebra::Point3;
 

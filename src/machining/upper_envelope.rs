@@ -1,30 +1,31 @@
-//! The skyline of a surface over a plane of constant y: the largest z of their section for every x.
+//! The skyline of a surface in a plane of constant y: the largest z of the section for every x.
 //!
 //! # Method
-//! 1. Patches that the plane may meet are halved until, on each part, one parameter of the section is a
-//!    function of the other, say v of u: S_y has one sign along v (`part`).
-//! 2. The section of a part runs between two points on the sides of the part, which are found exactly. The
-//!    second derivative of the section along u, S_uu + 2 S_uv v' + S_vv v'^2 + S_v v'', bounds how far the
-//!    section leaves its chord in height. A part on which that is too far is halved.
-//! 3. Where the section is too steep for a bound in height, a part narrower than the width asked for becomes
-//!    a level [`Segment`] at the height of the part's top.
-//! 4. The skyline is the upper envelope of the stretches of one section, or of several ([`union`]).
+//! 1. Halve the patches that the plane may meet. Stop when y has a derivative of one sign along u or along v
+//!    over the whole part. Then the section of the part is a curve v(u) or u(v) (`part`).
+//! 2. Find the two points at which the section enters and leaves the part. Bound how far the section leaves
+//!    the chord of these points in height, by its second derivative. If the chord is near enough, it becomes
+//!    a [`Segment`]. Otherwise halve the part.
+//! 3. A nearly upright section has no such bound in height. There a part that is narrow enough becomes a
+//!    level [`Segment`] at the height of its top.
+//! 4. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
 //!
 //! # Guarantees
-//! Heights over x of the stretches and of the sections differ by at most [`Accuracy::height_mm`], at places
-//! that are at most [`Accuracy::width_mm`] apart. Where the section is not upright, these are the same
-//! places. The largest of several functions changes by no more than the functions do, so the same holds for
-//! unions. Only slots between upright walls that are narrower than the width may be missing. The surface may
-//! have any shape: creases, folds and overhangs need no special care.
+//! * Segments and section differ in height by at most [`Accuracy::height_mm`] at the same x.
+//! * On nearly upright walls, heights are compared at places up to [`Accuracy::width_mm`] apart.
+//! * The same two bounds hold for a union of sections.
+//! * Slots between upright walls may be missing if they are narrower than `width_mm`.
+//! * Creases, folds and overhangs of the surface are allowed.
 //!
 //! # Degenerate input
-//! Where an edge of the surface grazes the plane, the section may begin or end as the section of a plane up
-//! to `height_mm` away would. A surface that lies upright in the plane itself has no section. It is an error
-//! if its search takes too many parts.
+//! * Where an edge of the surface grazes the plane, the ends of the section may be those of a section with a
+//!   plane up to `height_mm` away.
+//! * A surface that lies upright in the plane has no section. If the search then examines too many parts, it
+//!   returns an error.
 //!
 //! # Cost
-//! O(stretches), with a few halvings for each. The envelope takes O(n log n + n m) for n stretches of which
-//! at most m lie over one x.
+//! O(k) for k segments of a section. The envelope takes O(n log n + n m) for n segments, of which at most m
+//! lie over one x.
 
 mod envelope;
 mod part;

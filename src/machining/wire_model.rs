@@ -1,13 +1,14 @@
 //! Curves on a surface: wire models, and sketches of a surface for pictures.
 //!
 //! # Method
-//! Koo et al., section 3.3: the wire model of a surface is a family of curves on it at a pitch. Wires along a
-//! parameter are curves on which the other parameter is constant. Wires along an axis are plane sections
-//! ([`Sections`] of the offset by zero). Neighbouring curves of constant parameter are at most the pitch
-//! apart, measured along three curves that cross them: both sides and the middle.
+//! The wire model of a surface is a family of curves on it, at most a pitch apart (Koo et al., section 3.3).
+//! * Wires along u are curves of constant v; wires along v are curves of constant u. The distance between
+//!   neighbours is measured along three curves that cross all wires: both sides of the surface and its
+//!   middle.
+//! * Wires along x or y are plane sections, at equal distances ([`Sections`] with the offset distance zero).
 //!
 //! # Guarantees
-//! Chords leave the surface's curves by at most the chord height asked for.
+//! Chords leave the curves by at most the chord height asked for.
 //!
 //! # Cost
 //! O(points).

@@ -1,5 +1,5 @@
-//! Whether the axis of a cutter is over the surface. A contact at which the cutter stands level counts only
-//! there.
+//! Finds whether a part of the surface lies on the cutter's axis. Where the flat of a cutter touches a level
+//! place, the contact belongs to a section only if it does.
 
 use nalgebra::{Matrix2, Vector2};
 

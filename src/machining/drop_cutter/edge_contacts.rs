@@ -1,5 +1,5 @@
-//! Positions of the axis at which the cutter touches the tangent plane on a side of a surface. Sections begin
-//! and end there.
+//! Positions of the axis at which the cutter touches the tangent plane of the surface at a point of one of
+//! its four sides. Sections begin and end at such positions.
 
 use nalgebra::Vector2;
 

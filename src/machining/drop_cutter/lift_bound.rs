@@ -1,14 +1,17 @@
-//! Bounds from above how high a part can lift a cutter, by quadratic functions.
+//! Bounds the height to which a part of the surface lifts the tip, by quadratic functions.
 //!
 //! # Method
-//! With the axis at a, a surface point P lifts the tip to P_z - h(P - a). A tangent plane plus a quadratic
-//! form supports the height h of the cutter's lower side from below ([`Cutter::support_forms`]). So over the
-//! part the lift is at most a function of the parameters and of t, the position of the axis along a line. The
-//! second derivatives of this function are known within bounds. If it is concave in the parameters, its
-//! largest value over the part is at most that of a quadratic function in a square.
+//! The axis moves along a line in plan; t is its position on the line.
+//! 1. Choose a place of the part and a point of the cutter that may touch there. The lower side of the cutter
+//!    lies above its tangent plane at this point, by at least a quadratic form ([`Cutter::support_forms`]).
+//! 2. The lift of a point of the part is therefore at most a function of t and of the two parameters of the
+//!    part. The second derivatives of this function are known within bounds.
+//! 3. If the function is concave in the parameters, a quadratic function over the unit square bounds it. The
+//!    largest value of the quadratic function is the bound. If the function is not concave, there is no
+//!    bound.
 //!
 //! # Guarantees
-//! An upper bound for every point of the part and every t, but for rounding.
+//! The bound holds for every point of the part and every t, but for rounding.
 
 use nalgebra::{Matrix2, Vector2};
 

@@ -1,14 +1,14 @@
-//! Newton's method for the place of a part that lifts the cutter most.
+//! Finds the place of a part that lifts the tip most, by Newton's method.
 //!
 //! # Method
-//! Two methods lead to the same place.
-//! 1. *By the tangent plane*: the cutter has one point with the gradient of the surface. At the place that is
-//!    sought, this point and the surface point coincide in plan. The point's movement with the parameters is
-//!    bounded, even on the steepest walls and for sharp rims.
-//! 2. *By the lift*: the gradient of z - h in the square of the part vanishes at the place. This method
-//!    handles sides and corners, but a sharp rim has no gradient.
+//! A step is computed in one of two ways:
+//! 1. *By the tangent plane.* One point of the cutter's lower side has the same gradient as the surface. The
+//!    step brings that point over the surface point in plan. This works on the steepest walls and for sharp
+//!    rims.
+//! 2. *By the lift.* The step goes to the place at which the gradient of the lift vanishes. It may be held to
+//!    a side or a corner of the part. A sharp rim has no gradient, so this way does not work there.
 //!
-//! The first is used while its steps stay inside the part, the second at sides.
+//! The first way is used while its steps stay inside the part, and the second way at the sides of the part.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

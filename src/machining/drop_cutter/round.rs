@@ -1,27 +1,41 @@
-//! Proves that a part stays outside a round body that contains the lower side of the cutter. The proof is
-//! exact where cutter and surface are both round.
+//! Proves that a part of the surface stays clear of the cutter, by round bodies that contain the cutter's
+//! lower side. The proof is exact where cutter and surface are both round.
 //!
-//! # Method
-//! Two spheroids about the axis contain the whole lower side of the cutter and touch it along the circle of
-//! one slope.
+//! # Bodies
+//! Let r be the radius of the flat and s that of the rounded corner. The centres of the corner's arcs lie on
+//! a circle of radius r about the axis. Two bodies about the axis are used. Both touch the cutter where its
+//! lower side has the slope of a known contact.
 //!
-//! *The ball*: the line from its centre to the edge of the flat is at right angles to the cutter at that
-//! slope.
+//! *A ball.* Its centre is a point of the axis. The line from there to the circle of centres is at right
+//! angles to the cutter at the known slope.
 //!
-//! *The flattened spheroid*, for the rounded corner of a bull nose: let r be the radius of the flat, q the
-//! squared distance of a point from the axis, and h its height over the corner's centre. The squared distance
-//! of the point from the edge of the flat is q + r^2 - 2 r sqrt(q) + h^2. The square root is concave, so
-//! sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality at q = c^2. Hence a point does not lie in the
-//! corner where q (c - r) / c + h^2 is at least the squared corner radius plus r (c - r). c is the distance
-//! of the contact from the axis. On steep places this spheroid bends as the corner itself does.
+//! *A flattened spheroid*, for the corner of a bull nose. Let q be the squared distance of a point from the
+//! axis, and h its height over the circle of centres. Then the squared distance of the point from the circle
+//! is
 //!
-//! *A straight move*: let 2 m be the vector of the move, and x the coordinate along it from its middle. The
-//! squared distance from the nearest centre is at least d^2 + x^2 k / (1 + k) - k m^2 for every k >= 0, where
-//! d is the distance from the line of the centres. The bound is exact at |x| = (1 + k) |m|.
+//! q + r^2 - 2 r sqrt(q) + h^2.
 //!
-//! Over a part, such a sum of squares is a polynomial or a quotient of two; its least Bernstein coefficient
-//! bounds it. Where the cutter fits a fillet, all points of an arc are equally far from the centre. The other
-//! bounds decide such an arc only on tiny parts.
+//! For every c > 0, sqrt(q) <= (q + c^2) / (2 c). So a point is outside the corner if
+//!
+//! q (c - r) / c + h^2 >= s^2 + r (c - r).
+//!
+//! The points for which this fails form the spheroid. It touches the corner at the distance c from the axis,
+//! so c is chosen as the distance of the contact.
+//!
+//! # Straight moves
+//! During a move the body's centre follows a line segment of half length m. Take a point at the distance d
+//! from the line of the segment. Let x be its coordinate along this line, from the middle of the segment. For
+//! every k >= 0 its squared distance from the segment is at least
+//!
+//! d^2 + x^2 k / (1 + k) - k m^2.
+//!
+//! The bound is exact at |x| = (1 + k) m.
+//!
+//! # Proof
+//! Over a part the bound of the squared distance is a polynomial of the parameters, or a quotient of two. Its
+//! least Bernstein coefficient bounds it from below. If the cutter fits a fillet, all points of an arc of the
+//! fillet are equally far from the body's centre. The other bounds of a drop decide such an arc only on tiny
+//! parts.
 
 use nalgebra::Vector3;
 

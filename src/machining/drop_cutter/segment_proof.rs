@@ -1,17 +1,18 @@
-//! Compares the tips over a stretch of positions with the chord of the tips at its ends.
+//! Compares the tips along a stretch with the chord between the tips at its ends.
 //!
 //! # Method
-//! The axis follows a line from a to b, and the tip follows a curve. The chord is the line between the tips
-//! at both ends.
-//! 1. *Above*: no part lifts the tip more than `height` over the chord, at any position. This uses the bound
-//!    of `lift_bound`, with the position as a third variable.
-//! 2. *Below*: take the surface points on the straight line of parameters between both contacts. They lift
-//!    the tip at least to the chord, less the distance by which their curve leaves its own chord, because the
-//!    lower side of the cutter is convex. Otherwise, the contact of each end must lift the tip high enough up
-//!    to the middle.
+//! The axis moves straight from one position to another. The contacts at both positions are known.
+//! 1. *Not too high.* Show for every part of the surface that it lifts no tip more than a given height above
+//!    the chord. The bounds are those of a single drop, with the position of the axis as a third variable
+//!    (`lift_bound`).
+//! 2. *Not too low.* Take the surface points on the straight line of parameters between both contacts. These
+//!    points lift the tip almost to the chord, because the lower side of the cutter is convex. What is
+//!    missing is bounded by how far the points leave their own chord. If this is too much, try each contact
+//!    alone: it must lift the tip high enough as far as the middle of the stretch.
 //!
 //! # Guarantees
-//! A confirmed verdict holds for every position of the stretch, but for rounding.
+//! A proof holds for every position of the stretch, but for rounding. If a proof needs too many halvings of
+//! parts, the stretch counts as too high.
 
 use nalgebra::{Matrix2, Point3, Vector2};
 

@@ -1,14 +1,17 @@
-//! Proves that a part stays clear of the cutter in a view from the side. The proof is exact for swept
-//! fillets.
+//! Proves that a part of the surface stays clear of the cutter, in a view from the side.
 //!
 //! # Method
-//! Seen along a level direction, one side of the cutter is a flat, a corner that is a circle or sharp, and
-//! the shank. Let Q be the place at the part's least distance from the axis and at the part's largest height.
-//! The part can meet only one piece of the cutter: from the point of the flat beneath Q, over the corner, to
-//! the point of the shank beside Q. Take a circle that contains the corner, Q and these two points, at both
-//! ends of a straight move. It contains that piece during the whole move, because circles are convex. Over a
-//! swept fillet the centre of the fillet is the best centre: all points of the fillet's arc are equally far
-//! from it.
+//! The cutter is seen along a level direction. On one side of its axis the outline is the flat, then the
+//! corner, then the shank. The corner is an arc, or a point if the rim is sharp.
+//!
+//! Let Q be the place in this view at the part's least distance from the axis and at the part's largest
+//! height. The part can meet only the stretch of the outline from the point beneath Q to the point beside Q.
+//! A circle is chosen that contains this stretch at both ends of a straight move. It contains the stretch
+//! during the whole move, because circles are convex. If all points of the part lie outside the circle in
+//! this view, the part is clear of the cutter.
+//!
+//! Several centres of the circle are tried. The best one for a swept fillet is the centre of the fillet: all
+//! points of the fillet's arc are equally far from it. The proof is exact for such a fillet.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

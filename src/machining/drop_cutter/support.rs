@@ -1,4 +1,5 @@
-//! Bounds how high other parts lift the tip, by a known contact.
+//! Bounds the height to which a part of the surface lifts the tip, from a contact that is already known. The
+//! cutter's lower side lies above the tangent plane of the contact, by at least a paraboloid.
 
 use nalgebra::{Vector2, Vector3};
 

@@ -1,15 +1,17 @@
-//! Tips along a line of positions: the points that a pass follows, with a proved distance of the tips between
-//! them.
+//! Tips along a line of positions of the axis. They are the points that a pass follows, with a proved
+//! distance between the tips and the chords of these points.
 //!
 //! # Method
-//! The line is bisected (`trace`) into three kinds of stretches: chords to which the tips are proved to keep
-//! ([`Contacts::stretch`]), upright walls, and stretches without a section.
+//! Bisection divides the line into three kinds of stretches (`trace`):
+//! * chords that are proved to be near the tips ([`Contacts::stretch`]);
+//! * upright walls;
+//! * stretches without a section.
 //!
-//! A tip counts where the cutter touches the tangent plane of the surface, or an edge within the surface. The
-//! section ends where the cutter touches only an edge at which the surface ends.
+//! A section runs where the cutter touches the tangent plane of the surface, or a sharp edge inside the
+//! surface. It ends where the cutter touches only an edge at which the surface ends.
 //!
 //! # Cost
-//! O(points): some ten microseconds a point on a grid of 60 x 60 at a chord height of 6e-4 mm.
+//! O(points): some ten microseconds a point on a grid of 60 x 60, at a chord height of 6e-4 mm.
 
 mod trace;
 

@@ -1,4 +1,4 @@
-//! The parts in which a surface is examined: small patches with bounds for each, under a hierarchy of boxes.
+//! The parts in which a surface is examined: small subpatches with bounds for each, in a hierarchy of boxes.
 
 use nalgebra::{Vector2, Vector3};
 

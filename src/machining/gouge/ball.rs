@@ -1,14 +1,18 @@
-//! A lower bound of the distance between a part of a patch and a piece of the centre's path.
+//! A lower bound of the distance between a part of a patch and a piece of the path of a ball's centre.
 //!
-//! Let (a, b, h) be the coordinates of a surface point about the centre of a circle of radius r, with h along
-//! the circle's normal, and q = a^2 + b^2. The squared distance of the point to the circle is q + r^2 - 2 r
-//! sqrt(q) + h^2. The square root is concave, so sqrt(q) <= (q + c^2) / (2 c) for every c > 0, with equality
-//! at q = c^2. Hence
+//! # Method
+//! The squared distance from a surface point to a line or to a point is a polynomial in the parameters of the
+//! part. For a rational patch it is the quotient of two polynomials. The least Bernstein coefficient bounds
+//! it from below.
 //!
-//! distance^2 >= q (c - r) / c + r (r - c) + h^2,
+//! The squared distance to a circle contains a square root. A polynomial below it takes its place. Let r be
+//! the radius of the circle and c any positive number. For a surface point, let h be its height over the
+//! plane of the circle, and q its squared distance from the circle's axis. Then
 //!
-//! which is a polynomial in the parameters of the part. c is taken at the part's centre. The loss is then of
-//! second order in the change of q, and along the line of contact q is nearly constant.
+//! distance^2 = q + r^2 - 2 r sqrt(q) + h^2 >= q (c - r) / c + r (r - c) + h^2,
+//!
+//! because sqrt(q) <= (q + c^2) / (2 c). Both sides are equal where q = c^2. c^2 is the value of q at the
+//! part's centre. Along the line of contact q is nearly constant, so little is lost there.
 
 use nalgebra::Vector3;
 

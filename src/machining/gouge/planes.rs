@@ -1,4 +1,4 @@
-//! Bounds of the depth of a part in the cutter, by planes at right angles to unit vectors m.
+//! Bounds how deep a part lies in the cutter, by planes at right angles to unit vectors m.
 
 use nalgebra::Vector3;
 

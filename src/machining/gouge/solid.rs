@@ -1,10 +1,13 @@
 //! The solid of a cutter with its shank, as the gouge proof sees it.
 //!
-//! Let C be the point of the axis at the height of the corner circle's centre (the ball's centre, the middle
-//! of a flat end's bottom). The core of the cutter is the level disc of the flat's radius about C with
-//! everything above it. The cutter is all that lies within the corner radius of the core. The core is convex,
-//! so a unit vector m that does not point up bounds it: no point of the cutter lies farther along m from C
-//! than [`Solid::reach`].
+//! Let C be the point of the axis at the height of the centre of the rounded corner. For a ball cutter C is
+//! the ball's centre. For a flat end C is the middle of the bottom.
+//!
+//! The core of the cutter is a level disc about C with everything above the disc. The disc is as wide as the
+//! flat of the cutter. The cutter is all points within the corner radius of the core.
+//!
+//! The cutter is convex. So any unit vector m that does not point up bounds it: no point of the cutter lies
+//! farther from C along m than [`Solid::reach`].
 
 use nalgebra::Vector3;
 

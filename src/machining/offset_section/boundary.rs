@@ -1,4 +1,5 @@
-//! The boundary curves of an offset surface, cut into stretches on which one coordinate is monotone.
+//! The boundary curves of an offset surface, cut into stretches on which the coordinate of the section plane
+//! rises or falls throughout.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;

@@ -1,4 +1,4 @@
-//! The upper envelope of stretches.
+//! The upper envelope of straight segments: the largest height over every x.
 
 use nalgebra::Vector2;
 

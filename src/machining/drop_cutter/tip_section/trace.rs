@@ -1,17 +1,18 @@
-//! Finds the sections over one line of positions by bisection.
+//! Finds the sections over one line of positions of the axis, by bisection.
 //!
 //! # Method
-//! A position counts if a section runs through the contact there. The line is cut into intervals with the
-//! contact known at both ends:
-//! * Neither end counts: the interval has no section if nothing is near, or if it is shorter than the search
-//!   step. Otherwise it is halved.
-//! * One end counts: the section ends within the interval, at a place that bisection finds to 1e-8 mm.
-//! * Both ends count: the tips between are proved to keep to the chord, or the interval is a millionth of a
-//!   millimetre long and its ends are foot and head of a wall. Otherwise it is halved.
+//! A position *counts* if a section runs through the contact there. The line is cut into intervals, and for
+//! both ends of each it is known whether they count. There are three cases:
+//! * *Neither end counts.* The interval has no section if it is shorter than the search step, or if no part
+//!   of the surface is near it. Otherwise it is halved.
+//! * *One end counts.* The section ends within the interval, at a place that bisection finds to 1e-8 mm.
+//! * *Both ends count.* The interval is done if the tips are proved to keep to the chord of its ends.
+//!   Otherwise it is halved, down to a length of 1e-6 mm. Then its ends are the foot and the head of an
+//!   upright wall.
 //!
-//! In the middle of an interval Newton's method starts from the contact at one end. It may find a contact
-//! that is not the highest; then the proof of the chord fails. Contacts are proved to be the highest only
-//! where that happens, and where a section ends.
+//! Newton's method finds the contact in the middle of an interval, starting from the contact at one end. The
+//! contact found this way may not be the highest. Then the proof of the chord fails, and the contacts at both
+//! ends are searched again with a proof. The contact at the end of a section is always proved.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,12 +1,12 @@
-//! The toolpath: the one representation between every operation and every output.
+//! The toolpath: what every operation makes and every output takes.
 //!
 //! # Promises
 //! * Every coordinate is finite.
-//! * A toolpath is continuous: a move stores where it ends and starts where the last one ended.
+//! * A toolpath is continuous: a move stores where it ends, and starts where the last one ended.
 //! * The radii at both ends of an arc agree.
-//! * A rapid has no feed. A feed move has a feed, or states that none was chosen: then it has no time, and
-//!   its toolpath makes no program.
-//! * Nothing is modal and nothing is text; modal words belong to `post` alone.
+//! * A rapid has no feed. A feed move has a feed, or states that none was chosen. Without a feed it has no
+//!   time, and no program can be made of its toolpath.
+//! * Nothing is modal and nothing is text. Both belong to `post` alone.
 
 pub mod contour;
 pub mod cutting;

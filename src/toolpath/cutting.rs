@@ -1,5 +1,5 @@
-//! The conditions of a cut: feeds by role, spindle, coolant and heights. [`CuttingRequest`] holds what is
-//! asked for, [`Cutting`] also every default.
+//! The conditions of a cut: a feed for each role of a move, spindle, coolant and heights. [`CuttingRequest`]
+//! holds what was asked for. In [`Cutting`] the defaults are filled in.
 
 use super::path::Role;
 use super::program::Program;

@@ -1,4 +1,4 @@
-//! Chords of a curve.
+//! Points on a curve whose chords stay near it.
 
 use std::f64::consts::FRAC_PI_3;
 

@@ -1,9 +1,10 @@
-//! Lengths, times, counts and bounds of a toolpath: computed here once, never by an operation.
+//! Lengths, times, numbers of moves, and the box of a toolpath.
 //!
 //! # Guarantees
-//! Lengths are closed forms. Bounds contain the start, rapids and the extremes of arcs and parabolas. Times
-//! are length divided by feed, as on a machine with unlimited acceleration. There is no cutting time where a
-//! move has no feed.
+//! * Lengths come from closed formulas.
+//! * The box holds the start, the rapids, and the extremes of arcs and parabolas.
+//! * A time is length divided by feed, as on a machine with unlimited acceleration. If any feed move has no
+//!   feed, there is no cutting time.
 //!
 //! # Cost
 //! O(n) in the moves.

@@ -1,21 +1,24 @@
-//! The time that a machine with a limited acceleration needs for a toolpath.
+//! Estimates the time that a machine with a limited acceleration a needs for a toolpath.
 //!
 //! # Method
-//! 1. A chain is a run of moves of one kind, feed or rapid. The machine is at rest where a chain begins and
-//!    ends: at the ends of the path, at a dwell, and between rapid and feed.
-//! 2. Within a move the speed is at most its feed. On an arc the speed is also at most sqrt(a / k), where k
-//!    is the curvature, so that the centripetal acceleration is at most a. A parabola is taken in parts, each
-//!    at its own largest curvature.
-//! 3. Let two moves meet at the angle w (pi where they go straight on). The speed v at their joint is at most
-//!    that on a circle which touches both moves and leaves the joint by d: v^2 = a d sin(w / 2) / (1 - sin(w
-//!    / 2)), with d = 0.01 mm, Grbl's default.
-//! 4. Look-ahead: a pass backward and a pass forward along the chain lower the speeds at the joints, until
-//!    each speed follows from its neighbours within the acceleration: v1^2 <= v0^2 + 2 a l.
-//! 5. Each move then takes the time of the trapezoid, or triangle, of speed between its two joints.
+//! 1. Cut the path into chains: runs of moves of one kind, feed or rapid. The machine is at rest at both ends
+//!    of a chain. So it rests at the ends of the path, at a dwell, and between rapid and feed.
+//! 2. Limit the speed within a move by its feed. On an arc of curvature k the centripetal acceleration is
+//!    limited as well: v^2 k <= a for the speed v. A parabola is taken in parts, each with its largest
+//!    curvature.
+//! 3. Limit the speed v at the joint of two moves, where w is the angle between them (pi if they go straight
+//!    on). Take the circle that touches both moves and leaves the joint by d = 0.01 mm, the default of Grbl.
+//!    The speed is at most that on the circle: v^2 = a d sin(w / 2) / (1 - sin(w / 2)).
+//! 4. Look ahead: lower the speeds at the joints backward along the chain, then forward. At the end,
+//!    v1^2 <= v0^2 + 2 a l holds between any two neighbouring joints, with the speeds v0 and v1 and the
+//!    length l of the move.
+//! 5. Let each move accelerate from the speed at its start, run at its largest speed, and slow down to the
+//!    speed at its end. If the largest speed is not reached, it slows down at once.
 //!
 //! # Guarantees
-//! The time is at least length divided by feed. It falls as the acceleration grows, and tends to length
-//! divided by feed where no move turns back. It does not change when a line or an arc is divided.
+//! * The time is at least length divided by feed.
+//! * The time falls as a grows. It tends to length divided by feed where no move turns back.
+//! * The time does not change when a line or an arc is divided.
 //!
 //! # Degenerate input
 //! Moves without length take no time and make no joints.
@@ -24,8 +27,8 @@
 //! O(n) in the moves: 0.05 microseconds each.
 //!
 //! # Differences from a control
-//! One acceleration stands for all axes, along the path and across it. Jerk, the limits of single axes and
-//! the number of blocks that a control looks ahead are not known here. So this is an estimate.
+//! The same acceleration holds for all axes, along the path and across it. Jerk, the limits of single axes
+//! and the number of blocks that a control looks ahead are not known here. So the time is an estimate.
 //!
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.

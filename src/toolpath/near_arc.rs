@@ -1,14 +1,15 @@
-//! Makes arcs exact whose radii at the two ends do not quite agree, because other software has rounded them.
+//! Makes exact arcs of rounded ones. Other software rounds ends and centre, so the radii at the two ends no
+//! longer agree.
 //!
 //! # Method
-//! The centre is moved to the perpendicular bisector of the ends. On a short arc that changes little. On an
-//! arc that nearly closes, the smallest difference of the radii tilts the bisector, and the arc can change
-//! much. Such an arc is divided at the middle of its sweep, at the mean of the radii, and each half is made
-//! exact on its own.
+//! The centre moves to the perpendicular bisector of the ends. If the arc then stays near enough to the given
+//! one, it is the answer. An arc that nearly closes may move too far, because its ends are close together and
+//! a small error tilts their bisector. Then the arc is divided at the middle of its sweep, at the mean of the
+//! two radii, and each half is made exact on its own. If a half moves too far as well, the arc is refused.
 //!
 //! # Guarantees
-//! The bound that is returned holds for every path that a control may run for the arc as given: about the
-//! given centre, at any radius between those of the two ends. It holds both ways.
+//! A control may run the given arc about the given centre, at any radius between those of the two ends.
+//! [`NearArc::moved_mm`] bounds the distance from every such path to the exact arcs, and back.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Moves, passes and the toolpath, built by a builder and read as steps.
+//! Moves, passes and the toolpath, with the builder that makes a toolpath move by move.
 
 use nalgebra::Point3;
 

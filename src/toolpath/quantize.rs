@@ -1,29 +1,32 @@
-//! Rounds curves to the grid of the output: the geometry that a program will state.
+//! Rounds curves to the grid of the output: the geometry that a program will state. A *step* is one unit of
+//! the last decimal.
 //!
 //! # Method
-//! 1. Each end is rounded on its own. Rounding depends on the point alone, so curves that share a joint share
-//!    its rounded point.
-//! 2. An arc's centre is projected onto the perpendicular bisector of the rounded ends, and its offsets from
-//!    the rounded start are rounded. The 3 x 3 grid points about that place are tried. Among those whose two
-//!    radii agree within one step, the point whose path lies nearest to the source is taken.
-//! 3. The distance from the source to every path that a control may run for the block is bounded. An arc is
-//!    split in two if its bound is too large, if its sense or sweep would change, or if no centre is found.
-//! 4. An arc that is flatter than half a step becomes a line. An arc of more than [`MAX_RADIUS_MM`] becomes
-//!    chords.
-//! 5. A parabola's three control points are rounded (`parabola`), and it is divided as arcs are. A parabola
-//!    that is flatter than half a step becomes a line. Where there are no blocks for it, a parabola becomes
-//!    chords no farther from it than half a step.
+//! 1. *Ends.* Each end is rounded on its own. Two curves that meet in a point still meet in its rounded
+//!    point.
+//! 2. *Arcs.* The centre is projected onto the perpendicular bisector of the rounded ends. The nine grid
+//!    points around it are tried as centres. The written radii at the two ends must agree within one step.
+//!    The distance between the arc and every path that a control may run for the block must be small enough
+//!    (`bound`). Of the centres that pass, the one with the smallest distance is taken. If none passes, the
+//!    arc is divided in two (`candidate`).
+//! 3. *Lines instead of arcs.* An arc that is flatter than half a step becomes a line. An arc of a radius
+//!    above [`MAX_RADIUS_MM`] becomes chords. So does one whose radius is so small that controls take it for
+//!    zero.
+//! 4. *Parabolas.* The three control points are rounded (`parabola`). The parabola is divided in two if it
+//!    moves too far. A parabola that is flatter than half a step becomes a line. Where the control has no
+//!    blocks for it, chords replace the parabola, no farther from it than half a step.
 //!
 //! # Guarantees
-//! * Every point of a written curve lies within [`MAX_DISPLACEMENT_STEPS`] of the source and vice versa, in
-//!   order. This holds for every radius, between those at the two ends of an arc, that a control may take.
-//!   Each curve carries its own bound.
+//! * A written curve lies within [`MAX_DISPLACEMENT_STEPS`] of its source. The distance is measured from
+//!   curve to source and from source to curve, with points matched in the order of travel. It holds for any
+//!   radius that a control may take between those at an arc's two ends. Each curve carries its own bound.
 //! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] and [`MAX_MISMATCH_MM`].
-//! * A full turn is written only for a full turn.
+//! * A full circle is written for a full circle only.
 //!
 //! # Degenerate input
-//! A curve whose rounded ends coincide and that goes nowhere in between gives no curve at all. A point that
-//! has no place on the grid, or a curve that needs more than [`MAX_PIECES`], is an error.
+//! * A curve shorter than the grid may have equal rounded ends. It gives no curve at all.
+//! * A coordinate too large for the output's number of decimals is an error.
+//! * A curve that needs more than [`MAX_PIECES`] is an error.
 //!
 //! # Cost
 //! O(1) for nearly every curve; O(sqrt(radius / step)) where chords are needed.

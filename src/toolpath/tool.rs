@@ -1,4 +1,4 @@
-//! Cutters.
+//! Cutters, with their numbers in the control's tables.
 
 use crate::machining::cutter::Cutter;
 

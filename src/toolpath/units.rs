@@ -1,4 +1,5 @@
-//! Quantities that would cut metal wrongly if they were swapped, each with its legal range.
+//! Feed rates and accelerations as types of their own, so that one cannot be taken for the other. Each has
+//! its legal range.
 
 /// A feed rate in mm/min, finite and above zero.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]

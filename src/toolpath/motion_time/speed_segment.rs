@@ -1,4 +1,4 @@
-//! Moves as segments of limited speed: lengths, directions at the ends, and the largest speed.
+//! Moves, or parts of moves, each with a length, the directions at its ends and its largest speed.
 
 use nalgebra::Vector3;
 

@@ -1,23 +1,25 @@
-//! How far the path that a control runs for a quadratic spline block is from the parabola.
+//! Bounds how far a control leaves a parabola that a block states as a quadratic spline.
 //!
-//! These blocks are LinuxCNC's, but LinuxCNC runs no parabola. It divides the parameter into twelve equal
-//! parts and runs each part as two arcs. The arcs touch each other, and the tangents at the ends of the part
-//! (`NURBS_FEED` and `biarc` in its `emccanon.cc`). LinuxCNC takes the tangents from differences over 1e-5 of
-//! the parameter to each side; at the ends of a block the differences are one-sided.
+//! LinuxCNC has such blocks, but it runs arcs instead of the parabola (`NURBS_FEED` and `biarc` in its
+//! `emccanon.cc`). It divides the parameter into twelve equal parts and runs each part as two arcs. The arcs
+//! touch each other, and the tangents of the parabola at the ends of the part. LinuxCNC takes these tangents
+//! from differences over 1e-5 of the parameter to each side. At an end of the block it takes one side only.
 //!
 //! # Method
-//! 1. The same arcs are computed here, without the cancellation that the control's own formulas have.
-//! 2. The normal at the point where two arcs meet divides their part of the parabola. So each arc and its
-//!    share of the parabola have common normals at both ends. They are compared along the normals of the arc.
-//! 3. Let x be the parabola seen from the arc's start, and n the vector from the arc's start to its centre.
-//!    The distance of x to the circle of radius r is (|x|^2 - 2 x . n) / (|x - n| + r). The numerator and x
-//!    are polynomials in the parameter, and are bounded by their Bernstein coefficients.
-//! 4. An allowance for the control's own rounding is added: for its differences of points, and for the
-//!    cancellation in its quadratic equation.
+//! 1. Compute the same arcs, by formulas without the cancellation in LinuxCNC's own.
+//! 2. Divide each part of the parabola where the common normal of its two arcs meets it. Compare each arc
+//!    with its share of the parabola along the arc's normals.
+//! 3. Let x be a point of the parabola seen from the arc's start, n the vector from there to the arc's
+//!    centre, and r the arc's radius. The distance of x from the circle is (|x|^2 - 2 x . n) / (|x - n| + r).
+//!    The numerator is a polynomial of the parameter, and its Bernstein coefficients bound it. The same bound
+//!    shows that the denominator is near 2 r.
+//! 4. Add an allowance for LinuxCNC's rounding, in its differences of points and in its quadratic equation.
 //!
 //! # Guarantees
-//! An upper bound, both ways and in order. A part that hardly turns is refused: the control divides by the
-//! square of the turn, and a turn of zero leads to coordinates that are not numbers.
+//! The bound holds for the distance from the arcs to the parabola and back, with points matched in the order
+//! of travel (a Frechet distance). There is no bound for a part that turns by less than 1e-6 radians:
+//! LinuxCNC divides by the square of the turn. There is none either for a part that turns by more than one
+//! radian.
 //!
 //! # Reference
 //! K. M. Bolton, *Biarc curves*, Computer-Aided Design 7, 1975.

@@ -1,20 +1,24 @@
-//! Bounds the distance between an arc and every path that a control may run for the block that stands for the
-//! arc.
+//! Bounds the distance between an arc and every path that a control may run for the arc's block.
 //!
 //! # Method
-//! A control turns about the written centre W, at a radius somewhere between those of the block's two ends.
-//! The arc has the centre C and the radius R. Points are matched in two ways, and the smaller bound is
-//! returned:
-//! * by angle about C. A point at radius r in the unit direction e has the distance |r e + W - C| from C.
-//!   This grows with r and with the component of e along W - C, and both have closed extremes over the sweep.
-//!   At the ends the rest of the turn counts as a chord. For a helix the heights differ by the rise times the
-//!   angle between the matched points, divided by the sweep.
-//! * by fraction of the sweep, for helices: the largest distance of the two points at 33 fractions, plus the
-//!   most that it can grow between these by its second derivative.
+//! The arc has the centre C and the radius R. Its block states rounded ends and a rounded centre W. A control
+//! turns about W, at a radius somewhere between those of the block's two ends.
+//!
+//! *By angle.* A point of the control's path is compared with the point of the arc in the same direction from
+//! C. Their distance is the difference between R and the point's distance from C. Closed formulas give the
+//! largest difference, for the smallest and for the largest radius about W. The control's path may begin or
+//! end beyond an end of the arc, by a small angle. Then the point is compared with that end, and the bound
+//! includes the chord of the angle. On a helix the bound includes the difference of the heights.
+//!
+//! *By fraction.* A helix is compared in a second way, too. Points at equal fractions of the turn are compared,
+//! at 33 fractions. A bound of the second derivative shows by how much the distance can grow between two
+//! fractions, and this is added. The smaller of the two bounds counts.
 //!
 //! # Guarantees
-//! An upper bound, both ways and in order. For the rounding of the computation itself, 64 units in the last
-//! place of the largest coordinate are added.
+//! The bound holds for the distance from path to arc and from arc to path, with points matched in the order
+//! of travel (a Frechet distance). For the rounding of the computation, 64 units in the last place of the
+//! largest coordinate are added. There is no bound where path and arc have different turns, or where W is
+//! farther from C than half of the smallest radius.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! The centres on the grid with which an arc may be written.
+//! Finds the centre on the output's grid with which an arc is written.
 
 use std::f64::consts::TAU;
 

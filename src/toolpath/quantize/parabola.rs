@@ -1,10 +1,10 @@
-//! Writes a parabola: as one block or several, or as lines where it is flat or the control has no such
-//! blocks.
+//! Writes a parabola as one spline block or several, or as lines. Lines are used where the parabola is flat,
+//! where it does not lie at one height, and where the control has no spline blocks.
 //!
 //! # Method
-//! The three control points are rounded each on its own. No point of a quadratic Bezier curve then moves
-//! farther than the control point that moves most. `biarcs` bounds what a control adds by running the block
-//! as arcs. A parabola for which both together are too much is divided in two.
+//! Each of the three control points is rounded on its own. No point of the parabola then moves farther than
+//! the control point that moves most. A control may run arcs instead of the parabola; `biarcs` bounds how far
+//! they leave it. A parabola is divided in two if both distances together are too large.
 
 use nalgebra::Vector2;
 

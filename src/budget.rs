@@ -1,8 +1,8 @@
 //! The limits of one computation: a deadline, a cancel flag, a receiver of progress, and threads that help.
 //!
-//! This is the only way in which the core notices the outside world while it computes. Every long loop checks
-//! the budget at every step. The check answers `Err(Stopped)` when the caller has gone away or the time is
-//! up. The computation ends there, without a result.
+//! A computation below `http` notices the outside world only through its budget. Every long loop checks the
+//! budget at short intervals. The check gives `Err(Stopped)` when the caller has gone away or the deadline
+//! has passed. The computation then ends without a result.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

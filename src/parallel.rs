@@ -1,8 +1,9 @@
 //! Work shared out to threads, with the results in order.
 //!
 //! A computation starts its own threads and never waits for the work of another computation. [`Helpers`]
-//! limits the number of threads that all computations sharing it start together. The threads that the
-//! computations were called on are not counted. A computation that finds no helper free works alone.
+//! counts how many threads may still be started; several computations can share one count. The thread on
+//! which a computation was called is not counted. A computation that finds no helper free does all its work
+//! on that thread.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;

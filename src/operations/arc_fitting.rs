@@ -1,24 +1,27 @@
 //! Fits arcs and lines to a polyline.
 //!
 //! # Method
-//! 1. Fit the points in the requested plane, or in the plane in which they lie
+//! 1. Fit the points in the requested plane, or else in the plane in which they lie
 //!    ([`arc_fit`](crate::geometry::arc_fit)).
-//! 2. Measure the deviation again on the fitted curves ([`following`]), and bound it for the program at its
-//!    decimals. Lines replace curves that exceed the tolerance.
-//! 3. Turn the curves into a toolpath.
+//! 2. Measure again how far the fitted curves leave the points ([`following`]). Lines through the points
+//!    replace a curve that exceeds the tolerance. Biarcs are not replaced: they pass through the points
+//!    whatever the tolerance.
+//! 3. Bound the same deviation for the program at its decimals.
+//! 4. Turn the curves into a toolpath.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance of the points from the curves, in order. With the measure
-//!   `polyline` it also bounds the distance between the curves and the lines between the points, both ways.
-//!   It is at most the tolerance and its rounding, except for biarcs, which know no tolerance.
+//! * `deviation_max_mm` bounds the distance of the points from the curves, in the order of travel. With the
+//!   measure `polyline` it bounds the distance between the curves and the lines between the points, from
+//!   curve to line and from line to curve. It is at most the tolerance, up to rounding. Only biarcs may
+//!   exceed the tolerance; a warning then says so.
 //! * `deviation_written_max_mm` bounds the same distance for the program. It holds for every path that the
 //!   control may take for a block.
 //!
 //! # Degenerate input
-//! Coincident neighbours count once. Points that are all the same are refused.
+//! Neighbouring points that coincide count once. A path whose points are all the same is refused.
 //!
 //! # Cost
-//! The cost of the fit.
+//! That of the fit.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.

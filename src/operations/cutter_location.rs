@@ -1,13 +1,13 @@
 //! Finds where a cutter that comes down at given places touches a surface.
 //!
 //! # Method
-//! 1. Order the points: as given, or to and fro along strips, whichever way is shorter.
+//! 1. Order the points along a short way: as given, or up and down along parallel strips.
 //! 2. Share them out to threads in groups. The size of a group does not depend on the number of threads.
-//! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). The contact of the
-//!    point before is the first guess.
+//! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). The search for the
+//!    contact starts at the contact of the point before, if that point is near.
 //!
 //! # Guarantees
-//! Each tip is proved to within [`Location::gap_mm`].
+//! The true tip is higher than the reported one by at most [`Location::gap_mm`].
 //!
 //! # Cost
 //! O(n log m) for n points and m patches.

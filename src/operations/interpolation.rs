@@ -1,41 +1,43 @@
-//! Interpolates a plane curve within a band: by lines, parabolas, both, or arcs; by bisection, or with as few
-//! elements as possible.
+//! Interpolates a plane curve within a band.
 //!
 //! # Method
-//! 1. Make the curve from its data (`source`) and divide its domain into equal initial elements.
-//! 2. Divide each initial element. `bisection` is Hyun's method: an element that leaves the band is halved;
-//!    the mixed method tries a line first, then a parabola, then halves. `least` ends each element as far on
-//!    as possible. Where that may not be best, `beam_search` keeps several places that the same number of
-//!    elements can reach. `corners` moves joints to real corners where that costs no element. `straight` puts
-//!    lines in place of arcs that hardly bend. `corridor` finds lines whose joints may lie anywhere in the
-//!    band.
+//! 1. Make the curve from its data (`source`). Divide its domain into equal initial elements.
+//! 2. Divide each initial element into lines, parabolas, both, or arcs:
+//!    * *by bisection*, as Hyun does: an element that leaves the band is halved (`bisection`);
+//!    * *into as few elements as possible*: each element ends as far on as it can (`least`). Then a search
+//!      tries to save elements (`beam_search`), joints move to corners of the curve (`corners`), and lines
+//!      replace arcs that hardly bend (`straight`). On request, the joints of lines may lie anywhere in the
+//!      band (`corridor`).
 //! 3. Prove over the whole of each element that it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
 //! 4. Bound from below how many elements are needed (`lower_bound`).
-//! 5. Turn the elements into a toolpath (`path`). If the control runs no parabolas, arcs within the same band
-//!    replace them. For a cutter beside the contour, `compensation` offsets the elements by the cutter's
-//!    radius.
+//! 5. Turn the elements into a toolpath (`path`). If the control runs no parabolas, arcs or lines within the
+//!    same band replace them. For a cutter beside the contour, the elements are offset by the cutter's radius
+//!    (`compensation`).
 //!
 //! # Guarantees
 //! * Every element is proved, not sampled, to stay within the band by the requested measure.
-//!   `deviation_max_mm` exceeds the largest deviation found by at most a quarter and 2.5e-7 mm.
+//! * `deviation_max_mm` bounds the deviation of all elements. It exceeds the largest deviation found by at
+//!   most a quarter of it plus 2.5e-7 mm.
 //! * Elements join without gaps from the first point of the curve to the last.
 //! * Any set of elements with the same method and the same kind of joints has at least
 //!   `n_elements_lower_bound` elements.
 //!
 //! # Degenerate input
-//! A band that no element keeps, however short, is refused with the place. An example is a band without room
-//! on the side to which the curve bends.
+//! Somewhere the band may be too narrow for any element, however short: for example, if it has no room on the
+//! side to which the curve bends. Then the job is refused, and the error names the place.
 //!
 //! # Cost
-//! O(n) for n elements; O(n log n) where bisection starts from many knots at once. Joints in the band and
-//! paths beside the contour cost more; see `corridor` and [`offset`](crate::geometry::offset).
+//! O(n) for n elements. Bisection takes O(n log n) if the curve has many knots. Joints in the band and paths
+//! beside the contour cost more; see `corridor` and [`offset`](crate::geometry::offset).
 //! `benches/interpolation.rs` measures times over growing sizes.
 //!
 //! # Differences from the paper
-//! The paper samples deviations; here they are proved. The paper measures its band vertically in its formulas
-//! and along the normal in its tables; both measures are offered. The paper's machining time is that of its
-//! interpreter; here it is length divided by feed. The tests name the misprints in the paper's tables.
+//! * The paper samples deviations; here they are proved.
+//! * The paper measures its band vertically in its formulas and along the normal in its tables. Here the
+//!   caller chooses one of the two measures.
+//! * The paper's machining time is that of its interpreter; here it is length divided by feed.
+//! * The tests name the misprints in the paper's tables.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation

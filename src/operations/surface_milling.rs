@@ -1,44 +1,46 @@
 //! Finishes a surface in passes along parallel planes (CL-Cartesian machining), or roughs it along unions of
-//! wires (`wire_union`).
+//! wires (`wire_union`). The steps below are those of finishing (`cl_cartesian`).
 //!
 //! # Method
 //! 1. Build the surface from its data ([`source`](crate::geometry::surface::source)). With the boundary
 //!    `past`, continue the surface past its edges.
-//! 2. Find the CL curves. The engine `contact` drops the cutter, enlarged by the allowance, onto the surface
-//!    ([`drop_cutter`](crate::machining::drop_cutter)). The engine `offset_section` proves that the surface
-//!    is smooth ([`joints`](crate::geometry::surface::joints)), that its normal points up, and that its
-//!    offset by the radius and the allowance does not fold ([`regularity`](crate::machining::regularity)). It
-//!    then cuts the offset in sections and lowers them by the radius (Ju eq. 1). The engine `contact` does
-//!    the same for a ball where this proof succeeds and the certificate of step 5 confirms the passes. The
-//!    proof also yields the scallop heights (`scallop`).
+//! 2. Find the CL curves with one of two engines:
+//!    * `offset_section`, for ball cutters. It proves that the surface is smooth
+//!      ([`joints`](crate::geometry::surface::joints)) and that the ball can follow it
+//!      ([`regularity`](crate::machining::regularity)). It cuts sections of the offset by the ball's radius
+//!      plus the allowance, and lowers them by the radius (Ju eq. 1).
+//!    * `contact`, for all cutters. It drops the cutter onto the surface, enlarged by the allowance
+//!      ([`drop_cutter`](crate::machining::drop_cutter)). For a ball cutter it tries the sections of the
+//!      offset first, and drops the cutter if a proof fails.
 //! 3. Space the planes equally (`planes`). With the boundary `inside`, cut off each part of a section over
 //!    which the cutter crosses the `outline`. Join the CL points of each section by arcs and lines (`passes`;
 //!    Ju, section 4).
-//! 4. Join the passes, one way or zigzag (`links`): by a link, or by leaving one pass and entering the next
-//!    (`entries`).
+//! 4. Join the passes, one way or zigzag. Either a link leads from a pass to the next, or the cutter leaves
+//!    the pass and enters the next one (`links`, `entries`).
 //! 5. Prove how deep the cutter cuts into the surface on every move, as computed and as written
 //!    (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance, both ways, between the path and the exact CL curves. It holds
-//!   for the path as computed and as rounded to the resolution, and is at most the tolerance.
+//! * `deviation_max_mm` bounds the distance from the path to the exact CL curves, and back. It holds for the
+//!   path as computed and as rounded to the resolution. It is at most the tolerance.
 //! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move. The proof does
-//!   not use how the path was made. The cutter enters the allowance by at most the tolerance; a path that
-//!   would cut deeper is refused.
-//! * `scallop_max_mm` bounds the height left between exact passes, along the normal of the surface. The
-//!   deviation of the passes is not counted. Places so near to an edge that the way to the next pass would
-//!   leave the surface are not counted either.
+//!   not use how the path was made. A path that enters the allowance by more than the tolerance is refused.
+//! * `scallop_max_mm` bounds the height that exact passes leave between them, along the normal of the surface
+//!   (`scallop`). The deviation of the passes is not counted. The bound does not cover places near an edge of
+//!   the surface.
 //!
 //! # Degenerate input
-//! Sections shorter than two steps of the resolution are left out: they would vanish in rounding.
+//! * A section shorter than two steps of the resolution is left out, because it would vanish in rounding.
+//! * A piece of a section shorter than a tenth of the cutter's radius is left out if the section has a longer
+//!   piece. A warning says so.
 //!
 //! # Cost
 //! O(p + n log m) for n CL points, m patches and p subpatches of the regularity proof.
 //!
 //! # Differences from the paper
-//! The paper's step is constant; here the step follows the proved curvature and is refined until the
-//! tolerance holds for the whole curve, not only for its points. The paper does not treat rapids, links and
-//! the order of passes.
+//! * The paper's step along a section is constant. Here the step follows the proved curvature, and is refined
+//!   until the tolerance holds for the whole curve.
+//! * The paper does not treat rapids, links and the order of passes.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".

@@ -1,15 +1,16 @@
 //! Describes a surface: its patches, its bounding box, its curvature, and a wire model of it.
 //!
 //! # Method
-//! Build the surface from its data ([`source`](crate::geometry::surface::source)) and turn it so that its
-//! normal points up where the surface starts. Find its bounding box and its most concave place by branch and
-//! bound on control nets. Take the wires from [`wire_model`].
+//! Build the surface from its data ([`source`](crate::geometry::surface::source)). Turn it so that its normal
+//! points up at its first corner. Find its bounding box and its most concave place by branch and bound on
+//! control nets. Take the wires from [`wire_model`].
 //!
 //! # Guarantees
-//! The box holds the surface. Each side exceeds the surface by at most [`BOUNDS_ACCURACY_MM`]; if the surface
-//! touches a side along a whole curve, the side may lie as far out as the control points. The curvature is an
-//! upper bound, within a hundredth as far as the limit of work allows. Edges and gaps do not stop the model;
-//! they are warnings.
+//! * The box holds the surface. A side of the box lies at most [`BOUNDS_ACCURACY_MM`] beyond the surface. If
+//!   the surface touches a side along a whole curve, that side may lie as far out as the control points.
+//! * The curvature is an upper bound. It is at most a hundredth too large, unless the limit of work is
+//!   reached.
+//! * Edges and gaps between patches are warnings; the model is made all the same.
 //!
 //! # Cost
 //! O(patches + points of wires).

@@ -2,13 +2,18 @@
 //! reach.
 //!
 //! # Method
-//! Layer k holds places that k elements can reach: the farthest one and some behind it. The longest element
-//! is found from each of them. The next layer holds the ends of these elements. It also holds places at equal
-//! steps behind the farthest end, where some element from the layer before ends. So the search does not miss
-//! an element that starts at a nearer place and reaches farther, as happens about an inflection.
+//! Layer k holds places of the curve that k elements can reach. The longest element from each of these places
+//! is found. The ends of these elements are places of layer k + 1. Layer k + 1 also gets nearer places, at
+//! equal steps behind the farthest end, if some element from layer k can end there. An element from a nearer
+//! place may reach farther than one from the farthest place, as happens about an inflection. So nearer places
+//! are kept.
+//!
+//! The search ends when an element reaches the end of the curve. It is given up when it cannot need fewer
+//! elements than greedy growth. It is not tried for more than [`MOST_ELEMENTS`].
 //!
 //! # Cost
-//! For each element, about [`PLACES`] searches for a longest element, and the square of [`PLACES`] strains.
+//! For each element, about [`PLACES`] searches for a longest element, and the square of [`PLACES`] samplings
+//! of an element's deviation.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

@@ -1,4 +1,4 @@
-//! Hyun's adaptive interpolation: an element that leaves the band is halved.
+//! Hyun's adaptive interpolation: an element that leaves the band is divided in two.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation

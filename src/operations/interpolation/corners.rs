@@ -1,4 +1,4 @@
-//! Joints at the corners of a curve, where that takes no more elements.
+//! Moves joints to the corners of a curve, where that takes no more elements.
 
 use super::fit::{Fitted, Fitter};
 use crate::budget::{Budget, Stopped};

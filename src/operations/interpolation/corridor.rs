@@ -1,24 +1,25 @@
 //! The fewest lines with joints anywhere in the band: a path with the fewest links through a corridor.
 //!
 //! # Method
-//! 1. Gates across the band, many for each element with joints on the curve, make the band a polygon: a
-//!    corridor between a left and a right chain. Derivatives bound how far the chains may lie from the edges
-//!    of the band. Moved inward by this bound, the corridor lies inside the band; moved outward, it holds the
-//!    band.
-//! 2. From the window that some number of lines can reach, the next line goes as far as possible with the
-//!    left chain on its left and the right chain on its right. It touches both chains, and ends where it
-//!    leaves the corridor. The stretch from its last touch to that end is the next window: every path with
-//!    one line more has to go through it. (Among the lines through points and below others, the steepest and
-//!    the flattest are kept: O'Rourke.)
-//! 3. Successive lines meet at the joints; each joint lies on a window.
+//! 1. Lay gates across the band, many for each element with joints on the curve. A gate is a straight line
+//!    from one edge of the band to the other. The left ends of the gates make one chain, and the right ends
+//!    another. The corridor is the polygon between the two chains.
+//! 2. Bound by derivatives how far an edge of the band leaves its chain. With both chains moved inward by
+//!    this bound, the corridor lies inside the band. With both moved outward, it holds the band.
+//! 3. Find the line that leads farthest along the corridor, with the left chain on its left and the right
+//!    chain on its right. It touches both chains, and ends where it leaves the corridor. Its stretch from the
+//!    last touch to the end is called a window. Every path with one line more has to cross the window.
+//! 4. Find the line that leads farthest from this window, and so on. Among the lines that pass the chains so
+//!    far, only the steepest and the flattest are kept (O'Rourke).
+//! 5. Place the joints where successive lines meet. Each joint lies on a window.
 //!
 //! # Guarantees
 //! The number of lines through the outer corridor is a lower bound for all paths in the band. Lines through
-//! the inner corridor still need a proof, which the caller makes.
+//! the inner corridor are not yet proved to stay within the band. The caller proves them.
 //!
 //! # Degenerate input
-//! A band that folds, or that turns back within the reach of one line, gives no path. The joints then stay on
-//! the curve.
+//! No path is found if the band folds, or if it turns back within the reach of one line. The joints then stay
+//! on the curve, and the lower bound is 1.
 //!
 //! # Cost
 //! O(n m) for n gates, if one line passes m of them.

@@ -1,4 +1,5 @@
-//! Makes the element of a shape over a range of parameters: samples guess it, and [`judge`] proves it.
+//! Makes the element of a given shape over a range of the curve. Samples of the curve determine the element,
+//! and [`judge`] proves that it stays within the band.
 
 mod bow;
 

@@ -1,17 +1,20 @@
 //! Greedy division with joints on the curve: each element ends as far on as possible.
 //!
 //! # Method
-//! 1. Search the longest element from a joint. The strain of an element is its deviation as a share of the
-//!    band, and grows with its length. A secant search in logarithms finds the length at which the strain is
-//!    one. Then prove the element of that length.
-//! 2. Where the curve is convex, every part of an element that stays within the band stays within it too
-//!    (`lower_bound`). There the longest element from the farthest joint is the best, and greedy growth gives
-//!    the least number. About an inflection this need not hold: a longer element may fit again where a
-//!    shorter one does not, and an earlier joint may reach farther. Both are tried.
+//! 1. Find the longest element from a joint. The *strain* of an element is its deviation divided by the width
+//!    of the band on that side. It grows with the element's length, and is one for the longest element. A
+//!    secant search in logarithms finds that length from samples. The element is then proved to stay within
+//!    the band, and shortened if it is not.
+//! 2. Start the next element at its end, and so on.
+//! 3. Where the curve is not convex, look further. A longer element may stay within the band although a
+//!    shorter one does not, so longer ones are tried. An earlier joint may allow the next element to reach
+//!    farther, so earlier joints are tried.
 //!
 //! # Guarantees
-//! Every element is proved. Each joint is as far on as possible, to a share of 2e-7 of its element. The lower
-//! bound states how far the count may be from the least possible.
+//! * Every element is proved to stay within the band.
+//! * For lines on a convex curve, the number of elements is the least possible, up to rounding. For other
+//!   elements and curves it may be larger; `lower_bound` shows by how much at most.
+//! * Each joint is as far on as samples show, to a share of 2e-7 of its element.
 //!
 //! # Cost
 //! O(n) for n elements.

@@ -1,32 +1,29 @@
-//! A lower bound for the number of elements, whatever their joints on the curve.
+//! A lower bound for the number of elements. It holds for every set of elements with joints on the curve.
 //!
 //! # Method
-//! Let r be the farthest place that k elements can reach. Then k + 1 elements reach no farther than the
-//! farthest end of an element that starts at r or before it. That end is bounded in two ways.
+//! Suppose that k elements can reach no place beyond r. The last of k + 1 elements then starts at r or before
+//! it. So a bound b for the end of every such element bounds the reach of k + 1 elements. b becomes the next
+//! r, until the end of the curve is reached. It is found in one of two ways:
 //!
-//! 1. **Convex.** For lines only. Let the curve be convex, and let its tangents differ by less than a right
-//!    angle, wherever an element from before r could run. Then the height of a part of the curve over its own
-//!    chord is at most the height of the whole over the whole's chord. The proof: the part lies in a strip of
-//!    the whole's height along the whole's chord, over which the curve is a graph. At the point of the part
-//!    farthest from its chord, the tangent is parallel to that chord. So that point lies on the side of the
-//!    apex where the strip's height counts in full, and its distance is at most that height times the cosine
-//!    between the chords. (By the vertical measure the chord of the whole lies above the chord of the part,
-//!    without a condition on the tangents.) So an element within the band from before r to beyond b would
-//!    have a part from r to b within the band. If the element from r to b leaves the band, b bounds the
-//!    reach.
-//! 2. **Free.** An element that stays within the band over a range does so over every part of that range,
-//!    whatever its joints. A few points rule out a range if no element of the method passes near enough to
-//!    all of them: three points for lines (the least height of the triangle), four for arcs (the thinnest
-//!    ring) and for parabolas over graphs (the third divided difference).
+//! *Convex*, for lines. A line from before r to beyond b would stay within the band. If the curve is convex
+//! there and turns by less than a right angle, the line from r to b would then stay within the band as well
+//! (`is_convex`). So if the line from r to b leaves the band, b is a bound.
+//!
+//! *By points*, for everything else. An element that covers the range from r to b passes near every point of
+//! the curve there. b is a bound if no element passes near enough to a few of these points:
+//! * three points, for lines: their triangle is higher than the band is wide;
+//! * four points, for arcs: the thinnest ring that holds them is wider than the band;
+//! * four points of a graph y(x), for parabolas: their third divided difference is too large.
 //!
 //! # Guarantees
-//! Any set of elements of the method with joints on the curve has at least as many elements, up to rounding
-//! of 1e-9 of the band. For lines on convex curves the bound is the count itself. For arcs and parabolas it
-//! is lower by some tenth, and lower still about inflections: at worst 10 for 15 elements in what was seen.
-//! For parabolas on curves that are no graphs the bound is 1.
+//! * The bound holds up to a rounding of 1e-9 of the band.
+//! * For lines on convex curves, `least` needs no more elements than the bound.
+//! * For arcs and parabolas the bound is lower than the count of `least` by about a tenth. About inflections
+//!   it is lower still: the worst case seen is 10 for 15 elements.
+//! * For parabolas on a curve that is no graph, the bound is 1.
 //!
 //! # Cost
-//! O(n) for n elements, as much as finding the elements.
+//! O(n) for n elements: about as much as finding the elements.
 //!
 //! # Reference
 //! Three and four points: C. J. de la Vallee Poussin's theorem; rings: Ebara, Fukuyama, Nakano, Nakanishi,
@@ -131,6 +128,13 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     /// Whether the curve turns to one side only over a range; by the normal measure also by less than a right
     /// angle.
+    ///
+    /// Then a part of the curve is no higher over its own chord than the whole is over the whole's chord. The
+    /// part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph. At
+    /// the point of the part farthest from its chord, the tangent is parallel to that chord. So this point
+    /// lies on the side of the apex where the strip's height counts in full, and its distance is at most that
+    /// height times the cosine between the chords. By the vertical measure the chord of the whole lies above
+    /// the chord of the part, without a condition on the tangents.
     fn is_convex(&self, [from, to]: [f64; 2]) -> bool {
         let breaks = self.curve.breaks();
         let along = (self.curve.point(to) - self.curve.point(from)).normalize();

@@ -1,8 +1,8 @@
 //! Puts lines in place of arcs that hardly bend, where that takes no more elements.
 //!
-//! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects,
-//! and rounding of its centre bends it. A line replaces such an arc if the band holds the line from the arc's
-//! start on, and if the arcs after it reach as far as before.
+//! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects.
+//! Rounding of its centre also bends it. So a line from the arc's start replaces the arc, if it stays within
+//! the band. The arcs after it must then reach an old joint with as many elements as before.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

@@ -1,4 +1,5 @@
-//! Passes along parallel planes, by sections of the offset or by the contact of the cutter.
+//! Plans passes along parallel planes. Their CL curves are sections of the offset, or tips of the cutter in
+//! contact.
 
 use super::deviation::{Deviation, Seam};
 use super::entries::{APPROACH_MM, Proofs};

@@ -1,4 +1,4 @@
-//! Bounds how far curves leave the exact CL curve, as computed and as written.
+//! Bounds how far the curves of a pass leave the exact CL curve, as computed and as written.
 
 use nalgebra::Point3;
 

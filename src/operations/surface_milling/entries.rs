@@ -1,10 +1,14 @@
 //! How the cutter comes down to a pass, and how it leaves one.
 //!
 //! # Method
-//! Rapids end [`APPROACH_MM`] above the stock. Over a block that height is the same everywhere. Over a layer
-//! of stock it is found by bisection: the cutter, larger by the stock all around and lower by
-//! [`APPROACH_MM`], is proved to stay off the surface ([`gouge`](crate::machining::gouge)). From that height
-//! the cutter plunges, or enters by a ramp or an arc if the job asks for one and it is proved clear.
+//! 1. *Rapid.* The rapid down ends [`APPROACH_MM`] above the stock. For a block of stock that height is the
+//!    same everywhere. For a layer of stock it is found by bisection; without stated stock the layer has no
+//!    thickness. The cutter, enlarged by the thickness of the layer, must be proved to stay off the surface
+//!    down to [`APPROACH_MM`] below the end of the rapid ([`gouge`](crate::machining::gouge)).
+//! 2. *Entry.* The cutter plunges, or enters by a ramp or an arc if the job asks for one. If the ramp or the
+//!    arc cannot be proved clear, the cutter plunges instead.
+//! 3. *Exit.* The cutter leaves by an arc if the job asks for one and it is proved clear. Otherwise it goes
+//!    straight up.
 
 use nalgebra::{Point3, Vector3};
 

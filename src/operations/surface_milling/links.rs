@@ -1,9 +1,10 @@
-//! Joins passes to one toolpath: by a link where one is clear and quicker, else the cutter leaves one pass
-//! and enters the next (`entries`).
+//! Joins passes to one toolpath. In a zigzag a link leads from a pass to the next, if one is proved clear and
+//! is quicker than the way over the retract plane. Otherwise the cutter leaves one pass and enters the next
+//! (`entries`).
 //!
 //! # Method
-//! A link is a straight line. If that line is not clear, the link is two lines that meet above its middle.
-//! The height of that point is doubled until both lines are proved clear.
+//! A link is a straight line. If that line is not clear, two lines replace it that meet above its middle. The
+//! height of their meeting point is doubled until both lines are proved clear.
 
 use nalgebra::{Point3, center};
 

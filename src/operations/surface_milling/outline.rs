@@ -1,4 +1,4 @@
-//! The outline of a surface seen from above, and the parts of sections that keep the cutter inside it.
+//! The outline of a surface seen from above, and the parts of sections over which the cutter stays inside it.
 
 use nalgebra::{Point3, Vector2};
 

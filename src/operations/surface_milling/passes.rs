@@ -1,4 +1,4 @@
-//! Makes passes: CL curves as chains of arcs and lines with a proved deviation.
+//! Makes passes from CL curves: chains of arcs and lines with a proved deviation.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,16 +1,17 @@
 //! Searches for rest: material that the cutter cannot reach.
 //!
 //! # Method
-//! 1. At sampled places of the surface, put the cutter where its lower side touches the tangent plane at the
-//!    place.
-//! 2. If another place of the surface lifts the cutter there, try axes around the place in several directions
-//!    and distances. From the best of them, move the axis step by step for as long as the lower side of the
-//!    cutter comes nearer to the place from above.
-//! 3. The rest at the place is the least height found times the z coordinate of the unit normal.
+//! 1. Take about 1500 places of the surface. At each, put the cutter where its lower side touches the tangent
+//!    plane of the place.
+//! 2. If another place of the surface is in the way, the cutter stands higher. Then try other positions of
+//!    the axis around the place. From the best of them, move the axis step by step while the lower side of
+//!    the cutter over the place gets lower.
+//! 3. The rest at the place is the least height of the lower side over it, times the z coordinate of the unit
+//!    normal.
 //!
 //! # Guarantees
-//! None between the sampled places. At a place the figure is too low by at most `TIP_ACCURACY_MM`; it may be
-//! too high, because the search may miss the best axis.
+//! There are none between the sampled places. At a sampled place the figure is too low by at most
+//! `TIP_ACCURACY_MM`. It may be too high, because the search may miss the best position of the axis.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,16 +1,21 @@
 //! Scallops: the height of material that a ball leaves between parallel passes.
 //!
 //! # Method
-//! Let P be a point of the surface with unit normal n. A ball that touches P has its centre O = P + R n on
-//! the offset. Go from O within the offset straight up or down the slope across the planes. The nearest of
-//! two sections whose planes are s apart is reached after at most l = s / (2 share) (`share`: [`Slope`]).
-//! There lies a centre C of a pass, with |C - O| <= l and n . (C - O) <= k l^2 / 2, where k is the largest
-//! concave curvature of the offset. The ball about C reaches down to the height h over P for which (R - h)^2
-//! + k l^2 (R - h) + l^2 = R^2.
+//! Let the passes lie in planes a distance s apart, and let R be the radius of the ball. A ball that touches
+//! the surface at P, with the unit normal n, has its centre at O = P + R n. The surface of all such O is the
+//! offset.
+//! 1. Go from O on the offset straight up or down the slope, across the planes. The nearest plane is reached
+//!    after a way of at most l = s / (2 q). Here q is the least ratio of a distance between planes to the
+//!    distance between their sections along the offset ([`Slope::share`]). This place is the centre C of a
+//!    ball on a pass.
+//! 2. Let k be the largest concave curvature of the offset. Then |C - O| <= l and n . (C - O) <= k l^2 / 2.
+//! 3. The ball about C reaches down to the height h over P, where
+//!
+//! (R - h)^2 + k l^2 (R - h) + l^2 = R^2.
 //!
 //! # Guarantees
-//! An upper bound, except at places so near to an edge of the surface that the way to the pass would leave
-//! it. On a plane the bound is the exact height.
+//! h is an upper bound. On a plane it is the exact height. The bound does not cover places so near to an edge
+//! of the surface that the way of step 1 would leave it.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;

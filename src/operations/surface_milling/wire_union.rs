@@ -2,40 +2,42 @@
 //! cutter.
 //!
 //! # Method
-//! 1. Cut the surface by equally spaced planes of constant y, at most the pitch apart; the first and the last
-//!    plane lie on the extent of the surface. The sections are the wires. On a surface that overhangs, the
-//!    wires are sections of its highest sheet ([`upper_envelope`](crate::machining::upper_envelope)).
-//! 2. Shift the wire model by the radius along +y and along -y, and unite both copies with it. Over wire k
-//!    the path takes the largest z of wire k and its neighbours at the same x.
-//! 3. Move the tip along that union from left to right: lines join the CL points on the union.
-//! 4. Between passes go up to the clearance plane (the paper's top z), over the next wire, down by rapid to
-//!    the retract plane, and plunge.
-//! 5. Bound how deep the cutter cuts into the surface on the path ([`gouge`](crate::machining::gouge)), and
-//!    report that depth.
+//! 1. Cut the surface by planes of constant y at equal distances, no more than the pitch apart. The first and
+//!    the last plane lie on the extent of the surface. The sections are the wires. Where the surface
+//!    overhangs, a wire follows the highest sheet ([`upper_envelope`](crate::machining::upper_envelope)).
+//! 2. Shift the wire model by the radius along +y and along -y, and unite both copies with it. Over a wire
+//!    the path takes the largest z of that wire and of its neighbours within the radius, at the same x.
+//! 3. Move the tip along the union from left to right, on lines between points of the union.
+//! 4. After each pass go up to the clearance plane (the paper's top z), over the next wire, and down to the
+//!    retract plane by rapid. Then plunge.
+//! 5. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)), and report that
+//!    depth.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance, both ways, between the path, as computed and as written, and the
-//!   exact union. It rests on the guarantees of the envelope, and is at most the tolerance.
-//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**: it is not
-//!   offset in its own plane. On a slope of angle a along the wires a ball cuts R (1 - cos a) deep. The path
-//!   is for roughing, and the answer warns of the gouge.
+//! * `deviation_max_mm` bounds the distance from the path to the exact union, and back. It holds for the path
+//!   as computed and as written, and is at most the tolerance. Nearly upright walls of the union are placed
+//!   as accurately as `upper_envelope` states.
+//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**, because it is
+//!   not offset in its own plane: where a wire has the slope angle a, a ball of radius R cuts R (1 - cos a)
+//!   deep. The path is for roughing, and the answer warns of the gouge.
 //!
 //! # Degenerate input
-//! Unions shorter than two steps of the resolution are left out: they would vanish in rounding.
+//! A union shorter than two steps of the resolution is left out, because it would vanish in rounding.
 //!
 //! # Cost
-//! O(n log n) for n stretches of wires, and the certificate.
+//! O(n log n) for n segments of wires, and the cost of the gouge bound.
 //!
 //! # Differences from the paper
-//! * The paper shifts by "the wire pitch that corresponds to the tool radius", and says that the neighbouring
-//!   wires protect the part while the diameter is at most twice the pitch. Here every wire within the radius
-//!   counts, and always one wire on each side. For such diameters this is the paper's rule; it also holds for
-//!   larger ones. The pitch that counts is the equal pitch that is cut, which may be a little less than the
-//!   requested one.
-//! * For an allowance the paper calculates with a larger cutter. Here the shift is the radius plus the
-//!   allowance, and the path is also lifted by the allowance, so that level places keep it.
-//! * The paper's points lie on a raster of 5 mm; here they follow from the tolerance. The path does not run
-//!   in and out beside the part.
+//! * The paper shifts by "the wire pitch that corresponds to the tool radius". It says that the neighbouring
+//!   wires protect the part while the cutter's diameter is at most twice the pitch. Here every wire within
+//!   the radius counts, and at least one wire on each side. For such diameters this is the paper's rule. For
+//!   larger diameters the neighbouring wires protect the part as well.
+//! * The pitch here is the distance of the planes that are cut. It may be a little less than the requested
+//!   pitch.
+//! * For an allowance the paper takes a larger cutter. Here the wires within the radius plus the allowance
+//!   count, and the path is lifted by the allowance. So level places keep the allowance.
+//! * The paper's points lie on a raster of 5 mm; here they follow from the tolerance.
+//! * The path does not run in and out beside the part.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

@@ -10,9 +10,9 @@
 //! end beyond an end of the arc, by a small angle. Then the point is compared with that end, and the bound
 //! includes the chord of the angle. On a helix the bound includes the difference of the heights.
 //!
-//! *By fraction.* A helix is compared in a second way, too. Points at equal fractions of the turn are compared,
-//! at 33 fractions. A bound of the second derivative shows by how much the distance can grow between two
-//! fractions, and this is added. The smaller of the two bounds counts.
+//! *By fraction.* A helix is compared in a second way, too: points at equal fractions of the turn, at 33
+//! fractions. A bound of the second derivative shows by how much the distance can grow between two of these
+//! fractions. That much is added. The smaller of the two bounds counts.
 //!
 //! # Guarantees
 //! The bound holds for the distance from path to arc and from arc to path, with points matched in the order

@@ -1,4 +1,5 @@
-//! Gates across a band, and how far the band's edges may lie from the chords between neighbouring gates.
+//! Gates across a band. Each has a bound for how far the edges of the band leave their chords to the next
+//! gate.
 
 use nalgebra::{Point2, Vector2};
 

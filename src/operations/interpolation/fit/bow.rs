@@ -1,11 +1,12 @@
-//! Families of elements over a chord, bent by one number: the bow.
+//! All arcs, or all parabolas, over one chord. Each of them is given by one number: its bow.
 //!
 //! # Method
-//! One element of a family passes through each point beside the chord, so each point has a bow. At an end of
-//! a curve, the bow is that of the element along the curve's tangent. The signed distances of a curve from
-//! the elements over its ends all fall as the bow grows. So the best bow, whose deviations use both sides of
-//! the band alike, is a root. If one side of the band has no room at all, the best bow is the least or the
-//! largest bow of the points of the curve.
+//! Exactly one element passes through a point beside the chord. So each point of a curve has a bow: that of
+//! the element through it. At an end of the curve, the element along the curve's tangent there gives the bow.
+//!
+//! The signed distances of all points of the curve from an element fall as its bow grows. So the best bow is
+//! the root of a falling function: the deviations to both sides take up the same share of the band. If one
+//! side of the band has no room, the best bow is the least or the largest bow of the points of the curve.
 
 use nalgebra::{Point2, Vector2};
 

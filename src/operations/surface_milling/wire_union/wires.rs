@@ -1,4 +1,4 @@
-//! The wire model: sections of a surface at equal distances.
+//! The wires of a surface: its sections with planes of constant y at equal distances.
 
 use nalgebra::Vector3;
 

@@ -15,11 +15,12 @@
 //! is halved further, but at most 14 times in all.
 //!
 //! # Errors
-//! * A centre of a box violates condition 1 (`Overhang`) or condition 2 (`Folds`).
-//! * A box is still undecided when the limit of halvings or of boxes is reached. The condition in doubt gives
-//!   the error. The surface violates it, or holds it by less than could be proved.
+//! * `Overhang`: condition 1 fails at the centre of a box. `Folds`: condition 2 fails there.
+//! * The same error is returned if a box is undecided when the limit of halvings or of boxes is reached. Then
+//!   the surface violates the condition in doubt, or keeps it by less than could be proved.
 //!
-//! `Folds` names the most concave point among 5 x 5 points of each patch.
+//! `Overhang` names the centre of the box. `Folds` names the most concave place among 5 x 5 points of each
+//! patch.
 //!
 //! # Guarantees
 //! `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for all of

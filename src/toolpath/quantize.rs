@@ -12,9 +12,10 @@
 //! 3. *Lines instead of arcs.* An arc that is flatter than half a step becomes a line. An arc of a radius
 //!    above [`MAX_RADIUS_MM`] becomes chords. So does one whose radius is so small that controls take it for
 //!    zero.
-//! 4. *Parabolas.* The three control points are rounded (`parabola`). The parabola is divided in two if it
-//!    moves too far. A parabola that is flatter than half a step becomes a line. Where the control has no
-//!    blocks for it, chords replace the parabola, no farther from it than half a step.
+//! 4. *Parabolas.* The three control points are rounded. The parabola is divided in two if rounding moves it
+//!    too far, or if a control would run it too inexactly (`parabola`). A parabola that is flatter than half
+//!    a step becomes a line. Where the control has no blocks for parabolas, chords are written, no farther
+//!    from the parabola than half a step.
 //!
 //! # Guarantees
 //! * A written curve lies within [`MAX_DISPLACEMENT_STEPS`] of its source. The distance is measured from
@@ -24,7 +25,7 @@
 //! * A full circle is written for a full circle only.
 //!
 //! # Degenerate input
-//! * A curve shorter than the grid may have equal rounded ends. It gives no curve at all.
+//! * A tiny curve may have equal rounded ends and lie within half a step of its chord. It is not written.
 //! * A coordinate too large for the output's number of decimals is an error.
 //! * A curve that needs more than [`MAX_PIECES`] is an error.
 //!

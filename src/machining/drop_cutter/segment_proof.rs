@@ -3,8 +3,8 @@
 //! # Method
 //! The axis moves straight from one position to another. The contacts at both positions are known.
 //! 1. *Not too high.* Show for every part of the surface that it lifts no tip more than a given height above
-//!    the chord. The bounds are those of a single drop, with the position of the axis as a third variable
-//!    (`lift_bound`).
+//!    the chord. The bounds are those of a single drop. The position of the axis on its line is a further
+//!    variable in them (`lift_bound`).
 //! 2. *Not too low.* Take the surface points on the straight line of parameters between both contacts. These
 //!    points lift the tip almost to the chord, because the lower side of the cutter is convex. What is
 //!    missing is bounded by how far the points leave their own chord. If this is too much, try each contact

@@ -2,12 +2,13 @@
 //!
 //! # Method
 //! Suppose that k elements can reach no place beyond r. The last of k + 1 elements then starts at r or before
-//! it. So a bound b for the end of every such element bounds the reach of k + 1 elements. b becomes the next
-//! r, until the end of the curve is reached. It is found in one of two ways:
+//! it. Let b be a bound for the end of every element that starts at r or before it. Then k + 1 elements can
+//! reach no place beyond b, and b becomes the next r. This goes on up to the end of the curve. There are two
+//! ways to show that a place b is a bound:
 //!
-//! *Convex*, for lines. A line from before r to beyond b would stay within the band. If the curve is convex
-//! there and turns by less than a right angle, the line from r to b would then stay within the band as well
-//! (`is_convex`). So if the line from r to b leaves the band, b is a bound.
+//! *Convex*, for lines. The curve must be convex and turn by less than a right angle. Then a line over a part
+//! of the curve stays within the band if a line over the whole does (`is_convex`). So b is a bound if the
+//! line from r to b leaves the band.
 //!
 //! *By points*, for everything else. An element that covers the range from r to b passes near every point of
 //! the curve there. b is a bound if no element passes near enough to a few of these points:
@@ -130,8 +131,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     /// angle.
     ///
     /// Then a part of the curve is no higher over its own chord than the whole is over the whole's chord. The
-    /// part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph. At
-    /// the point of the part farthest from its chord, the tangent is parallel to that chord. So this point
+    /// part lies in a strip of the whole's height along the whole's chord, over which the curve is a graph.
+    /// At the point of the part farthest from its chord, the tangent is parallel to that chord. So this point
     /// lies on the side of the apex where the strip's height counts in full, and its distance is at most that
     /// height times the cosine between the chords. By the vertical measure the chord of the whole lies above
     /// the chord of the part, without a condition on the tangents.

@@ -1,28 +1,33 @@
-//! The post-processor: a toolpath becomes the text of an NC program in a dialect.
+//! The post-processor: writes a toolpath as the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower` turns the toolpath into blocks of integers, in units of the last decimal, between the approach
-//!    and the retract. [`crate::toolpath::quantize`] rounds the curves. A parabola becomes lines where the
-//!    dialect has no parabolas.
-//! 2. `header` collects what people should know about the program before it runs.
-//! 3. `write` turns the blocks into lines of words between the dialect's start and end. A modal word is left
-//!    out where its mode is in force already.
-//! 4. `check` reads the text back with [`read`], and compares the steps with the blocks.
+//! 1. `lower` turns the toolpath into blocks whose coordinates are integers, in units of the last decimal. It
+//!    adds an approach before the toolpath and a retract after it.
+//! 2. [`crate::toolpath::quantize`] rounds the curves to these integers. A parabola for which the dialect has
+//!    no block becomes lines.
+//! 3. `header` collects the comments for people before the first block.
+//! 4. `write` writes the blocks as lines of text, between the lines with which every program of the dialect
+//!    starts and ends. A modal word is written only where it changes the mode.
+//! 5. `check` reads the text back with [`read`] and compares every motion and dwell with its block.
 //!
-//! [`rewrite`] shortens programs of any origin. `nc` is the lexer and the modal state that `read` and
+//! [`rewrite`] shortens programs of any origin. `nc` holds the lexer and the modal state that `read` and
 //! `rewrite` share.
 //!
 //! # Guarantees
-//! * A returned program has been read back: kinds, ends, senses, feeds, centres and control points are those
-//!   of the blocks. The two radii of an arc differ by at most 1.5 units of the last decimal.
-//! * Every cutting point of the text lies within 1.5 units of the last decimal of the toolpath, and vice
-//!   versa, in order. No error accumulates: ends are absolute, and each end is rounded on its own.
-//! * No motion is added but the approach to the start (X and Y, then Z to the clearance plane, then down) and
-//!   the retract to the clearance plane. A rapid that moves Z and X or Y is split: up first, down last.
-//! * User text stands in comments only, behind a fixed label.
+//! * A program is returned only if `check` finds no difference in the kind of motion, end, direction of
+//!   rotation, feed, centre and control point. An arc has one radius at its start and one at its end; they
+//!   differ by at most 1.5 units of the last decimal.
+//! * The feed moves of the program and those of the toolpath are within 1.5 units of the last decimal of each
+//!   other, in both directions and in order of travel. Errors do not accumulate: ends are absolute
+//!   coordinates, and each end is rounded on its own.
+//! * Two motions are added: the approach to the start (first X and Y, then Z), and the retract to the
+//!   clearance plane. A rapid that moves Z together with X or Y becomes two blocks. The tool goes up before
+//!   it moves in X and Y, and down after it.
+//! * User text appears only in comments. A fixed label stands before the text, except for a name beside a
+//!   program number.
 //!
 //! # Cost
-//! O(n) in the moves, in time and memory. A toolpath of half arcs and half lines takes 1.5 microseconds for
+//! O(n) for n moves, in time and memory. A toolpath of half arcs and half lines takes 1.5 microseconds for
 //! each move, from 2,000 to 200,000 moves (`benches/programs.rs`).
 
 pub mod dialect;

@@ -1,4 +1,4 @@
-//! Reads a written text back, and compares its steps with the blocks of the program.
+//! Reads a written text back, and compares each of its motions and dwells with the block it was written from.
 
 use nalgebra::Point3;
 

@@ -1,6 +1,7 @@
 //! The comments for people before the first block of a program: a page at most.
 //!
-//! Lengths and feeds are in the units of the program. `write` cleans every text, user text included.
+//! Lengths and feeds are in the units of the program. `write` replaces the characters that no comment may
+//! have.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Lowers a toolpath to blocks of integers, in the order of the program.
+//! Turns a toolpath into blocks with integer coordinates, in the order of the program.
 
 use nalgebra::Point3;
 

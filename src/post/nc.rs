@@ -1,15 +1,15 @@
-//! NC text as every control of this family reads it: tokens, numbers, G and M codes, modal state.
+//! NC text as Fanuc, LinuxCNC and similar controls read it: tokens, numbers, G and M codes, modal state.
 //!
 //! # Method
-//! 1. [`Lexer`] cuts a line into words, comments and tape marks. Each token has its place in the line, so
-//!    that a caller can copy unchanged text byte for byte.
+//! 1. [`Lexer`] divides a line into words, comments and percent signs. Each token has its place in the line,
+//!    so that callers can copy text byte for byte.
 //! 2. [`Decimal`] holds the number of a word exactly.
 //! 3. [`effect`] says what a G word does, [`function`] what an M word does.
-//! 4. [`Modal`] is the state that words leave for the next block.
+//! 4. [`Modal`] holds the modal state.
 //!
-//! Nothing here decides what to do about unknown text. [`read`](super::read) refuses unknown text, and
-//! [`rewrite`](super::rewrite) copies unknown text. The writer uses none of this module: `read` checks the
-//! writer.
+//! This module does not decide what happens to unknown text: [`read`](super::read) refuses it, and
+//! [`rewrite`](super::rewrite) copies it. The writer of programs does not use this module, so `read` checks
+//! the writer independently.
 
 mod codes;
 mod decimal;

@@ -1,19 +1,21 @@
-//! Reads programs of the kind this crate writes, as a control reads them.
+//! Reads programs of the kind that this crate writes, as a control reads them.
 //!
 //! # Method
-//! Line by line: `words` collects the words of a block, then the words take effect in the control's order:
-//! units, plane, feed, motion. The reader shares the lexer and the modal state with `rewrite`, and the data
-//! of the dialect with the writer. It shares no code with the writer, which it checks.
+//! The reader takes the program line by line. First `words` collects the words of a line. Then the words take
+//! effect in the order in which a control applies them: units, plane, feed, motion.
+//!
+//! The reader checks the writer, so they share no code. They share only the data of the dialect. The lexer
+//! and the modal state are those of `rewrite`.
 //!
 //! # Guarantees
 //! A word, code or combination that the reader does not know is an error. Nothing is skipped.
 //!
 //! # Degenerate input
-//! A rapid whose start is unknown on some axis is reported with the known coordinates. A feed move from an
-//! unknown place is an error.
+//! A rapid may start where a coordinate is not known yet; its step then holds only the known coordinates. A
+//! feed move from such a place is an error.
 //!
 //! # Cost
-//! O(n) in the characters; one line is held at a time.
+//! O(n) for n characters. Only one line is held at a time.
 
 mod words;
 

@@ -1,52 +1,64 @@
-//! Rewrites NC programs of any origin: runs of G1 blocks become fewer arcs and lines.
+//! Rewrites NC programs of any origin: runs of short G1 blocks become fewer arcs and lines.
+//!
+//! A run is a series of consecutive G1 blocks with the same feed. Its blocks hold only N, G1, X, Y, Z and F
+//! words.
 //!
 //! # Method
-//! 1. `push` cuts the bytes into lines; the chunks of bytes may end anywhere. `block` reads the words of a
-//!    line as far as it understands them. `modes` follows the modal state of the control.
-//! 2. Consecutive G1 blocks with one feed, under modes that allow it, are a run (`run`). Any other line ends
-//!    the run.
-//! 3. `segments` fits, rounds and proves the points of a run, and `text` writes them. Blocks whose
-//!    replacement is no shorter stay. A run longer than [`WINDOW`] is fitted window by window: the segments
-//!    that end within the first three quarters of a window are written, and the next window begins where they
-//!    end.
-//! 4. A line may rely on G1, or on a plane, where the output has left another mode. Then the mode is set
-//!    again: by a G1 in the line if the line moves as the mode says, else by a block before the line.
+//! 1. `push` takes bytes and divides them into lines. `block` reads the words of a line as far as they are
+//!    understood. `modes` follows the modal state of the control.
+//! 2. `run` collects the blocks of a run. A line that cannot join the run ends the run.
+//! 3. `segments` fits arcs and lines to the ends of the blocks, rounds them, and proves that they stay within
+//!    the tolerance. `text` writes them. Blocks stay as they are where the new text would not be shorter.
+//! 4. A run longer than [`WINDOW`] blocks is fitted in windows. Of each window, the curves that end in its
+//!    first three quarters are written. The next window begins where these curves end.
+//! 5. After an arc, the output is in G2 or G3, and perhaps in another plane, where the original program is in
+//!    G1. A later line may rely on the original modes. Then a block before the line restores the plane. G1 is
+//!    restored by a word in the line if the line is a move, otherwise by a block before the line.
 //!
 //! # Guarantees
-//! * Every byte outside of runs stays where it is. Only a G1 or a block of step 4 is added, and no motion.
-//! * A run's output lies within the tolerance of the run's lines and vice versa, whatever radius a control
-//!   takes for an arc between the two radii at its ends. Joints are exactly points of the program, so no
-//!   error accumulates.
-//! * The output does not depend on where the input is cut into chunks.
-//! * No full circle is written, because controls read a full circle in several ways.
-//! * The optimal method finds the optimum of each window of [`WINDOW`] blocks. Where the job asks for tangent
-//!   continuity, that continuity ends at windows, at kept blocks, and at segments that rounding moved too far
-//!   and that were fitted again.
+//! * Text outside of runs is copied byte for byte. Only the G1 words and the blocks of step 5 are added. No
+//!   motion is added.
+//! * The lines of a run and the path that replaces them are within the tolerance of each other, in both
+//!   directions. After rounding, an arc has slightly different radii at its two ends. The tolerance holds for
+//!   every radius between them, because controls choose differently.
+//! * Where curves replace blocks, the first curve starts and the last curve ends exactly at points of the
+//!   program. So errors do not accumulate.
+//! * The output does not depend on the chunks in which the bytes arrive.
+//! * No full circle is written, because controls read a full circle in different ways.
+//!
+//! Windows are fitted one by one, so a run of several windows may get more curves than necessary. If the job
+//! asks for tangent continuity, it ends at windows, at kept blocks, and where a curve was fitted again after
+//! rounding had moved it too far.
 //!
 //! # What is left alone
-//! * A program is taken to begin in mm, absolute, in XY, with feeds per minute. After a macro, a call, a
-//!   jump, a program name or a program end, some modes are taken to be as before: the units, the modifiers,
-//!   the feed mode, and whether centres are absolute. Every other mode is unknown until the program states it
-//!   again. An assignment makes only feed and position unknown.
-//! * Nothing is fitted under cutter compensation, rotation, scaling, mirroring, polar or cylindrical
-//!   coordinates, diameters, tool centre point control, exact stop, modal macros, or feeds per turn.
-//! * A block makes the position of an axis known, and any shift of coordinates makes it unknown. A block that
-//!   moves an unknown axis absolutely is in no run. An axis that never moves counts as 0.
-//! * After the first line that jumps, numbered blocks are in no run, and after each numbered block nothing is
-//!   known: the program may jump there. The rewriter may have removed the numbers of earlier blocks.
+//! * The rewriter takes a program to begin in mm, with absolute coordinates, in the XY plane, and with feeds
+//!   per minute.
+//! * After a macro, a call, a jump, a program name or a program end, the rewriter takes these modes to be
+//!   unchanged: units, feed mode, absolute or incremental centres, and the modes of the next item. Motion,
+//!   plane, distance mode, feed and position are unknown until the program states them again. After an
+//!   assignment to a variable only feed and position are unknown.
+//! * No block is in a run under cutter compensation, rotation, scaling, mirroring, polar or cylindrical
+//!   coordinates, diameter programming, tool centre point control, exact stop, modal macros, or feeds per
+//!   turn.
+//! * A block that moves an axis to an absolute coordinate is in a run only if the position of the axis was
+//!   known before. The block makes the position known. A shift of the coordinates makes all positions
+//!   unknown.
+//! * Once a line can jump (GOTO, M97, M99 P), the program may arrive at any numbered block. From there on, a
+//!   numbered block is in no run, and the modes before it are those after a macro. Earlier blocks may already
+//!   have lost their numbers, so a jump back may miss its target.
 //!
 //! # Degenerate input
-//! A line longer than [`MAX_LINE_LENGTH`] is an error. Other odd text is left alone: bytes of any encoding,
+//! A line longer than [`MAX_LINE_LENGTH`] is an error. Other odd text is copied: bytes of any encoding,
 //! missing line ends, numbers finer than a millionth.
 //!
 //! # Numbers
-//! The numbers written for a run have as many decimals as the run's own numbers, at least the dialect's
-//! default, and more if the points need more. Zeros at the end are written if all numbers of the run have
-//! that many decimals. A run whose points need more decimals than the dialect has stays as it is.
+//! The numbers written for a run have as many decimals as the most precise number of the run, at least the
+//! dialect's default, and more if the points need more. Zeros at the end are written if all numbers of the
+//! run have that many decimals. A run whose points need more decimals than the dialect has stays as it is.
 //!
 //! # Cost
-//! O(n), and the cost of fitting. Memory is bounded by one window of blocks of at most 256 bytes, and one
-//! line.
+//! O(n) for n bytes, plus the cost of fitting. Memory holds one line and one window of blocks. Blocks longer
+//! than 256 bytes are in no run.
 
 mod block;
 mod modes;

@@ -1,4 +1,4 @@
-//! Writes blocks as lines of words. A modal word is left out where its mode is in force already.
+//! Writes blocks as lines of words. A modal word is written only where it changes the mode.
 
 use super::dialect::{Comment, Dialect, Dwell, Frame, Point, ProgramNumber};
 use super::header::{self, Remark};

@@ -1,20 +1,22 @@
 //! Fanuc 0i and 30i, milling.
 //!
 //! * Every coordinate and feed has a decimal point. Without a point the control counts least increments: X10
-//!   is ten micrometres. A number has at most eight digits. S, H, T and the P of a dwell have no point.
+//!   is ten micrometres. S, H, T and the P of a dwell are written without a point. A number has at most eight
+//!   digits.
 //! * G20 or G21 stands in a block of its own, before all other codes.
-//! * G43 stands in the block of the first motion along Z. In a block of its own, G43 may move the axis by the
-//!   offset.
-//! * No G64 with a tolerance is written: parameters of the machine, or G5.1, set how closely the control
-//!   follows corners.
-//! * The F of a helix counts along the helix. That needs parameter 1403 bit 5 (HTG) on the control. Without
-//!   the bit the helix is cut too fast, by the ratio of its length to the length of its circle.
-//! * Parabolas become lines: G5.1 is contour control on this control.
-//! * T M6 goes to the change position by itself. G28 is written only where the job asks for G28.
+//! * G43 stands in the block of the first motion along Z. If G43 stood in a block of its own, it might move
+//!   the axis by the length offset.
+//! * The program does not set how closely the control follows corners: this control has no G64 with a
+//!   tolerance. Its parameters or G5.1 set that.
+//! * The F of a helix is the speed along the helix. The control reads F in this way only if bit 5 (HTG) of
+//!   parameter 1403 is set. Otherwise F is the speed along the circle that the helix projects to, and the
+//!   helix is cut too fast.
+//! * Parabolas become lines, because this control has no block for parabolas. Its G5.1 is contour control.
+//! * T M6 moves to the tool change position by itself. G28 is written only if the job asks for G28.
 //!
-//! The decimals are those of the increment system IS-B, 3 with mm and 4 with inches. IS-C has one decimal
-//! more with mm. The radii of an arc differ by less than one unit of the last decimal; parameter 3410 has to
-//! allow that difference.
+//! A program has 3 decimals in mm and 4 in inches, as in the increment system IS-B. IS-C has one decimal more
+//! in mm. The radii at the two ends of an arc differ by at most one unit of the last decimal; parameter 3410
+//! has to allow that difference.
 
 use crate::post::dialect::{
     BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber,

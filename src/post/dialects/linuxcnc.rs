@@ -1,16 +1,17 @@
 //! LinuxCNC.
 //!
-//! The control blends with `G64 P Q0`: it may leave the written path at joints by one unit of the last
-//! decimal, and joins no blocks. Exact path mode, G61, would keep the path exactly, but stop at every joint
-//! that rounding has kinked. Without G64 or G61 the control keeps its speed and cuts corners by any distance.
+//! The program sets `G64 P Q0`, where P is one unit of the last decimal. The control may then leave the
+//! written path by P at joints, to keep its speed. Q0 forbids it to merge blocks. Exact path mode, G61, would
+//! stop at every joint that rounding has kinked. With a G64 without P, the control would cut corners by any
+//! distance.
 //!
-//! A parabola at one height is `G5.1 X Y I J`, a quadratic spline: I and J go from the start to the Bezier
-//! control point. The interpreter needs G17, no Z, and G5.1 with both offsets on every block. The feed is
-//! modal. G5.1 is not modal: the control runs a next block without a G word as the last G0 to G3 says, so the
-//! next block repeats its G word. The control runs a parabola as 24 arcs. The rounding in the header includes
-//! the distance of these arcs from the parabola.
+//! A parabola in a plane of constant Z is written as a quadratic spline, `G5.1 X Y I J`. I and J are the
+//! offsets from the start to the Bezier control point. The interpreter requires G17, no Z word, and I and J
+//! in every block with G5.1. G5.1 is not modal: a next block without a G word would run as the last of G0 to
+//! G3. So the next block always states its G word. The control runs a parabola as 24 arcs. The bound of
+//! rounding that the header states includes the distance of these arcs from the parabola.
 //!
-//! M30 alone ends the program. Percent signs at both ends would serve as well and are left out.
+//! M30 alone ends the program. No percent signs are written.
 
 use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
 

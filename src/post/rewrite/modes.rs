@@ -1,4 +1,4 @@
-//! Follows the modal state of the control line by line, and tells what each line needs of that state.
+//! Follows the modal state of the control line by line, and says on which modes a line relies.
 
 use super::block::Block;
 use crate::post::dialect::{Dialect, Point};

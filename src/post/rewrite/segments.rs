@@ -1,13 +1,12 @@
-//! Fits the points of a run, rounds the curves to the grid of the output, and proves that they lie within the
-//! tolerance.
+//! Fits curves to the points of a run, rounds the curves to the decimals of the output, and proves that they
+//! lie within the tolerance.
 //!
 //! # Method
-//! 1. The points are fitted with a tolerance that leaves some room for rounding.
-//! 2. Each curve is rounded. The distance from the polyline to the rounded curve, and to every path that a
-//!    control may run for the curve, is compared with the tolerance.
-//! 3. Where the distance is too large, the curve's points are fitted again. The new tolerance is smaller by
-//!    the excess.
-//! 4. Points that fail [`MAX_TRIES`] times keep their blocks.
+//! 1. The points are fitted with a slightly smaller tolerance, because rounding moves the curves.
+//! 2. Each curve is rounded. Its distance from the lines between the points is bounded, in both directions.
+//!    The bound includes every path that a control may run for the rounded curve.
+//! 3. If the bound exceeds the tolerance, the points of the curve are fitted again with a smaller tolerance.
+//! 4. If that fails [`MAX_TRIES`] times, the points keep their blocks.
 
 use nalgebra::Point3;
 

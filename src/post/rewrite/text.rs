@@ -1,4 +1,4 @@
-//! Writes the text that replaces a part of a run, and the words that set the modes after it.
+//! Writes the text that replaces blocks of a run, and the words that restore the modes after it.
 
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};

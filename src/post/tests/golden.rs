@@ -1,4 +1,4 @@
-//! Whole programs as a machinist reads them, and what a control cannot read.
+//! Whole programs as a machinist reads them, and the refusal of numbers that a control does not read.
 
 use super::*;
 

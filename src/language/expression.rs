@@ -1,24 +1,30 @@
 //! Expressions in x: the text that a user writes for y(x).
 //!
 //! # Method
-//! 1. [`parse`](Expression::parse) turns the text into a tape: operations in the order of their computation,
-//!    each with the byte of the text that it comes from.
-//! 2. The tape is computed with a stack, never by recursion. It computes numbers, numbers with a derivative,
-//!    or intervals with two derivatives (automatic differentiation, forward mode).
-//! 3. [`examine`](Expression::examine) proves by subdivision that the expression is defined over a domain.
+//! 1. [`parse`](Expression::parse) turns the text into a list of operations, called the *tape*. The operands
+//!    of an operation come before it. Each operation keeps the byte of the text that it comes from.
+//! 2. The operations are computed in the order of the tape, with three kinds of numbers: floating-point
+//!    numbers; floating-point numbers with a derivative; intervals with two derivatives. Derivatives come
+//!    from automatic differentiation in forward mode.
+//! 3. [`examine`](Expression::examine) proves that the expression is defined over a domain, by subdividing
+//!    the domain.
 //!
 //! # Grammar
-//! From loose to tight: `+ -`; `* /`; the signs; `^`, which associates to the right: -x^2 is -(x^2), 2^-x is
-//! legal. A product needs its `*`. Numbers are decimal; `.5`, `5.` and `1e-3` are legal. Numbers, `pi` and
-//! `e` are rounded to the nearest floating-point number. Names are in lower case: see [`function`]. Spaces,
-//! tabs and line ends separate.
+//! From the loosest to the tightest binding, the operators are: `+` and `-` between operands; `*` and `/`;
+//! the signs `+` and `-`; `^`. Powers associate to the right. So -x^2 is -(x^2), and 2^-x is legal. A product
+//! needs its `*`. Numbers are decimal; `.5`, `5.` and `1e-3` are legal. Names are in lower case: see
+//! [`function`]. Spaces, tabs and line ends may stand between any two of these.
 //!
-//! An exponent without x is a constant, rounded to the nearest number: x^(6/2) is x^3 and takes negative x.
+//! An exponent without x is computed first, as a floating-point number. So x^(6/2) is x^3, and x may be
+//! negative.
 //!
 //! # Guarantees
-//! Enclosures are proved if the functions of the standard library are as accurate as
-//! [`elementary`](crate::geometry::interval::elementary) assumes. Parsing and computing any text takes
-//! bounded time and stack.
+//! Numbers, `pi`, `e` and exponents without x become floating-point numbers. An interval contains the exact
+//! value of the expression with these numbers, if the functions of the standard library are as accurate as
+//! [`elementary`](crate::geometry::interval::elementary) assumes.
+//!
+//! A text longer than [`LONGEST_TEXT`] bytes, or nested deeper than [`DEEPEST_NESTING`] levels, is an error.
+//! So parsing and computing take bounded time and stack.
 //!
 //! # Cost
 //! O(n) for n bytes of text: for parsing, and for each computation.

@@ -5,25 +5,25 @@
 //! | item | what it is |
 //! |---|---|
 //! | `l(x,y)`, `l(x,y,z)` | a point; straight lines lead to it and away from it |
-//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner rounded by an arc of radius R touching both lines; R = 0: sharp |
+//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner with an arc of radius R that touches both lines; R = 0: no arc |
 //! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through points |
 //!
 //! # Method
 //! 1. The text becomes items (`grammar`), all in the plane or all in space.
-//! 2. Every rounded corner becomes an arc (`corner`). The lines of the corner lead to its neighbours. If a
-//!    neighbour is a `b`, the line leads to the end of the `b` that is next along the curve.
-//! 3. Straight lines join the remaining gaps (`chain`). A `b` becomes the C2 cubic with uniform parameters
-//!    and natural ends.
+//! 2. Every rounded corner becomes an arc (`corner`). The two lines of the corner lead to the neighbouring
+//!    items. If a neighbour is a `b`, the line leads to the nearer end of the `b` along the curve.
+//! 3. Straight lines join the items (`chain`). A `b` becomes a cubic spline with continuous second
+//!    derivatives, which are zero at both ends. Its parameters are uniform.
 //!
 //! # Guarantees
-//! Arcs are exact: rational quadratics of a quarter turn at most. Along lines and arcs, the parameter grows
-//! by the length of each piece. Along a `b` it grows by the sum of the chords, by the same amount from point
-//! to point.
+//! Arcs are exact: they are rational quadratics of a quarter turn at most. Along lines and arcs, the
+//! parameter of the curve grows by their length. Along a `b`, the parameter grows by the sum of the chords
+//! between its points. Each chord gets an equal part of this sum.
 //!
 //! # Degenerate input
-//! Errors, each with its place: neighbouring points that coincide, corners that do not fit between their
-//! neighbours, and rounded corners where the curve reverses. A rounded corner without a turn is a point of
-//! its line.
+//! Errors, each with its place: neighbouring points that coincide; rounded corners that do not fit between
+//! their neighbours; rounded corners where the curve reverses. A rounded corner whose two lines go straight
+//! on becomes a point without an arc.
 //!
 //! # Cost
 //! O(n) in the length of the text.

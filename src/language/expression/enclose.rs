@@ -1,11 +1,15 @@
-//! Enclosures of an expression over a range of x.
+//! Encloses the values of an expression, and of its first two derivatives, over a range X of x.
 //!
 //! # Method
-//! 1. The tape is computed at the middle of the range. The value and the derivative after each step are kept.
-//! 2. The tape is computed over the whole range. Each value after a step is intersected with the enclosure
-//!    from the mean value theorem, f(m) + f'(X) (X - m); each derivative likewise. The common parts of
-//!    operands cancel in that enclosure. So over a short range the enclosure of x - x^2 is as wide as the
-//!    values are, and not twice as wide.
+//! 1. Every operation is computed at the middle m of the range. The value f(m) and the derivative f'(m) after
+//!    each operation are kept.
+//! 2. Every operation is computed over the range, by interval arithmetic. By the mean value theorem, f(m) +
+//!    f'(X) (X - m) also encloses the values after the operation. The intersection of the two enclosures is
+//!    kept. The first derivative is treated in the same way, with the second derivative in place of the
+//!    first.
+//!
+//! Interval arithmetic alone would take the two x in x - x^2 for independent numbers, and its enclosure would
+//! be too wide. Over a short range, the mean value theorem gives nearly the width of the values.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.

@@ -1,4 +1,4 @@
-//! Values and derivatives of an expression at one x, to rounding.
+//! Computes the value and the derivative of an expression at one x, with rounding errors.
 
 use super::function::{Function, Pairing};
 use super::tape::{Operation, Tape};

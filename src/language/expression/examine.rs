@@ -1,27 +1,35 @@
-//! The proof that an expression is defined over a domain, with bounds of its values.
+//! Proves that an expression is defined over a domain, and encloses its values there.
 //!
-//! An operation offends where an operand is outside the domain of the operation.
+//! An operation *offends* if it is not defined for its operand, such as sqrt for a negative number, or if its
+//! result is too large for a floating-point number.
 //!
 //! # Method
-//! 1. The expression is computed at the ends of the domain and at some points between. Most faults show
-//!    there, with an exact place.
-//! 2. The expression is computed over cells, as intervals; the first cell is the whole domain. A cell where
-//!    no operation can offend is legal. A cell where an operation offends everywhere, or at the middle, ends
-//!    the search. Any other cell is halved.
-//! 3. A legal cell whose values reach far beyond the values at points is halved too, to tighten the bounds.
+//! 1. The expression is computed at the ends of the domain and at some points between. If an operation
+//!    offends there, the search ends with an error that names the place. Most faults are found in this step.
+//! 2. The domain is searched in cells. The first cell is the whole domain. The expression is computed over a
+//!    cell as intervals, and at the middle of the cell. A cell where no operation can offend is legal. If an
+//!    operation offends over the whole cell or at its middle, the search ends with an error. Any other cell
+//!    is halved.
+//! 3. If the values over a legal cell are not enclosed tightly, the cell is halved too. The measure is the
+//!    range of all values that were computed at points.
 //!
 //! # Guarantees
-//! Over a domain that passes, every operation is defined, continuous and finite, and the values are inside
-//! the bounds. Operations that extend continuously past their legal operands (sqrt, asin, acos, powers) are
-//! extended as far as rounding can explain. That is by 1e-12 of the magnitudes that cancel, or within cells
-//! of 2^-[`DEEPEST`] of the domain that do not offend at their middle.
+//! Over a domain without an error, every operation is defined, continuous and finite, and the values are
+//! inside the returned bounds.
+//!
+//! There is one exception, because operands are rounded. For sqrt, asin, acos and powers, an operand slightly
+//! outside the legal range counts as the nearest legal number. Slightly means one of two things:
+//! * The operand is outside by at most 1e-12 of the size of the terms from which it was computed.
+//! * A cell has been halved [`DEEPEST`] times, and the operation does not certainly offend over the cell or
+//!   at its middle.
 //!
 //! # Degenerate input
-//! A domain that is not two finite numbers, the first less than the second, is an error. An expression that
-//! is defined only by cancellation, as x/x or sin(x)/x at zero, counts as not defined there.
+//! A domain that is not two finite numbers, the first less than the second, is an error. So is an expression
+//! that has only a limit at some place, such as x/x or sin(x)/x at zero. A search that needs more than
+//! [`MOST_CELLS`] cells ends with an error.
 //!
 //! # Cost
-//! O(n) a cell for n steps of the tape, with at most [`MOST_CELLS`] cells.
+//! O(n) a cell for n operations.
 
 use super::enclose::{self, Middle};
 use super::offence::{Certainty, Finding, Offence};

@@ -1,12 +1,14 @@
 //! Operations on intervals with two derivatives.
 //!
 //! # Method
-//! A jet encloses a value and its first two derivatives by x over a range of x. An operation returns the jet
-//! of its result and a verdict: whether an operand is, or may be, outside the domain of the operation.
+//! A *jet* is three intervals. They enclose a value and its first two derivatives by x, over a range of x. An
+//! operation on jets returns the jet of its result and a verdict. The verdict says whether an operand
+//! certainly is, possibly is, or cannot be outside the domain of the operation.
 //!
 //! # Guarantees
-//! Where an operand leaves the domain, the jet is that of the operation at the nearest legal operand. A
-//! derivative that does not exist or has no bound is the whole line.
+//! If an operand is outside the domain of the operation, the jet is that of the operation at the nearest
+//! number of the domain. A derivative that does not exist, or that has no bound, becomes the interval from
+//! minus infinity to infinity.
 
 pub mod power;
 

@@ -1,4 +1,4 @@
-//! Offences: operations with an operand outside the domain of the operation.
+//! Offences: operations that are not defined for their operand, or whose result is too large.
 
 /// The operation and the kind of operand that it is not defined for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

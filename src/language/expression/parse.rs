@@ -1,9 +1,8 @@
-//! The parser: from text to tape, by operator precedence.
+//! The parser: turns a text into a tape, the list of operations in the order of their computation.
 //!
 //! # Method
-//! Pratt's algorithm applies operators in the order of their computation. So each operator is appended to the
-//! tape when it is applied, and no tree is built. An operand is represented by its bytes in the text and its
-//! steps on the tape.
+//! The parser is Pratt's operator precedence parser. It reads the operands of an operator before it applies
+//! the operator, and then appends the operator to the tape. So it builds no tree.
 //!
 //! # Reference
 //! V. R. Pratt, "Top Down Operator Precedence", POPL, 1973.

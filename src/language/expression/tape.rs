@@ -1,4 +1,4 @@
-//! A compiled expression: operations in the order of their computation.
+//! The tape: the operations of an expression in the order of their computation, operands first.
 
 use super::function::{Function, Pairing};
 

@@ -1,5 +1,4 @@
-//! Tests of expressions: their texts, their domains, and their values and derivatives compared with random
-//! trees.
+//! Tests of expressions: texts, domains, values and derivatives.
 
 mod domains;
 mod jets;

@@ -1,4 +1,4 @@
-//! The items along a curve, and the segments made of them.
+//! The items along a section curve, and the lines, arcs and cubics made of them.
 
 use nalgebra::{Point, SVector};
 

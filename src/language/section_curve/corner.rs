@@ -1,10 +1,13 @@
 //! A corner rounded by the arc that touches both of its lines.
 //!
-//! theta is the turn and R the radius. The arc touches the lines at a distance of R tan(theta / 2) from the
-//! corner. As a rational quadratic, the arc has the corner as its middle control point, with the weight
-//! cos(theta / 2). A turn of more than a right angle takes two rational quadratics, which meet on the
-//! bisector. Half the sum and half the difference of the directions of the lines are cos(theta / 2) and
-//! sin(theta / 2) long; these lengths keep small turns exact.
+//! R is the radius of the arc, and theta is the angle by which the curve turns at the corner. The arc touches
+//! each line at the distance R tan(theta / 2) from the corner. The arc is a rational quadratic; its middle
+//! control point is the corner, with the weight cos(theta / 2). An arc of more than a right angle is written
+//! as two rational quadratics. They meet on the bisector of the corner.
+//!
+//! The sum and the difference of the unit vectors along the two lines have the lengths 2 cos(theta / 2) and 2
+//! sin(theta / 2). The cosine and the sine are computed from these lengths, because that stays accurate for
+//! small turns.
 
 use nalgebra::Point;
 

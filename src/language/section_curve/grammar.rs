@@ -1,8 +1,10 @@
-//! The grammar of section curves: from text to items with their places.
+//! The grammar of section curves: turns a text into items, each with its place in the text.
 //!
 //! `curve = item (space item)*`, `item = ("l" | "r") row | "b" "(" row ("," row)* ")"`,
-//! `row = "(" number ("," number)* ")"`. White space may stand around every sign, but not inside a number.
-//! Items do not nest, so the parser does not recurse. It reads every byte once.
+//! `row = "(" number ("," number)* ")"`.
+//!
+//! White space may stand before and after every letter, parenthesis, comma and number. The parser reads the
+//! text once from start to end, and does not recurse, because items do not nest.
 
 use winnow::ascii::{digit0, digit1, multispace0, multispace1};
 use winnow::combinator::{alt, opt};

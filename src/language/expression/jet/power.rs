@@ -1,9 +1,13 @@
-//! Powers of intervals with two derivatives.
+//! Powers a^b of intervals with two derivatives.
 //!
 //! # Method
-//! A power with a constant whole exponent takes any base. With another constant exponent, the base must be at
-//! least zero. With x in the exponent, a^b is exp(b ln a) for positive a. Its value is extreme at corners of
-//! the ranges of a and b. It is also defined where a is zero and b is positive.
+//! Three cases have different domains:
+//! * b is a constant whole number: every a is legal, but zero is illegal if b is negative.
+//! * b is another constant: a must be at least zero, and above zero if b is negative.
+//! * b contains x: a must be at least zero, and above zero if b is zero or negative. For positive a, the
+//!   derivatives are those of exp(b ln a). If a may be zero, the derivatives have no bounds.
+//!
+//! Over ranges of a and b, the least and the largest value of a^b belong to ends of these ranges.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;

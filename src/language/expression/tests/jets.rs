@@ -1,4 +1,5 @@
-//! Values, derivatives and enclosures, compared with random trees and with identities.
+//! Compares values, derivatives and enclosures of random expressions with those of trees, and tests
+//! identities.
 
 use proptest::prelude::*;
 

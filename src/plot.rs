@@ -1,32 +1,33 @@
-//! Pictures: a toolpath, a surface or both as one SVG sheet, A4 landscape, that prints true to its stated
-//! scale.
+//! Draws a toolpath, a surface or both as one SVG sheet. The sheet is A4 landscape, and a print has the scale
+//! that the sheet states.
 //!
 //! # Method
-//! 1. The bounds of the scene choose the scale: the largest standard scale at which the plan, the front and
-//!    the left side fit in first-angle arrangement (`layout`).
-//! 2. Every curve is projected into every view (`view`). An arc that faces the view stays an arc, in pieces
-//!    of a quarter turn at most. An arc seen edge-on becomes lines between its extremes. A helix seen from
-//!    its side is flattened. A parabola is a quadratic curve in every view.
-//! 3. For each view and each class of motion one pen writes path data (`pen`). The pen thins runs of lines
-//!    within a cone of directions, and draws curves below the drawing's resolution as lines.
-//! 4. A surface lies under the strokes, as bands of heights (`relief`).
-//! 5. If the paths grow beyond [`MAX_PATH_BYTES`], they are drawn again on a raster, first fine, then
-//!    coarser. A stroke is left out where the same class has inked all of its cells (`ink`). The sheet then
-//!    says so.
+//! 1. The sheet shows three views in first-angle arrangement: plan, front and left side. The scale is the
+//!    largest standard scale at which all three fit (`layout`).
+//! 2. Every curve is projected into every view (`view`). In a view that faces its plane, an arc stays an arc,
+//!    in pieces of a quarter turn at most. In a view along its plane, an arc becomes lines and a helix
+//!    becomes chords. A parabola is a quadratic Bezier curve in every view.
+//! 3. A pen writes the path data for each view and each class of moves (`pen`). It leaves out details below
+//!    the resolution of the drawing.
+//! 4. A surface is drawn below the paths, as coloured bands of heights (`relief`).
+//! 5. If the path data grows beyond [`MAX_PATH_BYTES`], the paths are drawn again, and strokes that add
+//!    hardly anything are left out. For that the sheet is divided into cells (`ink`). A stroke is left out if
+//!    the same pen has drawn in all of its cells before. The cells grow until the path data is small enough.
+//!    The sheet then says that strokes are left out.
 //!
 //! # Guarantees
-//! * Every point of a move is drawn within 0.02 mm of paper of its place, unless the sheet says that strokes
-//!   are left out. Nothing else is drawn. The relief of a surface is as precise as its mesh.
-//! * A picture has at most some 3 MB, whatever it shows.
-//! * The same scene gives the same bytes. Texts of the caller appear as text only, never as markup.
+//! * Every point of a move is drawn within 0.02 mm of its exact place on paper, unless the sheet says that
+//!   strokes are left out. The relief of a surface is only as precise as the triangles it is drawn from.
+//! * A picture has about 3 MB at most.
+//! * The same content gives the same bytes. Texts of the caller appear as text only, never as markup.
 //!
 //! # Degenerate input
-//! A scene may have no extent along one or two axes. A scene that is a single point is drawn at 1:1. An empty
-//! scene, or one with coordinates beyond a thousand kilometres, gives a sheet that says so.
+//! The content may have no extent along one or two axes. A single point is drawn at 1:1. If there is nothing
+//! to draw, or a coordinate is beyond a thousand kilometres, the sheet has no drawing and says so.
 //!
 //! # Cost
-//! O(n) in the moves and points: each is projected three times, or at most fifteen times if strokes are left
-//! out. On a raster, a stroke also costs its length in cells.
+//! O(n) for n moves and points. Each is projected three times, and up to fifteen times if strokes are left
+//! out. With cells, a stroke also costs time in proportion to the number of its cells.
 
 mod axes;
 mod class;

@@ -1,7 +1,7 @@
-//! The cells of the sheet that a pen has inked.
+//! The cells of the sheet in which a pen has drawn.
 //!
-//! On a raster of cells, a stroke adds nothing to the picture if all of its cells are inked. Every stroke
-//! that is drawn inks at least one more cell, so there are no more strokes than cells.
+//! A stroke can be left out if the pen has drawn in all of its cells before. Every other stroke draws in at
+//! least one new cell. So there are no more strokes than cells.
 
 use nalgebra::Point2;
 

@@ -1,6 +1,6 @@
-//! The places of the views on the sheet, and their scale.
+//! Chooses the scale and the places of the views on the sheet.
 //!
-//! First-angle arrangement: the front is above the plan, and the left side is to the right of the plan. So
+//! In first-angle arrangement the front is above the plan, and the left side is to the right of the plan. So
 //! all coordinates grow to the right or upward. Plan and front share x; plan and left side share y.
 
 use nalgebra::{Point2, Point3};

@@ -1,18 +1,26 @@
-//! Path data of one class in one view. Runs of lines are thinned below the drawing's resolution.
+//! Writes the path data of one class of moves in one view, without details below the resolution of the
+//! drawing.
 //!
 //! # Method
-//! A run of lines keeps an anchor and a cone of directions. Strokes from the anchor in these directions pass
-//! all later points of the run within a tolerance. A point inside the cone, and not nearer to the anchor than
-//! the last point, replaces the last point. Any other point ends the stroke at the last point, which becomes
-//! the anchor. J. Sklansky, V. Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern
-//! Recognition 12, 1980.
+//! Consecutive lines are replaced by one stroke while the stroke passes all of their points within
+//! [`THIN_MM`]. The stroke starts at a point called the anchor. A range of directions from the anchor, the
+//! cone, holds all strokes that pass the points so far. If the next point lies in the cone, and is not nearer
+//! to the anchor than the last point, the stroke is extended to the next point. Otherwise the stroke ends at
+//! the last point, which becomes the next anchor.
+//!
+//! A curve that differs from its chord by at most [`CHORD_MM`] is drawn as the chord.
 //!
 //! # Guarantees
 //! The drawing differs from the exact curves by less than 0.02 mm of paper: the sum of [`THIN_MM`],
 //! [`CHORD_MM`] and the rounding of coordinates to 0.01 mm.
 //!
 //! # Cost
-//! O(1) a stroke; with a raster, O(length of the stroke in cells).
+//! O(1) for a stroke. If strokes in cells that are drawn in already are left out, a stroke costs time in
+//! proportion to the number of its cells.
+//!
+//! # Reference
+//! J. Sklansky, V. Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern Recognition 12,
+//! 1980.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;

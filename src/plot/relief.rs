@@ -1,20 +1,23 @@
-//! The relief of a surface: bands of heights in colours. The plan also has contours, and light from the upper
-//! left. The other views show the area that the surface covers.
+//! The relief: a surface as coloured bands of heights. The plan also shows contours, and light from the upper
+//! left. Front and left side show the area that the surface covers.
 //!
 //! # Method
-//! 1. The triangles of a mesh are cut at the levels between the bands (`bands`), so contours are as smooth as
-//!    the mesh. They are cut again at the limits between tones of light (`tone`).
-//! 2. For each band, from the lowest up, the plan shows the area of this band and of all higher bands, and
-//!    then the tones of the band. Where the surface lies over itself, the higher part covers the lower part.
-//! 3. An area is drawn as the border of its pieces (`border`). Edges that two pieces share are removed, and
-//!    the remaining edges are thinned as all lines are.
-//! 4. The front and the left side show the area of all triangles, filled by height.
+//! 1. The surface is a mesh of triangles. The triangles are cut at the heights between two bands (`bands`),
+//!    and then where the light passes a limit (`tone`).
+//! 2. The plan is drawn from the lowest band to the highest. For each band, the area of the band and of all
+//!    higher bands is filled, and light and shade of the band are drawn over it. So higher parts of the
+//!    surface cover lower parts.
+//! 3. Neighbouring pieces of triangles are joined to one area (`border`): edges between two pieces are
+//!    removed. The remaining edges are thinned like all lines of the drawing.
+//! 4. In the front and the left side, the area of all triangles is filled, with the colour of the height at
+//!    each place.
 //!
 //! # Guarantees
-//! The relief has at most some [`MAX_BYTES`]. If it is larger, a coarser mesh is drawn.
+//! A relief has about [`MAX_BYTES`] at most. If it would be larger, or if more than [`MOST_CUTS`] cuts were
+//! needed, a coarser mesh is drawn.
 //!
 //! # Cost
-//! O(n log n) in the pieces. There are at most as many pieces as triangles plus [`MOST_CUTS`].
+//! O(n log n) for n pieces. There are at most as many pieces as triangles and cuts.
 
 mod bands;
 mod border;

@@ -1,4 +1,4 @@
-//! Text on a sheet: cleaned, escaped, cut to a width.
+//! Text on a sheet: cleaned, escaped, and cut to a width.
 
 /// Height of the usual text, mm of paper.
 pub const SIZE_MM: f64 = 2.5;

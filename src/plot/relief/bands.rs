@@ -1,4 +1,4 @@
-//! Bands of heights: their levels, their colours, and their legend.
+//! Bands of heights: the heights between them, their colours, and their legend.
 
 use nalgebra::Point3;
 

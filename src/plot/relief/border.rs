@@ -1,10 +1,10 @@
 //! The border of an area that consists of many pieces.
 //!
 //! # Method
-//! Every piece is a closed chain of edges in one direction of rotation. Where two pieces meet, their edges
-//! run in opposite directions and cancel. The remaining edges form closed chains again. They wind about every
-//! place of the area as often as pieces lie over it. So the edges, joined in any order, fill the area by the
-//! rule `nonzero`.
+//! The edges of every piece run around it in the same direction of rotation. Where two pieces touch, their
+//! common edge runs once in each direction, and both are removed. The remaining edges form closed chains.
+//! Around a place of the area, the chains turn as many times as there are pieces over it. So the SVG fill
+//! rule `nonzero` fills the area, in whichever order the edges are joined to chains.
 
 use nalgebra::Point2;
 

@@ -1,4 +1,4 @@
-//! Light and shade on a surface, as black and white veils over the colours of heights.
+//! Light and shade on a surface, as translucent white and black areas over the colours of the bands.
 
 use nalgebra::Vector3;
 

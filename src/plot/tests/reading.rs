@@ -1,4 +1,4 @@
-//! Reads a sheet as a person does: the stated scale, places by the numbers at the axes, and paths by the
+//! Reads a sheet as a person does: the stated scale, positions by the numbers at the axes, and paths by the
 //! rules of SVG. It shares no code with the drawing.
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! Reads back the relief of surfaces: the bands at a place of the plan, and the size and validity of the
-//! sheet for any surface.
+//! Tests of the relief: the band that is drawn at a place of the plan, and the size and validity of the sheet
+//! for any surface.
 
 use nalgebra::Vector3;
 use roxmltree::Document;

@@ -1,4 +1,5 @@
-//! The HTTP service: decodes requests into jobs, runs the jobs on a bounded pool and encodes the answers.
+//! The HTTP service: decodes requests into jobs, runs the jobs on a fixed number of threads, and encodes the
+//! answers.
 //!
 //! Only this layer knows status codes, media types and JSON.
 

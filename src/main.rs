@@ -1,4 +1,4 @@
-//! The binary: reads the settings, then serves or prints the contract.
+//! The binary: reads the settings, then starts the service, checks a running service, or prints the contract.
 
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};

@@ -1,5 +1,5 @@
-//! Admission of requests: a request is refused at once when the queue is full, and a body is refused when the
-//! memory for bodies is used up.
+//! Refuses requests that the service has no room for: at once if the queue of computations is full, and while
+//! the body arrives if the bodies of all requests fill the memory for bodies.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

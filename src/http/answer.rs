@@ -1,5 +1,5 @@
-//! From a job to its answer: runs the computation on the pool and encodes the outcome in the form that the
-//! caller wants.
+//! From a job to its answer: runs the computation on the pool of threads, and encodes the result in the form
+//! that the caller wants.
 
 pub mod sheet;
 

@@ -1,9 +1,14 @@
-//! The bounded pool on which computations run, away from the threads that serve connections.
+//! The pool of threads on which computations run, apart from the threads that serve connections.
 //!
-//! A request first takes one of `workers + queue` tickets. Without a free ticket it is refused at once. With
-//! a ticket it waits for one of `workers` places. The computation holds ticket and place until it ends. A
-//! caller that goes away cancels the [`Budget`] of its computation; the place is free when the thread has
-//! stopped.
+//! The pool has `workers` threads, and at most `queue` requests wait for a thread.
+//!
+//! 1. A request takes one of `workers + queue` tickets. If no ticket is free, the request is refused at once.
+//! 2. With its ticket, the request waits until one of the `workers` threads is free. The deadline includes
+//!    this time.
+//! 3. The thread runs the computation. When the computation ends, the thread and the ticket are free again.
+//!
+//! If a caller goes away, the [`Budget`] of its computation is cancelled. The thread is free as soon as the
+//! computation notices that.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
-//! Decodes bodies into wire types. An error has a pointer to the member at fault.
+//! Decodes the JSON bodies of requests. Each error has a pointer to the member at fault.
 //!
-//! Decoding has two passes. The first reads the whole text as JSON and nothing more, so that a text that is
-//! not JSON is never reported as an illegal request. The second decodes the type and stops at its first
-//! error; then `mend` looks for the other errors.
+//! 1. The whole body is checked to be JSON. So a body that is not JSON is never reported as a wrong request.
+//! 2. The body is decoded as the type of the request. The decoder stops at its first error.
+//! 3. After an error, `mend` looks for the other errors in the body.
 
 mod foreign;
 mod mend;

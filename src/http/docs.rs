@@ -1,4 +1,5 @@
-//! Pages at `/docs` to read the contract and try requests. The binary holds all files of the pages.
+//! Web pages at `/docs` to read the contract and to try requests. All files of the pages are part of the
+//! binary.
 
 use std::sync::Arc;
 

@@ -1,6 +1,7 @@
-//! Wire types: the JSON of requests and answers. They are separate from the types of the core. Conversions
-//! destructure exhaustively, so a field that is added on one side does not compile until the other side
-//! handles it.
+//! Wire types: the JSON of requests and answers.
+//!
+//! The types of the other layers are separate. If a type gets a field on one side only, the conversion
+//! between the two does not compile.
 
 pub mod answer;
 pub mod approach;

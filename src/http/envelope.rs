@@ -1,4 +1,5 @@
-//! Gives every answer the request's id and the engine's version, and every failure the shape of a problem.
+//! Adds the id of the request and the version of the engine to every answer, and turns every failure into a
+//! problem document (RFC 9457).
 
 use std::any::Any;
 

@@ -1,4 +1,4 @@
-//! Errors as the caller sees them: problem details by RFC 9457. Only this module maps failures to status
+//! Errors as the caller sees them: problem documents by RFC 9457. Only this module maps failures to status
 //! codes.
 
 use std::fmt;

@@ -1,5 +1,5 @@
-//! The answer of a computation as server-sent events: its progress while it runs, and its result or problem
-//! at the end.
+//! The answer of a computation as server-sent events: progress while the computation runs, then the result or
+//! a problem document.
 
 use std::convert::Infallible;
 use std::pin::Pin;

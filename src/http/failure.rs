@@ -1,4 +1,4 @@
-//! Problems for the failures that all computing endpoints share.
+//! Problem documents for failures that can occur in all computing endpoints.
 
 use super::compute::Failure;
 use super::error::{ApiError, Code, FieldCode, FieldError};

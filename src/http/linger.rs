@@ -1,8 +1,9 @@
-//! Request bodies that are read to their end even after the answer is sent.
+//! Reads the rest of a request body after the answer has been sent.
 //!
-//! A caller may still send its body when the service refuses the body as too large. If the service closed the
-//! connection then, the caller would get a reset, and the reset could overtake the answer. So the service
-//! reads the rest of the body for a while and throws it away.
+//! The service refuses a body that is too large while the caller still sends it. If the service closed the
+//! connection at once, the caller would see a connection reset, possibly before it has read the answer. So
+//! the service reads the rest of the body and throws it away, up to [`MAX_TIME`] and [`MAX_BYTES`]. Then it
+//! closes the connection.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};

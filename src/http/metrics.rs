@@ -1,7 +1,7 @@
 //! Metrics of this process, in the text form that Prometheus reads.
 //!
-//! Every label comes from a closed set, so that no caller can add series: route templates, known methods,
-//! statuses, problem codes, stages.
+//! All labels are taken from fixed lists: route templates, known methods, statuses, error codes and stages.
+//! So no request can add a time series.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! The form in which the caller wants an answer: chosen by the query and by `Accept` from the forms that the
-//! endpoint offers.
+//! Chooses the form of an answer from the forms that the endpoint offers. The query parameter `format`
+//! decides, or else the header `Accept`.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The forms of answers, the choice among them, and finished bodies with their headers.
+//! The forms of answers, such as JSON, NC text and pictures, and finished bodies with their headers.
 
 pub mod accept;
 pub mod page;

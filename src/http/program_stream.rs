@@ -1,10 +1,12 @@
 //! Rewrites NC programs while they arrive. A program may be larger than memory, and its answer begins before
-//! the program has arrived.
+//! the whole program has arrived.
 //!
-//! A stream holds one of the places for streams. It takes a place on the pool only while it has bytes to work
-//! on. The rewritten text goes to the caller through a short queue. A caller that reads slowly slows down its
-//! own stream, and no text is held beyond the queue. A failure before the first byte of the answer is
-//! answered as a problem. A later failure ends the connection without the end of the body.
+//! * The number of streams is limited; a stream above the limit is refused.
+//! * A stream uses a thread of the pool only while it has bytes to rewrite.
+//! * The rewritten text waits for the caller in a queue of limited size. If the caller reads slowly, the
+//!   queue fills up, and the service reads no more of the program until the queue has room.
+//! * A failure before the first byte of the answer is answered as a problem document. A later failure closes
+//!   the connection before the end of the body, so that the caller sees that the answer is not complete.
 
 use std::io::Write;
 use std::sync::Arc;

@@ -1,8 +1,9 @@
-//! Requests that the HTTP parser refuses get a problem, as every other failure does.
+//! Gives a problem document to requests that the HTTP parser refuses, as to every other failure.
 //!
-//! When hyper cannot read the head of a request, or finds it too large, no layer sees the request: hyper
-//! writes a status without a body and closes the connection. [`Explained`] replaces that answer by a whole
-//! one.
+//! The parser of hyper refuses a request if it cannot read its head, or if the head is too large. Then hyper
+//! itself writes a status without a body and closes the connection; no code of the service sees the request.
+//! [`Explained`] watches the bytes that go to the caller, and replaces such an answer by one with a problem
+//! document.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;

@@ -1,4 +1,4 @@
-//! The accept loop: serves connections with time limits, and shuts down without losing a request.
+//! Accepts and serves connections with time limits, and shuts down without losing a request.
 
 use std::io;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! How long the steps of an answer took, for the header `Server-Timing`, the log and the metrics.
+//! The times that the steps of an answer took, for the header `Server-Timing`, the log and the metrics.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The texts of an answer for people: on the sheet at the machine and in the header of a program.
+//! The texts of an answer for people: the notes beside a drawing, and the header of an NC program.
 
 use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;

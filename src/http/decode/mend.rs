@@ -1,13 +1,19 @@
-//! Finds all violations of a body at once, also wrong types and missing members.
+//! Finds everything that is wrong with a request body, so that the caller can correct all of it at once.
 //!
-//! A decoder stops at the first member that does not fit.
+//! A decoder stops at the first member that it cannot decode. To find further errors, the body is repaired
+//! and decoded again:
 //!
-//! 1. That member gets a stand-in, a value that may fit, and the body is decoded again. This repeats until
-//!    the whole body fits.
-//! 2. The conversion to a job then finds the violations of rules. Violations that a stand-in causes are left
-//!    out.
+//! 1. The error is noted, and the value at fault is replaced by a placeholder, such as 1000 or "x". A member
+//!    that must not be there is removed.
+//! 2. The body is decoded again. If the placeholder cannot be decoded either, the next placeholder is tried.
+//!    If the decoder stops at another place, step 1 is repeated there.
+//! 3. When the whole body can be decoded, its values are checked. Errors that a placeholder causes are not
+//!    reported.
 //!
-//! A whole number with a decimal point, such as `12.0`, is no violation: it becomes an integer.
+//! If no placeholder is left, or after too many repetitions, the errors found so far are reported.
+//! [`MOST_TRIES`] and [`MOST_BYTES`] limit the repetitions.
+//!
+//! A whole number with a decimal point, such as `12.0`, is accepted where an integer is needed.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,5 @@
-//! Decodes structs from JSON objects only. A derived decoder alone would also accept an array of the fields.
+//! Decodes structs from JSON objects only. The decoders that serde derives would also accept an array of the
+//! fields.
 
 use std::fmt;
 use std::marker::PhantomData;

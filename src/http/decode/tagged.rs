@@ -1,8 +1,10 @@
-//! Enums of objects that their member `kind` tells apart: the decoder, and the schema with its discriminator.
+//! Decodes objects whose member `kind` says which other members they have, and makes their schemas for the
+//! contract.
 //!
-//! The decoder is written by hand, because the path of an error in a derived, internally tagged enum ends at
-//! the enum. Here the object is decoded from its own text. Its error travels packed inside the message of the
-//! outer decoder, because an outer decoder passes on only a message.
+//! Each set of such objects is a Rust enum. Its decoder is written by hand: in the decoder that serde
+//! derives, the path of an error ends at the enum, and does not lead to the member at fault. The decoder
+//! written here decodes the object separately, and so finds the whole path. serde passes on only a message
+//! from an inner decoder to an outer decoder. Therefore the error is packed into the message.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};

@@ -1,4 +1,5 @@
-//! The request to fit arcs to a polyline or to an NC program, its conversion to a job, and the reports.
+//! The request to fit arcs to a polyline or to an NC program, its conversion to a job, and the reports of
+//! both.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;

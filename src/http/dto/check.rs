@@ -1,4 +1,5 @@
-//! Checks of numbers, counts and texts that collect every violation instead of ending at the first.
+//! Checks numbers, counts and texts of a request. All violations are collected; the check does not end at the
+//! first.
 
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 use crate::http::pointer::Pointer;

@@ -1,4 +1,4 @@
-//! Conversions between enums of the wire and enums of the core with the same variants.
+//! Conversions between enums of the JSON and enums of the computation that have the same variants.
 
 /// Implements the conversion from an enum of the wire to the core's enum, variant by variant.
 macro_rules! into_core {

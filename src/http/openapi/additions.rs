@@ -1,5 +1,5 @@
-//! Adds the parts of the contract that all operations share: headers, problems and the forms of answers. The
-//! handlers document only the JSON answer.
+//! Adds the parts of the contract that all operations share: headers, problem documents and the forms of
+//! answers. The handlers document only the JSON answer.
 
 use axum::http::StatusCode;
 use serde_json::{Map, Value, json};

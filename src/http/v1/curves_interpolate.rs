@@ -1,5 +1,5 @@
-//! `POST /v1/curves/interpolate`: replaces a plane curve by elements within a band, and answers the elements,
-//! a program or a picture.
+//! `POST /v1/curves/interpolate`: replaces a plane curve by lines, arcs or parabolas within a band, and
+//! answers them as JSON, a program or a picture.
 
 mod failure;
 

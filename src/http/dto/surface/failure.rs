@@ -1,5 +1,5 @@
-//! Problems for data that make no surface. The checks of the wire types find most faults; these faults need
-//! the whole surface.
+//! Problem documents for data that give no surface. Most faults are found when a request is checked; these
+//! faults show only when the whole surface is made.
 
 use crate::geometry::surface::ferguson::FergusonError;
 use crate::geometry::surface::joints::NotSmooth;

@@ -1,4 +1,4 @@
-//! Any JSON value as a table of bounded size.
+//! Shows any JSON value as a table of limited size.
 
 use serde_json::{Map, Value};
 

@@ -1,4 +1,4 @@
-//! Problems for the failures of interpolation.
+//! Problem documents for the failures of interpolation.
 
 use crate::geometry::plane_curve::interpolant::InterpolantError;
 use crate::geometry::plane_curve::nurbs::NurbsError;

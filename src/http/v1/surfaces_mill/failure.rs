@@ -1,4 +1,4 @@
-//! Problems for the failures of milling.
+//! Problem documents for the failures of milling.
 
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;

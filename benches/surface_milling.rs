@@ -1,5 +1,5 @@
-//! Times of the steps of surface milling over growing sizes. Milling and drops use all threads of the
-//! machine.
+//! Times of the steps of surface milling over growing sizes. Milling and dropping cutters use all threads of
+//! the machine.
 //!
 //! `cargo bench --bench surface_milling`
 

@@ -1,8 +1,8 @@
 //! Compares random rational NURBS surfaces with their definition: points, first and second derivatives.
 //!
-//! The definition is the recursion of Cox and de Boor. Each basis function carries its two derivatives
-//! through the recursion by the product rule; a point is the sum over all control points, and the quotient
-//! rule divides by the weight.
+//! The definition is the recursion of Cox and de Boor. The product rule carries the first two derivatives of
+//! each basis function through the recursion. A point is the sum over all control points, divided by the sum
+//! of the weights; the quotient rule gives its derivatives.
 
 use nalgebra::{Point3, Vector3, Vector4};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Tests of cutters that are dropped onto surfaces: tips equal closed forms, and illegal requests are
+//! Tests of cutters that are dropped onto surfaces: tips are compared with formulas, and illegal requests are
 //! refused.
 
 use std::f64::consts::TAU;

@@ -1,9 +1,9 @@
 //! Finds the least number of elements by brute force. [`Fit`] with joints on the points must find the same
 //! number.
 //!
-//! 1. Every pair of points is the chord of candidate arcs. Dense samples of the sweep and golden-section
-//!    searches between them find the best arcs over the chord.
-//! 2. Dynamic programming finds the shortest chain of pairs that one element may join.
+//! 1. For every pair of points, the line and many arcs between the two points are tried. A search between
+//!    neighbouring arcs finds the arcs that come nearest to the points between.
+//! 2. Dynamic programming finds the shortest chain of pairs between which an element is possible.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Measure};

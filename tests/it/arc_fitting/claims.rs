@@ -1,5 +1,5 @@
-//! Fits of points with small whole coordinates, and of points whose distances are near the resolution of
-//! their coordinates. No job fails, and no stated deviation is smaller than a dense check finds.
+//! Fits points with small whole coordinates, and points so close together that their coordinates hardly
+//! differ. No job fails. No stated deviation is smaller than the deviation that dense samples show.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;

@@ -1,7 +1,9 @@
-//! Laws that hold for every fit.
+//! Laws that hold for every fit, for example:
 //!
-//! Moved points take as many elements. All coordinate planes give the same fit. A fit to a polyline stays
-//! near its lines. Degenerate points give one defined result.
+//! * Points that are reversed, mirrored, turned, shifted or scaled take as many elements.
+//! * A fit takes as many elements in every coordinate plane.
+//! * A fit to a polyline and the lines of the polyline are within the tolerance of each other.
+//! * Degenerate points have one defined result.
 
 use std::f64::consts::TAU;
 

@@ -1,9 +1,12 @@
 //! Finds the least number of elements over many points by a second, plain implementation. The fit must find
 //! the same number.
 //!
-//! The plain implementation tries every pair of points. The arcs over a chord that pass near a point form a
-//! range of sweeps. Its ends are arcs that touch a circle about the point; they are roots of a quadratic
-//! equation. The fit leaves out many pairs by bounds, fans and witnesses; none of them may change the number.
+//! The plain implementation tries every pair of points. The arcs between the two points differ in one number,
+//! the angle by which they turn. The arcs that pass a third point within the tolerance form a range of this
+//! angle. At the ends of the range, an arc touches the circle about the third point whose radius is the
+//! tolerance. These arcs are roots of a quadratic equation.
+//!
+//! The fit does not try every pair. The comparison shows that the pairs left out do not change the number.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};

@@ -1,12 +1,14 @@
-//! Reproduces the shape of the paper's Table 1: numbers of arcs over step lengths and tolerances, on one
-//! section of the offset of a free-form surface of 5 by 5 points.
+//! Repeats the experiment of the paper's Table 1: the number of arcs for several step lengths and tolerances,
+//! on one section of the offset of a free-form surface of 5 by 5 points.
 //!
-//! The paper's experiment fits points of a section at fixed steps, and says that the step hardly matters.
-//! This is true from some eight points per arc on. With fewer points the fit follows the points alone. If
-//! there are half as many arcs as spans, every arc passes through three points at any tolerance, and nothing
-//! bounds the curve between them. At a step of 1.0 and a tolerance of 1e-5 the arcs leave the curve by
-//! thousands of tolerances. The operation therefore measures against the curve: the step length is an upper
-//! limit, and the points are as close together as the tolerance needs.
+//! The paper fits points of the section at a fixed step, and says that the step hardly matters. This is true
+//! if there are about eight points or more for each arc. With fewer points, the arcs follow the points, but
+//! not the curve between them. In the extreme case every arc passes through three points, whatever the
+//! tolerance is. At a step of 1.0 and a tolerance of 1e-5 the arcs leave the curve by thousands of
+//! tolerances.
+//!
+//! For this reason the operation of this project compares the arcs with the curve. The step length is an
+//! upper limit, and the points are as close together as the tolerance needs.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 5, Table 1.

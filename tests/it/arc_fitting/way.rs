@@ -1,5 +1,5 @@
-//! Lines and arcs by plain geometry: a centre, a start angle and a sweep. The fit itself computes in another
-//! way.
+//! Lines and arcs by plain geometry: an arc is a centre, a start angle and a sweep. The fit computes arcs in
+//! another way.
 
 use std::f64::consts::{PI, TAU};
 

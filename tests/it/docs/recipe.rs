@@ -1,7 +1,7 @@
-//! Runs the README's recipe: a few lines of Python that make a request of a CSV table of points.
+//! Runs the README's recipe: a few lines of Python that make a request from a CSV table of points.
 //!
-//! No Python is needed. A Rust function does the same as the lines that group the points, and the body around
-//! them is read from the README.
+//! The test needs no Python. A Rust function does the same as the lines that group the points, and the rest
+//! of the request is read from the README.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Finds deviations by brute force: for many points of each element, it searches the nearest point of the
+//! Finds deviations by brute force: for many points of each element, it searches for the nearest point of the
 //! curve.
 
 use serde_json::Value;

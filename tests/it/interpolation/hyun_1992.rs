@@ -1,13 +1,18 @@
-//! Tables 1 to 3 of C. H. Hyun, 1992: y = sin x over [0, 6.5] within 0.1, from 1 to 8 initial elements.
+//! Tables 1 to 3 of C. H. Hyun, 1992: y = sin x over [0, 6.5] within 0.1, from n = 1 to n = 8 initial
+//! elements.
 //!
-//! The tests compare every legible cell with our result, under the normal band.
+//! The tests compare every legible cell of the tables with our result. The band is measured along the normal
+//! of the curve.
 //!
-//! The tables have these misprints. Table 3, n = 3 prints the shapes 2 1 3; 2 1 2 is meant, because there is
-//! no shape 3. Table 3, n = 4 prints three of four shapes. Table 2, n = 1 prints "1 2" for the subdivisions
-//! of its one initial element. Table 3, n = 1 prints 1 subdivision, but its two shapes show 2.
+//! The tables have these misprints:
+//! * Table 3, n = 3 prints the shapes 2 1 3, but there is no shape 3; 2 1 2 is meant.
+//! * Table 3, n = 4 prints three of four shapes.
+//! * Table 2, n = 1 prints "1 2" for the number of subdivisions of its one initial element.
+//! * Table 3, n = 1 prints 1 subdivision, but its two shapes show 2.
 //!
-//! A 0 in tables 2 and 3 means "not bisected"; table 1 prints 1 for it. The machining times are those of an
-//! interpreter: for n = 1, 2, 4 and 8 table 1 has the same mesh and three different times.
+//! An initial element that is not bisected has a 0 in tables 2 and 3, and a 1 in table 1. The machining times
+//! are not compared: they are run times of an interpreter. In table 1 the elements for n = 1, 2, 4 and 8 are
+//! the same, but three different times are printed.
 
 use serde_json::{Value, json};
 

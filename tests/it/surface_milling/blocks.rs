@@ -1,7 +1,7 @@
-//! Passes over the most ordinary parts run from end to end.
+//! Passes over blocks run from end to end.
 //!
-//! The parts are plain, stepped and drafted blocks with round coordinates. The planes are exactly one cutter
-//! radius apart. Every cutter, both kinds of planes and every boundary are tried.
+//! The parts are plain, stepped and drafted blocks with round coordinates. The section planes are exactly one
+//! cutter radius apart. Every cutter, both directions of section planes and every boundary are tried.
 
 use nalgebra::Point3;
 use toolpathd::budget::Budget;

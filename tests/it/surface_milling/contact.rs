@@ -1,5 +1,5 @@
-//! Checks paths of the contact engine against dense points of the surfaces. Every cutter mills surfaces that
-//! the engine `offset_section` refuses.
+//! Compares the paths of the engine `Contact` with dense points of the surfaces. Every cutter mills surfaces
+//! that the engine `OffsetSection` refuses.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 

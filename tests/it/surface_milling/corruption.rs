@@ -1,8 +1,9 @@
-//! Checks that the gouge proof can fail. Good paths over blocks, steps, trays and ribs are corrupted move by
-//! move, and the result of the proof is compared with dense points in the plane of the pass.
+//! Checks that the gouge proof refuses bad paths. Moves of good paths over blocks, steps, trays and ribs are
+//! corrupted. Then the result of the proof is compared with the depths of dense points inside the cutter.
 //!
-//! Every part is a profile of straight lines, extruded along y. The section of the cutter through its axis
-//! reaches deeper into such a part than any other section. So depths in this plane are depths in space.
+//! Every part is a profile of straight lines, extruded along y, and the passes are planes of constant y. At
+//! no other y does the cutter reach deeper into such a part than in the plane through its axis. So it is
+//! enough to measure depths in that plane.
 
 use nalgebra::{Point3, Vector3};
 use toolpathd::budget::Budget;

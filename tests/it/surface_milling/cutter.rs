@@ -1,10 +1,13 @@
 //! Finds how deep a ball cutter with its shank enters a surface, by dense samples and local minimisation.
 //!
-//! The depth at a tip is the radius minus the distance from the axis to the surface. The axis is the ray
-//! upward from the ball's centre. At least every quarter of a millimetre along the path, all local minima of
-//! the distance over a grid of surface points are collected. From each minimum, the distance is minimised at
-//! every sample of the path. Local minima are found to 1e-9 mm, and the largest depth between samples to
-//! about 1e-6 mm.
+//! The cutter is all points within its radius of the axis, the ray that goes up from the centre of the ball.
+//! So the depth at a tip is the radius minus the least distance from the axis to the surface.
+//!
+//! 1. At places at most a quarter of a millimetre apart along the path, the local minima of this distance are
+//!    collected over a grid of surface points.
+//! 2. At every sample of the path, the distance is minimised from each of these minima.
+//!
+//! Local minima are found to 1e-9 mm, and the largest depth between samples to about 1e-6 mm.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,6 +1,8 @@
-//! Compares the stated deviation and gouge with dense samples, for every cutter, on the computed and the
-//! written path. The stated figures must be no smaller than the sampled figures, and not much larger. Each
-//! sample is compared with the tip of a cutter that is dropped there.
+//! Compares the stated deviation and gouge with dense samples of the path, for every cutter. The stated
+//! figures must be no smaller than the sampled figures, and not much larger. This holds for the computed path
+//! and for the path of the NC text.
+//!
+//! At each sample, a cutter is dropped onto the surface, and its tip is compared with the path.
 
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
-//! The cubic spline surface through a grid of points, computed from moments: the second derivatives at its
-//! knots.
+//! The cubic spline surface through a grid of points, computed from the second derivatives at the points,
+//! called moments.
 //!
-//! A dense linear system gives the moments along each direction. The tensor product needs the moments along
-//! u, along v, and the moments along v of the moments along u. No code is shared with the library.
+//! A dense linear system gives the moments along each direction. The surface needs the moments along u, the
+//! moments along v, and the moments along v of the moments along u. No code is shared with the library.
 
 use nalgebra::{DMatrix, Point3, Vector3};
 use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};

@@ -1,5 +1,5 @@
-//! Judges a plan: compares every figure of its report with figures that are found without the library's
-//! geometry.
+//! Judges a plan: compares every figure of its report with a figure that is found without the geometry of the
+//! library.
 
 use nalgebra::Vector3;
 use toolpathd::budget::Budget;

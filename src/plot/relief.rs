@@ -3,7 +3,7 @@
 //!
 //! # Method
 //! 1. The surface is a mesh of triangles. The triangles are cut at the heights between two bands (`bands`),
-//!    and then where the light passes a limit (`tone`).
+//!    and again at the limits between tones of light and shade (`tone`).
 //! 2. The plan is drawn from the lowest band to the highest. For each band, the area of the band and of all
 //!    higher bands is filled, and light and shade of the band are drawn over it. So higher parts of the
 //!    surface cover lower parts.

@@ -4,8 +4,8 @@
 //! The reader takes the program line by line. First `words` collects the words of a line. Then the words take
 //! effect in the order in which a control applies them: units, plane, feed, motion.
 //!
-//! The reader checks the writer, so they share no code. They share only the data of the dialect. The lexer
-//! and the modal state are those of `rewrite`.
+//! The reader exists to check the writer. So the two share only the data of the dialect, and no code. The
+//! reader shares the lexer and the modal state with `rewrite`.
 //!
 //! # Guarantees
 //! A word, code or combination that the reader does not know is an error. Nothing is skipped.

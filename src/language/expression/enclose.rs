@@ -1,12 +1,11 @@
 //! Encloses the values of an expression, and of its first two derivatives, over a range X of x.
 //!
 //! # Method
-//! 1. Every operation is computed at the middle m of the range. The value f(m) and the derivative f'(m) after
-//!    each operation are kept.
-//! 2. Every operation is computed over the range, by interval arithmetic. By the mean value theorem, f(m) +
-//!    f'(X) (X - m) also encloses the values after the operation. The intersection of the two enclosures is
-//!    kept. The first derivative is treated in the same way, with the second derivative in place of the
-//!    first.
+//! 1. Let f(x) be the value after an operation. For every operation, f(m) and f'(m) are computed at the
+//!    middle m of the range.
+//! 2. For every operation, f(X), f'(X) and f''(X) are enclosed by interval arithmetic. By the mean value
+//!    theorem, `f(m) + f'(X) (X - m)` also encloses f(X); the intersection is kept. In the same way,
+//!    `f'(m) + f''(X) (X - m)` narrows f'(X).
 //!
 //! Interval arithmetic alone would take the two x in x - x^2 for independent numbers, and its enclosure would
 //! be too wide. Over a short range, the mean value theorem gives nearly the width of the values.

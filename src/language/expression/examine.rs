@@ -10,8 +10,9 @@
 //!    cell as intervals, and at the middle of the cell. A cell where no operation can offend is legal. If an
 //!    operation offends over the whole cell or at its middle, the search ends with an error. Any other cell
 //!    is halved.
-//! 3. If the values over a legal cell are not enclosed tightly, the cell is halved too. The measure is the
-//!    range of all values that were computed at points.
+//! 3. The bounds over a legal cell are compared with all values that were computed at points. If the bounds
+//!    exceed these values by more than about 1e-4 of the largest value, the cell is halved too. After
+//!    [`MOST_CELLS_FOR_BOUNDS`] cells this step is left out, and the bounds stay wider.
 //!
 //! # Guarantees
 //! Over a domain without an error, every operation is defined, continuous and finite, and the values are
@@ -20,8 +21,8 @@
 //! There is one exception, because operands are rounded. For sqrt, asin, acos and powers, an operand slightly
 //! outside the legal range counts as the nearest legal number. Slightly means one of two things:
 //! * The operand is outside by at most 1e-12 of the size of the terms from which it was computed.
-//! * A cell has been halved [`DEEPEST`] times, and the operation does not certainly offend over the cell or
-//!   at its middle.
+//! * The operand is legal or undecided at the middle of a cell of x that has been halved [`DEEPEST`] times,
+//!   and may be outside elsewhere in the cell.
 //!
 //! # Degenerate input
 //! A domain that is not two finite numbers, the first less than the second, is an error. So is an expression

@@ -1,15 +1,15 @@
 //! LinuxCNC.
 //!
-//! The program sets `G64 P Q0`, where P is one unit of the last decimal. The control may then leave the
-//! written path by P at joints, to keep its speed. Q0 forbids it to merge blocks. Exact path mode, G61, would
-//! stop at every joint that rounding has kinked. With a G64 without P, the control would cut corners by any
-//! distance.
+//! The program sets G64 with a P of one unit of the last decimal, and Q0. To keep its speed, the control may
+//! then leave the written path by P where two blocks meet. Q0 forbids it to merge blocks. In exact path mode,
+//! G61, the control would stop wherever rounding has put a small angle between two blocks. Without G61 and
+//! without P, it would cut corners by any distance.
 //!
 //! A parabola in a plane of constant Z is written as a quadratic spline, `G5.1 X Y I J`. I and J are the
 //! offsets from the start to the Bezier control point. The interpreter requires G17, no Z word, and I and J
-//! in every block with G5.1. G5.1 is not modal: a next block without a G word would run as the last of G0 to
-//! G3. So the next block always states its G word. The control runs a parabola as 24 arcs. The bound of
-//! rounding that the header states includes the distance of these arcs from the parabola.
+//! in every block with G5.1. G5.1 is not modal: after it, a block without a G word runs as the last of G0 to
+//! G3. So the block after a parabola always has a G word. The control runs a parabola as 24 arcs. The bound
+//! of rounding that the header states includes the distance of these arcs from the parabola.
 //!
 //! M30 alone ends the program. No percent signs are written.
 

@@ -7,7 +7,7 @@
 //! * b contains x: a must be at least zero, and above zero if b is zero or negative. For positive a, the
 //!   derivatives are those of exp(b ln a). If a may be zero, the derivatives have no bounds.
 //!
-//! Over ranges of a and b, the least and the largest value of a^b belong to ends of these ranges.
+//! If a and b are intervals, a^b is least and largest at ends of these intervals.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;

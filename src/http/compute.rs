@@ -3,7 +3,8 @@
 //! The pool has `workers` threads, and at most `queue` requests wait for a thread.
 //!
 //! 1. A request takes one of `workers + queue` tickets. If no ticket is free, the request is refused at once.
-//! 2. With its ticket, the request waits until one of the `workers` threads is free. The deadline includes
+//!    A program that is sent as a stream has a permit of its own instead of a ticket.
+//! 2. The request waits until one of the `workers` threads is free. The deadline includes
 //!    this time.
 //! 3. The thread runs the computation. When the computation ends, the thread and the ticket are free again.
 //!

@@ -1,12 +1,13 @@
 //! Finds the least number of elements over many points by a second, plain implementation. The fit must find
 //! the same number.
 //!
-//! The plain implementation tries every pair of points. The arcs between the two points differ in one number,
-//! the angle by which they turn. The arcs that pass a third point within the tolerance form a range of this
-//! angle. At the ends of the range, an arc touches the circle about the third point whose radius is the
-//! tolerance. These arcs are roots of a quadratic equation.
+//! The plain implementation tries every pair of points. Only pairs with more than [`LONGER`] times as many
+//! points between them as the longest possible element are left out. The arcs between the two points differ
+//! in one number, the angle by which they turn. The arcs that pass a third point within the tolerance form a
+//! range of this angle. At the ends of the range, an arc touches the circle about the third point whose
+//! radius is the tolerance. These arcs are roots of a quadratic equation.
 //!
-//! The fit does not try every pair. The comparison shows that the pairs left out do not change the number.
+//! The fit leaves out many more pairs. The comparison shows that these pairs do not change the number.
 
 use nalgebra::Vector2;
 use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};

@@ -29,37 +29,38 @@ impl Decimal {
     /// twelve digits before the point, or where the number is no multiple of a millionth.
     #[inline]
     pub fn at_start(bytes: &[u8]) -> (usize, Option<Self>) {
-        let digit = |at: usize| bytes.get(at).filter(|c| c.is_ascii_digit()).map(|c| i64::from(c - b'0'));
-        let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
-        let (mut at, mut value) = (sign, 0i64);
-        while let Some(digit) = digit(at) {
-            value = value.wrapping_mul(10).wrapping_add(digit);
-            at += 1;
+        let (is_negative, mut rest) = match bytes {
+            [sign @ (b'-' | b'+'), rest @ ..] => (*sign == b'-', rest),
+            rest => (false, rest),
+        };
+        let (mut value, mut whole) = (0i64, 0);
+        while let [digit @ b'0'..=b'9', behind @ ..] = rest {
+            value = value.wrapping_mul(10).wrapping_add(i64::from(digit - b'0'));
+            (whole, rest) = (whole + 1, behind);
         }
-        let (whole, has_point, mut is_exact) = (at - sign, bytes.get(at) == Some(&b'.'), true);
-        let point = at;
-        at += usize::from(has_point);
-        if has_point {
-            while let Some(digit) = digit(at) {
-                if at - point <= usize::from(DECIMALS) {
-                    value = value.wrapping_mul(10).wrapping_add(digit);
+        let (mut has_point, mut fraction, mut is_exact) = (false, 0, true);
+        if let [b'.', behind @ ..] = rest {
+            (has_point, rest) = (true, behind);
+            while let [digit @ b'0'..=b'9', behind @ ..] = rest {
+                if fraction < usize::from(DECIMALS) {
+                    value = value.wrapping_mul(10).wrapping_add(i64::from(digit - b'0'));
                 } else {
-                    is_exact &= digit == 0;
+                    is_exact &= *digit == b'0';
                 }
-                at += 1;
+                (fraction, rest) = (fraction + 1, behind);
             }
         }
-        let behind = at - point - usize::from(has_point);
-        if whole + behind == 0 {
+        let length = bytes.len() - rest.len();
+        if whole + fraction == 0 {
             return (0, None);
         }
         if whole > MAX_WHOLE_DIGITS || !is_exact {
-            return (at, None);
+            return (length, None);
         }
-        let decimals = behind.min(usize::from(DECIMALS));
+        let decimals = fraction.min(usize::from(DECIMALS));
         let millionths = value * SCALES[decimals];
-        let millionths = if bytes[0] == b'-' { -millionths } else { millionths };
-        (at, Some(Self { millionths, decimals: decimals as u8, has_point }))
+        let millionths = if is_negative { -millionths } else { millionths };
+        (length, Some(Self { millionths, decimals: decimals as u8, has_point }))
     }
 
     /// The number as a coordinate in millionths of a unit of the program, and its decimals. With `increment`

@@ -81,20 +81,22 @@ impl Block {
 
     /// Takes tokens up to the first one that is not understood; that one returns `None`.
     fn tokens(&mut self, line: &[u8]) -> Option<()> {
-        let mut lexer = Lexer::new(line);
-        let mut next = lexer.next();
-        if let Some((_, Token::BlockDelete)) = next {
-            self.is_optional = true;
-            next = lexer.next();
-        }
-        if let Some((place, token)) = &next
-            && is_block_number(token)
-        {
-            (self.number, self.end) = (place.clone(), place.end);
-            next = lexer.next();
-        }
-        self.first = next.as_ref().map_or(line.len(), |(place, _)| place.start);
-        while let Some((place, token)) = next {
+        let mut beginning = Beginning::Line;
+        for (place, token) in Lexer::new(line) {
+            if beginning != Beginning::Over {
+                if beginning == Beginning::Line && token == Token::BlockDelete {
+                    self.is_optional = true;
+                    beginning = Beginning::Number;
+                    continue;
+                }
+                if beginning != Beginning::Words && is_block_number(&token) {
+                    (self.number, self.end) = (place.clone(), place.end);
+                    beginning = Beginning::Words;
+                    continue;
+                }
+                beginning = Beginning::Over;
+                self.first = place.start;
+            }
             self.is_spaced |= self.end > 0 && place.start > self.end;
             self.end = place.end;
             match token {
@@ -103,7 +105,9 @@ impl Block {
                 Token::TapeMark => self.has_tape_mark = true,
                 Token::Comment { is_closed: false } | Token::BlockDelete | Token::Unknown => return None,
             }
-            next = lexer.next();
+        }
+        if beginning != Beginning::Over {
+            self.first = line.len();
         }
         Some(())
     }
@@ -122,6 +126,19 @@ impl Block {
         }
         (!is_repeated).then_some(())
     }
+}
+
+/// What may come next at the beginning of a line.
+#[derive(Clone, Copy, PartialEq)]
+enum Beginning {
+    /// Block delete, a block number or words.
+    Line,
+    /// A block number or words.
+    Number,
+    /// Words.
+    Words,
+    /// The beginning is over.
+    Over,
 }
 
 /// Whether the token is N with digits alone.

@@ -245,8 +245,8 @@ fn render(table: &Table<'_>, contract: &Contract<'_>, document: &Value) -> Strin
                 let mut schema = parameter["schema"].clone();
                 let own = joined(schema["description"].as_str().unwrap_or_default());
                 let said = joined(parameter["description"].as_str().unwrap_or_default());
-                // The description of a shared type follows the description of the parameter.
-                schema["description"] = [said, own].join(" ").trim().into();
+                // A parameter without a description has the description of its type.
+                schema["description"] = if said.is_empty() { own } else { said }.into();
                 let name = parameter["name"].as_str().expect("a name");
                 let field = contract.field(&schema);
                 let (default, meaning) = contract.default_and_meaning(&field, parameter["required"] == true);
@@ -286,9 +286,13 @@ fn fields(contract: &Contract<'_>, object: &Value, at: &str, is_request: bool, r
             "report" => ("object".to_owned(), REPORT.to_owned()),
             _ => (kind, meaning),
         };
-        let or_null = if field.is_nullable && !is_request { " or `null`" } else { "" };
-        let mut row =
-            vec![format!("`{path}`"), format!("{kind}{or_null}"), contract.unit_of(name, &field).to_owned()];
+        let or_nothing = match () {
+            () if is_request || !field.is_nullable => "",
+            () if field.is_left_out() => ", or absent",
+            () => " or `null`",
+        };
+        let unit = contract.unit_of(name, &field).to_owned();
+        let mut row = vec![format!("`{path}`"), format!("{kind}{or_nothing}"), unit];
         row.extend(is_request.then_some(default));
         row.push(meaning);
         rows.push(row);

@@ -73,9 +73,8 @@ impl Contract<'_> {
             schema.get("default").or(inner.get("default")).filter(|value| !value.is_null()).cloned();
         if let Some(name) = &refers_to {
             inner = self.component(name).clone();
-            let is_value = inner.get("properties").is_none() && !is_tagged_union(&inner);
-            if description.is_empty() || (is_value && inner.get("enum").is_some()) {
-                description = [description, text(&inner)].join(" ").trim().to_owned();
+            if description.is_empty() {
+                description = text(&inner);
             }
         }
         is_nullable |= inner["type"].as_array().is_some_and(|types| types.contains(&"null".into()));
@@ -112,12 +111,21 @@ impl Contract<'_> {
             "integer" => format!("whole number{}", limits(range(schema))),
             "boolean" => "`true` or `false`".to_owned(),
             "string" => format!("text{}", limits(longest(schema, "maxLength", "characters"))),
-            "array" => {
-                let item = self.type_of(&self.field(&schema["items"]), false);
-                format!("list of {}{}", plural(&item), limits(count(schema)))
-            }
-            "object" if schema["additionalProperties"].is_object() => "names with texts".to_owned(),
+            "array" => format!("list of {}{}", self.items_of(schema), limits(count(schema))),
+            "object" if schema["additionalProperties"].is_object() => "object of texts".to_owned(),
             _ => "object".to_owned(),
+        }
+    }
+
+    /// The type of the items of a list, in the plural. A choice of types stands in parentheses.
+    fn items_of(&self, list: &Value) -> String {
+        let item = self.field(&list["items"]);
+        let name = self.type_of(&item, false);
+        let is_choice = item.schema["oneOf"].is_array() && name.contains(" or ");
+        match (is_choice, item.is_nullable) {
+            (_, true) => format!("({name} or `null`)"),
+            (true, false) => format!("({name})"),
+            (false, false) => plural(&name),
         }
     }
 
@@ -158,6 +166,13 @@ impl Contract<'_> {
 }
 
 impl Field {
+    /// Whether a member of an answer is left out where it has no value, instead of being `null`. The contract
+    /// does not tell the two apart, so descriptions of such members say where they are absent or present.
+    pub fn is_left_out(&self) -> bool {
+        let says = |word: &str| self.description.contains(word);
+        self.is_nullable && (says("Absent ") || says("Present "))
+    }
+
     /// The schema of an object that has no name of its own in the contract.
     pub fn inline_object(&self) -> Option<&Value> {
         (self.refers_to.is_none() && self.schema.get("properties").is_some()).then_some(&self.schema)
@@ -219,12 +234,14 @@ fn range(schema: &Value) -> String {
     }
 }
 
+/// The number of items of a list. The items of a list of lists are rows.
 fn count(schema: &Value) -> String {
+    let what = if type_name(&schema["items"]) == "array" { "rows" } else { "of them" };
     match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
-        (Some(min), Some(max)) if min == max => format!(", {min} of them"),
-        (Some(min), Some(max)) => format!(", {} to {} of them", grouped(min as f64), grouped(max as f64)),
-        (Some(min), None) => format!(", {min} or more"),
-        _ => longest(schema, "maxItems", "of them"),
+        (Some(min), Some(max)) if min == max => format!(", {min} {what}"),
+        (Some(min), Some(max)) => format!(", {} to {} {what}", grouped(min as f64), grouped(max as f64)),
+        (Some(min), None) => format!(", {min} or more {what}"),
+        _ => longest(schema, "maxItems", what),
     }
 }
 

@@ -28,13 +28,14 @@ pub struct Answer<R, M = PathMembers> {
 pub struct Head {
     /// Version of the service. The same request to the same version gives the same answer.
     pub engine_version: &'static str,
-    /// Id of the request, as in the header `x-request-id`. No other member differs between runs.
+    /// Id of the request, as in the header `x-request-id`. Only this member differs where the same request is
+    /// sent again.
     pub request_id: String,
-    /// The texts of `meta` in the request.
+    /// The texts of `meta` in the request. Absent where the request has no `meta`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<MetaTexts>)]
     pub meta: Option<Meta>,
-    /// What the caller should know before the program runs; empty where there is nothing.
+    /// What to know before the program runs; an empty list where there is nothing.
     pub warnings: Vec<Warning>,
 }
 
@@ -47,14 +48,15 @@ impl Head {
 /// The members of an answer with a toolpath.
 #[derive(Default, Serialize, ToSchema)]
 pub struct PathMembers {
-    /// Lengths and times of the toolpath.
+    /// Lengths and times of the toolpath. Absent where the endpoint makes no toolpath, and where
+    /// `/v1/arcs/fit` rewrites an NC program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measures: Option<Measures>,
     /// The text of the NC program. Present with `?nc=true`, and in answers of `/v1/programs/write`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nc: Option<String>,
-    /// The moves. Absent with `?toolpath=false`, and where the answer has `nc` unless `?toolpath=true` asks
-    /// for the moves.
+    /// The moves. Absent where `measures` is absent, with `?toolpath=false`, and where the answer has `nc`
+    /// unless `?toolpath=true` asks for the moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub toolpath: Option<Toolpath>,
 }

@@ -15,8 +15,8 @@ const RAMP: Range = Range { min: 0.1, max: 89.0 };
 const THICKNESS: Range = Range { min: 0.0, max: 1000.0 };
 
 by_kind! {
-    /// The stock that stands over the surface before the program runs; `kind` says in which form. Rapids come
-    /// down to 2 mm above the stock.
+    /// The stock that stands over the surface before the program runs; `kind` says in which form. Rapids of
+    /// `cl_cartesian` come down to 2 mm above the stock.
     #[derive(Debug, Clone, Copy)]
     Stock { "on_surface" => OnSurface(StockOnSurface), "block" => Block(StockBlock) }
 }
@@ -28,7 +28,8 @@ pub struct StockOnSurface {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Largest thickness of the stock, in mm along the normal, above the surface that this program leaves.
+    /// Largest thickness of the stock, in mm along the normal, above the finished surface plus
+    /// `allowance_mm`.
     #[schema(minimum = 0, maximum = 1000)]
     thickness_mm: f64,
 }
@@ -61,19 +62,20 @@ pub struct Plunge {
     _kind: Kind,
 }
 
-/// Down along lines over the pass, or before the pass where the lines over the pass are not clear.
+/// Down along sloping lines, to and fro above the pass. Where the cutter has no room there, the lines lie
+/// before the start of the pass.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Angle of the ramp with the level, in degrees. A larger angle makes a shorter ramp.
+    /// Angle between the ramp and the horizontal, in degrees. A larger angle makes a shorter ramp.
     #[schema(minimum = 0.1, maximum = 89)]
     angle_deg: f64,
 }
 
-/// Down a quarter of a circle that ends along the tangent of the pass.
+/// Down along a quarter of a circle that ends in the direction of the pass.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EntryArc {
@@ -101,7 +103,7 @@ pub struct Retract {
     _kind: Kind,
 }
 
-/// Up a quarter of a circle that begins along the tangent of the pass.
+/// Up along a quarter of a circle that begins in the direction of the pass.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExitArc {

@@ -31,35 +31,37 @@ use crate::post::rewrite::{self, Figures, RewriteJob};
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// The points in mm, in order: all `[x, y]`, at z = 0, or all `[x, y, z]`. Coincident neighbours count
-    /// once.
+    /// The points in mm, in order: all `[x, y]`, at z = 0, or all `[x, y, z]`. Neighbours that coincide count
+    /// as one point.
     #[schema(value_type = Polyline)]
     polyline: Vec<Position>,
-    /// The plane of the arcs: `xy`, `zx` or `yz`. Default: for each run of points the plane that the points
-    /// lie in, and helices over the xy plane elsewhere.
+    /// The plane of the arcs: `xy` (G17), `zx` (G18) or `yz` (G19). Default: for each run of points the plane
+    /// that the run is parallel to; runs parallel to none of the three planes become helices about Z.
     plane: Option<Plane>,
-    /// Largest allowed distance, in mm. `measure` says from what. A larger tolerance makes fewer elements.
+    /// Largest allowed distance between the elements and the points, or the polyline, in mm: `measure` says
+    /// which. A larger tolerance makes fewer elements.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// `optimal` makes the fewest elements. `greedy` makes each element as long as possible (Ju). `biarc`
-    /// lays two arcs through each pair of neighbouring points, and takes no account of the tolerance.
+    /// How elements are found. `optimal`: the fewest elements. `greedy`: each element is as long as possible.
+    /// `biarc`: two arcs through each pair of neighbouring points; `tolerance_mm` is ignored.
     #[serde(default)]
     #[schema(default = "optimal")]
     method: Method,
-    /// `position`: neighbouring elements meet. `tangent`: neighbouring elements also have the same direction
-    /// where they meet, except at real corners.
+    /// How neighbouring elements meet. `position`: at an angle if need be. `tangent`: in the same direction,
+    /// except at real corners.
     #[serde(default)]
     #[schema(default = "position")]
     continuity: Continuity,
-    /// What the tolerance holds for. `points`: the elements pass every point within the tolerance; the points
-    /// are samples of a smooth curve, and between the points the elements may leave the straight lines by
-    /// more. `polyline`: the straight lines between the points are the shape, and lines and elements lie
-    /// within the tolerance of each other.
+    /// What the tolerance applies to. `points`: the points are samples of a smooth curve. The elements pass
+    /// every point within the tolerance; between the points they may be farther from the straight lines.
+    /// `polyline`: the straight lines between the points are the exact shape. No point of an element is
+    /// farther than the tolerance from the lines, and no point of the lines is farther than the tolerance
+    /// from the elements.
     #[serde(default)]
     #[schema(default = "points")]
     measure: Measure,
-    /// Where elements meet. `on_points`: on points of the polyline. `free`: also beside the points, within
-    /// the tolerance, where the points have errors of their own and a free joint saves elements.
+    /// Where elements meet. `on_points`: on points of the polyline. `free`: on points, or beside points
+    /// within the tolerance where that saves elements.
     #[serde(default)]
     #[schema(default = "free")]
     joints: Joints,
@@ -68,7 +70,8 @@ pub struct FitRequest {
     #[schema(default = false)]
     closed: bool,
     /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no
-    /// program can be written. The top of the part is z = 0, or the highest point if that point is higher.
+    /// program can be written. For the default heights the top of the part is taken as z = 0, or as the
+    /// highest point where that point is above 0; heights below that top are refused.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.
@@ -77,8 +80,8 @@ pub struct FitRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
+    /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -139,19 +142,20 @@ into_core!(Joints => core_fit::Joints, [Free, OnPoints]);
 #[into_params(parameter_in = Query)]
 pub struct ProgramQuery {
     /// Required with a body of NC text, refused with a body of JSON: the largest distance between the new
-    /// blocks and the lines that they replace, in mm. A larger tolerance makes fewer blocks.
+    /// blocks and the straight moves that they replace, in mm. A larger tolerance makes fewer blocks.
     #[param(required = false, minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// With a body of NC text: the dialect of the text, a name listed by `/v1/dialects`. Default: `linuxcnc`.
+    /// Dialect of a body of NC text, as listed by `/v1/dialects`; refused with a body of JSON. Default:
+    /// `linuxcnc`.
     #[param(value_type = Option<DialectName>)]
     dialect: Option<String>,
-    /// With a body of NC text: `optimal` makes the fewest blocks, `greedy` makes each block as long as
-    /// possible. Default: `optimal`.
+    /// How the blocks for a body of NC text are found; refused with a body of JSON. `optimal`: the fewest
+    /// blocks. `greedy`: each block is as long as possible. Default: `optimal`.
     #[serde(default)]
     #[param(inline, required = false)]
     method: ProgramMethod,
-    /// With a body of NC text: `position` lets neighbouring blocks meet, `tangent` also gives them the same
-    /// direction where they meet, except at real corners. Default: `position`.
+    /// How neighbouring blocks for a body of NC text meet; refused with a body of JSON. `position`: at an
+    /// angle if need be. `tangent`: in the same direction, except at real corners. Default: `position`.
     #[serde(default)]
     #[param(inline, required = false)]
     continuity: Continuity,
@@ -200,18 +204,19 @@ pub enum AnyFitReport {
 pub struct ProgramReport {
     /// Number of runs of G1 blocks that were replaced.
     n_runs: u64,
-    /// Number of points in these runs.
+    /// Number of points in these runs: the ends of the G1 blocks.
     n_points: u64,
-    /// Number of arcs in place of these runs.
+    /// Number of arcs and helices in these runs after the rewriting.
     n_arcs: u64,
-    /// Number of lines in place of these runs.
+    /// Number of straight moves in these runs after the rewriting.
     n_lines: u64,
-    /// Proved largest distance between the new blocks and the lines that they replace, in mm. The bound holds
-    /// for every path that a control may take for the new blocks.
+    /// Proved largest distance between the new blocks and the straight moves that they replace, in mm,
+    /// measured from each to the other. The radii at the start and at the end of a rounded arc differ
+    /// slightly; the bound holds whichever radius between the two the control follows.
     deviation_max_mm: f64,
-    /// Number of lines of the program that move an axis.
+    /// Number of blocks of the program that move an axis.
     n_motions: u64,
-    /// How many cutting lines stayed as they were, by reason.
+    /// How many cutting blocks were left as they were, by reason.
     left_alone: LeftAlone,
     /// Length of the program as sent, in bytes.
     bytes_in: u64,
@@ -219,14 +224,14 @@ pub struct ProgramReport {
     bytes_out: u64,
 }
 
-/// How many cutting lines stayed as they were, by reason.
+/// How many cutting blocks were left as they were, by reason.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct LeftAlone {
-    /// Number of lines with variables, expressions, or words that the service does not understand.
+    /// Number of blocks with variables, expressions, or words that the service does not understand.
     macros: u64,
-    /// Number of lines that move axes other than X, Y and Z.
+    /// Number of blocks that move axes other than X, Y and Z.
     other_axes: u64,
-    /// Number of lines under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
+    /// Number of blocks under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
     modes: u64,
 }
 
@@ -336,10 +341,10 @@ pub struct FitReport {
     n_arcs: usize,
     /// Number of lines.
     n_lines: usize,
-    /// Largest distance of the elements from the points, in mm. With `measure: polyline` the largest distance
-    /// between the elements and the lines between the points, both ways.
+    /// Largest distance of the points from the elements, in mm. With `measure: polyline` the largest distance
+    /// between the elements and the lines between the points, measured from each to the other.
     deviation_max_mm: f64,
-    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its
+    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
     /// decimals, in mm.
     deviation_written_max_mm: f64,
     /// Largest angle at which neighbouring elements meet, in degrees.
@@ -349,7 +354,7 @@ pub struct FitReport {
     n_kinks: usize,
     /// Length of the elements, in mm.
     length_mm: f64,
-    /// Length divided by the feed, in s. Absent without a feed.
+    /// Length divided by the feed, in s. Absent without `cutting`.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting_time_s: Option<f64>,
 }

@@ -37,11 +37,11 @@ pub struct Graph {
     _kind: Kind,
     /// The function: y in mm from x in mm. The expression may use `+ - * / ^`, signs, parentheses, numbers,
     /// `x`, `pi`, `e`, and sin cos tan asin acos atan sinh cosh tanh exp ln log log10 log2 sqrt cbrt abs min
-    /// max pow hypot. Angles are in radians. `log` is `ln`. `^` binds to the right, and `-x^2` is `-(x^2)`. A
+    /// max pow hypot. Angles are in radians. `log` is `ln`. `2^3^2` is `2^(3^2)`, and `-x^2` is `-(x^2)`. A
     /// product needs its `*`. The function must be defined and continuous over the whole domain.
     #[schema(max_length = 10_000, example = "sin(x)")]
     expression: String,
-    /// The first and the last x, in mm; the last is at least 1e-6 mm larger.
+    /// The first and the last x, in mm. The last x is at least 1e-6 mm larger than the first.
     #[schema(min_items = 2, max_items = 2)]
     domain: [f64; 2],
 }
@@ -53,7 +53,7 @@ pub struct Points {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Points `[x, y]` in mm, in the order of the curve. No two neighbours coincide.
+    /// Points `[x, y]` in mm, in the order of the curve. Neighbouring points differ.
     #[schema(value_type = CurvePoints)]
     points: Vec<PlanePoint>,
 }

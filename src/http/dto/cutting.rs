@@ -16,7 +16,7 @@ pub struct Cutting {
     /// Feed of cutting moves, in mm/min.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     feed_mm_per_min: f64,
-    /// Feed straight down into the part, in mm/min. Default: half of `feed_mm_per_min`.
+    /// Feed straight down to the start of a pass, in mm/min. Default: half of `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     plunge_feed_mm_per_min: Option<f64>,
     /// Feed down a ramp, in mm/min. Default: `plunge_feed_mm_per_min`.
@@ -25,7 +25,8 @@ pub struct Cutting {
     /// Feed of lead-ins, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     lead_in_feed_mm_per_min: Option<f64>,
-    /// Feed of links from pass to pass on the part, in mm/min. Default: `feed_mm_per_min`.
+    /// Feed of links, which lead from the end of a pass straight to the next pass, in mm/min. Default:
+    /// `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     link_feed_mm_per_min: Option<f64>,
     /// Feed of lead-outs, in mm/min. Default: `feed_mm_per_min`.
@@ -40,16 +41,18 @@ pub struct Cutting {
     /// Spindle speed, in 1/min. Without a spindle speed the program starts no spindle, and the answer warns.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     spindle_rpm: Option<f64>,
-    /// The coolant that the program switches on: `off`, `flood` (M8) or `mist` (M7).
+    /// The coolant that the program switches on. `off`: none. `flood`: M8. `mist`: M7.
     #[serde(default)]
     #[schema(default = "off")]
     coolant: Coolant,
-    /// Absolute height of rapids between distant places, in mm. Default: 20 mm above the top of the part and
-    /// its stock; for `/v1/programs/write` 20 mm above everything that the toolpath cuts.
+    /// Absolute height of the clearance plane, in mm: the height of rapids before the first pass and after
+    /// the last pass. `wire_union` also crosses from pass to pass at this height. Default: 20 mm above the
+    /// top of the part and its stock; for `/v1/programs/write` 20 mm above everything that the toolpath cuts.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
-    /// Absolute height to which the tool is lifted between passes, in mm. Default: 2 mm above the top of the
-    /// part and its stock.
+    /// Absolute height of the retract plane, in mm: the height to which the tool is lifted between passes.
+    /// `wire_union` lifts the tool to the clearance plane and comes down to the retract plane by rapid.
+    /// Default: 2 mm above the top of the part and its stock.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     retract_z_mm: Option<f64>,
 }

@@ -34,7 +34,7 @@ schema_of!(DialectName, "Name of a dialect, as listed by `/v1/dialects`.", {
 /// The dialects in which programs can be written.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Dialects {
-    /// Name of the dialect of a program that names none.
+    /// Name of the dialect that is used where `program.dialect` is absent.
     default: &'static str,
     /// All dialects.
     dialects: Vec<Dialect>,
@@ -49,7 +49,7 @@ pub struct Dialect {
     description: &'static str,
     /// Extension of a program's file, without the dot.
     file_extension: &'static str,
-    /// Numbers of decimals of a written coordinate where the request asks for none.
+    /// Number of decimals of a written coordinate where the request has no `program.decimals`.
     default_decimals: DefaultDecimals,
     /// Largest number of decimals of a written coordinate.
     max_decimals: u8,

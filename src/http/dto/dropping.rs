@@ -30,11 +30,11 @@ pub struct DropRequest {
     /// The cutter.
     #[serde(deserialize_with = "object::required")]
     tool: Tool,
-    /// Where the cutter's axis stands: points `[x, y]` in mm.
+    /// The places of the cutter's axis: points `[x, y]` in mm.
     #[schema(value_type = DropPoints)]
     points: Vec<PlanePoint>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
+    /// and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -79,16 +79,16 @@ fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations
 /// Where the cutter touches.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct DropReport {
-    /// For each point the position of the cutter's tip when the cutter touches the surface from above, in mm;
-    /// `null` where the cutter misses the surface.
+    /// For each point the position of the cutter's tip, in mm, when the cutter, lowered from above, first
+    /// touches the surface. `null` where the cutter misses the surface.
     #[schema(value_type = Places)]
     tips: Vec<Option<Place>>,
-    /// For each point a place where the cutter touches the surface, in mm; `null` where the cutter misses the
-    /// surface.
+    /// For each point a place where the cutter then touches the surface, in mm. `null` where the cutter
+    /// misses the surface.
     #[schema(value_type = Places)]
     contacts: Vec<Option<Place>>,
-    /// Proved largest distance of a tip below its exact height, in mm, apart from the rounding of floating
-    /// point numbers.
+    /// Proved: no tip is lower than its exact height by more than this, in mm. Floating-point rounding is not
+    /// included.
     gap_max_mm: f64,
 }
 

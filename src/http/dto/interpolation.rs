@@ -39,47 +39,50 @@ const INITIAL_ELEMENTS: (u32, u32) = (1, 10_000);
 pub struct InterpolateRequest {
     /// The curve.
     curve: Curve,
-    /// The elements: `linear` makes lines. `parabolic` makes parabolas. `mixed` makes lines where lines stay
-    /// within the band, else parabolas. `arc` makes arcs, and lines where arcs would be too flat.
+    /// The elements that the curve is divided into. `linear`: lines. `parabolic`: parabolas. `mixed`: lines
+    /// where lines stay within the band, else parabolas. `arc`: arcs, and lines where arcs would be too flat.
     method: Method,
-    /// How the curve is divided: `bisection` halves each element that leaves the band (Hyun); `least` makes
-    /// as few elements as possible.
+    /// How the curve is divided. `bisection`: each element that leaves the band is halved. `least`: as few
+    /// elements as possible.
     #[serde(default)]
     #[schema(default = "bisection")]
     subdivision: Subdivision,
-    /// Where elements meet: `on_curve`, or `in_band`, anywhere in the band where that saves elements.
-    /// `in_band` needs `subdivision: least` and `method: linear`.
+    /// Where elements meet. `on_curve`: on the curve. `in_band`: anywhere in the band, where that saves
+    /// elements. `in_band` needs `subdivision: least` and `method: linear`.
     #[serde(default)]
     #[schema(default = "on_curve")]
     joints: Joints,
-    /// Number of equal parts, in x or in the curve's parameter, into which the curve is divided at first.
+    /// Number of equal parts into which the curve is divided at first: equal in x for a graph, else in the
+    /// curve's parameter.
     #[serde(default = "one")]
     #[schema(default = 1, minimum = 1, maximum = 10_000)]
     initial_elements: u32,
-    /// How far elements may lie from the curve.
+    /// The band around the curve in which the elements stay.
     #[serde(deserialize_with = "object::required")]
     band: Band,
     /// The side of the contour on which the cutter runs, seen along the curve: `left`, `right` or `none`.
-    /// With a side the path is the contour's offset by the radius of `tool`. `left` and `right` need lines
-    /// and arcs, no parabolas.
+    /// With `left` or `right` the path is the contour's offset by the radius of `tool`; `method` must be
+    /// `linear` or `arc`.
     #[serde(default)]
     #[schema(default = "none")]
     compensation: Compensation,
-    /// The tool. Required with `compensation`. Without `tool` the program calls tool 1 with length offset 1.
+    /// The tool. Required with `compensation: left` or `right`. Without `tool` the program calls tool 1 with
+    /// length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
     /// Height of the contour, in mm.
     #[schema(minimum = -100_000, maximum = 100_000, default = 0)]
     z_mm: Option<f64>,
     /// Feeds, spindle, coolant and heights. Without `cutting` the toolpath has no feeds and no times, and no
-    /// program can be written. The top of the part is z = 0, or the contour if the contour is higher.
+    /// program can be written. For the default heights the top of the part is taken as z = 0, or as `z_mm`
+    /// where `z_mm` is above 0; heights below that top are refused.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
+    /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -95,9 +98,9 @@ fn one() -> u32 {
 pub enum Method {
     Linear,
     Parabolic,
-    /// Lines where they stay within the band, else parabolas.
+    /// Lines where lines stay within the band, else parabolas.
     Mixed,
-    /// Arcs, and lines where they would be too flat.
+    /// Arcs, and lines where arcs would be too flat.
     Arc,
 }
 
@@ -130,21 +133,20 @@ pub enum Compensation {
     Right,
 }
 
-/// How far elements may lie from the curve on each side. `below_mm` and `above_mm` together are at least 1e-6
-/// mm.
+/// The band around the curve. `below_mm` and `above_mm` together are at least 1e-6 mm.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
-    /// Width of the band below the curve, in mm: to the right, seen along the curve. A wider band makes fewer
-    /// elements.
+    /// Width of the band to the right of the curve, in mm, seen along the curve: below a graph. A wider band
+    /// makes fewer elements.
     #[schema(minimum = 0, maximum = 10)]
     below_mm: f64,
-    /// Width of the band above the curve, in mm: to the left, seen along the curve. A wider band makes fewer
-    /// elements.
+    /// Width of the band to the left of the curve, in mm, seen along the curve: above a graph. A wider band
+    /// makes fewer elements.
     #[schema(minimum = 0, maximum = 10)]
     above_mm: f64,
-    /// How the distance is measured: `normal` is the shortest distance; `vertical` is the distance along y,
-    /// for graphs only.
+    /// How the distance from the curve is measured. `normal`: the shortest distance. `vertical`: the distance
+    /// along y, for graphs only.
     #[serde(default)]
     #[schema(default = "normal")]
     measure: Measure,
@@ -269,12 +271,12 @@ impl From<&Element> for Shape {
 pub struct ReportedElement {
     /// The shape of the element.
     shape: Shape,
-    /// Number of the initial part of the curve that the element belongs to, counted from 1.
+    /// Number of the initial part of the curve to which the element belongs, counted from 1.
     initial_element: usize,
-    /// The first and the last place on the curve that the element replaces: x in mm for a graph, else the
-    /// curve's parameter, a plain number.
+    /// Where on the curve the element begins and ends: x in mm for a graph, else the curve's parameter, a
+    /// plain number.
     domain: [f64; 2],
-    /// Proved largest distance of the element from the curve, in mm, by the measure of the band.
+    /// Proved largest distance of the element from the curve, in mm, by the `measure` of the band.
     deviation_mm: f64,
 }
 
@@ -283,21 +285,22 @@ pub struct ReportedElement {
 pub struct InterpolateReport {
     /// Number of elements.
     n_elements: usize,
-    /// Proved smallest number of elements that any subdivision with this method and these joints needs.
-    /// Absent where `bisection` makes more than 10,000 elements.
+    /// Proved: any division of the curve with this `method` and these `joints` has at least this number of
+    /// elements. Absent where `bisection` makes more than 10,000 elements, and where the service finds no
+    /// bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     n_elements_lower_bound: Option<usize>,
     /// Number of elements in each initial part of the curve.
     elements_per_initial: Vec<usize>,
-    /// Length of the path, in mm.
+    /// Length of the cutting path, in mm.
     length_mm: f64,
-    /// Length divided by the feed, in s. Absent without a feed.
+    /// Length divided by the feed, in s. Absent without `cutting`.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting_time_s: Option<f64>,
-    /// Proved largest distance of an element from the curve, in mm, by the measure of the band.
+    /// Proved largest distance of an element from the curve, in mm, by the `measure` of the band.
     deviation_max_mm: f64,
-    /// Proved upper bound of that distance for the elements as the program writes them, rounded to its
-    /// decimals, in mm. Absent with `compensation`.
+    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
+    /// decimals, in mm. Absent with `compensation: left` or `right`, and with `measure: vertical`.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_written_max_mm: Option<f64>,
     /// The elements, in the order of the curve.

@@ -9,7 +9,7 @@ use super::schema::schema_of;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
-/// Part id, operation, work order: texts of the caller under names of the caller.
+/// Names with texts of the caller's choice, for example part id, operation and work order.
 pub type Meta = BTreeMap<String, String>;
 
 /// Most entries of `meta`.
@@ -19,7 +19,7 @@ pub const MAX_KEY_CHARACTERS: usize = 100;
 /// Most characters of any text of the caller that may become a comment of a program.
 pub const MAX_TEXT_CHARACTERS: usize = 1000;
 
-schema_of!(MetaTexts, "Texts of the caller under names of the caller.", {
+schema_of!(MetaTexts, "Names with texts of the caller's choice.", {
     let text = ObjectBuilder::new().schema_type(Type::String).max_length(Some(MAX_TEXT_CHARACTERS));
     ObjectBuilder::new()
         .schema_type(Type::Object)

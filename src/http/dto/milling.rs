@@ -33,11 +33,11 @@ pub struct MillRequest {
     tool: Tool,
     /// How the surface is milled.
     strategy: Strategy,
-    /// Largest allowed distance between the written path and the exact path, in mm. A larger tolerance makes
+    /// Largest allowed distance between the exact path and the written path, in mm. A larger tolerance makes
     /// a shorter program.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// What joins the CL points: `arcs`, arcs and lines as few as possible, or `lines`.
+    /// What joins the CL points. `arcs`: as few arcs and lines as possible. `lines`: lines only.
     #[serde(default)]
     #[schema(default = "arcs")]
     interpolation: Interpolation,
@@ -45,9 +45,10 @@ pub struct MillRequest {
     /// as the tolerance allows.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     step_length_mm: Option<f64>,
-    /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until the cutter touches: any
-    /// cutter, and any surface seen from above, with its edges. `offset_section` cuts the offset surface
-    /// (Ju): ball cutters, and smooth surfaces without overhangs that the ball can follow.
+    /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until it touches the surface. It
+    /// works with any cutter and any surface, sharp edges included; only what is visible from above is
+    /// milled. `offset_section` intersects planes with the offset of the surface. It works with ball cutters,
+    /// on smooth surfaces without overhangs that the ball can follow everywhere.
     #[serde(default)]
     #[schema(default = "contact")]
     engine: Engine,
@@ -60,9 +61,10 @@ pub struct MillRequest {
     /// Thickness of the stock that the program leaves on the surface, in mm.
     #[schema(minimum = 0, maximum = 1000, default = 0)]
     allowance_mm: Option<f64>,
-    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the surface that the
-    /// program leaves, and the answer warns. With `wire_union` and no `stock` rapids end 2 mm above the part,
-    /// without a warning.
+    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the finished surface
+    /// plus `allowance_mm`, and the answer warns. `wire_union` needs no `stock`: its rapids end at
+    /// `cutting.retract_z_mm`, by default 2 mm above the highest point of the part, and the answer does not
+    /// warn.
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
@@ -74,8 +76,8 @@ pub struct MillRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
+    /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -212,25 +214,27 @@ pub struct MillReport {
     n_passes: usize,
     /// Number of CL points.
     n_cl_points: usize,
-    /// Distance of neighbouring planes or wires, in mm.
+    /// Distance of neighbouring planes or wires as cut, in mm.
     stepover_mm: f64,
-    /// Proved largest distance of the written path from the exact path, in mm.
+    /// Proved largest distance between the exact path and the written path, in mm, measured from each to the
+    /// other.
     deviation_max_mm: f64,
-    /// Proved largest depth to which the cutter cuts into the surface, in mm.
+    /// Proved largest depth to which the cutter cuts into the finished surface, in mm.
     gouge_max_mm: f64,
-    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found, or where the
-    /// bound belongs to no place.
+    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found; `gouge_max_mm`
+    /// may be above 0 nevertheless, because it is a bound.
     gouge_at: Option<Place>,
-    /// Largest thickness of the material that the cutter cannot reach at concave places, in mm along the
-    /// normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
-    /// `engine: offset_section`, which refuses such surfaces.
+    /// Largest thickness found of the material that the cutter cannot reach at concave places, in mm along
+    /// the normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
+    /// `engine: offset_section`, which refuses such surfaces, and with `wire_union`.
     rest_sampled_max_mm: Option<f64>,
-    /// Where `rest_sampled_max_mm` was found, in mm.
+    /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
     rest_at: Option<Place>,
-    /// Proved largest height of the material left between passes, in mm along the normal of the surface. The
-    /// deviation comes on top. The bound leaves out places so near to an edge that the way to the next pass
-    /// leaves the surface. `null` where the passes do not meet, the cutter is no ball, or the cutter cannot
-    /// follow the surface everywhere.
+    /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
+    /// deviation of the passes adds to that height. The bound does not cover places so near to an edge that
+    /// the way along the surface to the next pass crosses the edge. `null` where the cuts of neighbouring
+    /// passes do not overlap everywhere, where the cutter is no ball or cannot follow the surface everywhere,
+    /// and with `wire_union`.
     scallop_max_mm: Option<f64>,
     /// Number of arcs.
     n_arcs: usize,

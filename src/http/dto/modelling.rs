@@ -35,28 +35,29 @@ const CHORD_HEIGHT: Range = Range { min: 1e-6, max: 10.0 };
 pub struct ModelRequest {
     /// The surface.
     surface: Surface,
-    /// The family of wires that the answer holds. Without `wires` the answer holds none.
+    /// The wires that the answer holds: curves on the surface at a fixed spacing. Without `wires` the answer
+    /// holds none.
     #[serde(default, deserialize_with = "object::optional")]
     wires: Option<Wires>,
     /// Whether the answer holds the control nets of the patches.
     #[schema(default = true)]
     patches: Option<bool>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
+    /// and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
-/// A family of curves on the surface, one beside the other.
+/// A family of wires: curves on the surface at a fixed spacing.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wires {
-    /// Largest distance of neighbouring wires, in mm: in plan for wires along x and y, on the surface for
-    /// wires along u and v. A larger pitch makes fewer wires.
+    /// Largest distance of neighbouring wires, in mm. The distance of wires along x or y is measured in plan,
+    /// that of wires along u or v on the surface. A larger pitch makes fewer wires.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pitch_mm: f64,
-    /// What the wires run along: the parameter `u` or `v`, or the axis `x` (at constant y) or `y` (at
-    /// constant x).
+    /// The direction of the wires. `u` and `v`: along that parameter of the surface. `x`: along x, at
+    /// constant y. `y`: along y, at constant x.
     #[serde(default)]
     #[schema(default = "u")]
     direction: WireDirection,
@@ -123,25 +124,27 @@ pub struct ModelReport {
     /// Number of patches.
     n_patches: usize,
     /// The patches: `patches[i][j]` lies between the knots or points i and i + 1 along u, and j and j + 1
-    /// along v. A bicubic patch is a 4 x 4 control net `net[a][b]` in mm, a along u. A rational patch, or a
-    /// patch of another degree, is an object. Absent with `patches: false`.
+    /// along v. A bicubic patch is a 4 x 4 control net `net[a][b]` of points in mm, a along u. A rational
+    /// patch, or a patch of another degree, is an object. Absent with `patches: false`.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_patches")]
     #[schema(value_type = Option<Vec<Vec<Patch>>>)]
     patches: Option<AnySurface>,
-    /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface. Where
-    /// the surface touches a side along a curve, the side may be as far out as the control points.
+    /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface, except
+    /// where the surface touches the side along a curve: there the side may be as far out as the control
+    /// points.
     bounds: Bounds,
-    /// Polylines on the surface, as points in mm. Where a wire leaves the surface and comes back, a new
-    /// polyline begins. Absent without `wires` in the request.
+    /// The wires as polylines: points on the surface, in mm. Where a wire leaves the surface and comes back,
+    /// a new polyline begins. Absent without `wires` in the request.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
     #[schema(value_type = Option<Vec<Vec<Place>>>)]
     wires: Option<Vec<Wire>>,
-    /// Largest distance of the given points from the surface that passes through the points, in mm. `null`
-    /// for kinds without such points.
+    /// Largest distance between the given points and the surface through these points, in mm. `null` for
+    /// kinds of surfaces that do not pass through given points.
     fit_deviation_max_mm: Option<f64>,
-    /// Proved upper bound of the curvature where the surface is concave seen from above, in 1/mm. A ball with
-    /// a radius below the inverse fits everywhere. Negative where the surface is convex everywhere. `null`
-    /// where a place of the surface has no normal, or may have none.
+    /// Proved upper bound of the curvature where the surface is concave seen from above, in 1/mm. The
+    /// curvature is nowhere too tight for a ball whose radius is less than 1 divided by this value. Negative
+    /// where the surface is convex everywhere. `null` where a place of the surface has no normal, or may have
+    /// none.
     curvature_max_concave_per_mm: Option<f64>,
 }
 
@@ -183,7 +186,7 @@ pub enum Patch {
     General(GeneralPatch),
 }
 
-/// A rational patch, or one of another degree than 3.
+/// A rational patch, or a patch of another degree than 3.
 #[derive(Serialize, ToSchema)]
 pub struct GeneralPatch {
     /// Degrees along u and along v: two counts.

@@ -44,19 +44,20 @@ pub struct LineMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
-    /// `cutting` for the role of the move.
+    /// Feed, in mm/min. In an answer every feed move has its feed if the request gave feeds. Default in a
+    /// request: the feed of `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
-    /// What the move is for; chooses the feed of `cutting`.
+    /// What the move is for. The role chooses the feed from `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
 }
 
-/// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. `to` equal to the start in the plane makes
-/// one full turn. `to` may differ from the start along the plane's normal: a helix.
+/// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. Where `to` equals the start in the plane of
+/// the arc, the arc makes one full turn. Where `to` differs from the start along the axis at right angles to
+/// the plane, the move is a helix.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArcMove {
@@ -65,19 +66,21 @@ pub struct ArcMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// The centre, absolute, in mm, with the start's coordinate along the plane's normal. In a request the
-    /// radii at the start and at the end may differ by 1.5 units of the last written decimal.
+    /// The centre, in absolute coordinates, in mm. Along the axis at right angles to the plane the centre has
+    /// the coordinate of the start. In a request the radii at the start and at the end may differ by 1.5
+    /// units of the last written decimal.
     pub center: Point,
     /// The plane of the arc: `xy` (G17), `zx` (G18) or `yz` (G19).
     pub plane: Plane,
-    /// `cw` (G2) or `ccw` (G3), seen from the positive end of the plane's normal.
+    /// The direction, seen from the positive end of the axis at right angles to the plane. `cw`: clockwise
+    /// (G2). `ccw`: counterclockwise (G3).
     pub direction: Direction,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
-    /// `cutting` for the role of the move.
+    /// Feed, in mm/min. In an answer every feed move has its feed if the request gave feeds. Default in a
+    /// request: the feed of `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
-    /// What the move is for; chooses the feed of `cutting`.
+    /// What the move is for. The role chooses the feed from `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
@@ -92,14 +95,14 @@ pub struct ParabolaMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
-    /// The control point, in mm: there the tangents at the start and at the end meet.
+    /// The control point, in mm: the point where the tangents at the start and at the end meet.
     pub control: Point,
-    /// Feed, in mm/min. Every answer to a request with feeds has the feed. Default in a request: the feed of
-    /// `cutting` for the role of the move.
+    /// Feed, in mm/min. In an answer every feed move has its feed if the request gave feeds. Default in a
+    /// request: the feed of `cutting` for the role of the move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
-    /// What the move is for; chooses the feed of `cutting`.
+    /// What the move is for. The role chooses the feed from `cutting`.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
@@ -112,7 +115,7 @@ pub struct DwellMove {
     #[serde(rename = "kind", skip_serializing)]
     #[schema(ignore)]
     _kind: Kind,
-    /// How long the tool stands still, in s; at most a day.
+    /// Length of the pause, in s; at most a day.
     #[schema(minimum = 0, maximum = 86_400)]
     pub seconds: f64,
 }

@@ -19,22 +19,23 @@ const NUMBERS: (u32, u32) = (1, 99_999_999);
 #[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Program {
-    /// Name of the dialect of the control, as listed by `/v1/dialects`.
+    /// Name of the control's dialect, as listed by `/v1/dialects`.
     #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
     dialect: Option<String>,
-    /// Number of the program: the O number of a dialect that has one, else a part of the file's name.
+    /// Number of the program: the O number in a dialect that has O numbers, else a part of the file's name.
     /// `/v1/dialects` lists the largest number of each dialect.
     #[schema(minimum = 1, maximum = 99_999_999, default = 1)]
     number: Option<u32>,
-    /// Name of the program. The name appears in a comment, reduced to plain letters and digits, and names the
-    /// file.
+    /// Name of the program. The name stands in a comment of the program, in plain letters and digits, and in
+    /// the file's name.
     #[schema(max_length = 1000)]
     name: Option<String>,
-    /// Units of the written program: `mm` or `inch`. Lengths in requests and reports are in mm with either.
+    /// Units of the written program. Lengths in requests and reports are always in mm.
     #[serde(default)]
     #[schema(default = "mm")]
     units: Units,
-    /// Number of decimals of a written coordinate. More decimals round less. Default: 3 in mm, 4 in inches.
+    /// Number of decimals of a written coordinate. With more decimals, rounding moves the path less. Default:
+    /// 3 in mm, 4 in inches.
     #[schema(minimum = 1, maximum = 6)]
     decimals: Option<u32>,
     /// Whether blocks are numbered: N10, N20 and so on.
@@ -44,9 +45,9 @@ pub struct Program {
     /// Work offset that the start of the program selects. Without a work offset the program runs with the
     /// active offset, and the answer warns.
     work_offset: Option<WorkOffset>,
-    /// The way up along Z before the tool change and before the end of the program. `g28` goes to the
-    /// reference point. `g53` goes to zero of the machine's coordinates. `none` changes the tool where the
-    /// tool stands, and ends the program at the clearance height.
+    /// How the tool moves up along Z before the tool change and before the end of the program. `g28`: to the
+    /// reference point. `g53`: to zero of the machine's coordinates. `none`: the tool is changed where it
+    /// stands, and the program ends at the clearance plane.
     #[serde(default)]
     #[schema(default = "none")]
     safe_home: SafeHome,

@@ -31,7 +31,7 @@ const ARC_TOLERANCE_STEPS: f64 = 1.5;
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WriteRequest {
-    /// The toolpath, as answers of other operations hold the toolpath.
+    /// The toolpath, in the form in which other endpoints return it.
     #[serde(deserialize_with = "object::required")]
     #[schema(value_type = Toolpath)]
     toolpath: SentToolpath,
@@ -39,16 +39,16 @@ pub struct WriteRequest {
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
     /// Feeds of moves without `feed_mm_per_min`, spindle, coolant and the clearance plane. Without `cutting`
-    /// the program starts no spindle and no coolant. The clearance plane is then 20 mm above everything that
-    /// the toolpath cuts, or at the highest place of the toolpath if that place is higher, and the answer
-    /// warns.
+    /// the program starts no spindle and no coolant. Without `clearance_z_mm` the clearance plane is 20 mm
+    /// above everything that the toolpath cuts, or at the highest place of the toolpath if that place is
+    /// higher, and the answer warns.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
-    /// Part id, operation, work order: texts of the caller under names of the caller, at most 32. The answer
-    /// repeats the texts; the program's header and the sheet show the texts.
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
+    /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
@@ -108,7 +108,7 @@ fn conditions(
         if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm <= top_mm) {
             let at = Pointer::root().field("cutting").field(field);
             let detail = format!(
-                "`{field}` is {height_mm} mm, and the toolpath cuts up to {top_mm} mm: send a height above {top_mm} mm"
+                "`{field}` is {height_mm} mm, and the highest cut of the toolpath is at z = {top_mm} mm: send a height above {top_mm} mm"
             );
             violations.add(&at, FieldCode::HeightBelowTop, detail);
         }
@@ -141,12 +141,15 @@ fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
 /// What is proved of a written program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct WriteReport {
-    /// Proved largest distance between the cutting moves as sent and the cutting moves as written, in mm. The
-    /// bound holds for every path that a control may take for the written blocks.
+    /// Proved largest distance between the cutting moves as sent and as written, in mm, measured from each to
+    /// the other. The radii at the start and at the end of a rounded arc differ slightly; the bound holds
+    /// whichever radius between the two the control follows. For `G5.1` the bound includes the arcs that
+    /// LinuxCNC runs instead.
     deviation_max_mm: f64,
-    /// The part of `deviation_max_mm` that comes from arcs whose two radii differed in the request, in mm.
+    /// The part of `deviation_max_mm`, in mm, that comes from making arcs exact whose radii at the start and
+    /// at the end differed in the request.
     arc_adjustment_max_mm: f64,
-    /// Largest difference of the radii at the start and at the end of a written arc, in mm.
+    /// Largest difference between the radii at the start and at the end of a written arc, in mm.
     radius_mismatch_max_mm: f64,
     /// Number of written blocks that move or pause.
     n_blocks: usize,

@@ -28,7 +28,7 @@ pub struct ClCartesian {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// The planes of the passes: `zx` are planes of constant y, `yz` planes of constant x.
+    /// The planes of the passes. `zx`: planes of constant y. `yz`: planes of constant x.
     #[serde(default)]
     #[schema(default = "zx")]
     plane: Plane,
@@ -40,8 +40,8 @@ pub struct ClCartesian {
     /// height makes fewer passes.
     #[schema(minimum = 0.000_001, maximum = 1000)]
     scallop_height_mm: Option<f64>,
-    /// `zigzag` cuts neighbouring passes in opposite directions, `one_way` cuts all passes in the same
-    /// direction.
+    /// The directions of the passes. `zigzag`: neighbouring passes run in opposite directions. `one_way`: all
+    /// passes run in the same direction.
     #[serde(default)]
     #[schema(default = "zigzag")]
     direction: Direction,

@@ -25,13 +25,14 @@ pub enum Shape {
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tool {
-    /// The shape of the cutter's end: `ball`, `flat`, or `bull_nose`, a flat end with a rounded corner.
+    /// The shape of the cutter's end: `ball`, `flat`, or `bull_nose`, which is a flat end with a rounded
+    /// corner.
     shape: Shape,
     /// Diameter of the cutter, in mm.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     diameter_mm: f64,
-    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Other shapes have
-    /// no corner radius.
+    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Required for a
+    /// `bull_nose`, refused for other shapes.
     #[schema(minimum = 0.001, maximum = 500_000)]
     corner_radius_mm: Option<f64>,
     /// Number of the tool in the tool table. Without a number the program calls tool 1, and the answer warns.

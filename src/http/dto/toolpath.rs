@@ -12,10 +12,10 @@ use crate::toolpath::measure;
 use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::units::{Acceleration, FeedRate};
 
-/// Something that the caller should know and that does not stop the job.
+/// Something to know before the program runs, which does not stop the job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Warning {
-    /// What the warning is about, for programs.
+    /// What the warning is about, for software: a code that does not change.
     pub code: WarningCode,
     /// What the warning is about, for people.
     pub detail: String,
@@ -34,46 +34,46 @@ impl Warning {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningCode {
-    /// The end condition fell to the interpolating polynomial, for want of points.
+    /// A direction has fewer points than `not_a_knot` needs, and one polynomial passes through all of them.
     EndsReduced,
-    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
+    /// Patches leave a gap or meet in a sharp edge.
     NotSmooth,
-    /// The surface has a place without a normal, or one that could not be told from it.
+    /// The surface has, or may have, a place without a normal.
     NoNormal,
-    /// What is left between passes is not proved.
+    /// The height of the material left between passes is not proved.
     ScallopNotProved,
-    /// Neighbouring passes do not meet: stock of any height is left between them.
+    /// The cuts of neighbouring passes do not overlap everywhere.
     PassesApart,
-    /// Short pieces of passes are left out, and what they would cut is left.
+    /// Short pieces of passes are left out, and their material stays.
     ShortPiecesLeftOut,
-    /// The part is smaller than the cutter both ways in plan.
+    /// The part is smaller than the cutter along x and along y.
     PartSmallerThanCutter,
-    /// Nobody said what stands over the surface: rapids come down near it.
+    /// `stock` is absent: rapids come down near the surface.
     StockNotGiven,
-    /// There is no room for some of the entries and exits that were asked for: the cutter goes straight down
-    /// or up there.
+    /// Some entries or exits have no room for the requested shape: the cutter moves straight down or up
+    /// there.
     EntryNotClear,
-    /// The path is one for roughing, and cuts into the surface by as much as the report says.
+    /// The roughing path cuts into the surface; the report bounds the depth.
     RoughingPathGouges,
     /// Rounding to the program's decimals may leave the band.
     RoundingLeavesBand,
     /// Rounding to the program's decimals may exceed the tolerance.
     RoundingExceedsTolerance,
-    /// The elements are near the points, but not near the lines between them.
+    /// The elements are near the points, but not near the lines between the points.
     CoarseSamples,
-    /// The method that was asked for knows no tolerance.
+    /// The requested method ignores the tolerance.
     ToleranceExceeded,
     /// The cutter is too large for some of the contour.
     ContourNotReached,
     /// The program starts no spindle.
     NoSpindleSpeed,
-    /// No tool number was given: the first tool of the table is called.
+    /// `tool.number` is absent: the program calls tool 1.
     NoToolNumber,
-    /// No work offset was given: the program takes the one that is active.
+    /// `program.work_offset` is absent: the program runs with the active work offset.
     NoWorkOffset,
-    /// The tool is cut with the length of another place of the table.
+    /// `tool.length_offset` differs from `tool.number`.
     LengthOffsetDiffers,
-    /// No clearance height was given: one above everything that is cut was chosen.
+    /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
     ClearanceChosen,
 }
 
@@ -102,7 +102,7 @@ impl From<Caution> for Warning {
             },
             Caution::LengthOffsetDiffers { number, length_offset } => Self {
                 code: WarningCode::LengthOffsetDiffers,
-                detail: format!("tool {number} is cut with the length offset {length_offset}"),
+                detail: format!("tool {number} runs with the length offset {length_offset}"),
             },
         }
     }
@@ -125,8 +125,9 @@ pub struct Measures {
     pub total_time_s: Option<f64>,
     /// Time of all pauses, in s.
     pub dwell_time_s: f64,
-    /// Estimated time on a machine that accelerates and brakes, in s. The estimate uses the acceleration of
-    /// `cutting` and look-ahead, and slows down in corners and small arcs. Absent where moves have no feed.
+    /// Estimated time on a machine that accelerates and brakes, in s. The estimate takes the acceleration
+    /// from `cutting` and assumes a control with look-ahead, which slows down in corners and on small arcs.
+    /// Absent where moves have no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_with_acceleration_s: Option<f64>,
     /// How many moves of each kind there are.

@@ -29,19 +29,20 @@ pub struct Nurbs {
     /// Degree of the curve: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree: u32,
-    /// Knots: plain numbers that never fall.
+    /// Knots: plain numbers, none smaller than the knot before.
     #[schema(value_type = CurveKnots)]
     knots: Vec<f64>,
     /// Control points `[x, y]` in mm. The coordinates are not multiplied by the weights.
     #[schema(value_type = CurvePoints)]
     control_points: Vec<PlanePoint>,
-    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight
-    /// pulls the curve towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    /// Weights of the control points: plain numbers above 0. Only the ratios of weights matter. A larger
+    /// weight pulls the curve towards its control point. The ratio of two weights is at most 1e6. Default:
+    /// all 1.
     #[schema(value_type = Option<CurveWeights>)]
     weights: Option<Vec<f64>>,
 }
 
-schema_of!(CurveKnots, "Knots: numbers that never fall.", {
+schema_of!(CurveKnots, "Knots: numbers, none smaller than the knot before.", {
     array_of(number(Range::COORDINATE), 4, Limits::DEFAULT.curve_points + DEGREES.1 as usize + 1)
 });
 

@@ -11,10 +11,10 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
-/// Roughing passes along wires of the surface at constant y, all in one direction. The tip runs at the
-/// largest height of the wire and of all wires within the cutter's radius beside the wire. Where the surface
-/// slopes along the wires, the path **cuts into the surface**; a warning tells the proved depth. The passes
-/// are lines. Any cutter may be used. `boundary` must be `on`.
+/// Roughing passes along wires: curves on the surface at constant y. All passes run in the same direction and
+/// consist of lines; any cutter may be used. At each x the tip is as high as the highest of its wire and the
+/// neighbouring wires within the cutter's radius, at least one on each side. Where the surface slopes along
+/// the wires, the path **gouges the part**; a warning states the proved depth. `boundary` must be `on`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WireUnion {

@@ -11,8 +11,8 @@ use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
 use crate::http::pointer::Pointer;
 
-/// Points with given tangents: Ferguson's composite surface. `tangents_u`, `tangents_v` and `twists` have as
-/// many rows, and rows as long, as `points`.
+/// Points with given tangents: Ferguson's composite surface. `tangents_u`, `tangents_v` and `twists` have the
+/// same numbers of rows and columns as `points`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ferguson {
@@ -24,7 +24,7 @@ pub struct Ferguson {
     #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
     /// Tangent vectors along u at the points, in mm: the derivative by a parameter that grows by 1 from point
-    /// to point. A longer vector holds the direction for longer.
+    /// to point. With a longer vector the surface keeps the direction of the vector for longer.
     #[schema(value_type = PointRows)]
     tangents_u: Vec<Vec<Point>>,
     /// Tangent vectors along v at the points, in mm: the derivative by a parameter that grows by 1 from point

@@ -11,14 +11,14 @@ use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-/// A drive curve carried along a basic curve in the xy plane. The drive curve's plane stays at right angles
-/// to the basic curve. The surface is exact along lines and arcs of the basic curve, and within 1e-6 mm along
-/// smooth curves.
+/// A drive curve carried along a basic curve in the xy plane. The plane of the drive curve stays at right
+/// angles to the basic curve. The surface is exact along lines and arcs of the basic curve, and within 1e-6
+/// mm along smooth curves.
 ///
-/// A sharp corner of the basic curve between two lines is mitred, also where a closed curve ends. A sharp
-/// corner beside an arc or a smooth curve is refused. A drive curve is refused that reaches beyond the centre
-/// of a rounding, or beyond the place where mitres meet. A sharp corner of either curve is an edge of the
-/// surface.
+/// A sharp corner of the basic curve is mitred where two lines meet, also where a closed curve ends. Any
+/// other sharp corner of the basic curve is refused. A drive curve is refused that reaches beyond the centre
+/// of a rounding, or beyond the place where mitres meet. A sharp corner of the drive curve, and a mitred
+/// corner, is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NormalSweep {

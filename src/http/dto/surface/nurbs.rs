@@ -31,25 +31,26 @@ pub struct Nurbs {
     /// Degree along v: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree_v: u32,
-    /// Knots along u: plain numbers that never fall. Inside the domain no knot is repeated more often than
-    /// the degree.
+    /// Knots along u: plain numbers, none smaller than the knot before. Inside the domain no knot is repeated
+    /// more often than the degree.
     #[schema(value_type = SurfaceKnots)]
     knots_u: Vec<f64>,
-    /// Knots along v: plain numbers that never fall. Inside the domain no knot is repeated more often than
-    /// the degree.
+    /// Knots along v: plain numbers, none smaller than the knot before. Inside the domain no knot is repeated
+    /// more often than the degree.
     #[schema(value_type = SurfaceKnots)]
     knots_v: Vec<f64>,
     /// Control points in mm: `control_points[i][j]`, i along u and j along v. The coordinates are not
     /// multiplied by the weights.
     #[schema(value_type = PointRows)]
     control_points: Vec<Vec<Point>>,
-    /// Weights of the control points: plain numbers above 0, of which only the ratio counts. A larger weight
-    /// pulls the surface towards its control point. The ratio of two weights is at most 1e6. Default: all 1.
+    /// Weights of the control points: plain numbers above 0. Only the ratios of weights matter. A larger
+    /// weight pulls the surface towards its control point. The ratio of two weights is at most 1e6. Default:
+    /// all 1.
     #[schema(value_type = Option<SurfaceWeights>)]
     weights: Option<Vec<Vec<f64>>>,
 }
 
-schema_of!(SurfaceKnots, "Knots: numbers that never fall.", {
+schema_of!(SurfaceKnots, "Knots: numbers, none smaller than the knot before.", {
     array_of(number(Range::COORDINATE), 4, Limits::DEFAULT.surface_points / 2 + MAX_DEGREE + 1)
 });
 

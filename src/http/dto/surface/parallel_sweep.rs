@@ -13,8 +13,8 @@ use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
 /// A drive curve carried along a basic curve without turning: basic(u) + drive(v) - drive(0). The surface
-/// starts at the start of the basic curve, wherever the drive curve lies. The surface is exact. A sharp
-/// corner of either curve is an edge of the surface.
+/// starts at the start of the basic curve; only the shape of the drive curve counts, not its place. The
+/// surface is exact. A sharp corner of either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParallelSweep {

@@ -26,27 +26,25 @@ pub struct PointGrid {
     #[schema(ignore)]
     _kind: Kind,
     /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2
-    /// rows of at least 2 points, every row as long as the first row.
+    /// rows of at least 2 points; every row is as long as the first row.
     #[schema(value_type = PointRows)]
     points: Vec<Vec<Point>>,
-    /// The mixed derivatives at the points: `spline` takes the derivatives of the cubic spline, `zero` takes
-    /// zero.
+    /// The mixed derivatives at the points. `spline`: the derivatives of the cubic spline. `zero`: zero.
     #[serde(default)]
     #[schema(default = "spline")]
     twist: Twist,
-    /// The end conditions of the splines. `not_a_knot` makes the first two and the last two spans one cubic
-    /// each. `natural` has no curvature at the edges, which bends the rim of a measured part. `clamped` takes
-    /// the tangents of `end_tangents`. `bessel` takes the slope of the parabola through the three points
-    /// nearest the edge. Without `ends` the surface is that of `not_a_knot`, and no warning tells of fewer
-    /// than 4 points.
+    /// The end conditions of the splines. `not_a_knot`: the first two spans are one cubic, and the last two
+    /// spans are one cubic. `natural`: no curvature at the edges, which bends the rim of a measured part.
+    /// `clamped`: the tangents of `end_tangents`. `bessel`: the slope of the parabola through the three
+    /// points nearest to the edge. Default: `not_a_knot`, without the warning `ends_reduced`.
     ends: Option<Ends>,
-    /// What to do with a point that is five times as far from its neighbours as the neighbours are from each
-    /// other. Such a point is mostly a mistake and takes long to mill. `refuse` answers an error, `accept`
-    /// mills the point.
+    /// What to do with an outlier: a point whose nearest neighbour is more than five times as far away as its
+    /// neighbours are from their other neighbours. Such a point is mostly a mistake and takes long to mill.
+    /// `refuse`: the answer is a problem. `accept`: the point is milled.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,
-    /// Tangents at the boundaries, in mm; required with `ends: clamped` and refused without.
+    /// Tangents at the boundaries, in mm. Required with `ends: clamped`, refused with other ends.
     #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
 }

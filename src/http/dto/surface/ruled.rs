@@ -12,9 +12,9 @@ use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::pointer::Pointer;
 
-/// Two curves joined by straight lines, which join points at equal fractions of the lengths of the curves.
-/// The surface is exact between two lines and between two arcs that turn equally, and within 1e-6 mm between
-/// other curves. A sharp corner of either curve is an edge of the surface.
+/// Two curves joined by straight lines. Each line joins two points at equal fractions of the lengths of the
+/// curves. The surface is exact between two lines and between two arcs that turn by the same angle, and
+/// within 1e-6 mm between other curves. A sharp corner of either curve is an edge of the surface.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ruled {

@@ -43,7 +43,7 @@ pub struct KnotRules {
 pub enum KnotError {
     #[error("there are {found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
     Count { found: usize, points: usize, degree: usize },
-    #[error("knot {index} is not finite, or smaller than the knot before it")]
+    #[error("knot {index} is smaller than the knot before it, or is not finite")]
     Decrease { index: usize },
     #[error(
         "knot {index} occurs {multiplicity} times; inside the domain a knot may occur at most {most} times"

@@ -19,8 +19,7 @@ pub const MAX_ERRORS: usize = 100;
 /// Most characters of a detail. A detail may quote a text of the caller, which may have any length.
 const MAX_DETAIL_CHARACTERS: usize = 500;
 
-/// What went wrong, as a closed list. With `invalid_request` `errors` has one entry for each violation.
-/// `unsupported` is a legal request for something that this version cannot do yet.
+/// What went wrong. The list of codes is closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ProblemCode)]
@@ -49,7 +48,7 @@ pub enum Code {
     ToleranceNotReached,
     SectionLost,
     NothingToCut,
-    /// A text in which no block moves the machine is no NC program.
+    /// No block of the text moves the machine, so the text is not an NC program.
     NoMotion,
     BandInfeasible,
     InternalError,
@@ -150,7 +149,7 @@ impl fmt::Display for Code {
     }
 }
 
-/// Why one place of the body is to blame.
+/// What is wrong at one place of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = FieldCode)]
@@ -174,13 +173,13 @@ pub enum FieldCode {
     ToleranceBelowDecimals,
     /// The points do not make an arc.
     NoArc,
-    /// The text is not in its language; `offset` says where.
+    /// The expression or section curve cannot be parsed; `offset` says where.
     Syntax,
-    /// The expression has no value somewhere in its domain; `offset` names the operation.
+    /// The expression has no value somewhere in its domain; `offset` is the place of the operation.
     Undefined,
-    /// Neighbouring points, or rows or columns of them, coincide.
+    /// Neighbouring points, rows or columns are the same.
     Coincident,
-    /// A row of points runs the other way than the one before it.
+    /// A row of points runs the other way than the row before.
     ReversedRow,
     /// A point lies far away from all of its neighbours.
     Outlier,
@@ -193,11 +192,12 @@ pub struct FieldError {
     /// The place in the request's body: a JSON pointer as URI fragment (RFC 6901).
     #[schema(example = "#/surface/points/2/3/1")]
     pub pointer: String,
-    /// What is wrong at that place, for programs.
+    /// What is wrong at that place, for software.
     pub code: FieldCode,
     /// What is wrong at that place, for people: the received value, the limit, and what to do.
     pub detail: String,
-    /// Number of the byte at fault, counted from 0, in an expression or a section curve. Absent elsewhere.
+    /// Number of the byte at fault, counted from 0, in an expression or a section curve. Absent for other
+    /// fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 16_777_216)]
     pub offset: Option<usize>,
@@ -227,15 +227,17 @@ pub struct Problem {
     status: u16,
     /// This problem, for people: what is wrong, where, and what to do.
     detail: String,
-    /// The kind of problem, for programs.
+    /// The kind of problem, for software. With `invalid_request`, the list `errors` has one entry for each
+    /// violation. With `unsupported` the request is legal, but this version cannot do what is asked.
     code: Code,
     /// Id of the request, as in the header `x-request-id`.
     request_id: String,
-    /// The violations, at most 100; `detail` tells the number of all. Empty where no place of the body is to
-    /// blame.
+    /// The violations, at most 100; `detail` states the number of all violations. An empty list where no
+    /// place of the body is to blame.
     errors: Vec<FieldError>,
-    /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `not_smooth`, `section_lost`,
-    /// `band_infeasible` and `tolerance_not_reached`.
+    /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `section_lost`,
+    /// `band_infeasible` and `tolerance_not_reached`, and with `not_smooth` unless `boundary: past` is to
+    /// blame.
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<Place>,
     /// The media types that the endpoint can answer. Present with `not_acceptable`.

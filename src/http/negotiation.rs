@@ -182,19 +182,21 @@ impl<O: Offers> IntoParams for Wanted<O> {
                 .schema(Some(schema))
                 .build()
         };
+        let makes_program = O::OFFERS.contains(&Representation::Gcode);
+        let toolpath = if makes_program {
+            "Whether the JSON answer holds the toolpath. Default: `true` where the answer has no `nc`, else `false`."
+        } else {
+            "Without effect: this endpoint makes no toolpath."
+        };
         let mut parameters = vec![
             parameter(
                 "format",
-                "Form of the answer. `format` overrides the header `Accept`, for links and for callers that cannot set headers.",
+                "Form of the answer. `format` overrides the header `Accept`; it serves links, and callers that cannot set headers. Default: the form that `Accept` asks for, else the default form of the endpoint.",
                 format,
             ),
-            parameter(
-                "toolpath",
-                "Whether the JSON answer holds the toolpath. Default: `true` where the answer has no `nc`, else `false`.",
-                yes_or_no(),
-            ),
+            parameter("toolpath", toolpath, yes_or_no()),
         ];
-        if O::OFFERS.contains(&Representation::Gcode) {
+        if makes_program {
             let nc = "Whether the JSON answer, or the event `result`, holds the text of the NC program in `nc`. Default: `false`; \
                       `/v1/programs/write` always answers `nc`.";
             parameters.push(parameter("nc", nc, yes_or_no()));

@@ -158,8 +158,10 @@ async fn pump(
     sender: &mpsc::Sender<Result<Part, ApiError>>,
 ) -> Result<(), ApiError> {
     let deadline = Instant::now() + app.streams.deadline;
-    let late =
-        |_| ApiError::new(Code::DeadlinePassed, "the program did not end within the deadline for streams");
+    let late = |_| {
+        let detail = "the program was not received and rewritten within the deadline for streams";
+        ApiError::new(Code::DeadlinePassed, detail)
+    };
     let queue = Arc::new(Semaphore::new(BACKLOG_BYTES as usize));
     let step_bytes = work.decoder.step_bytes();
     let rewritten = async {

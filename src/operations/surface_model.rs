@@ -59,7 +59,7 @@ pub struct Model {
 pub enum Warning {
     /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
     EndsReduced { direction: &'static str, points: usize },
-    /// Patches leave a gap or meet in an edge: the surface cannot be milled as it is.
+    /// Patches leave a gap or meet in a sharp edge: sections of the offset cannot mill the surface.
     NotSmooth(NotSmooth),
     /// The surface has a place without a normal.
     NoNormal,

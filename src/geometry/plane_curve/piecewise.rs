@@ -56,9 +56,7 @@ pub enum PiecewiseError {
     Empty,
     #[error("the curve has more than {MAX_PIECES} pieces")]
     TooManyPieces,
-    #[error(
-        "parameter {index} is not larger than the parameter before it, not finite, or larger than {LARGEST:e}"
-    )]
+    #[error("parameter {index} must be larger than the parameter before it and at most {LARGEST:e}")]
     Parameter { index: usize },
     #[error("piece {index} starts {gap_mm} mm from the end of the piece before it")]
     Gap { index: usize, gap_mm: f64 },

@@ -76,7 +76,7 @@ pub(super) struct Arrangement {
 pub(super) enum ArrangementError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("more than {limit} elements")]
+    #[error("the outlines need more than {limit} elements")]
     TooMany { limit: usize },
 }
 

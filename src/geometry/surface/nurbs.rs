@@ -58,7 +58,7 @@ pub enum NurbsError {
     PointNotFinite { i: usize, j: usize },
     #[error("there are {found} knots; {points} control points of degree {degree} need {}", points + degree + 1)]
     KnotCount { along: usize, found: usize, points: usize, degree: usize },
-    #[error("knot {index} is not finite, or smaller than the knot before it")]
+    #[error("knot {index} is smaller than the knot before it, or is not finite")]
     KnotsDecrease { along: usize, index: usize },
     #[error(
         "knot {index} occurs {multiplicity} times; inside the domain a knot may occur at most {degree} times"

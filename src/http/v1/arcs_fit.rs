@@ -37,8 +37,9 @@ type AnyFitAnswer = Answer<AnyFitReport>;
 ///
 /// With a body of JSON the answer is the elements, the NC program that runs the elements, or a picture. With
 /// a body of NC text the answer is the same program with arcs, helices and longer lines in place of runs of
-/// G1 blocks; everything else stays byte for byte. `Accept: application/json` asks for the report of that
-/// program alone. NC text is read and answered as a stream of any length.
+/// G1 blocks; everything else stays byte for byte. With a body of NC text and `Accept: application/json` the
+/// answer is the report alone. NC text is read and answered as a stream; a program may have as many bytes as
+/// `stream_bytes` of `/v1/limits`.
 #[utoipa::path(post, path = "/v1/arcs/fit", operation_id = "fitArcs", tag = "curves",
     params(Wanted<Toolpaths>, ProgramQuery),
     request_body(content((FitRequest = "application/json"), (String = "text/x-gcode"))),
@@ -164,14 +165,14 @@ impl From<&arc_fitting::Warning> for Warning {
             arc_fitting::Warning::CoarseSamples { deviation_mm } => (
                 WarningCode::CoarseSamples,
                 format!(
-                    "the elements are up to {:.4} mm from the straight lines between the points: where the straight lines are the shape, send `measure: polyline`",
+                    "the elements are up to {:.4} mm from the straight lines between the points: if the part really consists of these straight lines, send `measure: polyline`",
                     rounded_up_mm(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(
-                    "`method: biarc` takes no account of the tolerance: the elements are up to {:.4} mm away",
+                    "`method: biarc` ignores the tolerance: the elements are up to {:.4} mm from the straight lines between the points",
                     rounded_up_mm(*deviation_mm)
                 ),
             ),

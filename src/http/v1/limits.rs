@@ -15,7 +15,8 @@ use crate::http::output::Encoded;
 /// How large a request may be, and how long a request may take.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ServerLimits {
-    /// Largest body of a request, in bytes. For a body in gzip the limit holds for the decoded bytes too.
+    /// Largest body of a request, in bytes. For a body in gzip the limit holds for the bytes as sent and for
+    /// the decompressed bytes.
     body_bytes: usize,
     /// Largest number of points of one surface.
     surface_points: usize,
@@ -35,14 +36,14 @@ pub struct ServerLimits {
     text_characters: usize,
     /// Number of computations that run at the same time.
     workers: usize,
-    /// Number of requests that may wait for a worker. One request more is refused with status 503.
+    /// Number of requests that may wait for a worker. Any further request is refused with status 503.
     queue: usize,
     /// Longest time for waiting and computing together, in s. A longer computation ends with status 504.
     deadline_s: f64,
     /// Largest program that `/v1/arcs/fit` rewrites as a stream, in bytes.
     #[schema(maximum = 9_007_199_254_740_991_u64)]
     stream_bytes: u64,
-    /// Longest time for one stream, in s.
+    /// Longest time in which one stream is received and rewritten, in s.
     stream_deadline_s: f64,
     /// Longest time without a new byte of a body, in s. A slower body ends with status 408.
     body_timeout_s: f64,

@@ -93,7 +93,7 @@ impl From<&surface_milling::Warning> for Warning {
             surface_milling::Warning::StockNotGiven { approach_mm } => Self {
                 code: WarningCode::StockNotGiven,
                 detail: format!(
-                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface, and no higher stock may stand there"
+                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface; make sure that no stock is higher there, or send `stock`"
                 ),
             },
             surface_milling::Warning::EntryNotClear { count } => Self {
@@ -112,7 +112,7 @@ impl From<&surface_milling::Warning> for Warning {
             surface_milling::Warning::PassesApart { stepover_mm } => Self {
                 code: WarningCode::PassesApart,
                 detail: format!(
-                    "passes {stepover_mm} mm apart do not meet everywhere: material stays between the passes"
+                    "the cuts of passes {stepover_mm} mm apart do not overlap everywhere: material stays between the passes"
                 ),
             },
         }

@@ -62,7 +62,7 @@ impl From<&surface_model::Warning> for Warning {
             }
             surface_model::Warning::NotSmooth(fault) => Self {
                 code: WarningCode::NotSmooth,
-                detail: format!("{fault}: the surface cannot be milled like this"),
+                detail: format!("{fault}: `engine: offset_section` refuses this surface, `engine: contact` mills it"),
             },
             surface_model::Warning::NoNormal => Self {
                 code: WarningCode::NoNormal,

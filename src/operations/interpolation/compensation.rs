@@ -23,7 +23,7 @@ pub enum CompensationError {
     NothingLeft,
     #[error("near {at} no path beside the contour could be proved to leave it whole")]
     Gouges { at: Point2<f64> },
-    #[error("beside the contour more than {limit} elements are needed")]
+    #[error("the path beside the contour needs more than {limit} elements; use a wider band")]
     TooMany { limit: usize },
 }
 

@@ -168,16 +168,18 @@ pub enum Error {
     )]
     ToleranceBelowResolution { tolerance_mm: f64, decimals: u8, least_mm: f64 },
     #[error(
-        "the tolerance {tolerance_mm} mm could not be proved; near {at} the proof reaches {deviation_mm} mm"
+        "the tolerance {tolerance_mm} mm could not be proved; near {at} the proved bound is {deviation_mm} mm; try a larger tolerance"
     )]
     ToleranceNotReached { tolerance_mm: f64, deviation_mm: f64, at: Point3<f64> },
-    #[error("the job needs {needed} {what}; at most {limit} are allowed")]
+    #[error(
+        "the job needs {needed} {what}; at most {limit} are allowed; use a larger spacing of passes or a larger tolerance"
+    )]
     TooMuchWork { what: &'static str, needed: usize, limit: usize },
     #[error(
         "no section of the surface is long enough to cut; the part is too small or the boundary leaves nothing"
     )]
     NothingToCut,
-    #[error("a section of the surface could not be traced near {at}")]
+    #[error("a section of the surface could not be traced near {at}; try another spacing of passes")]
     SectionLost { at: Point3<f64> },
     #[error(transparent)]
     Quantize(#[from] QuantizeError),

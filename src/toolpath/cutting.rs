@@ -51,9 +51,13 @@ pub struct CuttingRequest {
 /// Why a height contradicts the part or another height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum HeightError {
-    #[error("{field} is {value_mm} mm, below the top of the part at {top_mm} mm")]
+    #[error(
+        "`{field}` is {value_mm} mm, below the top of the part and its stock at {top_mm} mm; send at least {top_mm} mm"
+    )]
     BelowTop { field: &'static str, value_mm: f64, top_mm: f64 },
-    #[error("clearance_z_mm is {clearance_mm} mm, below retract_z_mm at {retract_mm} mm")]
+    #[error(
+        "`clearance_z_mm` is {clearance_mm} mm, below `retract_z_mm` at {retract_mm} mm; send at least {retract_mm} mm"
+    )]
     ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
 }
 

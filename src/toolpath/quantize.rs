@@ -122,9 +122,9 @@ pub enum Parabolas {
 /// Why a curve cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum QuantizeError {
-    #[error("{value_mm} mm is too large for the output's number of decimals")]
+    #[error("{value_mm} mm is too large for the number of decimals; use fewer decimals")]
     OutOfRange { value_mm: f64 },
-    #[error("a curve needs more than {limit} blocks at this resolution")]
+    #[error("a curve needs more than {limit} blocks with this number of decimals; use fewer decimals")]
     TooManyPieces { limit: usize },
 }
 

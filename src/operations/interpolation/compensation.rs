@@ -19,9 +19,11 @@ pub struct Compensated {
 pub enum CompensationError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the cutter fits nowhere beside the contour")]
+    #[error("the cutter fits nowhere beside the contour; use a smaller cutter")]
     NothingLeft,
-    #[error("near {at} no path beside the contour could be proved to leave it whole")]
+    #[error(
+        "near {at} no path beside the contour could be proved not to gouge the contour; try a smaller cutter"
+    )]
     Gouges { at: Point2<f64> },
     #[error("the path beside the contour needs more than {limit} elements; use a wider band")]
     TooMany { limit: usize },

@@ -65,6 +65,10 @@ impl Streams {
     }
 }
 
+/// Marks an answer whose body is still being made while its head is sent.
+#[derive(Debug, Clone, Copy)]
+pub struct Streamed;
+
 /// A part of the answer.
 enum Part {
     /// Text, with the permit for its bytes in the queue.
@@ -144,6 +148,7 @@ impl ProgramStream {
         // `fuse`, because layers may poll the body again after its end.
         let mut response = Encoded::gcode(String::new(), media_type, file_name).into_response();
         *response.body_mut() = Body::from_stream(body.fuse());
+        response.extensions_mut().insert(Streamed);
         Ok(response)
     }
 }

@@ -2,12 +2,13 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderValue, Request, Version, header};
+use axum::response::Response;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto;
@@ -20,6 +21,8 @@ use tower::ServiceExt;
 
 use super::App;
 use super::linger::Lingering;
+use super::program_stream::Streamed;
+use super::program_stream::Streamed;
 use super::refusal::Explained;
 use crate::config::Settings;
 
@@ -116,6 +119,15 @@ struct Patience {
     write: Duration,
     /// For the last answer of a connection that is being closed, its computation included.
     last_answer: Duration,
+    /// The same for an answer that is streamed while its program arrives.
+    last_stream: Duration,
+}
+
+impl Patience {
+    /// How long the last answer of a connection may take.
+    fn last(&self, streams: bool) -> Duration {
+        if streams { self.last_answer.max(self.last_stream) } else { self.last_answer }
+    }
 }
 
 impl Connections {
@@ -125,6 +137,7 @@ impl Connections {
             header: settings.header_timeout_s,
             write: settings.write_timeout_s,
             last_answer: settings.deadline_s + LAST_ANSWER_LIMIT,
+            last_stream: settings.stream_deadline_s + LAST_ANSWER_LIMIT,
         };
         Self { places: Arc::new(Semaphore::new(most)), most, patience }
     }
@@ -185,8 +198,8 @@ async fn connection(
             let (parts, body) = request.into_parts();
             let body = Body::new(Lingering::new(&parts.headers, body));
             let response = router.oneshot(Request::from_parts(parts, body)).await;
-            drop(busy);
             response.map(|mut response| {
+                busy.has_answered(&response);
                 if *closing.borrow() && version <= Version::HTTP_11 {
                     response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
                 }
@@ -238,7 +251,7 @@ async fn connection(
                 if is_idle || is_draining {
                     // The connection answers the requests in progress, reads no further request, and closes.
                     connection.as_mut().graceful_shutdown();
-                    let _ = timeout(patience.last_answer, &mut connection).await;
+                    let _ = timeout(patience.last(activity.streams()), &mut connection).await;
                     return;
                 }
                 seen = now;
@@ -253,6 +266,7 @@ async fn connection(
 struct Activity {
     begun: AtomicUsize,
     running: AtomicUsize,
+    streams: AtomicBool,
 }
 
 impl Activity {
@@ -262,6 +276,11 @@ impl Activity {
 
     fn is_busy(&self) -> bool {
         self.running.load(Ordering::Relaxed) > 0
+    }
+
+    /// Whether an answer of the connection was, or is, a stream.
+    fn streams(&self) -> bool {
+        self.streams.load(Ordering::Relaxed)
     }
 }
 
@@ -274,10 +293,40 @@ impl Busy {
         activity.running.fetch_add(1, Ordering::Relaxed);
         Self(Arc::clone(activity))
     }
+
+    /// Counts the request as answered. Of its answer only the head is known.
+    fn has_answered(self, response: &Response) {
+        if response.extensions().get::<Streamed>().is_some() {
+            self.0.streams.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 impl Drop for Busy {
     fn drop(&mut self) {
         self.0.running.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::config::Cli;
+
+    #[test]
+    fn a_connection_that_streams_stays_open_until_the_deadline_of_streams() {
+        let settings = Cli::parse_from(["toolpathd", "--deadline-s", "30", "--stream-deadline-s", "3600"]);
+        let patience = Connections::new(&settings.settings).patience;
+        let activity = Arc::new(Activity::default());
+        Busy::new(&activity).has_answered(&Response::default());
+        assert_eq!(patience.last(activity.streams()), Duration::from_secs(330));
+
+        let mut streamed = Response::default();
+        streamed.extensions_mut().insert(Streamed);
+        Busy::new(&activity).has_answered(&streamed);
+        assert!(!activity.is_busy());
+        assert_eq!(patience.last(activity.streams()), Duration::from_secs(3900));
     }
 }

@@ -22,7 +22,6 @@ use tower::ServiceExt;
 use super::App;
 use super::linger::Lingering;
 use super::program_stream::Streamed;
-use super::program_stream::Streamed;
 use super::refusal::Explained;
 use crate::config::Settings;
 

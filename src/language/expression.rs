@@ -58,7 +58,7 @@ use tape::Tape;
 pub const LONGEST_TEXT: usize = 10_000;
 
 /// The deepest nesting: parentheses, arguments, signs and powers of powers all count. The parser recurses. At
-/// this depth its stack takes less than an eighth of the 2 MB of a thread.
+/// this depth its stack takes less than a quarter of the 2 MB of a thread.
 pub const DEEPEST_NESTING: usize = 200;
 
 /// A function of x.

@@ -28,7 +28,7 @@ use super::contacts;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::pieces;
-use crate::geometry::offset::tree::{Tree, bounds};
+use crate::geometry::offset::tree::{Bounds, Tree};
 
 /// The least distance from an arc's end at which the arc is divided, mm.
 const SHORTEST_MM: f64 = 1e-9;
@@ -152,9 +152,10 @@ fn cuts(
         if k % ELEMENTS_BETWEEN_CHECKS == 0 {
             budget.check()?;
         }
-        let [low, high] = bounds(element);
+        let Bounds { low, high } = Bounds::of(element);
+        let around = Bounds { low: low - snap, high: high + snap };
         near.clear();
-        tree.meeting(low - snap, high + snap, |other, _| near.extend((other > k).then_some(other)));
+        tree.meeting(&around, |other, _| near.extend((other > k).then_some(other)));
         for &other in &near {
             contacts::append(element, &elements[other], vertices.snap_mm, &mut found);
             count += 2 * found.len();

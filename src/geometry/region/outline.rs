@@ -5,8 +5,9 @@ use nalgebra::Point2;
 use super::arrangement::{Arrangement, Loop, SNAP_MM};
 use super::winding::{self, Sides};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::bounding_tree::Volume;
 use crate::geometry::element::{Element, PlaneArc};
-use crate::geometry::offset::tree::bounds;
+use crate::geometry::offset::tree::Bounds;
 
 /// The largest coordinate or radius, mm: its rounding is a hundredth of [`SNAP_MM`].
 const LARGEST_MM: f64 = 1e8;
@@ -88,11 +89,9 @@ impl Outline {
 
     /// The lowest and the highest coordinates, mm.
     pub fn bounding_box(&self) -> [Point2<f64>; 2] {
-        let start = self.elements[0].start();
-        self.elements
-            .iter()
-            .map(bounds)
-            .fold([start, start], |[low, high], [a, b]| [low.inf(&a), high.sup(&b)])
+        let bounds = self.elements.iter().map(Bounds::of);
+        let Bounds { low, high } = bounds.fold(Bounds::NONE, |all, own| all.joined(&own));
+        [low, high]
     }
 
     /// The same loop in the other direction.

@@ -19,7 +19,7 @@ use super::arrangement::{Arrangement, Edge};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::Element;
 use crate::geometry::offset::pieces;
-use crate::geometry::offset::tree::Tree;
+use crate::geometry::offset::tree::{Bounds, Tree};
 
 /// Edges between two checks of the budget.
 const EDGES_BETWEEN_CHECKS: usize = 64;
@@ -58,7 +58,7 @@ pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
 /// Calls `see` for each element that the ray from `p` passes, with the element's index and with 1 or -1 as in
 /// [`passes`]. Along each element of the tree y must only rise or only fall.
 pub(super) fn along_ray(tree: &Tree, p: Point2<f64>, mut see: impl FnMut(usize, i32)) {
-    tree.meeting(p, Point2::new(f64::INFINITY, p.y), |k, element| {
+    tree.meeting(&Bounds { low: p, high: Point2::new(f64::INFINITY, p.y) }, |k, element| {
         let sense = passes(element, p);
         if sense != 0 {
             see(k, sense);

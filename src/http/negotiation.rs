@@ -191,7 +191,7 @@ impl<O: Offers> IntoParams for Wanted<O> {
         let mut parameters = vec![
             parameter(
                 "format",
-                "Form of the answer. `format` overrides the header `Accept`; it serves links, and callers that cannot set headers. Default: the form that `Accept` asks for, else the default form of the endpoint.",
+                "Form of the answer. `format` overrides the header `Accept`. Use `format` in links and where headers cannot be set. Default: the form that `Accept` asks for, else the default form of the endpoint.",
                 format,
             ),
             parameter("toolpath", toolpath, yes_or_no()),

@@ -67,7 +67,7 @@ fn program_line(program: &Program, dialect: &str) -> String {
 fn offset_line(program: &Program) -> String {
     match program.work_offset {
         Some(number) => format!("work offset: G{number}, with its zero at the zero of the drawing"),
-        None => "work offset: the one that is active, with its zero at the zero of the drawing".to_owned(),
+        None => "work offset: the active one; set its zero to the zero of the drawing".to_owned(),
     }
 }
 

@@ -28,8 +28,8 @@ pub struct StockOnSurface {
     #[serde(rename = "kind")]
     #[schema(ignore)]
     _kind: Kind,
-    /// Largest thickness of the stock, in mm along the normal, above the finished surface plus
-    /// `allowance_mm`.
+    /// Largest thickness of the material that the program removes, in mm along the normal. It does not count
+    /// `allowance_mm`, which stays on the surface.
     #[schema(minimum = 0, maximum = 1000)]
     thickness_mm: f64,
 }

@@ -35,8 +35,9 @@ pub struct FitRequest {
     /// as one point.
     #[schema(value_type = Polyline)]
     polyline: Vec<Position>,
-    /// The plane of the arcs: `xy` (G17), `zx` (G18) or `yz` (G19). Default: for each run of points the plane
-    /// that the run is parallel to; runs parallel to none of the three planes become helices about Z.
+    /// The plane of the arcs: `xy` (G17), `zx` (G18) or `yz` (G19). Default: for each stretch of the polyline
+    /// the plane that the stretch is parallel to; a stretch parallel to none of the three planes becomes
+    /// helices about Z.
     plane: Option<Plane>,
     /// Largest allowed distance between the elements and the points, or the polyline, in mm: `measure` says
     /// which. A larger tolerance makes fewer elements.

@@ -87,8 +87,8 @@ pub struct DropReport {
     /// misses the surface.
     #[schema(value_type = Places)]
     contacts: Vec<Option<Place>>,
-    /// Proved: no tip is lower than its exact height by more than this, in mm. Floating-point rounding is not
-    /// included.
+    /// Proved bound of how far a tip is below its exact height, in mm. No tip is above its exact height.
+    /// Floating-point rounding is not included in either statement.
     gap_max_mm: f64,
 }
 

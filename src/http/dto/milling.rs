@@ -62,9 +62,10 @@ pub struct MillRequest {
     #[schema(minimum = 0, maximum = 1000, default = 0)]
     allowance_mm: Option<f64>,
     /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the finished surface
-    /// plus `allowance_mm`, and the answer warns. `wire_union` needs no `stock`: its rapids end at
-    /// `cutting.retract_z_mm`, by default 2 mm above the highest point of the part, and the answer does not
-    /// warn.
+    /// plus `allowance_mm`, and the answer warns. With `wire_union` rapids end at
+    /// `cutting.retract_z_mm`, by default 2 mm above the highest point of the part and of `stock`. Without
+    /// `stock` the service knows the part only, and does not warn: where raw material stands higher, send
+    /// `stock`, or the rapids run into it.
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
@@ -231,8 +232,8 @@ pub struct MillReport {
     /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
     rest_at: Option<Place>,
     /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
-    /// deviation of the passes adds to that height. The bound does not cover places so near to an edge that
-    /// the way along the surface to the next pass crosses the edge. `null` where the cuts of neighbouring
+    /// deviation of the passes is not included. The bound does not cover strips along an edge from which a
+    /// line on the surface to the next pass would cross the edge. `null` where the cuts of neighbouring
     /// passes do not overlap everywhere, where the cutter is no ball or cannot follow the surface everywhere,
     /// and with `wire_union`.
     scallop_max_mm: Option<f64>,

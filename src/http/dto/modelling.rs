@@ -130,8 +130,8 @@ pub struct ModelReport {
     #[schema(value_type = Option<Vec<Vec<Patch>>>)]
     patches: Option<AnySurface>,
     /// A box that holds the surface, in mm. Each side is at most 1e-6 mm farther out than the surface, except
-    /// where the surface touches the side along a curve: there the side may be as far out as the control
-    /// points.
+    /// where the surface reaches its extreme coordinate along a whole curve: there the side may lie as far
+    /// out as the control points.
     bounds: Bounds,
     /// The wires as polylines: points on the surface, in mm. Where a wire leaves the surface and comes back,
     /// a new polyline begins. Absent without `wires` in the request.

@@ -220,7 +220,7 @@ fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Resu
 /// Moves that belong together: one pass with the way to the pass.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Pass {
-    /// Number of the level that the pass belongs to.
+    /// A number of the depth level that the pass belongs to. The program does not depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 1_000_000)]
     level: Option<u32>,

@@ -33,7 +33,7 @@ pub enum Fault {
     UnknownStart,
     #[error("the arc has no centre")]
     MissingCenter,
-    #[error("the parabola needs the XY plane, G17")]
+    #[error("G5.1 needs the plane G17; another plane is active")]
     ParabolaPlane,
     #[error("a coordinate of the parabola is too large")]
     ParabolaSize,
@@ -44,7 +44,7 @@ pub enum Fault {
     #[error("the program has no M2 or M30")]
     NoEnd,
     #[error(
-        "a tape mark at the start or end of the program is missing, or text stands outside of the tape marks"
+        "the % line at the start or at the end of the program is missing, or text stands before the first or after the last %"
     )]
     TapeMark,
     #[error("the program does not begin with a legal program number")]

@@ -12,9 +12,10 @@ use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
 /// Roughing passes along wires: curves on the surface at constant y. All passes run in the same direction and
-/// consist of lines; any cutter may be used. At each x the tip is as high as the highest of its wire and the
-/// neighbouring wires within the cutter's radius, at least one on each side. Where the surface slopes along
-/// the wires, the path **gouges the part**; a warning states the proved depth. `boundary` must be `on`.
+/// consist of lines; any cutter may be used. At each x the heights of the pass's own wire and of all wires
+/// within the cutter's radius are compared, at least one wire on each side; the tip is at the highest. Where
+/// the surface slopes along the wires, the path **gouges the part**; a warning states the proved depth.
+/// `boundary` must be `on`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WireUnion {

@@ -34,13 +34,14 @@ pub struct PointGrid {
     #[schema(default = "spline")]
     twist: Twist,
     /// The end conditions of the splines. `not_a_knot`: the first two spans are one cubic, and the last two
-    /// spans are one cubic. `natural`: no curvature at the edges, which bends the rim of a measured part.
+    /// spans are one cubic. `natural`: no curvature at the edges; this flattens the rim of a curved part.
     /// `clamped`: the tangents of `end_tangents`. `bessel`: the slope of the parabola through the three
-    /// points nearest to the edge. Default: `not_a_knot`, without the warning `ends_reduced`.
+    /// points nearest to the edge. Default: `not_a_knot`. The warning `ends_reduced` is given only where the
+    /// request asks for `not_a_knot`.
     ends: Option<Ends>,
-    /// What to do with an outlier: a point whose nearest neighbour is more than five times as far away as its
-    /// neighbours are from their other neighbours. Such a point is mostly a mistake and takes long to mill.
-    /// `refuse`: the answer is a problem. `accept`: the point is milled.
+    /// What to do with an outlier: a point whose distance to its nearest neighbour is more than five times
+    /// the largest distance from its neighbours to their other neighbours. Such a point is mostly a mistake
+    /// and takes long to mill. `refuse`: the answer is a problem. `accept`: the point is milled.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,

@@ -1,34 +1,28 @@
 //! The post-processor: writes a toolpath as the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower` turns the toolpath into blocks whose coordinates are integers, in units of the last decimal. It
-//!    adds an approach before the toolpath and a retract after it.
-//! 2. [`crate::toolpath::quantize`] rounds the curves to these integers. A parabola for which the dialect has
-//!    no block becomes lines.
-//! 3. `header` collects the comments for people before the first block.
-//! 4. `write` writes the blocks as lines of text, between the lines with which every program of the dialect
-//!    starts and ends. A modal word is written only where it changes the mode.
-//! 5. `check` reads the text back with [`read`] and compares every motion and dwell with its block.
+//! 1. `lower` turns the toolpath into blocks. [`crate::toolpath::quantize`] rounds their coordinates to the
+//!    decimals of the program.
+//! 2. `header` collects the comments for people before the first block.
+//! 3. `write` writes the blocks as lines of text, between the first and last lines that the dialect
+//!    prescribes.
+//! 4. `check` reads the text back with [`read`], and compares every motion and dwell with its block.
 //!
-//! [`rewrite`] shortens programs of any origin. `nc` holds the lexer and the modal state that `read` and
-//! `rewrite` share.
+//! [`rewrite`] shortens programs of any origin.
 //!
 //! # Guarantees
-//! * A program is returned only if `check` finds no difference in the kind of motion, end, direction of
-//!   rotation, feed, centre and control point. An arc has one radius at its start and one at its end; they
-//!   differ by at most 1.5 units of the last decimal.
-//! * The feed moves of the program and those of the toolpath are within 1.5 units of the last decimal of each
-//!   other, in both directions and in order of travel. Errors do not accumulate: ends are absolute
-//!   coordinates, and each end is rounded on its own.
-//! * Two motions are added: the approach to the start (first X and Y, then Z), and the retract to the
-//!   clearance plane. A rapid that moves Z together with X or Y becomes two blocks. The tool goes up before
-//!   it moves in X and Y, and down after it.
-//! * User text appears only in comments. A fixed label stands before the text, except for a name beside a
-//!   program number.
+//! * A program is returned only if `check` finds no difference.
+//! * The Frechet distance between the feed moves of the toolpath and those of the program is at most 1.5
+//!   units of the last decimal. Errors do not accumulate, because each end of a move is an absolute
+//!   coordinate, rounded on its own.
+//! * The program adds an approach to the start, first in X and Y and then in Z, and a retract to the
+//!   clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
+//! * A rapid that moves Z together with X or Y becomes two blocks. The tool goes up before it moves in X and
+//!   Y, and down after it.
+//! * User text appears only in comments.
 //!
 //! # Cost
-//! O(n) for n moves, in time and memory. A toolpath of half arcs and half lines takes 1.5 microseconds for
-//! each move, from 2,000 to 200,000 moves (`benches/programs.rs`).
+//! O(n) for n moves, in time and memory: about 1.5 microseconds for each move (`benches/programs.rs`).
 
 pub mod dialect;
 pub mod dialects;

@@ -1,18 +1,14 @@
 //! Reads programs of the kind that this crate writes, as a control reads them.
 //!
-//! # Method
-//! The reader takes the program line by line. First `words` collects the words of a line. Then the words take
-//! effect in the order in which a control applies them: units, plane, feed, motion.
+//! The reader exists to check the writer. So reader and writer share the data of the dialect, and no code.
 //!
-//! The reader exists to check the writer. So the two share only the data of the dialect, and no code. The
-//! reader shares the lexer and the modal state with `rewrite`.
+//! # Method
+//! `words` collects the words of a line. Then the words take effect in the order in which a control applies
+//! them: units, plane, feed, motion.
 //!
 //! # Guarantees
-//! A word, code or combination that the reader does not know is an error. Nothing is skipped.
-//!
-//! # Degenerate input
-//! A rapid may start where a coordinate is not known yet; its step then holds only the known coordinates. A
-//! feed move from such a place is an error.
+//! A word, code or combination that the reader does not know is an error. Nothing is skipped. A feed move
+//! from a position that is not known is an error too.
 //!
 //! # Cost
 //! O(n) for n characters. Only one line is held at a time.
@@ -51,7 +47,7 @@ const MOTION_GROUP: i32 = 1;
 /// The effect of one block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
-    /// Coordinates in mm, where they are known.
+    /// Coordinates in mm, where they are known. A rapid may start where a coordinate is not known yet.
     Rapid {
         from: [Option<f64>; 3],
         to: [Option<f64>; 3],

@@ -1,64 +1,42 @@
-//! Rewrites NC programs of any origin: runs of short G1 blocks become fewer arcs and lines.
+//! Shortens NC programs of any origin: replaces runs of short G1 blocks by fewer arcs and lines.
 //!
-//! A run is a series of consecutive G1 blocks with the same feed. Its blocks hold only N, G1, X, Y, Z and F
-//! words.
+//! A run is a series of consecutive G1 blocks at one feed. A block of a run has at most 256 bytes, and holds
+//! only N, G1, X, Y, Z and F words.
 //!
 //! # Method
-//! 1. `push` takes bytes and divides them into lines. `block` reads the words of a line as far as they are
-//!    understood. `modes` follows the modal state of the control.
-//! 2. `run` collects the blocks of a run. A line that cannot join the run ends the run.
-//! 3. `segments` fits arcs and lines to the ends of the blocks, rounds them, and proves that they stay within
-//!    the tolerance. `text` writes them. Blocks stay as they are where the new text would not be shorter.
-//! 4. A run longer than [`WINDOW`] blocks is fitted in windows. Of each window, the curves that end in its
-//!    first three quarters are written. The next window begins where these curves end.
-//! 5. After an arc, the output is in G2 or G3, and perhaps in another plane, where the original program is in
-//!    G1. A later line may rely on the original modes. Then a block before the line restores the plane. G1 is
-//!    restored by a word in the line if the line is a move, otherwise by a block before the line.
+//! 1. Each line is read as far as its words are known (`block`), and the modal state of the control is
+//!    followed (`modes`).
+//! 2. The blocks of a run are collected (`run`). Arcs and lines are fitted to the ends of the blocks, with a
+//!    proof that they stay within the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted
+//!    in parts.
+//! 3. Arcs and lines replace blocks where the new text is shorter (`text`). All other blocks stay as they
+//!    are.
+//! 4. An arc leaves the control in G2 or G3, and perhaps in another plane. A later line may rely on G1 or on
+//!    the old plane. Then a G1 word in this line, or a block before it, restores them.
 //!
 //! # Guarantees
-//! * Text outside of runs is copied byte for byte. Only the G1 words and the blocks of step 5 are added. No
-//!   motion is added.
-//! * The lines of a run and the path that replaces them are within the tolerance of each other, in both
-//!   directions. After rounding, an arc has slightly different radii at its two ends. The tolerance holds for
-//!   every radius between them, because controls choose differently.
-//! * Where curves replace blocks, the first curve starts and the last curve ends exactly at points of the
-//!   program. So errors do not accumulate.
-//! * The output does not depend on the chunks in which the bytes arrive.
+//! * Text outside of runs is copied byte for byte, apart from the additions of step 4. The additions hold no
+//!   motion.
+//! * The Frechet distance between the path of a run and the path that replaces it is at most the tolerance.
+//!   Rounding gives an arc slightly different radii at its two ends. The tolerance holds for every radius
+//!   between these two, because controls differ in the radius that they use.
+//! * Where curves replace blocks, the first curve starts and the last curve ends exactly at ends of blocks.
+//!   So errors do not accumulate.
 //! * No full circle is written, because controls read a full circle in different ways.
 //!
-//! Windows are fitted one by one, so a run of several windows may get more curves than necessary. If the job
-//! asks for tangent continuity, it ends at windows, at kept blocks, and where a curve was fitted again after
-//! rounding had moved it too far.
-//!
 //! # What is left alone
-//! * The rewriter takes a program to begin in mm, with absolute coordinates, in the XY plane, and with feeds
-//!   per minute.
-//! * After a macro, a call, a jump, a program name or a program end, the rewriter takes these modes to be
-//!   unchanged: units, feed mode, absolute or incremental centres, and the modes of the next item. Motion,
-//!   plane, distance mode, feed and position are unknown until the program states them again. After an
-//!   assignment to a variable only feed and position are unknown.
-//! * No block is in a run under cutter compensation, rotation, scaling, mirroring, polar or cylindrical
-//!   coordinates, diameter programming, tool centre point control, exact stop, modal macros, or feeds per
+//! * Blocks under a mode that changes their path or their speed, such as cutter compensation or feeds per
 //!   turn.
-//! * A block that moves an axis to an absolute coordinate is in a run only if the position of the axis was
-//!   known before. The block makes the position known. A shift of the coordinates makes all positions
-//!   unknown.
-//! * Once a line can jump (GOTO, M97, M99 P), the program may arrive at any numbered block. From there on, a
-//!   numbered block is in no run, and the modes before it are those after a macro. Earlier blocks may already
-//!   have lost their numbers, so a jump back may miss its target.
+//! * Blocks that rely on a mode or on a position that is not known, for example after a macro. A program is
+//!   taken to begin in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
+//! * Numbered blocks after the first line that can jump. Earlier blocks may have lost their numbers, so a
+//!   jump back may miss its target.
 //!
 //! # Degenerate input
-//! A line longer than [`MAX_LINE_LENGTH`] is an error. Other odd text is copied: bytes of any encoding,
-//! missing line ends, numbers finer than a millionth.
-//!
-//! # Numbers
-//! The numbers written for a run have as many decimals as the most precise number of the run, at least the
-//! dialect's default, and more if the points need more. Zeros at the end are written if all numbers of the
-//! run have that many decimals. A run whose points need more decimals than the dialect has stays as it is.
+//! A line longer than [`MAX_LINE_LENGTH`] is an error. Text of any encoding is copied.
 //!
 //! # Cost
-//! O(n) for n bytes, plus the cost of fitting. Memory holds one line and one window of blocks. Blocks longer
-//! than 256 bytes are in no run.
+//! O(n) for n bytes, plus the cost of fitting. Memory holds one line and one window of blocks.
 
 mod block;
 mod modes;
@@ -76,8 +54,9 @@ use super::nc::{Distance, Motion};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::arc_fit::{Fit, Joints, Measure};
 
-/// Blocks of a run that are fitted at once. A larger window needs more memory and time; a smaller window ends
-/// more arcs early.
+/// Blocks of a run that are fitted at once. Of each window, the curves that end in its first three quarters
+/// are written. The next window begins where these curves end. A larger window needs more memory and time; a
+/// smaller window ends more arcs early.
 pub const WINDOW: usize = 4096;
 
 /// The longest line that is read, bytes with the line end. Bounds the memory that one line takes.
@@ -94,7 +73,8 @@ const LINES_BETWEEN_CHECKS: u64 = 1024;
 pub struct RewriteJob {
     pub dialect: &'static Dialect,
     /// The rewriter sets three fields itself: it measures the polyline, puts joints on the points, and takes
-    /// the path to be open.
+    /// the path to be open. Tangent continuity, if asked for, ends at windows, at kept blocks, and where a
+    /// curve was fitted again because rounding had moved it too far.
     pub fit: Fit,
 }
 
@@ -157,6 +137,8 @@ pub struct Rewriter {
     written_block: String,
     line_end: &'static [u8],
     n_lines: u64,
+    /// A line before may jump (GOTO, M97, M99 P), so the program may arrive at any numbered block. Such a
+    /// block is in no run, and the modes before it are those of [`Modes::forgotten`].
     may_jump: bool,
     figures: Figures,
 }

@@ -1,22 +1,15 @@
 //! Fanuc 0i and 30i, milling.
 //!
-//! * Every coordinate and feed has a decimal point. Without a point the control counts least increments: X10
-//!   is ten micrometres. S, H, T and the P of a dwell are written without a point. A number has at most eight
-//!   digits.
-//! * G20 or G21 stands in a block of its own, before all other codes.
-//! * G43 stands in the block of the first motion along Z. If G43 stood in a block of its own, it might move
-//!   the axis by the length offset.
-//! * The program does not set how closely the control follows corners: this control has no G64 with a
-//!   tolerance. Its parameters or G5.1 set that.
+//! * Every coordinate and feed has a decimal point. Without a point the control counts least increments:
+//!   X10 is ten micrometres.
+//! * G43 stands in the block of the first motion along Z. In a block of its own, G43 might move the axis.
 //! * The F of a helix is the speed along the helix. The control reads F in this way only if bit 5 (HTG) of
-//!   parameter 1403 is set. Otherwise F is the speed along the circle that the helix projects to, and the
-//!   helix is cut too fast.
-//! * Parabolas become lines, because this control has no block for parabolas. Its G5.1 is contour control.
-//! * T M6 moves to the tool change position by itself. G28 is written only if the job asks for G28.
-//!
-//! A program has 3 decimals in mm and 4 in inches, as in the increment system IS-B. IS-C has one decimal more
-//! in mm. The radii at the two ends of an arc differ by at most one unit of the last decimal; parameter 3410
-//! has to allow that difference.
+//!   parameter 1403 is set. Without this bit, the helix is cut too fast.
+//! * The radii at the two ends of an arc differ by at most one unit of the last decimal. Parameter 3410 has
+//!   to allow that difference.
+//! * Parabolas become lines, because this control has no block for parabolas.
+//! * The program does not set how closely the control follows corners. A parameter of the control or G5.1
+//!   (contour control) sets that.
 
 use crate::post::dialect::{
     BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber,
@@ -33,6 +26,7 @@ pub const FANUC: Dialect = Dialect {
     max_line_length: 120,
     tape_mark: Some("%"),
     program_number: Some(ProgramNumber { letter: 'O', digits: 4, max: 9999 }),
+    // As in the increment system IS-B. IS-C has one decimal more in mm.
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
@@ -42,10 +36,12 @@ pub const FANUC: Dialect = Dialect {
     parabolas: Parabolas::AsLines,
     start: &[
         Frame::Header,
+        // The control wants G20 or G21 in a block of its own, before all other codes.
         Frame::ByUnits { mm: "G21", inch: "G20" },
         Frame::Text("G17 G90 G40 G49 G80 G94"),
         Frame::WorkOffset,
         Frame::SafeHome,
+        // M6 moves to the tool change position by itself.
         Frame::ToolChange,
         Frame::SpindleOn,
         Frame::CoolantOn,

@@ -1,17 +1,12 @@
 //! LinuxCNC.
 //!
-//! The program sets G64 with a P of one unit of the last decimal, and Q0. To keep its speed, the control may
-//! then leave the written path by P where two blocks meet. Q0 forbids it to merge blocks. In exact path mode,
-//! G61, the control would stop wherever rounding has put a small angle between two blocks. Without G61 and
-//! without P, it would cut corners by any distance.
-//!
-//! A parabola in a plane of constant Z is written as a quadratic spline, `G5.1 X Y I J`. I and J are the
-//! offsets from the start to the Bezier control point. The interpreter requires G17, no Z word, and I and J
-//! in every block with G5.1. G5.1 is not modal: after it, a block without a G word runs as the last of G0 to
-//! G3. So the block after a parabola always has a G word. The control runs a parabola as 24 arcs. The bound
-//! of rounding that the header states includes the distance of these arcs from the parabola.
-//!
-//! M30 alone ends the program. No percent signs are written.
+//! * G64 lets the control round corners, so that it keeps its speed. P limits the deviation from the written
+//!   path to one unit of the last decimal. Without P, the control would cut corners by any distance. In exact
+//!   path mode, G61, it would stop at every small angle that rounding has made.
+//! * A parabola in a plane of constant Z is written as a quadratic spline: `G5.1 X Y I J`. I and J are the
+//!   offsets from the start to the Bezier control point. The control runs the parabola as 24 arcs. The bound
+//!   in the program's header includes the distance of these arcs from the parabola.
+//! * M30 alone ends the program, without percent signs.
 
 use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
 
@@ -37,10 +32,13 @@ pub const LINUXCNC: Dialect = Dialect {
     },
     block_numbers: BlockNumbers { step: 10, max: 99_990 },
     dwell: Dwell::Seconds,
+    // G5.1 needs G17, no Z word, and I and J in every block. It is not modal: a block behind it without a G
+    // word would run as the last of G0 to G3.
     parabolas: Parabolas::InXy,
     start: &[
         Frame::Header,
         Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
+        // Q0 forbids the control to merge blocks.
         Frame::Blending { before: "G64 P", after: " Q0" },
         Frame::WorkOffset,
         Frame::SafeHome,

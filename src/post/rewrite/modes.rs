@@ -60,12 +60,14 @@ impl Modes {
     }
 
     /// The modes that are still known after another part of the program, or another program, has run. Units,
-    /// centre mode, feed mode and modifiers are taken to be as before.
+    /// centre mode, feed mode and modifiers are taken to be as before. Motion, plane, distance mode, feed and
+    /// position are unknown.
     pub fn forgotten(&self) -> Self {
         Self { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*self }
     }
 
-    /// The state after `block`, and what the block needs of the state before it.
+    /// The state after `block`, and what the block needs of the state before it. After an assignment to a
+    /// variable, only feed and position are unknown.
     pub fn read(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
         if block.is_assignment {
             return (Self { feed: None, at: [None; 3], ..*self }, Needs::ALL);

@@ -168,6 +168,9 @@ impl Run {
     }
 
     /// How the numbers of the run are written; `None` if its points need more decimals than the dialect has.
+    /// They have as many decimals as the most precise number of the run, at least the dialect's default, and
+    /// more if the points need more. Zeros at the end are written if all numbers of the run have that many
+    /// decimals.
     pub fn style(&self, units: Units, dialect: &Dialect) -> Option<Style> {
         let [least, most] = self.decimals;
         let usual = default_decimals(Some(units), dialect);

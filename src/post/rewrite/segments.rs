@@ -1,11 +1,11 @@
-//! Fits curves to the points of a run, the ends of its blocks; rounds the curves to the decimals of the
-//! output; and proves that they lie within the tolerance.
+//! Fits curves to the points of a run, which are the ends of its blocks, and rounds the curves to the
+//! decimals of the output.
 //!
 //! # Method
 //! 1. The points are fitted with a slightly smaller tolerance, because rounding moves the curves.
-//! 2. Each curve is rounded. An upper bound of the distance between the rounded curve and the lines of the
-//!    run is computed, in both directions. The bound includes every path that a control may run for the
-//!    curve.
+//! 2. Each curve is rounded. Rounding gives an arc slightly different radii at its two ends, so controls may
+//!    run different paths for the arc. The Frechet distance between each of these paths and the lines of the
+//!    run is bounded from above.
 //! 3. If the bound exceeds the tolerance, the points of the curve are fitted again with a smaller tolerance.
 //! 4. If [`MAX_TRIES`] new fits exceed the tolerance too, the blocks stay as they are.
 

@@ -1,33 +1,27 @@
-//! Draws a toolpath, a surface or both as one SVG sheet. The sheet is A4 landscape, and a print has the scale
-//! that the sheet states.
+//! Draws a toolpath, a surface or both as one SVG sheet: A4 landscape, to scale when printed.
 //!
 //! # Method
-//! 1. The sheet shows three views in first-angle arrangement: plan, front and left side. The scale is the
-//!    largest standard scale at which all three fit (`layout`).
-//! 2. Every curve is projected into every view (`view`). In a view that faces its plane, an arc stays an arc,
-//!    in pieces of a quarter turn at most. In a view along its plane, an arc becomes lines and a helix
-//!    becomes chords. A parabola is a quadratic Bezier curve in every view.
-//! 3. A pen writes the path data for each view and each class of moves (`pen`). It leaves out details below
-//!    the resolution of the drawing.
-//! 4. A surface is drawn below the paths, as coloured bands of heights (`relief`).
-//! 5. If the path data grows beyond [`MAX_PATH_BYTES`], the paths are drawn again, and strokes that add
-//!    hardly anything are left out. For that the sheet is divided into cells (`ink`). A stroke is left out if
-//!    the same pen has drawn in all of its cells before. The cells grow until the path data is small enough.
-//!    The sheet then says that strokes are left out.
+//! 1. `layout` arranges three views in first-angle projection: plan, front and left side. It takes the
+//!    largest standard scale at which all three fit.
+//! 2. `view` projects each curve into each view. An arc stays an arc where the view faces its plane. Seen
+//!    along its plane, an arc becomes a straight line, and a helix becomes chords.
+//! 3. `pen` writes the path data. It leaves out details below the resolution of the drawing.
+//! 4. `relief` draws a surface below the paths, as coloured bands of heights.
+//! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again without strokes that lie near
+//!    earlier strokes of the same kind (`ink`). The sheet then states this distance.
 //!
 //! # Guarantees
-//! * Every point of a move is drawn within 0.02 mm of its exact place on paper, unless the sheet says that
-//!   strokes are left out. The relief of a surface is only as precise as the triangles it is drawn from.
-//! * A picture has about 3 MB at most.
+//! * Each point of a move is drawn within 0.02 mm of its exact place on paper, unless the sheet says that
+//!   strokes are left out.
+//! * A sheet has about 3 MB at most.
 //! * The same content gives the same bytes. Texts of the caller appear as text only, never as markup.
 //!
 //! # Degenerate input
-//! The content may have no extent along one or two axes. A single point is drawn at 1:1. If there is nothing
-//! to draw, or a coordinate is beyond a thousand kilometres, the sheet has no drawing and says so.
+//! If there is nothing to draw, or a coordinate is beyond a thousand kilometres, the sheet has no drawing and
+//! says so. A single point is drawn at 1:1.
 //!
 //! # Cost
-//! O(n) for n moves and points. Each is projected three times, and up to fifteen times if strokes are left
-//! out. With cells, a stroke also costs time in proportion to the number of its cells.
+//! O(n) for n moves and points.
 
 mod axes;
 mod class;
@@ -147,7 +141,9 @@ pub fn svg(scene: &Scene) -> String {
     out + "</svg>\n"
 }
 
-/// The paths, and the cell size of the raster, mm, if strokes were left out.
+/// The paths, and the cell size of the raster, mm, if strokes were left out. The paths are drawn without a
+/// raster first, then with larger and larger cells until the path data is small enough. So each curve is
+/// projected three to fifteen times.
 fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
     let [finer @ .., coarsest] = RASTERS_MM;
     let attempts = [None].into_iter().chain(finer.map(Some));

@@ -1,7 +1,7 @@
 //! The cells of the sheet in which a pen has drawn.
 //!
-//! A stroke can be left out if the pen has drawn in all of its cells before. Every other stroke draws in at
-//! least one new cell. So there are no more strokes than cells.
+//! A stroke can be left out if the pen has drawn in all of the stroke's cells before. Every stroke that is
+//! drawn reaches at least one new cell. So there are no more strokes than cells.
 
 use nalgebra::Point2;
 

@@ -2,21 +2,16 @@
 //! drawing.
 //!
 //! # Method
-//! Consecutive lines are replaced by one stroke while the stroke passes all of their points within
-//! [`THIN_MM`]. The stroke starts at a point called the anchor. A range of directions from the anchor, the
-//! cone, holds all strokes that pass the points so far. If the next point lies in the cone, and is not nearer
-//! to the anchor than the last point, the stroke is extended to the next point. Otherwise the stroke ends at
-//! the last point, which becomes the next anchor.
-//!
-//! A curve that differs from its chord by at most [`CHORD_MM`] is drawn as the chord.
+//! 1. A curve that differs from its chord by at most [`CHORD_MM`] is drawn as the chord.
+//! 2. One stroke replaces consecutive lines while it passes all of their ends within [`THIN_MM`]. The
+//!    directions in which such a stroke can leave its start form a cone. Each further line narrows the cone.
 //!
 //! # Guarantees
-//! The drawing differs from the exact curves by less than 0.02 mm of paper: the sum of [`THIN_MM`],
-//! [`CHORD_MM`] and the rounding of coordinates to 0.01 mm.
+//! The drawing differs from the exact curves by less than 0.02 mm of paper. [`THIN_MM`], [`CHORD_MM`] and the
+//! rounding of coordinates to 0.01 mm add up to less.
 //!
 //! # Cost
-//! O(1) for a stroke. If strokes in cells that are drawn in already are left out, a stroke costs time in
-//! proportion to the number of its cells.
+//! O(1) for a line or a curve.
 //!
 //! # Reference
 //! J. Sklansky, V. Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern Recognition 12,
@@ -56,7 +51,8 @@ struct Run {
     cone: Option<Cone>,
 }
 
-/// A range of directions from the anchor. `low` and `high` are angles from `first`, radians.
+/// The directions from the anchor of all strokes that pass the points so far within the tolerance. `low` and
+/// `high` are angles from `first`, radians.
 #[derive(Debug, Clone, Copy)]
 struct Cone {
     first: Vector2<f64>,
@@ -75,7 +71,8 @@ pub struct Pen {
 }
 
 impl Pen {
-    /// A pen. With a raster, it leaves out strokes whose cells of `raster_mm` are all inked.
+    /// A pen. With a raster, it leaves out strokes whose cells of `raster_mm` are all inked. A stroke then
+    /// takes time in proportion to the number of its cells.
     pub fn new(raster_mm: Option<f64>) -> Self {
         Self { data: String::new(), run: None, at: None, ink: raster_mm.map(Ink::new) }
     }
@@ -206,7 +203,8 @@ impl Run {
         Self { anchor, last: to, cone }
     }
 
-    /// The run continued to `to`; `None` if one stroke cannot replace it.
+    /// The run continued to `to`; `None` if one stroke cannot replace it. It can if `to` lies in the cone and
+    /// is not nearer to the anchor than the last point.
     fn through(&self, to: Point2<f64>) -> Option<Run> {
         let Some(cone) = self.cone else { return Some(Run::new(self.anchor, to)) };
         let (reach, arm) = ((self.last - self.anchor).norm(), to - self.anchor);

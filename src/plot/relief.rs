@@ -2,22 +2,18 @@
 //! left. Front and left side show the area that the surface covers.
 //!
 //! # Method
-//! 1. The surface is a mesh of triangles. The triangles are cut at the heights between two bands (`bands`),
-//!    and again at the limits between tones of light and shade (`tone`).
-//! 2. The plan is drawn from the lowest band to the highest. For each band, the area of the band and of all
-//!    higher bands is filled, and light and shade of the band are drawn over it. So higher parts of the
-//!    surface cover lower parts.
-//! 3. Neighbouring pieces of triangles are joined to one area (`border`): edges between two pieces are
-//!    removed. The remaining edges are thinned like all lines of the drawing.
-//! 4. In the front and the left side, the area of all triangles is filled, with the colour of the height at
-//!    each place.
+//! 1. The surface becomes a mesh of triangles. They are cut where two bands meet (`bands`), and where two
+//!    tones of light and shade meet (`tone`).
+//! 2. Neighbouring pieces of triangles are joined to one area (`border`).
+//! 3. In the plan, the bands are drawn from the lowest to the highest, so that higher parts of the surface
+//!    cover lower parts.
+//! 4. In the front and the left side, the area of all triangles is filled with the colours of the heights.
 //!
 //! # Guarantees
-//! A relief has about [`MAX_BYTES`] at most. If it would be larger, or if more than [`MOST_CUTS`] cuts were
-//! needed, a coarser mesh is drawn.
+//! A relief has at most about [`MAX_BYTES`]. If it would have more, the surface is drawn with a coarser mesh.
 //!
 //! # Cost
-//! O(n log n) for n pieces. There are at most as many pieces as triangles and cuts.
+//! O(n log n) for n pieces of triangles.
 
 mod bands;
 mod border;
@@ -124,7 +120,8 @@ fn shaded(mesh: &Mesh, view: &View, bands: &Bands, tones: usize) -> String {
     elements(slabs)
 }
 
-/// The slabs as elements, the lowest first. The area of each includes all higher slabs.
+/// The slabs as elements, the lowest first. The area of each includes all higher slabs. Light and shade of a
+/// slab are drawn over its area.
 fn elements(slabs: Vec<Slab>) -> String {
     let mut above = Border::default();
     let mut out = Vec::new();

@@ -1,10 +1,9 @@
-//! The border of an area that consists of many pieces.
+//! The border of an area that consists of many pieces, which may lie over each other.
 //!
 //! # Method
 //! The edges of every piece run around it in the same direction of rotation. Where two pieces touch, their
-//! common edge runs once in each direction, and both are removed. The remaining edges form closed chains.
-//! Around a place of the area, the chains turn as many times as there are pieces over it. So the SVG fill
-//! rule `nonzero` fills the area, in whichever order the edges are joined to chains.
+//! common edge runs once in each direction, and both are removed. The remaining edges form closed chains. The
+//! SVG fill rule `nonzero` fills the area within these chains.
 
 use nalgebra::Point2;
 
@@ -53,7 +52,8 @@ impl Border {
         self
     }
 
-    /// Path data of closed curves.
+    /// Path data of closed chains. Around a place of the area they turn as many times as there are pieces
+    /// over it. So the fill rule `nonzero` fills the place, in whichever order the edges are joined.
     pub fn data(&self) -> String {
         let mut ways: Vec<[Spot; 2]> = Vec::with_capacity(self.edges.len());
         for ([low, high], times) in &self.edges {

@@ -1,30 +1,23 @@
 //! Expressions in x: the text that a user writes for y(x).
 //!
 //! # Method
-//! 1. [`parse`](Expression::parse) turns the text into a list of operations, called the *tape*. The operands
-//!    of an operation come before it. Each operation keeps the byte of the text that it comes from.
-//! 2. The operations are computed in the order of the tape, with three kinds of numbers: floating-point
-//!    numbers; floating-point numbers with a derivative; intervals with two derivatives. Derivatives come
-//!    from automatic differentiation in forward mode.
-//! 3. [`examine`](Expression::examine) proves that the expression is defined over a domain, by subdividing
-//!    the domain.
+//! 1. [`parse`](Expression::parse) turns the text into a list of operations, in the order of their
+//!    computation.
+//! 2. The operations are computed with floating-point numbers, which gives the value and the derivative, or
+//!    with intervals, which encloses the value and two derivatives. Derivatives come from automatic
+//!    differentiation in forward mode.
+//! 3. [`examine`](Expression::examine) proves that the expression is defined over a domain.
 //!
 //! # Grammar
 //! From the loosest to the tightest binding, the operators are: `+` and `-` between operands; `*` and `/`;
 //! the signs `+` and `-`; `^`. Powers associate to the right. So -x^2 is -(x^2), and 2^-x is legal. A product
-//! needs its `*`. Numbers are decimal; `.5`, `5.` and `1e-3` are legal. Names are in lower case: see
-//! [`function`]. Spaces, tabs and line ends may stand between any two of these.
-//!
-//! An exponent without x is computed first, as a floating-point number. So x^(6/2) is x^3, and x may be
-//! negative.
+//! needs its `*`. For names, see [`function`].
 //!
 //! # Guarantees
-//! Numbers, `pi`, `e` and exponents without x become floating-point numbers. An interval contains the exact
-//! value of the expression with these numbers, if the functions of the standard library are as accurate as
-//! [`elementary`](crate::geometry::interval::elementary) assumes.
-//!
-//! A text longer than [`LONGEST_TEXT`] bytes, or nested deeper than [`DEEPEST_NESTING`] levels, is an error.
-//! So parsing and computing take bounded time and stack.
+//! * Numbers, `pi`, `e` and exponents without x become floating-point numbers. The intervals contain the
+//!   exact results for these floating-point numbers.
+//! * A text longer than [`LONGEST_TEXT`] bytes, or nested deeper than [`DEEPEST_NESTING`] levels, is an
+//!   error.
 //!
 //! # Cost
 //! O(n) for n bytes of text: for parsing, and for each computation.
@@ -93,6 +86,9 @@ impl Expression {
     ///
     /// Where an operand is outside the domain of its operation, the value is enclosed as if the operand were
     /// moved to the nearest legal number; [`examine`](Self::examine) finds such operands.
+    ///
+    /// The functions of the standard library must be as accurate as
+    /// [`elementary`](crate::geometry::interval::elementary) assumes.
     pub fn enclose(&self, x: Interval) -> [Interval; 3] {
         enclose::enclose(&self.tape, x)
     }

@@ -1,6 +1,7 @@
 //! Section curves: the language for the sections of dies, and the geometry of the curves.
 //!
-//! A text is a list of items, separated by white space, in their order along the curve. Numbers are mm.
+//! A text is a list of items, separated by white space, in their order along the curve. Numbers are mm. All
+//! points of a text have two coordinates, or all have three.
 //!
 //! | item | what it is |
 //! |---|---|
@@ -9,21 +10,17 @@
 //! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through points |
 //!
 //! # Method
-//! 1. The text becomes items (`grammar`), all in the plane or all in space.
-//! 2. Every rounded corner becomes an arc (`corner`). The two lines of the corner lead to the neighbouring
-//!    items. If a neighbour is a `b`, the line leads to the nearer end of the `b` along the curve.
-//! 3. Straight lines join the items (`chain`). A `b` becomes a cubic spline with continuous second
-//!    derivatives, which are zero at both ends. Its parameters are uniform.
+//! 1. `grammar` turns the text into items.
+//! 2. `corner` turns each rounded corner into an arc.
+//! 3. `chain` joins the items by straight lines. A `b` becomes a natural cubic spline, with uniform
+//!    parameters within the `b`.
 //!
 //! # Guarantees
-//! Arcs are exact: they are rational quadratics of a quarter turn at most. Along lines and arcs, the
-//! parameter of the curve grows by their length. Along a `b`, the parameter grows by the sum of the chords
-//! between its points. Each chord gets an equal part of this sum.
+//! Arcs are exact, as rational quadratic curves.
 //!
 //! # Degenerate input
-//! Errors, each with its place: neighbouring points that coincide; rounded corners that do not fit between
-//! their neighbours; rounded corners where the curve reverses. A rounded corner whose two lines go straight
-//! on becomes a point without an arc.
+//! Each error names its place in the text. Neighbouring points that coincide are refused. So is a rounded
+//! corner that does not fit between its neighbours, or where the curve reverses.
 //!
 //! # Cost
 //! O(n) in the length of the text.

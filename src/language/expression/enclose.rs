@@ -1,14 +1,14 @@
-//! Encloses the values of an expression, and of its first two derivatives, over a range X of x.
+//! Encloses the values of an expression, and of its first two derivatives, over a range of x.
 //!
 //! # Method
-//! 1. Let f(x) be the value after an operation. For every operation, f(m) and f'(m) are computed at the
-//!    middle m of the range.
-//! 2. For every operation, f(X), f'(X) and f''(X) are enclosed by interval arithmetic. By the mean value
-//!    theorem, `f(m) + f'(X) (X - m)` also encloses f(X); the intersection is kept. In the same way,
-//!    `f'(m) + f''(X) (X - m)` narrows f'(X).
+//! 1. At the middle of the range, the value and the derivative after each operation are computed.
+//! 2. Over the range, the value and two derivatives after each operation are enclosed by interval arithmetic.
+//! 3. The mean value theorem gives a second enclosure, from the value at the middle and the enclosed
+//!    derivative. The intersection of the two enclosures is kept. The first derivative is narrowed in the
+//!    same way.
 //!
-//! Interval arithmetic alone would take the two x in x - x^2 for independent numbers, and its enclosure would
-//! be too wide. Over a short range, the mean value theorem gives nearly the width of the values.
+//! The second enclosure is the narrower one over short ranges. Interval arithmetic takes the two x in x - x^2
+//! for independent numbers, so its enclosure is too wide.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.
@@ -44,6 +44,9 @@ pub fn at(tape: &Tape, x: f64) -> Middle {
 }
 
 /// The jet of the expression over `x`, which contains the middle, and the gravest offence over `x`.
+///
+/// For each operation with the value f, and for the middle m of the range X, both f(X) and
+/// f(m) + f'(X) (X - m) enclose the values. In the same way, f'(m) + f''(X) (X - m) encloses f'.
 pub fn over(tape: &Tape, x: Interval, middle: &Middle) -> (Jet, Option<Finding>) {
     let around = x - Interval::point(middle.x);
     sweep(tape, x, |k, jet| {

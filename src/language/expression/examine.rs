@@ -4,29 +4,24 @@
 //! result is too large for a floating-point number.
 //!
 //! # Method
-//! 1. The expression is computed at the ends of the domain and at some points between. If an operation
-//!    offends there, the search ends with an error that names the place. Most faults are found in this step.
-//! 2. The domain is searched in cells. The first cell is the whole domain. The expression is computed over a
-//!    cell as intervals, and at the middle of the cell. A cell where no operation can offend is legal. If an
-//!    operation offends over the whole cell or at its middle, the search ends with an error. Any other cell
-//!    is halved.
-//! 3. The bounds over a legal cell are compared with all values that were computed at points. If the bounds
-//!    exceed these values by more than about 1e-4 of the largest value, the cell is halved too. After
-//!    [`MOST_CELLS_FOR_BOUNDS`] cells this step is left out, and the bounds stay wider.
+//! 1. The expression is computed at some points of the domain.
+//! 2. The domain is searched in cells; the first cell is the whole domain. The expression is computed at the
+//!    middle of a cell, and over the cell as intervals.
+//! 3. If an operation offends at a point or over a whole cell, the search ends with an error.
+//! 4. If the intervals do not decide whether an operation offends in a cell, the cell is halved. A cell
+//!    where no operation offends is halved too if its bounds are much wider than the values at points. After
+//!    [`MOST_CELLS_FOR_BOUNDS`] cells, wide bounds are accepted.
 //!
 //! # Guarantees
 //! Over a domain without an error, every operation is defined, continuous and finite, and the values are
-//! inside the returned bounds.
-//!
-//! There is one exception, because operands are rounded. For sqrt, asin, acos and powers, an operand slightly
-//! outside the legal range counts as the nearest legal number. Slightly means one of two things:
-//! * The operand is outside by at most 1e-12 of the size of the terms from which it was computed.
-//! * The operand is legal or undecided at the middle of a cell of x that has been halved [`DEEPEST`] times,
-//!   and may be outside elsewhere in the cell.
+//! inside the returned bounds. There is one exception, because numbers are rounded. A negative operand of
+//! sqrt counts as zero in two cases: its size is at most 1e-12 times that of the terms from which it was
+//! computed, or the operand is negative only in a part of a cell that is too narrow to be halved. The same
+//! holds at the limits of asin, acos and powers.
 //!
 //! # Degenerate input
 //! A domain that is not two finite numbers, the first less than the second, is an error. So is an expression
-//! that has only a limit at some place, such as x/x or sin(x)/x at zero. A search that needs more than
+//! that has only a limit at some place, such as sin(x)/x at zero. A search that needs more than
 //! [`MOST_CELLS`] cells ends with an error.
 //!
 //! # Cost
@@ -141,6 +136,9 @@ fn legal_at(tape: &Tape, x: f64) -> Result<Middle, Undefined> {
 }
 
 /// Whether a cell with a possible offence counts as legal. `false` if the cell has to be halved.
+///
+/// A cell that has been halved [`DEEPEST`] times counts as legal for sqrt, asin, acos and powers: the operand
+/// is legal or undecided at the middle of the cell, and outside the domain of the operation by rounding only.
 fn is_settled(finding: Finding, cell: &Cell, count: usize) -> Result<bool, Undefined> {
     let Finding { offence, certainty, at } = finding;
     let (x, middle) = (shortest(cell), Interval::between(cell.from, cell.to).mid());

@@ -2,13 +2,12 @@
 //!
 //! # Method
 //! A *jet* is three intervals. They enclose a value and its first two derivatives by x, over a range of x. An
-//! operation on jets returns the jet of its result and a verdict. The verdict says whether an operand
-//! certainly is, possibly is, or cannot be outside the domain of the operation.
+//! operation on jets returns the jet of its result and a verdict: the operand certainly is, possibly is, or
+//! cannot be outside the domain of the operation.
 //!
 //! # Guarantees
-//! If an operand is outside the domain of the operation, the jet is that of the operation at the nearest
-//! number of the domain. A derivative that does not exist, or that has no bound, becomes the interval from
-//! minus infinity to infinity.
+//! An operand outside the domain of the operation counts as the nearest number of the domain. A derivative
+//! that does not exist, or that has no bound, becomes the interval from minus infinity to infinity.
 
 pub mod power;
 

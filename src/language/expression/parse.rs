@@ -285,7 +285,8 @@ fn paired(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand) -> 
     applied(source, pairing, a, b, at)
 }
 
-/// Appends an operation on two operands. `at` is the byte of the text of the operation.
+/// Appends an operation on two operands. `at` is the byte of the text of the operation. An exponent without x
+/// is computed here. So x^(6/2) is x^3, and x may be negative.
 fn applied(source: &mut Source<'_>, pairing: Pairing, a: Operand, b: Operand, at: usize) -> Operand {
     let whole = Operand { start: a.start, end: b.end, first: a.first, holds_x: a.holds_x || b.holds_x };
     let constant = if pairing == Pairing::Power && !b.holds_x { constant(source, b) } else { None };

@@ -30,7 +30,9 @@ pub struct Segment<const D: usize> {
     pub shape: Shape<D>,
     /// The item that the segment belongs to, or leads to.
     pub item: usize,
-    /// The parameters at the ends of the segment.
+    /// The parameters at the ends of the segment. Along lines and arcs, the parameter of the curve grows by
+    /// their length. Along a `b`, it grows by the sum of the chords between the points of the `b`, and each
+    /// chord gets an equal part of this sum.
     pub ends: [f64; 2],
 }
 

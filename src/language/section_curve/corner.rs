@@ -1,13 +1,7 @@
 //! A corner rounded by the arc that touches both of its lines.
 //!
-//! R is the radius of the arc, and theta is the angle by which the curve turns at the corner. The arc touches
-//! each line at the distance R tan(theta / 2) from the corner. The arc is a rational quadratic; its middle
-//! control point is the corner, with the weight cos(theta / 2). An arc of more than a right angle is written
-//! as two rational quadratics. They meet on the bisector of the corner.
-//!
-//! The sum and the difference of the unit vectors along the two lines have the lengths 2 cos(theta / 2) and 2
-//! sin(theta / 2). The cosine and the sine are computed from these lengths, because that stays accurate for
-//! small turns.
+//! An arc that turns by at most a right angle is one rational quadratic curve. The corner is its middle
+//! control point. A longer arc is two such curves, which meet on the bisector of the corner.
 
 use nalgebra::Point;
 
@@ -36,6 +30,11 @@ pub(super) struct Rounding<const D: usize> {
 
 /// The rounding of the corner `at` between two neighbouring points, by a radius above zero; `None` if the
 /// corner has no turn.
+///
+/// R is the radius, and theta is the angle by which the curve turns. The arc touches each line at the
+/// distance R tan(theta / 2) from the corner. The weight of the middle control point is cos(theta / 2). The
+/// sum and the difference of the unit vectors along the two lines have the lengths 2 cos(theta / 2) and
+/// 2 sin(theta / 2). From these lengths, cosine and sine stay accurate for small turns.
 ///
 /// # Errors
 /// When the lines fold back on each other.

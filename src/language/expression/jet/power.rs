@@ -4,10 +4,7 @@
 //! Three cases have different domains:
 //! * b is a constant whole number: every a is legal, but zero is illegal if b is negative.
 //! * b is another constant: a must be at least zero, and above zero if b is negative.
-//! * b contains x: a must be at least zero, and above zero if b is zero or negative. For positive a, the
-//!   derivatives are those of exp(b ln a). If a may be zero, the derivatives have no bounds.
-//!
-//! If a and b are intervals, a^b is least and largest at ends of these intervals.
+//! * b contains x: a must be at least zero, and above zero if b is zero or negative.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;
@@ -33,6 +30,8 @@ pub fn fixed(a: Node, c: f64) -> (Node, Verdict) {
     (a.chain(outer), verdict(a, exponent))
 }
 
+/// The power whose exponent contains x. For a positive base, the derivatives are those of exp(b ln a). If the
+/// base may be zero, they have no bounds.
 pub fn free(a: Node, b: Node) -> (Node, Verdict) {
     let ([x, x1, x2], [y, y1, y2]) = (a.jet, b.jet);
     let value = x.pow(y);

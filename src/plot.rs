@@ -8,7 +8,7 @@
 //! 3. `pen` writes the path data. It leaves out details below the resolution of the drawing.
 //! 4. `relief` draws a surface below the paths, as coloured bands of heights.
 //! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again without strokes that lie near
-//!    earlier strokes of the same kind (`ink`). The sheet then states this distance.
+//!    earlier strokes of the same kind (`ink`). The sheet then says how near.
 //!
 //! # Guarantees
 //! * Each point of a move is drawn within 0.02 mm of its exact place on paper, unless the sheet says that

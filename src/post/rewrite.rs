@@ -4,25 +4,21 @@
 //! only N, G1, X, Y, Z and F words.
 //!
 //! # Method
-//! 1. Each line is read as far as its words are known (`block`), and the modal state of the control is
-//!    followed (`modes`).
+//! 1. Each line is read (`block`), and the modal state of the control is followed (`modes`).
 //! 2. The blocks of a run are collected (`run`). Arcs and lines are fitted to the ends of the blocks, with a
 //!    proof that they stay within the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted
 //!    in parts.
-//! 3. Arcs and lines replace blocks where the new text is shorter (`text`). All other blocks stay as they
-//!    are.
-//! 4. An arc leaves the control in G2 or G3, and perhaps in another plane. A later line may rely on G1 or on
-//!    the old plane. Then a G1 word in this line, or a block before it, restores them.
+//! 3. Arcs and lines replace blocks where the new text is shorter (`text`). All other blocks stay.
+//! 4. An arc leaves the control in G2 or G3, and perhaps in another plane. If a later line relies on the
+//!    original modes, a G1 word in the line, or a block before the line, restores these modes.
 //!
 //! # Guarantees
-//! * Text outside of runs is copied byte for byte, apart from the additions of step 4. The additions hold no
-//!   motion.
+//! * Text outside of runs is copied byte for byte. Only the words of step 4 are added. No motion is added.
 //! * The Frechet distance between the path of a run and the path that replaces it is at most the tolerance.
 //!   Rounding gives an arc slightly different radii at its two ends. The tolerance holds for every radius
 //!   between these two, because controls differ in the radius that they use.
 //! * Where curves replace blocks, the first curve starts and the last curve ends exactly at ends of blocks.
 //!   So errors do not accumulate.
-//! * No full circle is written, because controls read a full circle in different ways.
 //!
 //! # What is left alone
 //! * Blocks under a mode that changes their path or their speed, such as cutter compensation or feeds per
@@ -138,7 +134,7 @@ pub struct Rewriter {
     line_end: &'static [u8],
     n_lines: u64,
     /// A line before may jump (GOTO, M97, M99 P), so the program may arrive at any numbered block. Such a
-    /// block is in no run, and the modes before it are those of [`Modes::forgotten`].
+    /// block is in no run, and the modes before it are those of `Modes::forgotten`.
     may_jump: bool,
     figures: Figures,
 }

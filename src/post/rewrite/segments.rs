@@ -164,7 +164,8 @@ impl Fitting<'_> {
         }
     }
 
-    /// Whether the ends of the curve can be written and do not coincide.
+    /// Whether the ends of the curve can be written and do not coincide. Controls read a full circle in
+    /// different ways, so none is written.
     fn can_write(&self, curve: &Curve) -> bool {
         match curve {
             Curve::Line(_) => true,

@@ -1,15 +1,13 @@
 //! The pool of threads on which computations run, apart from the threads that serve connections.
 //!
-//! The pool has `workers` threads, and at most `queue` requests wait for a thread.
+//! 1. A request takes a ticket. There is a ticket for each thread and for each place in the queue. If no
+//!    ticket is free, the request is refused at once. A program that is sent as a stream takes no ticket; a
+//!    separate limit holds for streams.
+//! 2. The request waits for a free thread. Its deadline includes this time.
+//! 3. The thread runs the computation. When the computation ends, thread and ticket are free again.
 //!
-//! 1. A request takes one of `workers + queue` tickets. If no ticket is free, the request is refused at once.
-//!    A program that is sent as a stream has a permit of its own instead of a ticket.
-//! 2. The request waits until one of the `workers` threads is free. The deadline includes
-//!    this time.
-//! 3. The thread runs the computation. When the computation ends, the thread and the ticket are free again.
-//!
-//! If a caller goes away, the [`Budget`] of its computation is cancelled. The thread is free as soon as the
-//! computation notices that.
+//! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
+//! next check of the budget.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,17 +1,16 @@
 //! Finds everything that is wrong with a request body, so that the caller can correct all of it at once.
 //!
-//! A decoder stops at the first member that it cannot decode. To find further errors, the body is repaired
-//! and decoded again:
+//! A decoder stops at its first error. To find further errors, the body is repaired and decoded again:
 //!
-//! 1. The error is noted, and the value at fault is replaced by a placeholder, such as 1000 or "x". A member
-//!    that must not be there is removed.
-//! 2. The body is decoded again. If the placeholder cannot be decoded either, the next placeholder is tried.
-//!    If the decoder stops at another place, step 1 is repeated there.
+//! 1. The value at fault is replaced by a placeholder, such as 1000 or "x". A member that must not be there
+//!    is removed.
+//! 2. The body is decoded again. If the decoder stops again, step 1 is repeated there, with another
+//!    placeholder if the place is the same.
 //! 3. When the whole body can be decoded, its values are checked. Errors that a placeholder causes are not
 //!    reported.
 //!
-//! If no placeholder is left, or after too many repetitions, the errors found so far are reported.
-//! [`MOST_TRIES`] and [`MOST_BYTES`] limit the repetitions.
+//! If no placeholder is left, or after [`MOST_TRIES`] decodings or [`MOST_BYTES`] bytes, the errors found so
+//! far are reported.
 //!
 //! A whole number with a decimal point, such as `12.0`, is accepted where an integer is needed.
 

@@ -3,8 +3,8 @@
 //!
 //! Each set of such objects is a Rust enum. Its decoder is written by hand: in the decoder that serde
 //! derives, the path of an error ends at the enum, and does not lead to the member at fault. The decoder
-//! written here decodes the object separately, and so finds the whole path. serde passes on only a message
-//! from an inner decoder to an outer decoder. Therefore the error is packed into the message.
+//! written here finds the whole path. serde passes only a text from an inner decoder to an outer decoder, so
+//! the error is packed into this text.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};

@@ -1,6 +1,6 @@
 //! Shortens NC programs of any origin: replaces runs of short G1 blocks by fewer arcs and lines.
 //!
-//! A run is a series of consecutive G1 blocks at one feed. A block of a run has at most 256 bytes, and holds
+//! A run is a series of consecutive G1 blocks at one speed. A block of a run has at most 256 bytes, and holds
 //! only N, G1, X, Y, Z and F words.
 //!
 //! # Method

@@ -1,54 +1,31 @@
-//! Replaces a sequence of points by a chain of lines and arcs.
+//! Fits a chain of lines and arcs to a sequence of points. Each line or arc is an element. It replaces a run
+//! of neighbouring points.
 //!
 //! # Method
-//! An element is a line or an arc.
-//! 1. `candidate` decides whether one element can replace a run of points. The arcs over the chord of the
-//!    run, from its first to its last point, differ in one number: the bulge, the tangent of a quarter of the
-//!    sweep. A closed form gives the bulges of the arcs that pass within the tolerance of a point (`chord`).
-//! 2. Three methods make a chain of elements. `greedy` is Ju's method: each element takes in points until no
-//!    element can replace them all. `biarc` puts two arcs between each two neighbouring points. `optimal`
-//!    searches for the chain with the fewest elements, if elements meet on points only. `bounds` tells this
-//!    search which elements it may skip.
-//! 3. If `optimal` finds a chain that is shorter than the chain of `greedy`, the points count as noisy.
-//!    Elements may then also meet beside the points (`joints`), if that saves elements.
-//! 4. `tangent` makes a smooth chain: each element starts in the direction in which the element before it
-//!    ends.
-//! 5. `space` fits points in space. It finds the planes in which the arcs lie.
+//! The caller chooses one of three methods:
+//! * [`Method::Greedy`] is Ju's method. Each element takes in points until no element can replace them all.
+//! * [`Method::Optimal`] searches for the chain with the fewest elements.
+//! * [`Method::Biarc`] puts two arcs between each two neighbouring points. The chain passes through every
+//!   point and has no kinks. No tolerance is used, and the guarantees below do not apply.
+//!
+//! With [`Continuity::Tangent`], the chain of the first two methods guides the search for a smooth chain
+//! (`tangent`).
 //!
 //! # Guarantees
-//! [`Method::Biarc`] passes through every point and does not use the tolerance. For the other methods:
-//! * Every point is within the tolerance of the element that replaces it. The element passes its points in
-//!   order. An arc turns about its centre in the same sense as the lines between its points.
-//! * The chain runs from the first point to the last. A full circle, and a chain with [`Joints::Free`], may
-//!   start and end beside these points, within the tolerance. A closed chain returns to its start.
-//! * With [`Measure::Polyline`] the lines between the points are within the tolerance of the elements, and
-//!   the elements within the tolerance of these lines. With [`Measure::Points`] nothing is promised between
-//!   the points.
-//! * With [`Method::Optimal`], [`Joints::OnPoints`] and [`Continuity::Position`], no chain has fewer
-//!   elements. This holds for up to [`WINDOW`] points in a plane; longer inputs are fitted in windows of this
-//!   size. There are two exceptions. First, not every bulge that keeps the tolerance is tried. So an element
-//!   that also passes the points in order may be missed. Second, a search that exceeds [`Fit::effort`] ends
-//!   with the best chain found. That chain is never longer than the greedy chain.
-//!
-//! # Degenerate input
-//! * Two points make a line.
-//! * One full circle replaces all points if the last point equals the first ([`Fit::is_closed`]), and if
-//!   neighbouring points are at most 30 degrees apart on the circle. Any other arc turns by at most 350
-//!   degrees.
-//! * An arc that rises less than [`FLATTEST_MM`] above its chord becomes a line, if the line keeps the
-//!   tolerance. Arcs with a radius above [`LARGEST_RADIUS_MM`] are not tried. Smooth chains have neither
-//!   limit, because a line would make a kink. Biarcs have no limits at all.
+//! * Every point is within the tolerance of its element. The element passes its points in their order.
+//! * With [`Measure::Polyline`], the lines between the points are within the tolerance of the elements, and
+//!   the elements within the tolerance of these lines.
+//! * Elements meet on points. With [`Joints::Free`] they may also meet beside the points, within the
+//!   tolerance, if that saves elements.
+//! * With [`Method::Optimal`] and [`Continuity::Position`], no chain whose elements meet on points has fewer
+//!   elements. There are three exceptions: the input has more than [`WINDOW`] points, the search is given up
+//!   ([`Fit::effort`]), or a suitable arc is missed because only some of the arcs between two points are
+//!   tried.
+//! * Two points make a line. If the last point equals the first ([`Fit::is_closed`]), one full circle is
+//!   tried first. Any other arc turns by at most 350 degrees.
 //!
 //! # Cost
-//! O(n m) evaluations, for n points and elements of m points. An evaluation checks one point against one
-//! element, in some 10 ns. A search in space, or over noise as large as the tolerance, would need many more.
-//! It ends when its evaluations are used up ([`Fit::effort`]). `benches/arc_fitting.rs` measures times.
-//!
-//! # Differences from the paper
-//! The printed algorithm drops the last two points if they are left over; here they become a line. Eq. 4
-//! measures the distance from the whole circle; here the distance is measured from the arc. The paper asks
-//! for the arc with the least largest error. Here, the arc is found by a property of such arcs: the farthest
-//! points on its left and on its right are equally far from it.
+//! O(n m) checks of one point against one element, in some 10 ns each, for n points and elements of m points.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.
@@ -77,11 +54,13 @@ pub use candidate::Points;
 use candidate::{Rule, Span, Witnesses};
 pub use space::{FitError, FittedCurve, fit_in_space};
 
-/// The least height of an arc above its chord, mm. Some controls run a full circle if rounding removes the
-/// height.
+/// The least height of an arc above its chord, mm. A flatter arc becomes a line if the line keeps the
+/// tolerance. Some controls run a full circle if rounding removes the height. Smooth chains do not keep this
+/// limit, because a line would make a kink. Biarcs do not keep it either.
 pub const FLATTEST_MM: f64 = 1e-3;
 
-/// The largest radius of an arc, mm. Controls refuse larger radii, or run them badly.
+/// The largest radius of an arc, mm. Controls refuse larger radii, or run them badly. Smooth chains and
+/// biarcs do not keep this limit.
 pub const LARGEST_RADIUS_MM: f64 = 1e4;
 
 /// Points fitted at once. Longer inputs are fitted window by window: the elements that end in the first three

@@ -1,9 +1,9 @@
 //! A binary tree of bounding volumes over items, and the search that leaves out whole branches.
 //!
 //! # Method
-//! Items are added from below: each with its volume, and pairs of nodes under a common volume. A search goes
-//! down from the last node that was added. Of two halves the search visits the half with the larger promise
-//! first; of equal halves, the second. What the search finds there may settle the other half.
+//! Items are added from below: each with its volume, and pairs of nodes under a common volume. For each
+//! volume, the visitor of a search gives an upper bound of what may be found there. The search visits the
+//! half with the larger bound first. What it finds there may make the other half needless.
 //!
 //! # Cost
 //! O(n) to build. A search is O(log n + found) where volumes are tight.

@@ -1,22 +1,10 @@
 //! Rules for knots, and the Bezier control points of B-spline curves and surfaces.
 //!
-//! # Method
 //! A B-spline of degree p is a polynomial over each span, the interval between two neighbouring knots. The
-//! Bezier control points of a span are weighted sums of p + 1 control points of the B-spline. The weights
-//! depend on the knots only. [`spans`] computes them as a matrix for each span, by de Boor's recursion.
-//!
-//! The recursion has p steps, and each step has a parameter. Over the span from a to b, Bezier control point
-//! k takes the parameter b in k steps and the parameter a in the other p - k steps (a value of the blossom).
-//!
-//! # Guarantees
-//! Every step is a weighted mean, so no step enlarges rounding errors. Knots may have any spacing and
-//! multiplicity. The ends may be clamped or not: a clamped end has p + 1 equal knots.
-//!
-//! # Degenerate input
-//! Spans without length are left out.
-//!
-//! # Cost
-//! O(p^4) for each span.
+//! Bezier control points of a span are weighted means of p + 1 control points of the B-spline. The factors
+//! depend on the knots only. [`spans`] computes them as a matrix for each span that has a length, in O(p^4).
+//! The ends of the knots may be clamped or not: a clamped end has p + 1 equal knots. [`check_knots`] refuses
+//! knots that break the caller's rules ([`KnotRules`]).
 //!
 //! # Reference
 //! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.

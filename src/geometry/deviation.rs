@@ -1,32 +1,24 @@
-//! How far an element lies from a curve: proved bounds that hold at every point of both.
+//! Proves how far an element (a line, an arc or a parabola) lies from a curve.
 //!
 //! # Method
-//! The distance of a point from the element is measured to the foot of the point, its nearest place on the
-//! element. [`Measure::Vertical`] takes the difference of the heights instead.
-//! 1. The distance is read at some parameters of the curve (`gauge`). A reading is an interval that contains
-//!    the exact value.
-//! 2. Between two readings, the second derivative of the distance is bounded. The derivatives of the curve
-//!    and the curvature of the element give this bound. It limits how far the distance may rise above the
-//!    larger reading, or fall below the smaller one.
-//! 3. At a kink the derivatives have no bound. There, the distance changes by no more than the curve's point
-//!    moves.
-//! 4. The range between two readings is halved if the bound there leaves the band, or if it exceeds 5/4 of
-//!    the largest reading.
+//! 1. The distance of the curve from the element is read at some parameters of the curve (`gauge`). Each
+//!    reading is an interval that contains the exact distance.
+//! 2. Between two readings, a bound of the second derivative of the distance limits how far the distance may
+//!    leave the readings. Where this derivative has no bound, the limit is how far the curve's point may
+//!    move.
+//! 3. The range between two readings is halved until this limit lies within the band and is close to the
+//!    largest reading.
 //!
 //! # Guarantees
-//! * [`Verdict::Within`] is a proof: over the given range of parameters, every point of the curve lies within
-//!   the band about the element. With [`Measure::Normal`] the feet run from one end of the element to the
-//!   other. So every point of the element is as near to the curve. All numbers are rounded outward. The band
-//!   itself is widened by [`GUARD_MM`] and a few roundings, so that a line on its edge passes.
-//! * [`Spread`] contains every deviation. It exceeds the largest reading by at most a quarter plus 2.5e-7 mm.
-//! * [`Verdict::Outside`] is certain: it names a point at which the curve leaves the band.
-//!
-//! # Degenerate input
-//! [`Verdict::Unproved`] is the result if some thousands of ranges are not enough.
+//! * [`Verdict::Within`] proves that the deviation is within the band at every parameter of the given range.
+//!   Its [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that every point
+//!   of the element is as near to the curve.
+//! * [`Verdict::Outside`] names a parameter at which the curve certainly leaves the band.
+//! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide.
 //!
 //! # Cost
-//! O(1) for a smooth curve well within the band. O(log(1 / g)) if the largest deviation is the part 1 - g or
-//! 1 + g of the band.
+//! O(1) for a smooth curve well within the band. O(log(1 / g)) if the largest deviation is 1 - g or 1 + g
+//! times what the band allows.
 
 mod gauge;
 
@@ -73,7 +65,8 @@ pub struct Band {
 }
 
 /// The signed deviations of an element from its curve, mm: positive where the element lies to the left of the
-/// curve, or above.
+/// curve, or above. The two numbers contain every deviation. They exceed the largest reading by at most a
+/// quarter plus 2.5e-7 mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
     pub least_mm: f64,

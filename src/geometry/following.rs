@@ -1,28 +1,21 @@
-//! Upper bounds of the distance between a curve (a line or an arc) and a sequence of points. The points are
-//! matched with places on the curve in the order of travel, as for the Frechet distance. [`from_points`]
-//! bounds the distance of the points from the curve. [`from_lines`] also bounds the distance between the
-//! curve and the lines from point to point.
+//! Upper bounds of the distance between a curve (a line, an arc or a helix) and a sequence of points.
+//!
+//! * [`from_lines`] bounds the Frechet distance between the curve and the polyline through the points: both
+//!   are travelled from end to end without turning back, and the largest distance on the way counts.
+//! * [`from_points`] bounds the distance of each point from a place on the curve. The places follow each
+//!   other along the curve in the order of the points.
 //!
 //! # Method
-//! 1. Each point gets a place on the curve: its foot, the place nearest to it. If the feet run backward
-//!    somewhere, other places in order are chosen. Bisection finds the least distance within which such
-//!    places exist. Each point then takes the first place within this distance.
-//! 2. For [`from_lines`], the line between two points is matched with the part of the curve between their
-//!    places. On a curve that is a line, the largest distance is at an end. On an arc in a plane, with feet
-//!    as places, the largest distance has a closed form.
-//! 3. In all other cases, two points move at constant speeds, one along the line and one along the arc. They
-//!    are never farther apart than the larger of their distances at the start and at the end, plus r a^2 / 8.
-//!    Here r is the radius of the arc, and a the angle that it turns between the places. The line is halved,
-//!    and both halves are bounded, until the bound is close to the largest distance found. After 400 parts
-//!    the bound reached so far is used.
+//! 1. Each point gets a place on the curve: its foot, the place nearest to it. If the feet are out of order,
+//!    places in order are chosen such that the largest distance of a point from its place is as small as
+//!    possible.
+//! 2. For [`from_lines`], each line of the polyline is compared with the part of the curve between the places
+//!    of its ends.
 //!
 //! # Guarantees
-//! The result is an upper bound whatever places are chosen, as long as they are in order. Badly chosen places
-//! make it larger, never smaller. No code is shared with the fit that makes the curves.
-//!
-//! # Degenerate input
-//! A parabola has an infinite bound. So has an arc that turns by more than half a turn between two
-//! neighbouring points, for [`from_points`].
+//! The result may be too large, but never too small. No code is shared with the fit that makes the curves, so
+//! that the result can check the fit. A parabola has an infinite bound. For [`from_points`], so has an arc
+//! that turns by more than half a turn between two neighbouring points.
 //!
 //! # Cost
 //! O(n) for n points whose feet are in order, O(n log(1 / rounding)) if they are not.
@@ -38,7 +31,8 @@ use super::solve::bisect;
 const LOOSE_PART: f64 = 1e-7;
 const LOOSE_MM: f64 = 1e-11;
 
-/// The most parts into which one line is divided.
+/// The most parts into which one line is divided. After that, the bounds of the parts that are left are used
+/// as they are.
 const MOST_PARTS: usize = 400;
 
 /// Bisection steps for the least distance, and for the first place within a distance.
@@ -240,6 +234,10 @@ impl<'a> FramedCurve<'a> {
 
     /// Upper bound of the distance between the line from one point to the next and the curve between their
     /// places, mm; at least `most`.
+    ///
+    /// Two points move at constant speeds, one along the line and one along the arc. They are never farther
+    /// apart than the larger of their distances at the start and at the end, plus r a^2 / 8. Here r is the
+    /// radius of the arc, and a the angle that it turns between the places.
     fn beside(&self, ends: [Vector3<f64>; 2], places: [f64; 2], most: f64) -> f64 {
         let Self::Arc { radius, sweep, .. } = self else {
             // The distance of two points that move evenly on two lines is convex, so it is largest at an end.

@@ -2,38 +2,28 @@
 //! them.
 //!
 //! # Method
-//! 1. `pieces`: each element of a contour is moved aside by the distance, and each convex corner gets an arc.
-//!    The offset consists of parts of these pieces.
-//! 2. `clip`: the parts of a piece that are too near to any element of a contour are removed. This also
-//!    removes the loops at concave corners and cusps. Where contours leave too little room between them, the
-//!    offset falls apart into several chains.
-//! 3. `link`: the parts that are left are joined to chains. At a nearly straight corner, a mitre replaces the
-//!    arc (`mitre`).
-//! 4. Proof: the least distance between an element of the offset and an element of a contour has a closed
-//!    form (`distance`). It is checked for all pairs that may be too near to each other. If a mitre fails,
-//!    all corners keep their arcs. If the offset still fails, it is refused.
+//! 1. Each element of a contour is moved aside by the distance, and each convex corner gets an arc
+//!    (`pieces`).
+//! 2. The parts of these pieces that are too near to a contour are removed (`clip`).
+//! 3. The parts that are left are joined into chains (`link`). At a nearly straight corner, a mitre replaces
+//!    the arc: the elements before and after it are lengthened until they meet (`mitre`).
+//! 4. The least distance between the offset and the contours is computed (`distance`). If a mitre comes too
+//!    near to a contour, all corners keep their arcs. If the offset still comes too near, it is refused.
 //!
 //! # Guarantees
-//! * Every point of the offset has at least the given distance from every contour, less `TOO_NEAR_MM`.
+//! * Every point of the offset has at least the given distance from every contour, less 1e-6 mm.
 //! * The chains run in the direction of their contours. Each element starts exactly where the one before it
 //!   ends.
-//! * Each element is parallel to an element of a contour, or an arc about a corner. Its ends lie within 1e-7
-//!   mm of that parallel line or circle.
 //! * The offset of an open contour does not run around its ends.
-//!
-//! # Degenerate input
-//! Elements shorter than 1e-9 mm are skipped. An arc has no piece on its inner side if its radius is not
-//! larger than the distance. Contours may cross themselves and each other. Parabolas are refused, and so are
-//! more than a million elements. If nothing is left, the offset is empty.
+//! * Contours may cross themselves and each other. If nothing is left, the offset is empty. Parabolas are
+//!   refused, and so are more than a million elements.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements, where k is the number of elements within the distance of one piece. 2,000
-//! elements take 10 to 40 ms, and 100 ms if the distance is ten times the size of the elements.
+//! O(n (log n + k)) for n elements, where k is the number of elements within the distance of one piece.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in
-//! Industry 58, 2007: pieces of lines and arcs, and clipping by distance. The paper clips between crossings
-//! of pieces only. Here each piece is compared with each element near it.
+//! Industry 58, 2007.
 
 mod clip;
 pub(super) mod distance;
@@ -96,6 +86,8 @@ pub enum OffsetError {
 /// The offset of connected chains of lines and arcs, as chains in the direction of the contours. A contour is
 /// closed if it ends where it starts. At joints that are almost smooth, the offset may be up to `mitre_mm`
 /// farther away than the distance.
+///
+/// 2,000 elements take 10 to 40 ms, and 100 ms if the distance is ten times the size of the elements.
 ///
 /// # Errors
 /// One of [`OffsetError`].

@@ -1,37 +1,30 @@
-//! Regions of the plane with outlines of lines and arcs, and with islands: area, containment, union, offset.
+//! Regions of the plane, with outlines of lines and arcs: union, intersection, difference, offset, area and
+//! containment.
 //!
 //! # Method
-//! 1. [`Outline::new`] accepts a closed loop of finite numbers that does not cross itself.
-//! 2. Loops are cut at each other into edges (`arrangement`). The winding of a loop about a place is how
-//!    often the loop turns about it (`winding`). The windings on both sides of an edge tell whether the
-//!    region lies there. Edges with the region on one side only are its boundary (`trace`).
-//! 3. Union, intersection and difference use different rules for the same windings.
-//! 4. To offset a region, all its outlines are offset together ([`offset`](crate::geometry::offset)). The
-//!    chains of the offset go through step 2 again, which finds the islands of each outline and drops parts
-//!    without width.
+//! 1. All outlines are cut at each other into edges (`arrangement`).
+//! 2. The winding of an outline about a place is how often the outline turns about the place (`winding`). The
+//!    windings on both sides of an edge tell on which side the result lies. Each operation has its own rule
+//!    for this.
+//! 3. Edges with the result on one side only are joined into the outlines of the result (`trace`).
+//! 4. For an offset, all outlines are offset together ([`offset`](crate::geometry::offset)). The chains of
+//!    the offset then go through steps 1 to 3.
 //!
 //! # Guarantees
-//! Outer outlines run counterclockwise and islands clockwise, so the region is on the left. The outlines of
-//! one region do not cross, and meet at most in single points. Lines stay lines and arcs stay arcs. The
-//! boundary of a result lies within a few times 1e-6 mm of the boundaries that it comes from. An offset keeps
-//! its distance up to the same few times 1e-6 mm.
-//!
-//! # Degenerate input
-//! Places within 1e-6 mm of each other count as one place. So shared edges, touching corners and tangent arcs
-//! meet exactly. Parts of a region that are narrower than 1e-6 mm are dropped. If outlines run so close to
-//! each other that rounding decides, the 1e-6 mm grow to at most 1.6e-5 mm; if that does not help, the region
-//! is refused. More than a million elements are refused, too. An empty region is valid.
+//! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross, and
+//!   meet at most in single points.
+//! * The boundary of a result lies within a few times 1e-6 mm of the exact one. Parts of a region that are
+//!   narrower than 1e-6 mm are dropped. An empty region is valid.
+//! * A region is refused if its outlines run so close to each other that inside and outside cannot be told
+//!   apart, or if it needs more than a million elements.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet. Each place where outlines meet adds
-//! O(log n + r), where r is the number of boxes that a ray from this place meets. `benches/regions.rs`
-//! measures times.
+//! O(n log n + k) for n elements, of which k pairs have boxes that meet, plus a search along a ray for each
+//! place where outlines meet.
 //!
 //! # Reference
-//! W. Randolph Franklin's rule for places in polygons: an edge contains its lower end, but not its upper end.
-//! The windings on both sides of an edge are those of A. Margalit, G. D. Knott, *An algorithm for computing
-//! the union, intersection or difference of two polygons*, Computers & Graphics 13, 1989. Here the method
-//! also covers arcs, and moves vertices that nearly coincide to one place.
+//! A. Margalit, G. D. Knott, *An algorithm for computing the union, intersection or difference of two
+//! polygons*, Computers & Graphics 13, 1989.
 
 mod arrangement;
 mod contacts;

@@ -1,22 +1,10 @@
-//! The first derivatives of the cubic spline through given values. The spline has two continuous derivatives.
-//! The values may have any number of dimensions.
+//! The first derivatives, at given values, of the cubic spline through these values. The spline has two
+//! continuous derivatives. The values may have any number of dimensions.
 //!
-//! # Method
-//! The derivatives solve a tridiagonal system of linear equations. Each inner value has an equation: the
-//! second derivatives before and after it are equal. Each end has an equation for its end condition
-//! ([`EndCondition`]).
-//!
-//! # Guarantees
-//! Gaussian elimination never divides by zero and needs no exchange of rows. In each row, the diagonal
-//! coefficient is larger than the sum of the others. A not-a-knot end is an exception, but the divisors there
-//! stay above zero too.
-//!
-//! # Degenerate input
-//! If there are too few values for not-a-knot or Bessel ends, the result belongs to the polynomial through
-//! the values.
-//!
-//! # Cost
-//! O(n) for n values.
+//! At each inner value, the second derivatives before and after it are equal. At each end an end condition
+//! holds ([`EndCondition`]). These conditions are a tridiagonal system of linear equations, which is solved
+//! in O(n) for n values. If there are too few values for not-a-knot or Bessel ends, the result is the
+//! derivatives of the polynomial through the values.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.
@@ -117,7 +105,9 @@ struct Row {
     above: f64,
 }
 
-/// Replaces the right sides by the solution.
+/// Replaces the right sides by the solution, by Gaussian elimination without an exchange of rows. It never
+/// divides by zero: in each row, the diagonal coefficient is larger than the sum of the others. A not-a-knot
+/// end is an exception, but the divisors there stay above zero too.
 fn solve<const D: usize>(rows: &mut [Row], right: &mut [SVector<f64, D>]) {
     let last = right.len() - 1;
     for i in 1..=last {

@@ -3,13 +3,11 @@
 //! # Method
 //! 1. Each point gets a tangent: that of the circle through the point and its two neighbours. The first point
 //!    takes the circle through the first three points, and the last point the circle through the last three.
+//!    If the points are closed, the neighbours of the first point are the second and the last but one.
 //! 2. Between two points P and Q, the two arcs meet in a joint. The tangent at the joint meets the tangent at
 //!    P in a place A, and the tangent at Q in a place B. The joint is chosen such that A is as far from P as
 //!    B is from Q.
 //!
-//! The tolerance is not used. Ju compares his method with this one.
-//!
-//! # Degenerate input
 //! If two points and their tangents lie on one line, a line replaces the two arcs.
 //!
 //! # Reference

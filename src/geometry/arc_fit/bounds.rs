@@ -1,22 +1,18 @@
-//! Bounds for the search of `optimal`: how far one element can reach at most, and how many elements are
-//! needed at least from a point to the last point.
+//! Bounds for the search of `optimal`: from each point, how far one element can reach at most, and how many
+//! elements are needed at least to the last point.
 //!
 //! # Method
-//! 1. Suppose that an element replaces the points from i to j, within the tolerance. Choose two of these
-//!    points. Then some arc over the chord of the two points passes near every point between them. "Near"
-//!    means within a multiple of the tolerance: 2 for lines, 2.42 for arcs up to half a turn, 3.83 up to 270
-//!    degrees, and 23.95 up to 350 degrees. So if there is no such arc, no element replaces any run that
-//!    contains the two points.
-//! 2. Step 1 gives each point a bound for the reach of its elements. Below this bound, every end is tried,
-//!    from the farthest to the nearest, until an element fits. After a given number of evaluations (checks of
-//!    one point), the bound from step 1 stays.
-//! 3. The least number of elements from a point to the last point is one more than the least number at any
-//!    point within its reach. It is computed from the last point to the first. If the number at the first
-//!    point is the number of elements of the greedy chain, no chain is shorter, and the search is not needed.
+//! 1. Suppose that an element replaces a run of points. Then, for any two of these points, some arc between
+//!    the two passes near all points between them. "Near" means within a known multiple of the tolerance. So
+//!    if there is no such arc, no element replaces a run that contains the two points.
+//! 2. This gives each point a bound for the reach of its elements. Below the bound, each point is tried as
+//!    the last point of an element, the farthest first, until an element fits. After a given number of checks
+//!    of one point against one element, the bound stays as it is.
+//! 3. The least number of elements from a point to the last point is one more than the least number from any
+//!    point within its reach. It is computed from the last point to the first.
 //!
 //! # Cost
-//! O(n m) for n points and elements of m points. The evaluations of step 2 are limited to a number in
-//! proportion to n.
+//! O(n m) for n points and elements of m points.
 
 use super::Shapes;
 use super::candidate::{Points, Rule, Span, Witnesses};

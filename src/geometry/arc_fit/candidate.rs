@@ -1,19 +1,16 @@
-//! One element that replaces a run of points: whether there is one, and the best one.
+//! Decides whether one element can replace a run of points, and finds the best such element.
 //!
 //! # Method
-//! 1. The arcs over the chord of the run differ in one number, the bulge. [`Chord`] gives the bulges of the
-//!    arcs that pass near one point. The bulges near all points are the intersection of these sets: one
-//!    interval, two, or none.
-//! 2. From each interval, the line and some arcs on either side of the chord are tried. An element has to
-//!    pass its points in order. For a polyline it also has to stay near the lines between the points. In
-//!    space, its height has to follow the heights of the points.
-//! 3. An element passes its points in order if each point has a place on it within the tolerance, and if
-//!    these places never go back. An arc also has to turn about its centre as the lines between the points
-//!    do.
-//! 4. The best element has its farthest points on the left and on the right equally far away. If it fails the
-//!    checks of step 2, the element found in step 2 stays.
+//! 1. The arcs over the chord of the run differ in one number, the bulge: the tangent of a quarter of the
+//!    sweep. For each point, [`Chord`] gives the bulges of the arcs that pass within the tolerance. The
+//!    bulges that suit all points form two intervals at most.
+//! 2. The line and some arcs from these intervals are tried. An element fits if it passes its points in
+//!    order. For a polyline, it also has to stay near the lines between the points. In space, its height has
+//!    to follow the heights of the points.
+//! 3. The best arc has its farthest points on the left and on the right equally far away. If it does not fit,
+//!    the element found in step 2 stays.
 //!
-//! If all tried elements fail, the run counts as too long for one element.
+//! If no element is found, there may still be one, because only some arcs are tried.
 
 use nalgebra::Vector2;
 
@@ -371,7 +368,8 @@ impl<'a> Span<'a> {
     }
 
     /// The bulge in `part` that leaves the farthest points to its left and to its right equally far. It is a
-    /// root, because every signed distance falls as the bulge grows.
+    /// root, because every signed distance falls as the bulge grows. The paper asks for the arc with the
+    /// least largest error, which has this property.
     fn balanced(&self, chord: &Chord, part: [f64; 2]) -> f64 {
         let l = chord.half;
         let unbalance = |b: f64| {

@@ -1,20 +1,11 @@
 //! The arcs over one chord that pass near a point, in closed form.
 //!
-//! # Method
-//! The chord runs from P to Q. An arc over it is given by its bulge b = tan(sweep / 4), positive if the arc
-//! lies to the left of the chord. The line PQ has the bulge 0.
-//!
-//! The origin is the middle of the chord, the x axis runs along it, and the y axis to its left. L is half the
-//! length of the chord, and e the tolerance. The point is (x, y), with the distances dP from P and dQ from Q.
-//! Let S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 - e^2. Then these arcs pass within e of the
-//! point:
-//! 1. If dP <= e or dQ <= e: all arcs.
-//! 2. Otherwise, if k <= 0: the arcs with b between 2L(y - e)/(S - k) and 2L(y + e)/(S - k).
-//! 3. Otherwise, if |y| > e: the arcs with b between (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)). These are
-//!    the bounds of case 2 in a form without cancellation, because S^2 - k^2 = 4L^2(y^2 - e^2).
-//! 4. Otherwise the point lies beyond an end of the chord. The arcs are those with b not between the bounds
-//!    of case 3. One of these bounds is negative, the other positive, so the line PQ does not pass near the
-//!    point.
+//! An arc over a chord is given by its bulge tan(sweep / 4), positive if the arc lies to the left of the
+//! chord. The chord itself has the bulge 0. The arcs that pass within the tolerance of a point are:
+//! 1. all arcs, if the point is within the tolerance of an end of the chord;
+//! 2. all arcs except those with bulges between a negative and a positive bound, if the point lies beyond an
+//!    end of the chord and within the tolerance of its line;
+//! 3. the arcs with bulges between two bounds, in all other cases.
 
 use nalgebra::Vector2;
 
@@ -107,6 +98,15 @@ impl Chord {
     }
 
     /// Removes from `bulges` the arcs that do not pass within `tolerance` mm of `p`.
+    ///
+    /// Let L be half the length of the chord, e the tolerance, (x, y) the point in the chord's frame, and dP
+    /// and dQ its distances from the ends. Let S = sqrt((dP^2 - e^2)(dQ^2 - e^2)) and k = x^2 + y^2 - L^2 -
+    /// e^2. Then the arcs with these bulges b pass within e of the point:
+    /// 1. If dP <= e or dQ <= e: all.
+    /// 2. Otherwise, if k <= 0: b between 2L(y - e)/(S - k) and 2L(y + e)/(S - k).
+    /// 3. Otherwise, if |y| > e: b between (S + k)/(2L(y + e)) and (S + k)/(2L(y - e)). These are the bounds
+    ///    of case 2 in a form without cancellation, because S^2 - k^2 = 4L^2(y^2 - e^2).
+    /// 4. Otherwise: b not between the bounds of case 3, of which one is negative and the other positive.
     #[inline]
     pub fn keep_near(&self, p: Vector2<f64>, tolerance: f64, bulges: &mut Bulges) {
         let [x, y] = self.local(p).into();

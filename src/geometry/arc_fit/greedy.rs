@@ -1,7 +1,6 @@
-//! Ju's method: each element takes in as many points as it can.
+//! Ju's method: each element takes in one point after another until the next point does not fit.
 //!
-//! An element takes in one point after another until the next point does not fit. Two things make long
-//! elements faster:
+//! Two things make long elements faster:
 //! * With [`Measure::Polyline`] an element takes in [`STRIDE`] points at a time, and single points at its
 //!   end.
 //! * After a given number of points ([`ONE_BY_ONE`], or [`FAST`]) its number of points doubles, until they
@@ -9,6 +8,10 @@
 //!
 //! An element may fit although a shorter one fails. So these elements may be longer than Ju's, but never
 //! shorter.
+//!
+//! # Differences from the paper
+//! The printed algorithm drops the last two points if they are left over; here they become a line. Eq. 4
+//! measures the distance from the whole circle; here the distance is measured from the arc.
 
 use nalgebra::Vector2;
 

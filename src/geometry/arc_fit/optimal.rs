@@ -2,20 +2,15 @@
 //! meet.
 //!
 //! # Method
-//! A breadth first search. It first finds all nodes that one element reaches from the start. From there it
-//! finds all nodes that a second element reaches, and so on.
-//! 1. An element may fit although a shorter one does not. So every node is tried, and not only the next one.
-//! 2. A node that has been reached is not tried again.
-//! 3. A node is not tried if [`Bounds`] prove that no chain through it is shorter than the known chain.
-//! 4. A [`Fan`] holds the circles through a node that pass near the points after it. When it is empty, no
-//!    farther nodes are tried from this node.
+//! A breadth-first search finds all nodes that one element reaches from the start. From there it finds all
+//! nodes that a second element reaches, and so on. A node is left out in three cases:
+//! 1. It has been reached before.
+//! 2. [`Bounds`] prove that no chain through it has fewer elements than the known chain.
+//! 3. No circle through the node where the element starts passes near all points between the two nodes
+//!    ([`Fan`]).
 //!
-//! The search gives up after a given number of evaluations (checks of one point). The caller may repeat it
-//! with fewer nodes; otherwise the known chain stays.
-//!
-//! # Cost
-//! Each node is reached once, by an element that is checked against all its points. Most elements that do not
-//! fit fail at the first points checked.
+//! The search is given up after a given number of checks of one point against one element. The caller may
+//! repeat it with fewer nodes, or keep the known chain.
 
 use nalgebra::Vector2;
 

@@ -1,26 +1,19 @@
 //! Proves that no longer element can start at a given place.
 //!
-//! An element that starts at the place lies on a circle through it. The set of circles through the place that
-//! pass within the tolerance of all points so far shrinks with every point. When the set is empty, no element
-//! from the place reaches beyond these points.
+//! An element that starts at the place lies on a circle through the place. With every point, fewer of these
+//! circles pass within the tolerance of all points so far. When no circle is left, no element from the place
+//! reaches beyond these points.
 //!
 //! # Method
-//! 1. An inversion about the place moves the end of each vector d to d / |d|^2. It turns each circle through
-//!    the place into a line. The disc of the tolerance e about a point becomes another disc. If d is the
-//!    vector from the place to the point, the new disc has the centre d / (|d|^2 - e^2) and the radius
-//!    e / (|d|^2 - e^2). The task is now to find the lines that meet all discs.
-//! 2. The x axis is laid through the centres of two discs that are far apart compared with their radii. Lines
-//!    that meet both discs are then y = m x + t with a small slope m. Until there are two such discs, no
-//!    circle is excluded.
-//! 3. The line meets a disc with the centre (x, y) and the radius r if |y - m x - t| <= r sqrt(1 + m^2). The
-//!    largest possible slope replaces m under the root. Then the lines that meet the disc make a strip in the
-//!    plane of m and t. The strip may be too wide, but never too narrow.
-//! 4. The strips of all discs have a polygon in common, which is kept. If it is empty, the set is empty. When
-//!    a better pair of discs for step 2 comes, the polygon is computed again.
+//! 1. About each point lies a disc with the tolerance as its radius. An inversion about the place turns the
+//!    discs into other discs, and the circles through the place into lines. The task is now to find the lines
+//!    that meet all discs.
+//! 2. A line y = m x + t is a point (m, t) of another plane. There, the lines that meet one disc lie in a
+//!    strip, which may be too wide, but is never too narrow.
+//! 3. The strips of all discs have a polygon in common. When it is empty, no circle is left.
 //!
 //! # Cost
-//! O(v) for each point, where v is the number of corners of the polygon. The x axis changes O(log n) times
-//! for n points.
+//! O(v) for each point, where v is the number of corners of the polygon.
 
 use nalgebra::Vector2;
 
@@ -60,6 +53,9 @@ pub struct Fan {
     spare: Vec<Vector2<f64>>,
 }
 
+/// A disc after the inversion, which moves the end of each vector d from the place to d / |d|^2. The disc of
+/// the tolerance e about the point at d becomes the disc with the centre d / (|d|^2 - e^2) and the radius e /
+/// (|d|^2 - e^2).
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     center: Vector2<f64>,
@@ -71,7 +67,8 @@ fn height_over(line: &Vector2<f64>, c: Vector2<f64>) -> f64 {
     line.x * c.x + line.y - c.y
 }
 
-/// Coordinates along the line through the centres of two discs.
+/// Coordinates along the line through the centres of two discs that are far apart compared with their radii.
+/// Lines that meet both discs are y = m x + t with a small slope m. Without a frame, no circle is excluded.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     origin: Vector2<f64>,
@@ -156,7 +153,7 @@ impl Fan {
     }
 
     /// Makes a frame of the last disc and the one halfway, if that frame is better; the polygon then starts
-    /// again. Returns whether it did.
+    /// again. Returns whether it did. For n points, that happens O(log n) times.
     fn turn_frame(&mut self) -> bool {
         let [a, b] = [self.discs[self.discs.len() / 2], self.discs[self.discs.len() - 1]];
         let apart = b.center - a.center;
@@ -178,7 +175,9 @@ impl Fan {
         true
     }
 
-    /// Cuts off the lines that miss a disc; `false` if no line is left.
+    /// Cuts off the lines that miss a disc; `false` if no line is left. The line (m, t) meets the disc with
+    /// the centre (x, y) and the radius r if |y - m x - t| <= r sqrt(1 + m^2). The largest possible slope
+    /// replaces m under the root.
     fn clip(&mut self, disc: Disc) -> bool {
         let Some(frame) = self.frame else { return true };
         let c = frame.local(disc.center);

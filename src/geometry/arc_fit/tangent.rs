@@ -2,22 +2,16 @@
 //!
 //! # Method
 //! A node is a place where two elements may meet.
-//! 1. An arc over a chord is given by its bulge b. Let psi be the direction of the chord. The arc starts in
-//!    the direction psi + 2 atan b and ends in the direction psi - 2 atan b.
-//! 2. The bulges that keep the tolerance form one or two intervals. So the directions in which an element may
-//!    start, and those in which it may end, form intervals too.
-//! 3. The chain arrives at a node in certain directions. Those that are also start directions of the element
-//!    to the next node are kept. Mirrored in the chord of this element, they are the directions in which the
-//!    chain arrives at the next node.
-//! 4. The search carries these intervals from node to node. After each element it goes on from the farthest
-//!    nodes only.
-//! 5. When the last node is reached, one direction there is chosen. It is followed back to the start, and
-//!    gives the bulge of each element.
-//! 6. At a real corner ([`corners`]) the next element may start in any direction.
+//! 1. The arcs between two nodes that keep the tolerance start in one or two intervals of directions. They
+//!    also end in one or two intervals of directions.
+//! 2. The search goes from node to node. For each node it keeps the intervals of directions in which a chain
+//!    can arrive there. An arc can go on from a node if it starts in one of these directions. At a real
+//!    corner ([`corners`]) it may start in any direction.
+//! 3. At the last node one direction is chosen. It is followed back to the start, and gives each arc of the
+//!    chain.
 //!
-//! # Guarantees
-//! Elements meet in the same direction to rounding, except at corners. If the search finds no such chain, or
-//! exceeds its evaluations, the result is the chain that need not be smooth.
+//! If the search finds no such chain, or is given up after a given number of checks of one point against one
+//! element, the result is the chain that need not be smooth.
 //!
 //! # Cost
 //! O(c k^2 m) for c elements of m points, each with k nodes. k has a constant limit.
@@ -212,7 +206,9 @@ impl Search<'_> {
         Ok(self.farthest(next))
     }
 
-    /// Adds the arrivals at the node `to` from the arrivals at one node.
+    /// Adds the arrivals at the node `to` from the arrivals at one node. An arc with the bulge b over a chord
+    /// in the direction psi starts in the direction psi + 2 atan b and ends in the direction psi - 2 atan b.
+    /// So the arrivals are the departures, mirrored in the chord.
     fn extend(&self, layer: &[Arrival], here: &[usize], to: usize, next: &mut Vec<Arrival>) {
         let span = self.span(layer[here[0]].node, to);
         let Some((chord, parts)) = self.bulges(&span) else { return };

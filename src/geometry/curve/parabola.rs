@@ -1,25 +1,12 @@
 //! A part of a parabola: a quadratic Bezier curve in space.
 //!
-//! # Method
-//! Let B be the vector from the start to the control point, and A = start - 2 control + end, which runs along
-//! the axis of the parabola. For the parameter t from 0 to 1, the point is P(t) = start + 2 t B + t^2 A, and
-//! the derivative is P'(t) = 2 (B + t A). Split B + t A into its part w along A and its part q across A. Here
-//! q does not depend on t.
-//! * Length: the integral of 2 sqrt(w^2 + q^2) over t, which is the difference of
-//!   (w sqrt(w^2 + q^2) + q^2 asinh(w / q)) / |A| between the two ends. It is computed as a sum of terms that
-//!   are not negative, so nothing cancels if A is small.
-//! * Distance from a point p: the nearest place is an end or a root of the cubic (P(t) - p) . P'(t). The
-//!   places where the cubic is largest or smallest divide the range of t. Each part has at most one root.
-//! * Curvature: |A x B| / (2 |B + t A|^3). It is largest at the vertex, or at the end nearest to the vertex.
+//! Its length has a closed form. The nearest place to a point is an end of the curve, or a root of a cubic
+//! polynomial. The curvature is largest at the vertex, or at the end nearest to the vertex.
 //!
 //! # Degenerate input
-//! Three control points on one line give a straight motion. If the control point lies beyond an end, the
-//! motion turns back, and its length counts both ways. A control point at an end and three equal points are
-//! valid.
-//!
-//! # Cost
-//! O(1) for each function. A point at a given length and a distance each take some ten steps of Newton's
-//! method.
+//! Three control points on one line give a straight motion. If the middle one lies beyond an end, the motion
+//! turns back, and its length counts both ways. Control points may coincide. Coordinates that are not finite,
+//! or whose fourth powers overflow, are refused.
 
 use nalgebra::{Point3, Vector3};
 
@@ -119,7 +106,9 @@ impl Parabola {
         self.at(self.parameter_at(t))
     }
 
-    /// The parameter of the point nearest to `p`.
+    /// The parameter of the point P nearest to `p`: 0, 1 or a root of the cubic (P - p) . P'. The places
+    /// where the cubic is largest or smallest divide the range of the parameter. Each part has at most one
+    /// root.
     pub fn nearest(&self, p: &Point3<f64>) -> f64 {
         let [b, a] = self.coefficients();
         let from = self.start - p;
@@ -168,7 +157,8 @@ impl Parabola {
         if squared > 0.0 { (-b.dot(&a) / squared).clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The largest curvature, 1/mm: zero on a straight motion, infinite if that turns back.
+    /// The largest value of the curvature |A x B| / (2 |B + t A|^3), 1/mm: zero on a straight motion,
+    /// infinite if that turns back.
     pub fn largest_curvature(&self) -> f64 {
         let [b, a] = self.coefficients();
         let t = self.slowest();
@@ -190,13 +180,19 @@ impl Parabola {
             .map(|tangent| if tangent == Vector3::zeros() { chord } else { tangent })
     }
 
-    /// B and A.
+    /// B, the vector from the start to the control point, and A as in [`Parabola::bend`]. The point at the
+    /// parameter t is start + 2 t B + t^2 A, and the derivative there is 2 (B + t A).
     fn coefficients(&self) -> [Vector3<f64>; 2] {
         [self.control - self.start, self.bend()]
     }
 }
 
 /// The length of the curve with the coefficients B and A, mm.
+///
+/// Split B + t A into its part w along A and its part q across A, which does not depend on t. The length is
+/// the integral of 2 sqrt(w^2 + q^2) over t: the difference of (w sqrt(w^2 + q^2) + q^2 asinh(w / q)) / |A|
+/// between the two ends. It is computed as a sum of terms that are not negative, so nothing cancels if A is
+/// small.
 fn length(b: &Vector3<f64>, a: &Vector3<f64>) -> f64 {
     let bend = a.norm();
     let speeds = [b.norm(), (b + a).norm()];

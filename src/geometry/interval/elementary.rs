@@ -1,24 +1,16 @@
-//! Elementary functions of intervals, with outward rounding: sine, logarithm, powers and so on.
-//!
-//! # Method
-//! A function that only rises or only falls is evaluated at the two ends. An even function is evaluated at
-//! the least and at the largest absolute value. Sine and cosine are evaluated at the two ends; if an extreme
-//! may lie between, the result also contains 1 or -1.
+//! Elementary functions of intervals: sine, logarithm, powers and so on.
 //!
 //! # Guarantees
-//! The result contains the value of the function at every number of the operand. It contains no number
-//! outside the range of the function, such as a sine above 1, except by rounding. This holds if the standard
-//! library errs by at most `ULPS` units in the last place.
+//! The result contains the value of the function at every number of the operand, if the standard library errs
+//! by at most `ULPS` (4) units in the last place.
 //!
-//! # Degenerate input
-//! A number outside the domain of the function counts as the nearest number of the domain: the inverse sine
-//! of 2 is that of 1. The logarithm leaves out the numbers that are not positive; if none is positive, the
-//! result is the whole line. A tangent with a pole in the operand is the whole line. The sine and cosine of
-//! angles above 1e8 are not evaluated; the result is [-1, 1]. The caller has to check whether a function is
-//! defined.
-//!
-//! # Cost
-//! O(1): two evaluations of the function, or four for a power with an interval as the exponent.
+//! The caller has to check whether a function is defined:
+//! * A number outside the domain of the function counts as the nearest number of the domain: the inverse sine
+//!   of 2 is that of 1.
+//! * The logarithm leaves out the numbers that are not positive. If none is positive, the result is the whole
+//!   line.
+//! * The tangent is the whole line if the operand may contain a pole.
+//! * The sine and cosine of an operand with an angle above 1e8 rad are [-1, 1].
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 

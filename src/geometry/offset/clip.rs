@@ -2,19 +2,14 @@
 //! contour moved aside, or an arc about one of its corners.
 //!
 //! # Method
-//! 1. A piece is compared with one element of the contour after the other. The points whose distance from the
-//!    element equals the offset's distance lie on parallels to the element and on circles about its ends.
-//! 2. The piece is cut where it crosses these lines and circles, and where it comes nearest to them or is
-//!    farthest from them. Within each part that results, the distance from the element is either too small
-//!    everywhere or nowhere.
+//! 1. A piece is compared with one element of the contour after the other. The places at exactly the offset's
+//!    distance from the element lie on parallels to the element and on circles about its ends.
+//! 2. These lines and circles cut the piece into parts. Each part is too near to the element everywhere or
+//!    nowhere.
 //! 3. So the middle of each part decides. The part is removed if its middle is too near to the element.
 //!
 //! # Guarantees
-//! The parts that are left are too near to the contour by no more than the rounding of a computed distance.
-//!
-//! # Degenerate input
-//! Where a piece touches one of the lines or circles, the two crossings are inaccurate. The part between them
-//! is too near by no more than rounding, and stays.
+//! The parts that are left are too near to the contour by no more than rounding.
 //!
 //! # Cost
 //! A piece is compared only with the elements that are nearer to its middle than the distance plus half of
@@ -27,7 +22,8 @@ use super::pieces::{self, Piece, SHORTEST_MM};
 use super::tree::Tree;
 use crate::geometry::element::{Element, PlaneArc};
 
-/// Clips pieces one after the other, with buffers that are used again.
+/// Clips pieces one after the other, with buffers that are used again. Liu et al. remove parts between
+/// crossings of pieces only; here each piece is compared with each element near it.
 pub(super) struct Clip<'a> {
     pub contour: &'a Tree,
     /// The offset's distance, mm.
@@ -88,7 +84,10 @@ impl<'a> Clip<'a> {
     }
 }
 
-/// Appends the places along the piece where its distance to the element may pass through `distance`.
+/// Appends the places along the piece where its distance to the element may pass through `distance`. These
+/// are its crossings with lines and circles, and the places where it comes nearest to them or is farthest
+/// from them. Where the piece touches a line or circle, the two crossings are inaccurate. The part between
+/// them is too near by no more than rounding.
 fn cross(piece: &Element, element: &Element, distance: f64, found: &mut Vec<f64>) {
     match element {
         Element::Arc(arc) => {

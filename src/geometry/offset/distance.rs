@@ -1,19 +1,12 @@
 //! The least distance between two lines or arcs, in closed form.
 //!
 //! # Method
-//! The least distance is at an end of one element, where the two cross, or on a line that is normal to both.
-//! At each such place of one element, the distance to the other element is computed. The least of these
-//! distances is the result. No place can make it too small, because each place lies on an element.
+//! The least distance is at an end of one element, where the two elements cross, or on a line that is normal
+//! to both. At each such place of one element, the distance to the other element is computed. The least of
+//! these distances is the result.
 //!
 //! # Guarantees
-//! The error is some 1e-15 of the largest coordinate or radius.
-//!
-//! # Degenerate input
-//! Elements without length count as points. Two arcs with the same centre have infinitely many common
-//! normals; there, the ends of the arcs are enough.
-//!
-//! # Cost
-//! O(1), without trigonometric functions.
+//! The error is some 1e-15 of the largest coordinate or radius. Elements without length count as points.
 
 use nalgebra::{Point2, Vector2};
 
@@ -56,7 +49,9 @@ pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
     }
 }
 
-/// The least distance between two elements, mm, with the place on the first element.
+/// The least distance between two elements, mm, with the place on the first element. No place can make it too
+/// small, because each place lies on an element. Two arcs with the same centre have infinitely many common
+/// normals; there, the ends of the arcs are enough.
 pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
     let mut least = (f64::INFINITY, first.start());
     let mut see = |distance: f64, at: Point2<f64>| {

@@ -1,19 +1,13 @@
-//! Joins the parts of pieces that clipping has left to chains.
+//! Joins the parts of pieces that clipping has left into chains.
 //!
 //! # Method
-//! Where two pieces clip each other, both parts end at the same place, up to rounding. The end of one part is
-//! joined to the start of another, the nearest pairs first. Among equally near pairs, those whose pieces
-//! follow each other most closely along the contour come first. Ends that find no start nearby end their
-//! chain.
+//! Where two pieces clip each other, a part of one ends where a part of the other starts, up to rounding. The
+//! end of one part is joined to the start of another, the nearest pairs first. An end that finds no start
+//! nearby ends its chain.
 //!
 //! # Guarantees
 //! Each element starts exactly where the one before it ends. This place lies within [`BESIDE_MM`] of the line
-//! or circle of both pieces. Chains run in the direction of their contours, and are sorted by their first
-//! parts.
-//!
-//! # Degenerate input
-//! If two pieces meet at a tiny angle, their ends may lie apart along the pieces. The joint is then put in
-//! the middle between them.
+//! or circle of both pieces. Chains run in the direction of their contours.
 //!
 //! # Cost
 //! O(n log n) for n parts, unless many ends lie within the reach of one joint.
@@ -49,8 +43,8 @@ pub(super) struct OpenRange {
     pub range: [f64; 2],
 }
 
-/// Joins the ranges to chains. Ends farther than `joint_mm` from each other are not joined. Chains no longer
-/// than `joint_mm` are left out.
+/// Joins the ranges to chains, sorted by their first ranges. Ends farther than `joint_mm` from each other are
+/// not joined. Chains no longer than `joint_mm` are left out.
 ///
 /// # Errors
 /// When the budget ends.
@@ -87,7 +81,9 @@ pub(super) fn chains(
     Ok(chains.into_iter().map(|(_, chain)| chain).collect())
 }
 
-/// For each range the range that continues it.
+/// For each range the range that continues it. Among equally near pairs, those whose pieces follow each other
+/// most closely along the contour come first. If two pieces meet at a tiny angle, their ends may lie apart
+/// along the pieces; the joint is in the middle between them.
 fn followers(
     pieces: &[Piece],
     ranges: &[OpenRange],

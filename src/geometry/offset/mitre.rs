@@ -2,15 +2,13 @@
 //! micrometres there.
 //!
 //! # Method
-//! Two elements of the contour meet at a small angle a. The offset at the distance d has a short arc about
-//! their joint. This arc is left out, and the elements before and after it are lengthened until they meet.
-//! The place where they meet is farther from the joint than d, by d (1 / cos(a / 2) - 1). If that is more
-//! than the caller allows, or if the two elements do not meet, the arc stays.
+//! The arc is left out, and the elements before and after it are lengthened until they meet. The place where
+//! they meet is a little farther from the contour than the arc. If it is farther than the caller allows, or
+//! if the two elements do not meet, the arc stays.
 //!
 //! # Guarantees
 //! Each element starts exactly where the one before it ends. Elements stay on their lines and circles, within
-//! 1e-9 mm. The proof of the offset covers mitres too: a mitre that comes too near to another part of a
-//! contour is not used.
+//! 1e-9 mm.
 
 use nalgebra::{Point2, Vector2};
 
@@ -49,7 +47,8 @@ pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element
 }
 
 /// The elements before and after a corner, up to the place where they meet; `None` if the corner keeps its
-/// arc.
+/// arc. If the contour turns by the angle a and the arc has the radius d, the place is farther from the
+/// corner than d, by d (1 / cos(a / 2) - 1).
 fn mitre(
     before: &Element,
     corner: &PlaneArc,

@@ -9,11 +9,6 @@
 //! # Guarantees
 //! Every place on the chosen side at exactly the given distance from the contour lies on a piece. The ends of
 //! an open contour are an exception: there are no arcs about them.
-//!
-//! # Degenerate input
-//! Where a contour turns back by half a turn, its corner could lie on either side. Between two lines, the
-//! corner gets an arc on the side that is offset, whichever it is. If one of the elements is an arc, the
-//! corner gets its arc on the outer side of the cusp.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 

@@ -1,24 +1,13 @@
 //! The smooth curve through given points: a cubic spline with two continuous derivatives.
 //!
-//! # Method
-//! 1. The parameter of a point is the sum of the chord lengths from the first point to this one.
-//! 2. The first derivatives at the points follow from the condition that the second derivatives are
-//!    continuous ([`derivatives_over`]). At either end of the curve, the last two pieces are parts of one
-//!    cubic (a not-a-knot end).
-//! 3. Each pair of neighbouring points gets a cubic Bezier piece with these derivatives at its ends.
+//! The parameter of a point is the sum of the chord lengths from the first point to this one. Each pair of
+//! neighbouring points gets a cubic Bezier piece. The first two pieces are parts of one cubic, and so are the
+//! last two (not-a-knot ends).
 //!
 //! # Guarantees
-//! The curve passes through the points exactly. Two points make a line. Three points make a parabola. If the
-//! points are samples of a smooth curve, the distance from this curve falls with the fourth power of the
-//! distance between the points.
-//!
-//! # Degenerate input
-//! Neighbouring points that coincide are refused. So are neighbours so close together that rounding leaves
-//! the parameter unchanged. If the last point equals the first, the curve is closed, but it usually has a
-//! kink there.
-//!
-//! # Cost
-//! O(n) for n points.
+//! The curve passes through the points exactly. Two points make a line, and three points a parabola. A curve
+//! that ends at its first point usually has a kink there. Neighbouring points are refused if they coincide,
+//! or lie so close together that rounding gives both the same parameter.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.
@@ -47,6 +36,8 @@ pub enum InterpolantError {
 }
 
 /// The curve through `points` (mm) in their order. Its parameter starts at 0 and grows by the chord lengths.
+/// If the points are samples of a smooth curve, the distance from this curve falls with the fourth power of
+/// the distance between the points.
 ///
 /// # Errors
 /// When there are fewer than two points or too many, a point is not finite, or a point coincides with the

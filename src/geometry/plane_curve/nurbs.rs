@@ -1,18 +1,10 @@
-//! NURBS curves in the plane, as chains of Bezier pieces.
-//!
-//! # Method
-//! Each knot span with a length becomes one piece. The control points of the piece are sums of control points
-//! of the curve, times factors that depend on the knots only ([`spans`]). If the curve has weights, the same
-//! sums are taken of the weights, and of the control points times their weights.
+//! NURBS curves in the plane, as chains of Bezier pieces. Each knot span with a length becomes one piece.
 //!
 //! # Guarantees
-//! The pieces equal the curve, up to rounding. The knots may have any spacing and multiplicity. The ends may
-//! be clamped or not: a clamped end has p + 1 equal knots, where p is the degree. At a clamped end, a curve
-//! without weights passes exactly through its control point there.
-//!
-//! # Degenerate input
-//! A knot span without length has no piece. A knot inside the domain that occurs p + 1 times may leave a gap
-//! in the curve. A curve with a gap is refused.
+//! The pieces equal the curve, up to rounding. The ends may be clamped or not: a clamped end has p + 1 equal
+//! knots, where p is the degree. At a clamped end, a curve without weights passes exactly through its control
+//! point there. A knot inside the domain that occurs p + 1 times may leave a gap in the curve. A curve with a
+//! gap is refused.
 //!
 //! # Cost
 //! O(n p^4) for n control points.

@@ -2,28 +2,18 @@
 //! chain.
 //!
 //! # Method
-//! 1. To find the piece of a parameter, the domain is divided into equal parts. A table gives the pieces that
-//!    meet each part, and bisection finds the piece among them.
-//! 2. De Casteljau's algorithm gives points and derivatives.
-//! 3. An enclosure is a box that contains all points, or all derivatives, over a range of parameters. The
-//!    part of a polynomial piece over the range has control points of its own, and the box about them is the
-//!    enclosure (`net`). For a rational piece, numerator and denominator are enclosed, and the enclosures
-//!    divided (`quotient`).
+//! De Casteljau's algorithm gives points and derivatives. It also gives the control points of the part of a
+//! piece over a range of parameters. A box about these control points contains the part (`net`; `quotient`
+//! for rational pieces). Boxes for the derivatives are made in the same way.
 //!
 //! # Guarantees
-//! * Enclosures include every rounding error.
-//! * The enclosure at a single parameter is some ten units of rounding wide. It contains the value that
-//!   [`PlaneCurve::point`] returns there.
-//! * An enclosure may be wider than needed. If the range is halved, the excess falls to a quarter. For the
-//!   second derivative of a rational piece the excess falls to a half only.
-//!
-//! # Degenerate input
-//! If one piece ends where the next one starts, up to rounding, the two places are made equal. If the places
-//! differ by more, the chain is refused. A parameter outside the domain counts as the nearest end.
+//! * Boxes allow for every rounding error. They may be larger than needed, but the excess falls at least by
+//!   half if the range is halved.
+//! * A chain is refused if a piece does not start where the piece before it ends, up to rounding.
+//! * A parameter outside the domain counts as the nearest end of the domain.
 //!
 //! # Cost
-//! O(p^2) for a point and O(p^3) for an enclosure, where p is the degree. To find the piece takes O(1) if the
-//! parameters are evenly spaced, and O(log n) at most for n pieces.
+//! O(p^2) for a point and O(p^3) for a box, where p is the degree, plus O(log n) to find one of n pieces.
 //!
 //! # Reference
 //! G. Farin, *Curves and Surfaces for CAGD*, 5th ed., Morgan Kaufmann, 2002, chapters 5 and 13.
@@ -282,7 +272,8 @@ impl PlaneCurve for Piecewise {
         Vector2::from(by_degree!(piece.degree, N => self.piece_derivative::<N>(piece, u, span)))
     }
 
-    /// If `from` equals `to` at a break, the derivatives are those after the break.
+    /// If `from` equals `to`, the box of the point is some ten units of rounding wide, and contains the
+    /// result of [`PlaneCurve::point`]. At a break, the derivatives are then those after the break.
     fn enclose(&self, from: f64, to: f64) -> Enclosure {
         let middle = 0.5 * from + 0.5 * to;
         // The middle of two neighbouring floating-point numbers is one of the two. If it is the upper one, it

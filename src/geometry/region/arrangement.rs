@@ -2,19 +2,16 @@
 //!
 //! # Method
 //! Places that are nearer to each other than a short distance, the snap, count as one place.
-//! 1. Arcs are divided at their highest and lowest points. Along each part, y only rises or only falls.
-//! 2. Each place where two parts cross or nearly touch becomes a vertex, and so does each end.
-//! 3. Each part is cut at the vertices within the snap of it. The results are the edges. An edge starts and
-//!    ends exactly at its vertices.
-//! 4. Edges between the same two vertices become one edge, if they also stay together in the middle. The edge
-//!    counts how often the loops run along it, less how often they run back. If this count is zero, the edge
-//!    is dropped.
+//! 1. Each place where two elements cross or nearly touch becomes a vertex, and so does each end of an
+//!    element.
+//! 2. Each element is cut at the vertices within the snap of it. The parts are the edges. They start and end
+//!    exactly at their vertices.
+//! 3. Edges between the same two vertices become one edge, if they also stay together in the middle. This
+//!    edge counts how often the loops run along it, less how often they run back. If this count is zero, the
+//!    edge is dropped.
 //!
 //! # Guarantees
-//! At every vertex, the loops arrive as often as they leave. Edges lie within a few snaps of the elements
-//! that they come from.
-//!
-//! # Degenerate input
+//! Edges lie within a few snaps of their elements. At every vertex, the loops arrive as often as they leave.
 //! More than a million elements, or cuts of elements, are refused.
 //!
 //! # Cost

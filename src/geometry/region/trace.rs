@@ -3,15 +3,12 @@
 //! # Method
 //! 1. An edge bounds the area if the area lies on one side only. The edge is turned so that the area is on
 //!    its left.
-//! 2. Each edge is followed by an edge that leaves its end. If several edges leave there, the first one
-//!    clockwise from the arriving edge is taken: it bounds the same corner of the area.
-//! 3. The loops that result are divided where they visit a vertex twice. Loops narrower than 1e-6 mm are
-//!    dropped.
+//! 2. Edges are joined into loops. Where several edges leave the end of an edge, the first one clockwise from
+//!    this edge follows: it bounds the same corner of the area.
+//! 3. Loops are divided where they visit a vertex twice. Loops narrower than 1e-6 mm are dropped.
 //! 4. Successive edges on one line or circle become one element.
-//! 5. Loops that run clockwise are islands. A ray from an island tells which outlines contain it. The island
-//!    belongs to the smallest of these outlines.
+//! 5. Loops that run clockwise are islands. Each island belongs to the smallest outline that contains it.
 //!
-//! # Degenerate input
 //! If the edges do not close, the area is refused.
 
 use std::collections::HashMap;

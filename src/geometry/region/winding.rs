@@ -1,17 +1,15 @@
-//! Windings: how often loops turn about a place, counterclockwise turns less clockwise turns.
+//! Windings: how often loops turn about a place, counterclockwise turns minus clockwise turns.
 //!
 //! # Method
 //! 1. A ray runs from the place toward larger x. An element that crosses the ray upward adds one to the
 //!    winding, and an element that crosses it downward takes one away.
-//! 2. An element contains its lower end, but not its upper end. So a vertex on the ray counts once, and a
-//!    horizontal line never counts.
-//! 3. The windings on the two sides of an edge stay the same along the edge. They also stay the same through
-//!    vertices where only two edges meet. So one ray is enough for a whole chain of edges.
+//! 2. An element contains its lower end, but not its upper end (Franklin's rule). So a vertex on the ray
+//!    counts once, and a horizontal line never counts.
+//! 3. The windings on the two sides of an edge stay the same along the edge, and through vertices where only
+//!    two edges meet. So one ray is enough for a whole chain of edges.
 //!
-//! # Guarantees
-//! Whether a place lies on the left or on the right of an element is right up to rounding. For a line, the
-//! cross product decides; for an arc, the distance from its centre. Crossings are not computed, so a ray that
-//! is tangent to an arc needs no special case.
+//! # Reference
+//! W. Randolph Franklin's rule for places in polygons.
 
 use nalgebra::Point2;
 
@@ -32,7 +30,9 @@ pub(super) struct Sides {
 }
 
 /// 1 if the element passes the ray from `p` toward larger x upward, -1 if downward, else 0. Along the element
-/// y must only rise or only fall.
+/// y must only rise or only fall. The side of the element on which `p` lies decides, by the cross product for
+/// a line, and by the distance from the centre for an arc. No crossing is computed, so a ray that is tangent
+/// to an arc needs no special case.
 pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
     let (start, end) = (element.start(), element.end());
     let sense = match (start.y <= p.y, end.y <= p.y) {

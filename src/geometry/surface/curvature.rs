@@ -1,21 +1,20 @@
-//! Principal curvatures of a surface: at a point, as bounds over a part of a patch, and at the most concave
-//! place.
+//! Principal curvatures of a surface: at a point, as bounds over a part of a patch, and as a bound over the
+//! whole surface.
 //!
 //! # Method
-//! 1. For each derivative, a ball of vectors contains all its values over a part ([`VectorBall`]).
-//! 2. New parameters are chosen such that the balls of the two first derivatives have unit vectors at right
-//!    angles as their centres. From the centres of all balls, the curvatures follow as the eigenvalues of a
-//!    matrix. The radii of the balls tell how far the curvatures of the part may differ from these two.
-//! 3. To find the most concave place of a surface, the part with the largest bound is halved again and again
-//!    (branch and bound), until the bound is near the largest curvature found. If the halvings run out, the
-//!    bound holds, but is less tight.
+//! 1. For each derivative, a ball of vectors contains all its values over a part ([`VectorBall`]). The
+//!    centres of the balls give two curvatures. The radii tell how far the curvatures of the part may differ
+//!    from these two.
+//! 2. To bound the curvature of the whole surface, the part with the largest bound is halved again and again
+//!    (branch and bound), until the bound is near the largest curvature found.
 //!
 //! # Guarantees
 //! A curvature is positive where the surface is concave, seen from the side to which its normal points.
-//! Bounds hold for every point of the part.
+//! Bounds hold for every point of the part. If the limit of halvings is reached, the bound of the whole
+//! surface still holds, but is less tight.
 //!
 //! # Degenerate input
-//! A part with a point without a normal has no bound.
+//! A part that contains a point without a normal has no bound.
 
 use super::patch::{Bounds, DerivativeBounds};
 use super::vector_ball::VectorBall;

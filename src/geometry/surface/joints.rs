@@ -1,25 +1,19 @@
 //! Checks whether neighbouring patches meet along their common sides, and whether they have the same normals
 //! there.
 //!
-//! # Method
-//! Points and normals of both patches are compared at `PLACES` places along each common side. Along a side,
-//! their differences are quotients of polynomials of degree 40 at most, for patches of degree 7. So a
-//! difference that is zero at all these places is zero everywhere on the side.
-//!
-//! # Guarantees
-//! Points farther apart than [`GAP_LIMIT_MM`] are refused, and so are normals at a larger angle than
-//! [`KINK_LIMIT`]. Smaller differences count as rounding. The largest distance and the largest angle are
-//! doubled, so that they also hold between the places.
-//!
-//! # Cost
-//! O(common sides that are compared).
+//! Points and normals of both patches are compared at `PLACES` places along each common side. Points farther
+//! apart than [`GAP_LIMIT_MM`] are refused, and so are normals at a larger angle than [`KINK_LIMIT`]. Smaller
+//! differences count as rounding. The largest distance and the largest angle are doubled, so that they also
+//! hold between the places.
 
 use nalgebra::Point3;
 
 use super::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 
-/// Places along one side: more than the degree of the polynomials that have to vanish there.
+/// Places along one side. The differences of points and normals along a side are quotients of polynomials of
+/// degree 40 at most, for patches of degree 7. So a difference that is zero at all these places is zero
+/// everywhere on the side.
 const PLACES: usize = 48;
 
 /// Patches that are farther apart than this do not join, mm. A smaller distance counts as rounding of the

@@ -1,36 +1,26 @@
-//! A drive curve is carried along a basic curve. It always stands at right angles to the basic curve, which
-//! lies in the xy plane.
+//! A plane drive curve is carried along a basic curve, which lies in the xy plane. The plane of the drive
+//! curve always stands at right angles to the basic curve.
 //!
 //! # Method
-//! Let c(u) be the basic curve, n(u) its unit normal to the left, and k the unit vector upward. The drive
-//! curve has the coordinates x(v) along n and z(v) along k. The surface is
-//! S(u, v) = c(u) + n(u) x(v) + k z(v). Each piece of the basic curve with each piece of the drive curve
-//! makes a patch:
-//! 1. Along a line n is constant. Along an arc n is a rational quadratic with the weights of the arc.
-//! 2. Along a cubic n is not rational. It is replaced by a cubic with the same values and derivatives at both
-//!    ends (`unit_normal`). If this cubic is not near enough to n, the piece is halved.
+//! The drive curve has one coordinate along the unit normal of the basic curve, and one upward. Each piece of
+//! the basic curve with each piece of the drive curve makes a patch:
+//! 1. Along a line or an arc, the unit normal is a quotient of polynomials. So the patch is exact.
+//! 2. Along a cubic, a cubic replaces the unit normal (`unit_normal`). If it is not near enough, the piece is
+//!    halved.
 //! 3. At a sharp corner between two lines, the patches of both lines end in the plane that halves the corner
-//!    (a mitre, `corner`). A closed curve also gets a mitre where it starts and ends.
+//!    (a mitre, `corner`).
 //!
 //! # Guarantees
-//! Along lines and arcs the surface is exact, up to rounding. Along cubics it differs from the exact surface
-//! by at most [`TOLERANCE_MM`], and stays smooth where the exact surface is smooth. The surface does not fold
-//! along any piece of the basic curve. Distant parts of the surface may intersect; this is not checked.
-//!
-//! # Degenerate input
-//! The drive curve may reach as far as the centre of an arc, or as far as the point where two mitres meet.
-//! There, the surface shrinks to a point. A drive curve that reaches farther is refused. A sharp corner
-//! beside an arc or a cubic is refused too, because the surfaces on its two sides do not meet in a plane.
-//!
-//! # Cost
-//! O(patches).
-//!
-//! # Differences from the paper
-//! The basic curve of the paper may leave the plane.
+//! Along lines and arcs the surface is exact, up to rounding. Along cubics it is within [`TOLERANCE_MM`] of
+//! the exact surface. It does not fold along any piece of the basic curve, but distant parts of it may
+//! intersect. Refused are:
+//! * a drive curve that reaches so far that the surface would fold;
+//! * a sharp corner beside an arc or a cubic, because the surfaces on its two sides do not meet in a plane;
+//! * a basic curve that turns back, or has a cusp.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.2.
+//! of Sculptured Surface of Die", 1989, section 3.2.2. The basic curve of the paper may leave the plane.
 
 mod corner;
 mod unit_normal;
@@ -181,7 +171,8 @@ fn station(point: &Point2<f64>, normal: &Vector2<f64>, weight: f64) -> Station {
 
 /// Checks how far to each side the drive curve may reach along a piece with this chord and these normals at
 /// its ends. At some distance the offset of the piece has no length left. If the drive curve reaches farther:
-/// the side, the reach, and that distance, mm.
+/// the side, the reach, and that distance, mm. If it reaches exactly as far, the surface shrinks to a point
+/// there.
 fn overreach(
     chord: Vector2<f64>,
     [first, last]: [Vector2<f64>; 2],

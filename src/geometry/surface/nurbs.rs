@@ -1,20 +1,10 @@
-//! Rational B-spline surfaces, as Bezier patches: one patch for each pair of a knot span along u and a knot
-//! span along v.
-//!
-//! # Method
-//! Along one direction, the Bezier control points of a span are sums of the control points of the surface,
-//! times factors that depend on the knots only ([`spans`]). The factors along u and those along v make two
-//! matrices. The control points of a patch are the product of the first matrix, the control points of the
-//! surface, and the second matrix.
+//! Rational B-spline surfaces, as Bezier patches. Each pair of a knot span along u and a knot span along v
+//! makes one patch.
 //!
 //! # Guarantees
-//! The patches equal the surface, up to rounding. The knots may have any spacing and multiplicity. The ends
-//! may be clamped (p + 1 equal knots for the degree p) or not. Patches of degree up to 3 with equal weights
-//! become [`BicubicPatch`](super::BicubicPatch), which is exact.
-//!
-//! # Degenerate input
-//! A knot span without length has no patch. A knot that occurs p times may make a sharp edge, which
-//! [`joints`](super::joints) finds. A knot inside the domain that occurs more often could leave a gap and is
+//! The patches equal the surface, up to rounding. The ends of the knots may be clamped or not: a clamped end
+//! has p + 1 equal knots for the degree p. A knot inside the domain that occurs p times may make a sharp
+//! edge, which [`joints`](super::joints) finds. A knot there that occurs more often could leave a gap, and is
 //! refused.
 //!
 //! # Cost

@@ -1,18 +1,8 @@
 //! A drive curve is carried along a basic curve without being rotated.
 //!
-//! # Method
-//! S(u, v) = basic(u) + drive(v) - drive(0). Each piece of the basic curve with each piece of the drive curve
-//! makes a patch.
-//!
-//! # Guarantees
-//! The surface is exact, up to rounding. Arcs become rational quadratics. A corner of either curve becomes a
-//! joint between patches.
-//!
-//! # Degenerate input
-//! Where both curves run in the same direction, the surface has no normal. Such curves are accepted.
-//!
-//! # Cost
-//! O(patches).
+//! The point of the surface at (u, v) is basic(u) + drive(v) - drive(0). Each piece of the basic curve with
+//! each piece of the drive curve makes a patch. The surface is exact, up to rounding. Curves that run in the
+//! same direction somewhere are accepted; the surface has no normal there.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

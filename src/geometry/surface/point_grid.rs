@@ -1,36 +1,21 @@
-//! A surface through a grid of measured points.
+//! A smooth surface through a grid of measured points.
 //!
 //! # Method
-//! Koo et al. 3.1, eq. 1-7. A cubic spline runs through every row of points (along v) and through every
-//! column (along u). It has two continuous derivatives.
-//! 1. The splines along u give the derivative Su at every point.
-//! 2. The splines along v give the derivative Sv.
-//! 3. Splines along v through the values of Su give the twist Suv, the mixed second derivative.
-//! 4. Each patch gets its boundary control points from Su and Sv. The inner control point next to the corner
-//!    P with the least u and v is P + Su/3 + Sv/3 + Suv/9. At the other corners some signs change.
+//! 1. A cubic spline runs through every row of points (along v) and through every column (along u). These
+//!    splines give the derivatives along u and v at every point.
+//! 2. With [`Twist::Spline`], splines along v through the derivatives along u give the twist, the mixed
+//!    second derivative, at every point. With [`Twist::Zero`] the twist is zero.
+//! 3. Each patch follows from the points, derivatives and twists at its corners.
 //!
 //! # Guarantees
-//! With [`Twist::Spline`] the surface has continuous second derivatives. It does not depend on whether u or v
-//! comes first. With [`Twist::Zero`] step 3 is left out. Then rows and columns have continuous second
-//! derivatives, but the surface has continuous first derivatives only.
-//!
-//! # Degenerate input
-//! Two points in a direction make straight lines, unless end tangents are given. If there are too few points
-//! for `not_a_knot` or `bessel` ends, the polynomial through the points is used. Coincident points are
-//! accepted here. If they leave the surface without a normal, the proof that its normals point upward refuses
-//! it later.
-//!
-//! # Cost
-//! O(n) for n points.
-//!
-//! # Differences from the paper
-//! The paper has only [`Twist::Zero`] (eq. 6). It does not print its end conditions. On z = 10 sin(pi x/40)
-//! cos(pi y/40) over 80 x 80 mm with 9 x 9 points, [`Twist::Zero`] leaves an error of 0.333 mm, and
-//! [`Twist::Spline`] with not-a-knot ends 0.099 mm.
+//! With [`Twist::Spline`] the surface has continuous second derivatives. With [`Twist::Zero`] only its first
+//! derivatives are continuous. Coincident points are accepted, even if they leave the surface without a
+//! normal.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.1.
+//! of Sculptured Surface of Die", 1989, section 3.1, eq. 1-7. The paper has only [`Twist::Zero`] (eq. 6), and
+//! does not print its end conditions.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,40 +1,22 @@
-//! A ruled surface between two curves. Straight lines join the points that divide the lengths of both curves
-//! in the same ratio.
+//! A ruled surface between two curves. Its rulings are straight lines. Each ruling joins two points, one on
+//! each curve, that divide the lengths of the curves in the same ratio.
 //!
 //! # Method
-//! Each curve is cut at its own joints (`part`). It is also cut where the other curve has a joint at the same
-//! fraction of its length. Each part of one curve then faces a part of the other.
-//! 1. Two lines make a bilinear patch. Two arcs that turn by the same angle make a rational patch. On both,
-//!    equal parameters divide the lengths in the same ratio.
-//! 2. In any other pair, each part that is not a line is replaced by a cubic whose parameter is the length.
-//!    The cubic has the same ends and end tangents as the part. Both parts are halved until their cubics are
-//!    near enough.
+//! 1. Each curve is cut at its own joints. It is also cut where the other curve has a joint at the same
+//!    fraction of its length. Each part of one curve then faces a part of the other.
+//! 2. Two lines make an exact patch. So do two arcs that turn by the same angle.
+//! 3. In any other pair, each arc and each cubic is replaced by a cubic whose parameter is the length. Both
+//!    parts are halved until the new cubics are near enough.
 //!
 //! # Guarantees
-//! Case 1 is exact, up to rounding. In case 2, either end of a straight line is off by at most
-//! [`TOLERANCE_MM`]. So the surface is off by no more than that. Neighbouring cubics meet with the same
-//! tangent.
-//!
-//! The error of a cubic is at most D s^4 / 384. Here s is the length of the part, and D the largest fourth
-//! derivative of the curve by its length. For an arc of radius R, D is 1 / R^3. For a cubic c, D is at most
-//! 64 a^3 + 26 a b, where a is max |c''| / min |c'|^2 and b is max |c'''| / min |c'|^3. To obtain this bound,
-//! differentiate c' / |c'| three times and bound every term. The lengths of cubics are integrated
-//! numerically, with an error of some 1e-12 mm.
-//!
-//! # Degenerate input
-//! Where the curves meet, the surface has no normal. A cubic with a cusp, where its direction jumps, is
-//! refused.
-//!
-//! # Cost
-//! O(patches).
-//!
-//! # Differences from the paper
-//! The paper divides each curve into a number of equal intervals and joins their ends. Here every point is
-//! joined.
+//! Patches of step 2 are exact, up to rounding. In all other patches, each end of a ruling is within
+//! [`TOLERANCE_MM`] of its exact place. A cubic is refused if it has a cusp, where its direction jumps, or
+//! turns so tightly that it may have one. Curves that meet are accepted; the surface has no normal where they
+//! meet.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.3.
+//! of Sculptured Surface of Die", 1989, section 3.2.3. The paper joins single points of the curves only.
 
 mod length;
 mod part;

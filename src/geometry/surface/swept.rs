@@ -1,13 +1,10 @@
 //! What all sweeps share: a drive curve is carried along a basic curve, and each pair of their pieces makes a
 //! patch.
 //!
-//! # Method
-//! At the parameter u, the basic curve gives an origin o(u) and three vectors a(u), b(u), c(u). The drive
-//! curve is (x(v), y(v), z(v)). The surface is o(u) + a(u) x(v) + b(u) y(v) + c(u) z(v).
-//!
-//! o, a, b and c have control points with the same weights. The drive curve has control points with weights
-//! of its own. So o + a x + b y + c z, taken of control points, gives the control points of a patch. The
-//! weight of each is the product of the two weights.
+//! At the parameter u, the basic curve gives an origin o(u) and three vectors a(u), b(u), c(u). The point (x,
+//! y, z) of the drive curve becomes the point o(u) + a(u) x + b(u) y + c(u) z of the surface. The same sum,
+//! taken of control points, gives the control points of a patch. The weight of each is the product of the
+//! weights of the two control points.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,19 +1,8 @@
-//! Control points of a part of a Bezier polynomial, with a bound of all rounding errors. A net is a list of
-//! control points.
+//! Control points of a part of a Bezier polynomial, by de Casteljau's algorithm, with a bound of all rounding
+//! errors. A net is a list of control points.
 //!
-//! # Method
-//! The polynomial has the degree n, and the part runs from the parameter u to the parameter v. De Casteljau's
-//! steps a + (b - a) t give its control points. Control point k takes n - k steps with t = u, and k steps
-//! with t = v.
-//!
-//! # Guarantees
-//! Let e be the unit of rounding, M the largest absolute value in the net, and L the largest difference
-//! between neighbouring control points.
-//! 1. The rounding of one step is at most e (M + 2 L).
-//! 2. u and v have an error of at most 3 e. In one step, this error moves the result by at most 3 e L.
-//! 3. A step does not enlarge earlier errors, because t is between 0 and 1.
-//!
-//! So all n steps together err by at most n e (M + 5 L). The errors of the given control points come on top.
+//! Every step of the algorithm is a weighted mean, so no step enlarges earlier errors. The errors of all
+//! steps are added to those of the given control points.
 
 use crate::geometry::interval::{Interval, outward};
 
@@ -108,6 +97,12 @@ impl<const N: usize, const D: usize> Net<N, D> {
         NetPart { points: std::array::from_fn(|c| rows[c][0]), len: self.len, error: self.part_error() }
     }
 
+    /// A bound of the error of a control point of any part.
+    ///
+    /// Let e be the unit of rounding, M the largest absolute value in the net, and L the largest difference
+    /// between neighbouring control points. The rounding of one step a + (b - a) t is at most e (M + 2 L).
+    /// The parameter t has an error of at most 3 e, which moves the result by at most 3 e L. So n steps
+    /// together err by at most n e (M + 5 L).
     #[inline(always)]
     fn part_error(&self) -> [f64; D] {
         let steps = self.len.saturating_sub(1) as f64;

@@ -1,21 +1,18 @@
-//! Rational Bezier pieces: points, derivatives and enclosures. An enclosure is a box that contains all values
-//! over a range of parameters.
+//! Rational Bezier pieces: points, derivatives, and boxes that contain their values over a range of
+//! parameters.
 //!
 //! # Method
-//! Let W be the polynomial whose control points are the weights. Let A be the polynomial whose control points
-//! are those of the curve, times their weights. The curve is C = A / W, with the derivatives
-//! C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C W'') / W. Points are counted from the point of the curve
-//! in the middle of the range. So C is small, and little is lost in the differences.
-//! 1. The control points of the range enclose C, A, W and the derivatives of A and W. The formulas then
-//!    enclose C' and C''.
-//! 2. The same is done for the middle of the range alone. The results there are much narrower.
-//! 3. By the mean value theorem, C' differs from its value in the middle by at most half of the range times
-//!    the bound of C''. C likewise differs by at most half of the range times the bound of C'. The result is
-//!    what these enclosures and those of step 1 have in common.
+//! The curve is the quotient of two polynomials, A and W. W has the weights as its control points. A has the
+//! control points of the curve, times their weights.
+//! 1. Boxes of A, W and their derivatives over the range give boxes of the curve and its derivatives.
+//! 2. The middle of the range alone gives boxes that are much smaller.
+//! 3. By the mean value theorem, a value over the range differs from the value in the middle by at most half
+//!    of the range times a bound of the next derivative. So the boxes of step 2, enlarged by this difference,
+//!    hold over the range. The result is what they have in common with the boxes of step 1.
 //!
 //! # Guarantees
-//! An enclosure may be too wide. If the range is halved, the excess falls to a quarter for C and C', and to a
-//! half for C''.
+//! A box may be larger than needed. If the range is halved, the excess falls to a quarter for the curve and
+//! its first derivative, and to a half for its second derivative.
 
 use super::net::{Net, NetPart, UNIT};
 use crate::geometry::interval::{Interval, outward};
@@ -41,7 +38,8 @@ pub(super) fn derivative<const N: usize>(
 }
 
 /// Encloses the curve over `range`, within 0 to 1, and its derivatives by a parameter that grows by `span`
-/// over the piece.
+/// over the piece. Points are counted from the point of the curve in the middle of the range. So they are
+/// small, and little is lost in differences.
 pub(super) fn enclose<const N: usize>(
     points: &[[f64; 2]; N],
     weights: &[f64; N],
@@ -83,8 +81,8 @@ fn about<const N: usize>(points: &[[f64; 2]; N], weights: &[f64; N], origin: [f6
     Net::rounded(std::array::from_fn(homogeneous), 2.0)
 }
 
-/// The quotient and its derivatives over a part. `part`, `first` and `second` are A and W and their first two
-/// derivatives over the same part.
+/// The quotient C = A / W over a part, and its derivatives C' = (A' - C W') / W and C'' = (A'' - 2 C' W' - C
+/// W'') / W. `part`, `first` and `second` are A and W and their first two derivatives over the same part.
 fn quotients<const N: usize>(
     part: &NetPart<N, 3>,
     first: &NetPart<N, 3>,

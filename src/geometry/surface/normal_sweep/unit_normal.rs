@@ -1,15 +1,12 @@
 //! The unit normal along a plane cubic. It is not a polynomial, so cubics replace it. Each cubic has the
 //! values and derivatives of the unit normal at both of its ends.
 //!
-//! # Guarantees
-//! Let c' be the derivative of the plane cubic, n its unit normal, and q the cubic that replaces n.
-//! 1. The error q - n has a part along the curve and a part along n. The part along the curve is
-//!    q . c' / |c'|. The part along n is at most | |q|^2 - 1 | plus the square of the part along the curve.
-//!    This bound holds if q . n is above zero, which is checked.
-//! 2. The Bernstein coefficients of q . c', |q|^2 - 1 and |c'|^2 bound both parts.
-//! 3. If a cubic is halved, these bounds fall to a sixteenth, as the error does.
-//! 4. The parallel curve at the distance x does not run backward where (c' + q' x) . c' is above zero. This
-//!    is linear in x, so it is checked for the least and the largest x of the drive curve only.
+//! # Method
+//! The plane cubic is halved until Bernstein coefficients prove two things for each part:
+//! 1. The cubic that replaces the unit normal is so near to it that the surface is within [`TOLERANCE_MM`] of
+//!    the exact one. Each halving makes the difference sixteen times smaller.
+//! 2. Parallel curves do not run backward at the least and at the largest distance that the drive curve
+//!    reaches. Then no parallel curve between them does.
 
 use nalgebra::{Point2, Vector2};
 
@@ -85,8 +82,13 @@ impl CubicPart {
         derived(&self.points.map(|p| p.coords))
     }
 
-    /// An upper bound of the distance between the cubic of the normals and the unit normal; infinite where no
-    /// bound is found.
+    /// An upper bound of the distance between the cubic q of the normals and the unit normal n; infinite
+    /// where no bound is found.
+    ///
+    /// Let c' be the derivative of the plane cubic. The error q - n has a part along the curve, q . c' /
+    /// |c'|, and a part along n. The part along n is at most | |q|^2 - 1 | plus the square of the part along
+    /// the curve, if q . n is above zero, which is checked. The Bernstein coefficients of q . c', |q|^2 - 1
+    /// and |c'|^2 bound both parts.
     fn normal_error(&self) -> f64 {
         let derivative = self.derivative();
         let left: Vec<_> = derivative.iter().map(|d| Vector2::new(-d.y, d.x)).collect();
@@ -100,7 +102,7 @@ impl CubicPart {
     }
 
     /// Whether the proof fails that the offset curve, `x` mm to the left, runs in the same direction as this
-    /// one.
+    /// one: that (c' + q' x) . c' is above zero. This is linear in x.
     fn may_run_backward(&self, x: f64) -> bool {
         let derivative = self.derivative();
         let beside = self.points.iter().zip(&self.normals).map(|(p, n)| p.coords + n * x);

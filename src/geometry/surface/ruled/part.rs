@@ -99,6 +99,11 @@ impl Part {
 
     /// An upper bound of the distance between [`Part::cubic`] and the part at equal lengths, mm; infinite
     /// where no bound is found.
+    ///
+    /// The bound is D s^4 / 384, where s is the length of the part, and D the largest fourth derivative of
+    /// the part by its length. For an arc of radius R, D is 1 / R^3. For a cubic c, D is at most 64 a^3 + 26
+    /// a b, where a is max |c''| / min |c'|^2 and b is max |c'''| / min |c'|^3. To obtain this bound,
+    /// differentiate c' / |c'| three times and bound every term.
     pub(super) fn cubic_error(&self) -> f64 {
         match &self.path {
             Path::Line(_) => 0.0,

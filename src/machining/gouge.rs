@@ -1,57 +1,30 @@
 //! Bounds from above how deep a moving cutter cuts into a surface.
 //!
-//! # Terms
-//! * The *depth* of a surface point in the cutter is its distance from the cutter's outside. A point that is
-//!   not in the cutter has the depth zero.
-//! * The *core* of the cutter is a level disc together with everything above the disc. The disc is as wide as
-//!   the flat of the cutter, and its centre is called C. The cutter is all points within the corner radius of
-//!   the core (`solid`).
-//! * A *piece* is a part of the path of C: a line or an arc (`piece`).
-//! * A *part* is a patch of the surface, or a subpatch of one (`part`).
+//! The *depth* of a surface point in the cutter is its distance from the outside of the cutter. It is zero
+//! for a point outside the cutter.
 //!
 //! # Method
-//! 1. Cut the path of C into pieces. For each piece, find the patches that the cutter may touch.
-//! 2. Bound the depth of the points of a part while C follows a piece. There are two bounds, by planes and by
-//!    a ball. The smaller one counts.
-//! 3. Halve the pair of piece and part that has the largest bound. Either the piece is halved or the part.
-//! 4. Repeat steps 2 and 3. End when the largest bound exceeds the deepest point found by at most the gap.
-//!    Pairs smaller than a quarter of the gap are not halved.
-//!
-//! *Planes.* Let m be a unit vector that does not point up. No point of the cutter lies farther from C along
-//! m than a length reach(m). So a point of the part is no deeper than reach(m) + max m . C - min m . P. The
-//! maximum is over all C of the piece, and the minimum is over the control points P of the part. Up to four m
-//! are tried: from the core to the part's centre, against the part's normal, down, and level from the axis to
-//! the part.
-//!
-//! *Ball.* A ball cutter contains the cutter and touches it where its lower side faces along m. For a ball
-//! cutter this is the cutter itself. The depth is at most the ball's radius less the distance between the
-//! part and the path of the ball's centre. Bernstein coefficients bound this distance (`ball`). The bound is
-//! tight on large parts along the line of contact, where the distance hardly varies. The shank above the ball
-//! is bounded by a plane. If the bound of the shank is too large, the ball is not used.
-//!
-//! *Sharp rims.* The rim of a flat end may reach below a sloping surface by sqrt(2) times the depth of any
-//! surface point. The plane against the part's normal bounds how far the rim reaches below, too. So the bound
-//! by this plane counts, unless another plane gives less than 0.6 of it (`planes`). The rule holds only where
-//! the farthest point of the cutter along m lies below the part, and no edge of the surface is as near to
-//! that point as its depth.
+//! 1. Cut the path into pieces: lines, and arcs of at most a quarter turn. Chords replace helices and
+//!    parabolas.
+//! 2. Find the patches that the cutter may touch on each piece. Every such patch makes a pair with the piece.
+//! 3. For each pair, bound the depth of all points of the patch while the cutter follows the piece. One bound
+//!    comes from planes that have the whole cutter on one side (`planes`). The other bound comes from a ball
+//!    cutter that contains the cutter (`ball`). The smaller bound counts.
+//! 4. Take the pair with the largest bound, halve its piece or its patch, and bound the depth for both
+//!    halves. Repeat this step until the largest bound exceeds the largest depth found at a point by at most
+//!    the requested gap.
 //!
 //! # Guarantees
-//! * `bound_mm` is at least the depth of every surface point, for every point of every move. Rounding is
-//!   counted.
-//! * Where the surface is smooth around a place, the cutter also reaches no farther than `bound_mm` below the
-//!   surface.
-//! * `bound_mm` exceeds the larger of these two depths by about the gap and the slack of the path. If a piece
-//!   needs too many halvings, `bound_mm` is larger, but still a bound.
-//! * `found_mm` is the depth of one surface point.
-//! * The proof does not use how the path was made. Of the surface it uses only the control nets.
-//!
-//! # Degenerate input
-//! A curve of length zero is a point. Chords replace a helix or a parabola, and their height is added to the
-//! bound.
+//! * The bound is at least the depth of every surface point at every position of the cutter on the path.
+//!   Rounding and the distance of chords from their curves are included.
+//! * A sharp rim may reach farther below a slope than any surface point lies in the cutter. The bound covers
+//!   this reach, too, except near edges, where the surface ends or turns sharply.
+//! * The bound exceeds the larger of depth and reach by about the gap. It exceeds them by more if 20,000
+//!   halvings do not suffice for a piece.
+//! * The proof does not use how the path was made.
 //!
 //! # Cost
-//! O(n log m) for n pieces of the path and m patches. A move of a ball takes 35 microseconds in the
-//! benchmark, in a path of 1000 moves and in one of 4000.
+//! O(n log m) for n pieces and m patches. A move of a ball takes 35 microseconds in the benchmark.
 
 mod ball;
 mod part;
@@ -309,6 +282,18 @@ impl<'a, P: Patch> GougeProof<'a, P> {
 
     /// Bounds the penetration of one part by one piece. Tries no further bounds once one is at most `enough`
     /// mm.
+    ///
+    /// *By planes.* Let m be a unit vector that does not point up. No point of the cutter lies farther from C
+    /// along m than a length reach(m) (`solid`). So a point of the part is no deeper than reach(m) + max m .
+    /// C - min m . P. The maximum is over all C of the piece, and the minimum is over the control points P of
+    /// the part. Up to four m are tried: from the core to the part's centre, against the part's normal, down,
+    /// and level from the axis to the part.
+    ///
+    /// *By a ball.* A ball cutter contains the cutter and touches it where its lower side faces along m. The
+    /// depth is at most the ball's radius less the distance between the part and the path of the ball's
+    /// centre (`ball`). This bound is tight on large parts along the line of contact, where the distance
+    /// hardly varies. A plane bounds the depth in the shank above the ball. If that bound is too large, the
+    /// ball is not used.
     fn examine(&self, piece: &PathPiece, part: &SubPatch<P>, enough: f64) -> Depth {
         let center = part.patch.center();
         let nearest = piece.nearest(&center, self.solid.flat);

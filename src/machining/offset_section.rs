@@ -1,39 +1,32 @@
-//! Sections of the offset of a surface with planes at right angles to x or y.
+//! Sections of the offset of a surface with planes at right angles to x or y. The method is that of Ju,
+//! section 3.
 //!
 //! # Method
-//! The method is that of Ju, section 3. R is the offset distance.
-//! 1. Cut the four boundary curves of the offset into stretches on which the coordinate of the plane rises or
-//!    falls throughout (`boundary`). The plane meets each stretch at most once. The points where it does are
-//!    Ju's initial intersection points (3.1).
-//! 2. Follow the section from each initial point that no section has reached yet
-//!    ([`trace`](Sections::chains); 3.2). A step along the tangent predicts the next point. Newton's method
-//!    corrects it: it finds the point of the section in the plane through the predicted point, at right
-//!    angles to the tangent.
-//! 3. End the section where it reaches another initial point or the boundary.
+//! 1. Find the points where the plane meets the boundary of the offset (`boundary`).
+//! 2. Follow the section from one of these points in steps. A step along the tangent predicts the next point,
+//!    and Newton's method moves it onto the section.
+//! 3. End the section where it reaches the boundary again. Repeat step 2 from a point of step 1 that no
+//!    section has reached, until none is left.
+//!
+//! Sections that never meet the boundary are not searched. There are none, because such a section needs a
+//! fold or an overhang.
 //!
 //! # Guarantees
-//! The surface must have passed the proof of [`regularity`](super::regularity) for R. Then:
+//! The caller must have proved that the offset has no fold and the surface no overhang
+//! ([`regularity`](super::regularity)). Then:
 //! * Every point lies on the section to within rounding.
 //! * Between two neighbouring points the section leaves their chord by at most 1.01 times the chord height
-//!   asked for. The proof bounds the curvature of the section over the patches around both points.
+//!   asked for.
 //!
-//! # Degenerate input
-//! A plane that only touches the boundary, or that contains a part of the boundary, has to be avoided by the
-//! caller. So the first and the last section of a surface are traced [`INSET_MM`] inside it.
+//! The plane must not touch the boundary without crossing it, and must not contain a part of the boundary. So
+//! callers trace the first and the last section of a surface [`INSET_MM`] inside its extent.
 //!
 //! # Cost
-//! O(boundary stretches + points) for each plane.
-//!
-//! # Differences from the paper
-//! * The paper replaces the boundary by a polygon. A polygon can miss two intersections that lie between two
-//!   of its corners. Here the extremes of each boundary curve are found, from the sign of the derivative at
-//!   16 places of each patch.
-//! * The step length follows from the bound of the curvature.
-//! * Sections that never meet the boundary are not searched. There are none: a closed section needs a fold or
-//!   an overhang, and the proof excludes both.
+//! O(s + n) for n points of a section and s stretches of the boundary.
 //!
 //! # Reference
-//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", eq. 2 and 3.
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 3, eq. 2 and 3. The step
+//! length is constant in the paper. Here it follows from a bound of the curvature.
 
 mod boundary;
 

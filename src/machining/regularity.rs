@@ -1,34 +1,26 @@
 //! Proves that a ball cutter of radius R can follow a surface.
 //!
-//! # Method
 //! Two conditions must hold at every point of the surface:
-//! 1. The normal n points up: its z coordinate is positive.
+//! 1. The normal points up: its z coordinate is positive.
 //! 2. Every concave curvature is below 1 / R. Then the offset by R does not fold.
 //!
-//! A box is a patch, or a subpatch of one, with its control net. The control net encloses each derivative
-//! over the box in a ball of vectors. The balls bound the normal and the principal curvatures
-//! ([`curvature`]). A box is proved if these bounds show both conditions. Condition 2 must be shown with half
-//! the margin 1 - R k or more, where k is the largest concave curvature at the centre of the box. A box that
-//! is not proved is halved.
-//!
-//! A proved box also bounds how steep the surface is ([`Slope::share`]). If that bound is too loose, the box
-//! is halved further, but at most 14 times in all.
-//!
-//! # Errors
-//! * `Overhang`: condition 1 fails at the centre of a box. `Folds`: condition 2 fails there.
-//! * The same error is returned if a box is undecided when the limit of halvings or of boxes is reached. Then
-//!   the surface violates the condition in doubt, or keeps it by less than could be proved.
-//!
-//! `Overhang` names the centre of the box. `Folds` names the most concave place among 5 x 5 points of each
-//! patch.
+//! # Method
+//! 1. Bound the normal and the principal curvatures over each patch from its control net ([`curvature`]).
+//! 2. If the bounds show both conditions, the patch is proved. Otherwise halve it, and go on with both
+//!    halves.
+//! 3. For each proved subpatch, also bound how steep the surface is ([`Slope`]), and the curvature of
+//!    sections of the offset.
 //!
 //! # Guarantees
-//! `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for all of
-//! the offset surface and for its sections with planes at right angles to the chosen axis.
+//! * `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for the
+//!   whole offset, and for its sections with planes at right angles to the chosen axis.
+//! * The error `Overhang` means that condition 1 fails at the centre of a subpatch, and `Folds` that
+//!   condition 2 fails there. The same errors are returned for a subpatch that is still undecided after 42
+//!   halvings, or after 200,000 subpatches of one patch. `Folds` names the most concave place among 5 x 5
+//!   points of each patch.
 //!
 //! # Cost
-//! O(boxes). The number of boxes of a patch grows with the square of its size over its radius of curvature,
-//! and with the inverse square of the margin in condition 2.
+//! O(n) for n subpatches. Their number grows as the largest concave curvature comes close to 1 / R.
 
 use nalgebra::Point3;
 
@@ -270,6 +262,8 @@ enum Finding {
 }
 
 impl Proof<'_> {
+    /// Decides one part. Condition 2 must be shown with at least half the margin 1 - R k, where k is the
+    /// largest concave curvature at the centre of the part.
     fn examine(&self, part: &impl Patch) -> Finding {
         let Self { radius, axis, worst, .. } = *self;
         let derivatives = part.derivatives();

@@ -1,27 +1,20 @@
 //! The skyline of a surface in a plane of constant y: the largest z of the section for every x.
 //!
 //! # Method
-//! 1. Halve the patches that the plane may meet. Stop when y has a derivative of one sign along u or along v
-//!    over the whole part. Then the section of the part is a curve v(u) or u(v) (`part`).
-//! 2. Find the two points at which the section enters and leaves the part. Bound how far the section leaves
-//!    the chord of these points in height, by its second derivative. If the chord is near enough, it becomes
-//!    a [`Segment`]. Otherwise halve the part.
-//! 3. A nearly upright section has no such bound in height. There a part that is narrow enough becomes a
-//!    level [`Segment`] at the height of its top.
-//! 4. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
+//! 1. Halve the patches that the plane may meet, until the section of each part is near its chord in height.
+//!    The chord becomes a [`Segment`] (`part`).
+//! 2. Where the section is nearly upright, halve until the part is narrow enough. A level [`Segment`] at the
+//!    height of its top replaces the section there.
+//! 3. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
 //!
 //! # Guarantees
-//! * Segments and section differ in height by at most [`Accuracy::height_mm`] at the same x.
-//! * On nearly upright walls, heights are compared at places up to [`Accuracy::width_mm`] apart.
-//! * The same two bounds hold for a union of sections.
+//! * The skyline is accurate to [`Accuracy::height_mm`] at every x. At nearly upright walls it may have the
+//!   height of a place up to [`Accuracy::width_mm`] away.
 //! * Slots between upright walls may be missing if they are narrower than `width_mm`.
 //! * Creases, folds and overhangs of the surface are allowed.
 //!
-//! # Degenerate input
-//! * Where an edge of the surface grazes the plane, the ends of the section may be those of a section with a
-//!   plane up to `height_mm` away.
-//! * A surface that lies upright in the plane has no section. If the search then examines too many parts, it
-//!   returns an error.
+//! An edge of the surface that grazes the plane may count as if the plane lay up to `height_mm` beside it. A
+//! surface that lies in the plane has no skyline. A plane that needs more than a million parts is refused.
 //!
 //! # Cost
 //! O(k) for k segments of a section. The envelope takes O(n log n + n m) for n segments, of which at most m

@@ -1,17 +1,19 @@
 //! Curves on a surface: wire models, and sketches of a surface for pictures.
 //!
+//! The wire model of a surface is a family of curves on it, at most a pitch apart.
+//!
 //! # Method
-//! The wire model of a surface is a family of curves on it, at most a pitch apart (Koo et al., section 3.3).
-//! * Wires along u are curves of constant v; wires along v are curves of constant u. The distance between
+//! * Wires along u are curves of constant v, and wires along v are curves of constant u. The distance between
 //!   neighbours is measured along three curves that cross all wires: both sides of the surface and its
 //!   middle.
-//! * Wires along x or y are plane sections, at equal distances ([`Sections`] with the offset distance zero).
+//! * Wires along x or y are plane sections at equal distances ([`Sections`]). The surface must not overhang.
 //!
 //! # Guarantees
-//! Chords leave the curves by at most the chord height asked for.
+//! The chords of a wire leave it by at most the chord height asked for. A model with too many wires or points
+//! is refused.
 //!
 //! # Cost
-//! O(points).
+//! O(n) for n points.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

@@ -1,17 +1,17 @@
-//! Bounds the height to which a part of the surface lifts the tip, by quadratic functions.
+//! Bounds the height to which a part of the surface lifts the tip, by quadratic functions. The axis moves
+//! along a line in plan; t is its position on the line.
 //!
 //! # Method
-//! The axis moves along a line in plan; t is its position on the line.
 //! 1. Choose a place of the part and a point of the cutter that may touch there. The lower side of the cutter
 //!    lies above its tangent plane at this point, by at least a quadratic form ([`Cutter::support_forms`]).
-//! 2. The lift of a point of the part is therefore at most a function of t and of the two parameters of the
-//!    part. The second derivatives of this function are known within bounds.
-//! 3. If the function is concave in the parameters, a quadratic function over the unit square bounds it. The
-//!    largest value of the quadratic function is the bound. If the function is not concave, there is no
-//!    bound.
+//! 2. So the lift of a point of the part is at most a smooth function of t and of the part's two parameters.
+//!    Bound the second derivatives of this function.
+//! 3. If the function is not concave in the two parameters, add the curvature that it lacks. The bound grows
+//!    by the largest change of the function. Then take the largest value of a quadratic function that is
+//!    nowhere smaller.
 //!
 //! # Guarantees
-//! The bound holds for every point of the part and every t, but for rounding.
+//! The bound holds for every point of the part and every t, to within rounding.
 
 use nalgebra::{Matrix2, Vector2};
 

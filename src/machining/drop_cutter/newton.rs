@@ -5,8 +5,9 @@
 //! 1. *By the tangent plane.* One point of the cutter's lower side has the same gradient as the surface. The
 //!    step brings that point over the surface point in plan. This works on the steepest walls and for sharp
 //!    rims.
-//! 2. *By the lift.* The step goes to the place at which the gradient of the lift vanishes. It may be held to
-//!    a side or a corner of the part. A sharp rim has no gradient, so this way does not work there.
+//! 2. *By the lift.* The step goes to the place at which the gradient of the lift vanishes. A step that would
+//!    leave the part ends on a side or in a corner of it. A sharp rim has no gradient, so this way does not
+//!    work there.
 //!
 //! The first way is used while its steps stay inside the part, and the second way at the sides of the part.
 

@@ -1,41 +1,22 @@
 //! Proves that a part of the surface stays clear of the cutter, by round bodies that contain the cutter's
-//! lower side. The proof is exact where cutter and surface are both round.
+//! lower side.
 //!
-//! # Bodies
-//! Let r be the radius of the flat and s that of the rounded corner. The centres of the corner's arcs lie on
-//! a circle of radius r about the axis. Two bodies about the axis are used. Both touch the cutter where its
-//! lower side has the slope of a known contact.
+//! # Method
+//! 1. Choose bodies of revolution about the cutter's axis: a ball, and for a bull nose also a flattened
+//!    spheroid. Each body contains the lower side of the cutter. It touches the cutter where the cutter's
+//!    lower side is as steep as at a known contact.
+//! 2. Bound the squared distance of the part's points from the centre of each body. For a spheroid, lengths
+//!    are scaled so that it becomes a ball. The squared distance is a polynomial of the part's parameters, or
+//!    a quotient of two polynomials. The least Bernstein coefficient bounds it from below.
+//! 3. If all points of the part lie outside one body, the part is clear of the cutter.
 //!
-//! *A ball.* Its centre is a point of the axis. The line from there to the circle of centres is at right
-//! angles to the cutter at the known slope.
+//! If the cutter moves along a straight line, the bodies move with it. A similar bound then holds for the
+//! whole move.
 //!
-//! *A flattened spheroid*, for the corner of a bull nose. Let q be the squared distance of a point from the
-//! axis, and h its height over the circle of centres. Then the squared distance of the point from the circle
-//! is
-//!
-//! q + r^2 - 2 r sqrt(q) + h^2.
-//!
-//! For every c > 0, sqrt(q) <= (q + c^2) / (2 c). So a point is outside the corner if
-//!
-//! q (c - r) / c + h^2 >= s^2 + r (c - r).
-//!
-//! The points for which this fails form the spheroid. It touches the corner at the distance c from the axis,
-//! so c is chosen as the distance of the contact.
-//!
-//! # Straight moves
-//! During a move the body's centre follows a line segment of half length m. Take a point at the distance d
-//! from the line of the segment. Let x be its coordinate along this line, from the middle of the segment. For
-//! every k >= 0 its squared distance from the segment is at least
-//!
-//! d^2 + x^2 k / (1 + k) - k m^2.
-//!
-//! The bound is exact at |x| = (1 + k) m.
-//!
-//! # Proof
-//! Over a part the bound of the squared distance is a polynomial of the parameters, or a quotient of two. Its
-//! least Bernstein coefficient bounds it from below. If the cutter fits a fillet, all points of an arc of the
-//! fillet are equally far from the body's centre. The other bounds of a drop decide such an arc only on tiny
-//! parts.
+//! # Guarantees
+//! * A part that reaches above the centre of a body is not decided by this body, because the shank may touch
+//!   it.
+//! * The proof is exact where both cutter and surface are round, as in a fillet that the cutter fits.
 
 use nalgebra::Vector3;
 
@@ -111,6 +92,19 @@ impl RoundBodies {
 impl Spheroid {
     /// The ball and the flattened spheroid that touch the cutter at the slope of `lower`; `None` for a body
     /// that bounds no better than a plane.
+    ///
+    /// Let r be the radius of the flat and s that of the rounded corner. The centres of the corner's arcs lie
+    /// on a circle of radius r about the axis. For a surface point, let q be its squared distance from the
+    /// axis, and h its height over the circle. Then the squared distance of the point from the circle is
+    ///
+    /// q + r^2 - 2 r sqrt(q) + h^2.
+    ///
+    /// For every c > 0, sqrt(q) <= (q + c^2) / (2 c). So a point is outside the corner if
+    ///
+    /// q (c - r) / c + h^2 >= s^2 + r (c - r).
+    ///
+    /// The points for which this fails form the spheroid. It touches the corner at the distance c from the
+    /// axis, so c is the distance of the contact.
     fn around(cutter: &Cutter, lower: &LowerPoint) -> [Option<Self>; 2] {
         let (flat, corner, slope) = (cutter.flat_radius(), cutter.corner_radius(), lower.slope());
         let ball = |radius: f64, rise: f64| Self { squared: radius * radius, weight: 1.0, rise };
@@ -128,6 +122,14 @@ impl Spheroid {
     }
 
     /// Whether a part is proved to be clear of the body, or of its cylinder, during the whole move.
+    ///
+    /// The body's centre follows a line segment of half length m. Take a point at the distance d from the
+    /// line of the segment, and let x be its coordinate along this line, from the middle of the segment. For
+    /// every k >= 0 its squared distance from the segment is at least
+    ///
+    /// d^2 + x^2 k / (1 + k) - k m^2.
+    ///
+    /// The bound is exact at |x| = (1 + k) m.
     fn keeps_below<P: Patch>(&self, part: &SubPatch<P>, way: &Way) -> bool {
         // A part that reaches above the centre may meet the shank, which the body does not contain.
         if part.bounds.max.z > way.center.z - way.half.z.abs() {

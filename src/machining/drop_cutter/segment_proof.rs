@@ -1,18 +1,16 @@
-//! Compares the tips along a stretch with the chord between the tips at its ends.
+//! Compares the tips along a stretch with the chord between the tips at its ends. On a stretch the axis moves
+//! straight from one position to another. The contacts at both positions are known.
 //!
 //! # Method
-//! The axis moves straight from one position to another. The contacts at both positions are known.
-//! 1. *Not too high.* Show for every part of the surface that it lifts no tip more than a given height above
-//!    the chord. The bounds are those of a single drop. The position of the axis on its line is a further
-//!    variable in them (`lift_bound`).
-//! 2. *Not too low.* Take the surface points on the straight line of parameters between both contacts. These
-//!    points lift the tip almost to the chord, because the lower side of the cutter is convex. What is
-//!    missing is bounded by how far the points leave their own chord. If this is too much, try each contact
-//!    alone: it must lift the tip high enough as far as the middle of the stretch.
+//! 1. *Not too low.* Take the surface points between both contacts, along a straight line of parameters. Show
+//!    that they lift the tip nearly to the chord. If they do not, try the two contacts instead, each for its
+//!    half of the stretch.
+//! 2. *Not too high.* Show for every part of the surface that it lifts no tip more than a given height above
+//!    the chord, at any position of the stretch (`lift_bound`).
 //!
 //! # Guarantees
-//! A proof holds for every position of the stretch, but for rounding. If a proof needs too many halvings of
-//! parts, the stretch counts as too high.
+//! A proof holds for every position of the stretch, to within rounding. A stretch whose proof needs too many
+//! halvings counts as too high.
 
 use nalgebra::{Matrix2, Point3, Vector2};
 

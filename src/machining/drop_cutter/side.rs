@@ -1,17 +1,18 @@
 //! Proves that a part of the surface stays clear of the cutter, in a view from the side.
 //!
 //! # Method
-//! The cutter is seen along a level direction. On one side of its axis the outline is the flat, then the
-//! corner, then the shank. The corner is an arc, or a point if the rim is sharp.
+//! 1. Look at cutter and part along a level direction. Beside the axis, the outline of the cutter is its
+//!    flat, its corner and its shank.
+//! 2. Find the stretch of the outline that the part can meet, from the part's least distance to the axis and
+//!    the part's largest height.
+//! 3. Choose a circle that contains this stretch at both ends of a straight move. The circle contains it
+//!    during the whole move, because circles are convex.
+//! 4. If all points of the part lie outside the circle, the part is clear of the cutter. Otherwise try
+//!    another centre of the circle.
 //!
-//! Let Q be the place in this view at the part's least distance from the axis and at the part's largest
-//! height. The part can meet only the stretch of the outline from the point beneath Q to the point beside Q.
-//! A circle is chosen that contains this stretch at both ends of a straight move. It contains the stretch
-//! during the whole move, because circles are convex. If all points of the part lie outside the circle in
-//! this view, the part is clear of the cutter.
-//!
-//! Several centres of the circle are tried. The best one for a swept fillet is the centre of the fillet: all
-//! points of the fillet's arc are equally far from it. The proof is exact for such a fillet.
+//! # Guarantees
+//! The proof is exact for a fillet that is swept along the direction of the view, because one of the centres
+//! tried is that of the fillet.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -60,8 +61,10 @@ impl Side {
     }
 
     /// Whether it is proved, in the view along the level vector `along`, that no point of a part lifts the
-    /// tip higher. The tip makes a straight move with its middle at `tip`; `half` is half the vector of the
-    /// move.
+    /// tip higher. Let Q be the place in this view at the part's least distance from the axis and at the
+    /// part's largest height. The part can meet only the stretch of the outline from the point beneath Q to
+    /// the point beside Q. The tip makes a straight move with its middle at `tip`; `half` is half the vector
+    /// of the move.
     pub(super) fn keeps_below<P: Patch>(
         &self,
         part: &SubPatch<P>,

@@ -1,18 +1,10 @@
 //! A lower bound of the distance between a part of a patch and a piece of the path of a ball's centre.
 //!
 //! # Method
-//! The squared distance from a surface point to a line or to a point is a polynomial in the parameters of the
-//! part. For a rational patch it is the quotient of two polynomials. The least Bernstein coefficient bounds
-//! it from below.
-//!
-//! The squared distance to a circle contains a square root. A polynomial below it takes its place. Let r be
-//! the radius of the circle and c any positive number. For a surface point, let h be its height over the
-//! plane of the circle, and q its squared distance from the circle's axis. Then
-//!
-//! distance^2 = q + r^2 - 2 r sqrt(q) + h^2 >= q (c - r) / c + r (r - c) + h^2,
-//!
-//! because sqrt(q) <= (q + c^2) / (2 c). Both sides are equal where q = c^2. c^2 is the value of q at the
-//! part's centre. Along the line of contact q is nearly constant, so little is lost there.
+//! 1. Express the squared distance from a surface point to the piece by the parameters of the part. For a
+//!    line or a point this is a polynomial, or a quotient of two polynomials for a rational patch. For an
+//!    arc, a polynomial that is nowhere larger replaces the squared distance.
+//! 2. Take the least Bernstein coefficient. It bounds the polynomial from below.
 
 use nalgebra::Vector3;
 
@@ -62,6 +54,14 @@ fn to_line(line: &Line, part: &impl Patch) -> SquareBound {
     part.bound_squares(&start, &[across, along.cross(&across)], &[1.0; 2])
 }
 
+/// The squared distance to a circle contains a square root. Let r be the radius of the circle and c any
+/// positive number. For a surface point, let h be its height over the plane of the circle, and q its squared
+/// distance from the circle's axis. Then
+///
+/// distance^2 = q + r^2 - 2 r sqrt(q) + h^2 >= q (c - r) / c + r (r - c) + h^2,
+///
+/// because sqrt(q) <= (q + c^2) / (2 c). Both sides are equal where q = c^2. c^2 is the value of q at the
+/// part's centre. Along the line of contact q is nearly constant, so little is lost there.
 fn to_arc(arc: &Arc, part: &impl Patch) -> SquareBound {
     let center = arc.center().coords;
     let axes = arc.plane().axes().map(|c| Vector3::ith(c, 1.0));

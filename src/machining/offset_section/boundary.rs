@@ -122,6 +122,9 @@ impl Boundary {
             .then(|| self.root(surface, &MonotoneRange { side, t, value }, at))
     }
 
+    /// Cuts one side at the extremes of the coordinate, found from the sign of the derivative at [`SAMPLES`]
+    /// places a span. The paper replaces the boundary by a polygon. A polygon can miss two intersections that
+    /// lie between two of its corners.
     fn add_side(&mut self, surface: &dyn Surface, side: Side, budget: &Budget) -> Result<(), Stopped> {
         let [nu, nv] = surface.spans();
         let spans = if matches!(side, Side::LowU | Side::HighU) { nv } else { nu };

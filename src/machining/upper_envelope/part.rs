@@ -66,7 +66,8 @@ fn level(from_x: f64, to_x: f64, z: f64) -> Segment {
     Segment { from: Vector2::new(from_x, z), to: Vector2::new(to_x, z) }
 }
 
-/// The section as a function of u.
+/// The section as a function of u. The part must be halved if y has no derivative of one sign along v over
+/// the whole part.
 fn along_u<P: Patch>(
     patch: &P,
     derivatives: &DerivativeBounds,

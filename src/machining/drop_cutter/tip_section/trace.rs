@@ -1,18 +1,19 @@
 //! Finds the sections over one line of positions of the axis, by bisection.
 //!
-//! # Method
-//! A position *counts* if a section runs through the contact there. The line is cut into intervals, and for
-//! both ends of each it is known whether they count. There are three cases:
-//! * *Neither end counts.* The interval has no section if it is shorter than the search step, or if no part
-//!   of the surface is near it. Otherwise it is halved.
-//! * *One end counts.* The section ends within the interval, at a place that bisection finds to 1e-8 mm.
-//! * *Both ends count.* The interval is done if the tips are proved to keep to the chord of its ends.
-//!   Otherwise it is halved, down to a length of 1e-6 mm. Then its ends are the foot and the head of an
-//!   upright wall.
+//! A position *counts* if a section runs through the contact there.
 //!
-//! Newton's method finds the contact in the middle of an interval, starting from the contact at one end. The
-//! contact found this way may not be the highest. Then the proof of the chord fails, and the contacts at both
-//! ends are searched again with a proof. The contact at the end of a section is always proved.
+//! # Method
+//! Cut the line into intervals, and find for both ends of each interval whether they count.
+//! * *Neither end counts.* If no part of the surface is near the interval, it has no section. An interval
+//!   shorter than 0.05 of the cutter's radius (less on a small surface) is taken to have none. Otherwise
+//!   halve the interval.
+//! * *One end counts.* The section ends within the interval. Bisection finds this place to 1e-8 mm.
+//! * *Both ends count.* If the tips are proved to keep near the chord of the ends, the interval is done.
+//!   Otherwise halve it. The ends of an interval shorter than 1e-6 mm are the foot and the head of an upright
+//!   wall.
+//!
+//! # Guarantees
+//! The chords of a section are proved. So are the contacts at its ends.
 
 use nalgebra::{Point3, Vector2};
 
@@ -344,6 +345,8 @@ impl<'a, P: Patch> Trace<'a, P> {
     }
 
     /// The contact that Newton's method finds from `guess`, if it counts. It is not proved to be the highest.
+    /// If it is not, the proof of the chord fails, and the contacts at both ends are searched again with a
+    /// proof.
     fn followed(&self, at: f64, guess: [f64; 2]) -> Option<Contact> {
         let contact = self.sections.contacts.near(self.position(at), guess)?;
         self.counts(&contact).then_some(contact)

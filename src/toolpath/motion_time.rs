@@ -1,34 +1,26 @@
-//! Estimates the time that a machine with a limited acceleration a needs for a toolpath.
+//! Estimates the time that a machine with a limited acceleration needs for a toolpath.
 //!
 //! # Method
-//! 1. Cut the path into chains: runs of moves of one kind, feed or rapid. The machine is at rest at both ends
-//!    of a chain. So it rests at the ends of the path, at a dwell, and between rapid and feed.
-//! 2. Limit the speed within a move by its feed. On an arc of curvature k the centripetal acceleration is
-//!    limited as well: v^2 k <= a for the speed v. A parabola is taken in parts, each with its largest
-//!    curvature.
-//! 3. Limit the speed v at the joint of two moves, where w is the angle between them (pi if they go straight
-//!    on). Take the circle that touches both moves and leaves the joint by d = 0.01 mm, the default of Grbl.
-//!    The speed is at most that on the circle: v^2 = a d sin(w / 2) / (1 - sin(w / 2)).
-//! 4. Look ahead: lower the speeds at the joints backward along the chain, then forward. At the end,
-//!    v1^2 <= v0^2 + 2 a l holds between any two neighbouring joints, with the speeds v0 and v1 and the
-//!    length l of the move.
-//! 5. Let each move accelerate from the speed at its start, run at its largest speed, and slow down to the
-//!    speed at its end. If the largest speed is not reached, it slows down at once.
+//! 1. Cut the toolpath into chains: runs of moves of one kind, feed or rapid. The machine is at rest at both
+//!    ends of a chain and during dwells.
+//! 2. Limit the speed within each move by its feed. On arcs and parabolas, limit the centripetal acceleration
+//!    as well.
+//! 3. Limit the speed at each joint of two moves. The sharper the corner, the lower the limit (Jeon's
+//!    junction deviation of 0.01 mm, the default of Grbl).
+//! 4. Look ahead: lower the limits at the joints until the machine can brake and accelerate from each joint
+//!    to the next.
+//! 5. Let each move accelerate from the speed at its start, run at its largest speed, and brake to the speed
+//!    at its end.
 //!
 //! # Guarantees
-//! * The time is at least length divided by feed.
-//! * The time falls as a grows. It tends to length divided by feed where no move turns back.
+//! * The time is at least length divided by feed, and falls as the acceleration grows.
 //! * The time does not change when a line or an arc is divided.
 //!
-//! # Degenerate input
-//! Moves without length take no time and make no joints.
+//! The time is an estimate, because one acceleration stands for all axes, along the path and across it. Jerk,
+//! the limits of single axes, and the number of blocks that a control looks ahead are not known here.
 //!
 //! # Cost
 //! O(n) in the moves: 0.05 microseconds each.
-//!
-//! # Differences from a control
-//! The same acceleration holds for all axes, along the path and across it. Jerk, the limits of single axes
-//! and the number of blocks that a control looks ahead are not known here. So the time is an estimate.
 //!
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
@@ -97,7 +89,9 @@ impl Chain {
         sum
     }
 
-    /// Squares of the speeds before, between and after the moves, mm2/s2.
+    /// Squares of the speeds before, between and after the moves, mm2/s2. They are lowered backward along the
+    /// chain, then forward. At the end they differ by at most 2 a l over a move of the length l, with the
+    /// acceleration a.
     fn joint_speeds(&self, acceleration: f64) -> Vec<f64> {
         let moves = &self.stretches;
         let mut squares = vec![0.0; moves.len() + 1];
@@ -117,7 +111,9 @@ impl Chain {
 }
 
 /// Radius of the circle that stands for the corner between two directions, mm; infinite where there is no
-/// corner.
+/// corner. The circle touches both moves and leaves the corner by d = [`JUNCTION_DEVIATION_MM`]. Its radius
+/// is d sin(w / 2) / (1 - sin(w / 2)), where w is the angle between the moves (pi if they go straight on).
+/// The square of the speed at the corner is at most the acceleration times this radius.
 fn corner_radius_mm(before: &Vector3<f64>, after: &Vector3<f64>) -> f64 {
     let cosine = before.dot(after).clamp(-1.0, 1.0);
     // sin(w / 2) for the angle w between the way back and the way on.

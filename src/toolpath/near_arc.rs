@@ -1,15 +1,17 @@
-//! Makes exact arcs of rounded ones. Other software rounds ends and centre, so the radii at the two ends no
-//! longer agree.
+//! Makes exact arcs of rounded ones. Other software rounds ends and centre, so the two radii (the distances
+//! of the ends from the centre) no longer agree.
 //!
 //! # Method
-//! The centre moves to the perpendicular bisector of the ends. If the arc then stays near enough to the given
-//! one, it is the answer. An arc that nearly closes may move too far, because its ends are close together and
-//! a small error tilts their bisector. Then the arc is divided at the middle of its sweep, at the mean of the
-//! two radii, and each half is made exact on its own. If a half moves too far as well, the arc is refused.
+//! 1. Move the centre to the perpendicular bisector of the ends. If the new arc lies within the allowed
+//!    distance of the given one, it is the answer.
+//! 2. Otherwise divide the given arc at the middle of its sweep, at the mean of its two radii, and make both
+//!    halves exact. This helps an arc that nearly closes, because its ends say little about its centre.
+//! 3. If a half still moves too far, refuse the arc. An arc whose two radii differ by more than the allowed
+//!    distance is refused at once.
 //!
 //! # Guarantees
-//! A control may run the given arc about the given centre, at any radius between those of the two ends.
-//! [`NearArc::moved_mm`] bounds the distance from every such path to the exact arcs, and back.
+//! A control may run the given arc at any radius between those of its two ends. [`NearArc::moved_mm`] bounds
+//! the distance from every such path to the exact arcs, and from the exact arcs to the path.
 
 use std::f64::consts::TAU;
 

@@ -1,36 +1,31 @@
-//! Rounds curves to the grid of the output: the geometry that a program will state. A *step* is one unit of
-//! the last decimal.
+//! Rounds curves to the decimals of the output: the geometry that a program will state. A *step* is one unit
+//! of the last decimal.
+//!
+//! The rounded ends of an arc are in general not equally far from its rounded centre. A control may run the
+//! arc at either of these two radii, or at one between them. So a block stands for several possible paths.
 //!
 //! # Method
-//! 1. *Ends.* Each end is rounded on its own. Two curves that meet in a point still meet in its rounded
-//!    point.
-//! 2. *Arcs.* The centre is projected onto the perpendicular bisector of the rounded ends. The nine grid
-//!    points around it are tried as centres. The written radii at the two ends must agree within one step.
-//!    The distance between the arc and every path that a control may run for the block must be small enough
-//!    (`bound`). Of the centres that pass, the one with the smallest distance is taken. If none passes, the
-//!    arc is divided in two (`candidate`).
-//! 3. *Lines instead of arcs.* An arc that is flatter than half a step becomes a line. An arc of a radius
-//!    above [`MAX_RADIUS_MM`] becomes chords. So does one whose radius is so small that controls take it for
-//!    zero.
-//! 4. *Parabolas.* The three control points are rounded. The parabola is divided in two if rounding moves it
-//!    too far, or if a control would run it too inexactly (`parabola`). A parabola that is flatter than half
-//!    a step becomes a line. Where the control has no blocks for parabolas, chords are written, no farther
-//!    from the parabola than half a step.
+//! 1. Round each end of a curve on its own. Curves that meet in a point still meet after rounding.
+//! 2. For an arc, try nine centres on the grid of the output, and take the best (`candidate`). If no centre
+//!    gives the guarantees below, divide the arc in two.
+//! 3. For a parabola, round the three control points. If the guarantees do not hold, divide the parabola in
+//!    two (`parabola`).
+//! 4. Write lines instead of a curve that is flatter than half a step. Also write lines instead of arcs that
+//!    are too large or too small for controls, and instead of parabolas if the control has no blocks for
+//!    them.
 //!
 //! # Guarantees
-//! * A written curve lies within [`MAX_DISPLACEMENT_STEPS`] of its source. The distance is measured from
-//!   curve to source and from source to curve, with points matched in the order of travel. It holds for any
-//!   radius that a control may take between those at an arc's two ends. Each curve carries its own bound.
-//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] and [`MAX_MISMATCH_MM`].
+//! * Every path that a control may run has a Frechet distance of at most [`MAX_DISPLACEMENT_STEPS`] steps
+//!   from the source curve. Each written curve carries its own bound of this distance.
+//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] steps and within
+//!   [`MAX_MISMATCH_MM`] mm.
 //! * A full circle is written for a full circle only.
 //!
-//! # Degenerate input
-//! * A tiny curve may have equal rounded ends and lie within half a step of its chord. It is not written.
-//! * A coordinate too large for the output's number of decimals is an error.
-//! * A curve that needs more than [`MAX_PIECES`] is an error.
+//! A line whose ends round to the same point is not written. A coordinate too large for the number of
+//! decimals is refused. So is a curve that needs more than [`MAX_PIECES`] blocks.
 //!
 //! # Cost
-//! O(1) for nearly every curve; O(sqrt(radius / step)) where chords are needed.
+//! O(1) for nearly every curve. An arc that is too large for controls needs O(sqrt(radius / step)) lines.
 
 mod biarcs;
 pub(super) mod bound;

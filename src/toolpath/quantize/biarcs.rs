@@ -1,28 +1,24 @@
 //! Bounds how far a control leaves a parabola that a block states as a quadratic spline.
 //!
-//! LinuxCNC has such blocks, but it runs arcs instead of the parabola (`NURBS_FEED` and `biarc` in its
-//! `emccanon.cc`). It divides the parameter into twelve equal parts and runs each part as two arcs. The arcs
-//! touch each other, and the tangents of the parabola at the ends of the part. LinuxCNC takes these tangents
-//! from differences over 1e-5 of the parameter to each side. At an end of the block it takes one side only.
+//! LinuxCNC has such blocks. It divides the parameter of the parabola into twelve equal parts, and runs two
+//! arcs instead of each part (a biarc). The arcs touch each other, and they touch the parabola at the ends of
+//! the part.
 //!
 //! # Method
 //! 1. Compute the same arcs, by formulas without the cancellation in LinuxCNC's own.
-//! 2. Divide each part of the parabola where the common normal of its two arcs meets it. Compare each arc
-//!    with its share of the parabola along the arc's normals.
-//! 3. Let x be a point of the parabola seen from the arc's start, n the vector from there to the arc's
-//!    centre, and r the arc's radius. The distance of x from the circle is (|x|^2 - 2 x . n) / (|x - n| + r).
-//!    The numerator is a polynomial of the parameter, and its Bernstein coefficients bound it. The same bound
-//!    shows that the denominator is near 2 r.
-//! 4. Add an allowance for LinuxCNC's rounding, in its differences of points and in its quadratic equation.
+//! 2. Divide each part of the parabola at the normal on which its two arcs meet. Each arc then has its own
+//!    share of the parabola.
+//! 3. Bound the distance of each share from the circle of its arc.
+//! 4. Add an allowance for the rounding in LinuxCNC's formulas.
 //!
 //! # Guarantees
-//! The bound holds for the distance from the arcs to the parabola and back, with points matched in the order
-//! of travel (a Frechet distance). There is no bound for a part that turns by less than 1e-6 radians:
-//! LinuxCNC divides by the square of the turn. There is none either for a part that turns by more than one
-//! radian.
+//! * The sum is an upper bound of the Frechet distance between the arcs and the parabola.
+//! * There is no bound if a part turns by less than 1e-6 radians, because LinuxCNC divides by the square of
+//!   the turn. There is none either if a part turns by more than one radian.
 //!
 //! # Reference
-//! K. M. Bolton, *Biarc curves*, Computer-Aided Design 7, 1975.
+//! `NURBS_FEED` and `biarc` in LinuxCNC's `emccanon.cc`; K. M. Bolton, *Biarc curves*, Computer-Aided Design
+//! 7, 1975.
 
 use nalgebra::Vector2;
 
@@ -77,7 +73,8 @@ impl Quadratic {
         self.b * (2.0 * u) + self.a * (u * u)
     }
 
-    /// Half the derivative, as the control computes it from differences.
+    /// Half the derivative, as the control computes it from differences: to both sides, and at an end of the
+    /// block to one side only.
     fn velocity(&self, u: f64) -> Vector2<f64> {
         let (low, high) = ((u - DIFFERENCE).max(0.0), (u + DIFFERENCE).min(1.0));
         self.b + self.a * ((low + high) / 2.0)
@@ -128,6 +125,11 @@ impl Quadratic {
 
     /// The largest distance, mm, of a part of the parabola from the arc that joins two points and starts
     /// along `tangent`.
+    ///
+    /// Let x be a point of the parabola seen from the arc's start, n the vector from there to the arc's
+    /// centre, and r the arc's radius. The distance of x from the circle is (|x|^2 - 2 x . n) / (|x - n| +
+    /// r). The numerator is a polynomial of the parameter, and its Bernstein coefficients bound it. The same
+    /// bound shows that the denominator is near 2 r.
     fn to_arc(
         &self,
         [start, end]: [&Vector2<f64>; 2],

@@ -1,24 +1,22 @@
 //! Bounds the distance between an arc and every path that a control may run for the arc's block.
 //!
+//! The block states rounded ends and a rounded centre. A control turns about the rounded centre, at a radius
+//! between the distances of the two ends from that centre.
+//!
 //! # Method
-//! The arc has the centre C and the radius R. Its block states rounded ends and a rounded centre W. A control
-//! turns about W, at a radius somewhere between those of the block's two ends.
-//!
-//! *By angle.* A point of the control's path is compared with the point of the arc in the same direction from
-//! C. Their distance is the difference between R and the point's distance from C. Closed formulas give the
-//! largest difference, for the smallest and for the largest radius about W. The control's path may begin or
-//! end beyond an end of the arc, by a small angle. Then the point is compared with that end, and the bound
-//! includes the chord of the angle. On a helix the bound includes the difference of the heights.
-//!
-//! *By fraction.* A helix is compared in a second way, too: points at equal fractions of the turn, at 33
-//! fractions. A bound of the second derivative shows by how much the distance can grow between two of these
-//! fractions. That much is added. The smaller of the two bounds counts.
+//! 1. *By angle.* Compare each point of the control's path with the point of the arc in the same direction
+//!    from the arc's centre. Closed formulas bound the distance of such points. Where the control's path
+//!    reaches beyond an end of the arc, compare its points with that end. On a helix the bound includes the
+//!    difference of the heights.
+//! 2. *By fraction.* On a helix, also compare points at equal fractions of the turn, at 33 fractions. Add a
+//!    bound of how much the distance can grow between two fractions. The smaller of the bounds by angle and
+//!    by fraction counts.
 //!
 //! # Guarantees
-//! The bound holds for the distance from path to arc and from arc to path, with points matched in the order
-//! of travel (a Frechet distance). For the rounding of the computation, 64 units in the last place of the
-//! largest coordinate are added. There is no bound where path and arc have different turns, or where W is
-//! farther from C than half of the smallest radius.
+//! * The result is an upper bound of the Frechet distance. It includes the rounding of its own computation.
+//! * There is no bound if the path begins or ends more than half a radian beside an end of the arc, or if it
+//!   turns the other way or by a whole turn more or less. There is none either if the two centres are farther
+//!   apart than half of the smallest radius of path and arc.
 
 use std::f64::consts::{PI, TAU};
 
@@ -136,6 +134,9 @@ impl<'a> Between<'a> {
         })
     }
 
+    /// The bound by angle. The distance from the arc's circle is largest or least for the largest or the
+    /// smallest radius about the family's centre. The family may begin or end beyond an end of the arc, by a
+    /// small angle. The point there is compared with that end, and the bound includes the chord of the angle.
     fn by_angle(&self) -> f64 {
         let (family, arc) = (self.family, self.arc);
         let [least, most] = self.extremes_along_shift();
@@ -182,6 +183,8 @@ impl<'a> Between<'a> {
         [least, most]
     }
 
+    /// The bound by fraction. A bound of the second derivative shows by how much the distance can grow
+    /// between two fractions.
     fn by_fraction(&self) -> f64 {
         let (family, arc) = (self.family, self.arc);
         let from = arc.start.xy() - arc.center;

@@ -27,6 +27,8 @@ struct Rounded<'a> {
 }
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
+/// The centre of the source is projected onto the perpendicular bisector of the rounded ends. The nine grid
+/// points around it are tried as centres.
 pub fn best(piece: &ArcPart, grid: &Grid) -> Result<Option<Written>, QuantizeError> {
     let rounded = Rounded::new(piece, grid)?;
     let [a, b] = rounded.in_plane(rounded.start_units);

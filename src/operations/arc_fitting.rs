@@ -3,21 +3,19 @@
 //! # Method
 //! 1. Fit the points in the requested plane, or else in the plane in which they lie
 //!    ([`arc_fit`](crate::geometry::arc_fit)).
-//! 2. Measure again how far the fitted curves leave the points ([`following`]). Lines through the points
-//!    replace a curve that exceeds the tolerance. Biarcs are not replaced: they pass through the points
-//!    whatever the tolerance.
-//! 3. Bound the same deviation for the program at its decimals.
+//! 2. Measure the deviation of the fitted curves again, by separate code ([`following`]). If the deviation of
+//!    a curve exceeds the tolerance, lines through its points replace the curve. Biarcs are never replaced.
+//! 3. Bound the deviation of the program at its decimals.
 //! 4. Turn the curves into a toolpath.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance of the points from the curves, in the order of travel. With the
-//!   measure `polyline` it bounds the distance between the curves and the lines between the points, from
-//!   curve to line and from line to curve. It is at most the tolerance, up to rounding. Only biarcs may
-//!   exceed the tolerance; a warning then says so.
-//! * `deviation_written_max_mm` bounds the same distance for the program. It holds for every path that the
-//!   control may take for a block.
+//! * `deviation_max_mm` bounds the deviation of the curves. With the measure `points` this is the distance of
+//!   the points from the curves, taken in the order of travel. With the measure `polyline` it is the distance
+//!   from the curves to the polyline, and from the polyline to the curves.
+//! * The deviation is at most the tolerance, to within rounding. Only the method `biarc` may exceed the
+//!   tolerance, because biarcs pass through all points whatever the tolerance; a warning then says so.
+//! * `deviation_written_max_mm` bounds the deviation of every path that the control may take for the program.
 //!
-//! # Degenerate input
 //! Neighbouring points that coincide count once. A path whose points are all the same is refused.
 //!
 //! # Cost

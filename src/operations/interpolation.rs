@@ -1,47 +1,35 @@
-//! Interpolates a plane curve within a band.
+//! Divides a plane curve into elements that stay within a band about it: lines, arcs or parabolas.
 //!
 //! # Method
-//! 1. Make the curve from its data (`source`). Divide its domain into equal initial elements.
-//! 2. Divide each initial element into lines, parabolas, both, or arcs:
-//!    * *by bisection*, as Hyun does: an element that leaves the band is halved (`bisection`);
-//!    * *into as few elements as possible*: each element ends as far on as it can (`least`). Then a search
-//!      tries to save elements (`beam_search`), joints move to corners of the curve (`corners`), and lines
-//!      replace arcs that hardly bend (`straight`). On request, the joints of lines may lie anywhere in the
-//!      band (`corridor`).
+//! 1. Divide the domain of the curve into equal ranges, as many as the job asks for.
+//! 2. Divide each range into elements, in one of two ways. *Bisection*, as in Hyun's paper, halves each
+//!    element that leaves the band (`bisection`). *Least* lets each element reach as far as it can (`least`),
+//!    and then searches for fewer elements (`beam_search`). On request, the joints of lines may lie beside
+//!    the curve (`corridor`).
 //! 3. Prove over the whole of each element that it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
 //! 4. Bound from below how many elements are needed (`lower_bound`).
 //! 5. Turn the elements into a toolpath (`path`). If the control runs no parabolas, arcs or lines within the
-//!    same band replace them. For a cutter beside the contour, the elements are offset by the cutter's radius
-//!    (`compensation`).
+//!    same band replace them. On request, offset the path by the cutter's radius (`compensation`).
 //!
 //! # Guarantees
-//! * Every element is proved, not sampled, to stay within the band by the requested measure.
-//! * `deviation_max_mm` bounds the deviation of all elements. It exceeds the largest deviation found by at
-//!   most a quarter of it plus 2.5e-7 mm.
 //! * Elements join without gaps from the first point of the curve to the last.
-//! * Any set of elements with the same method and the same kind of joints has at least
-//!   `n_elements_lower_bound` elements.
+//! * `deviation_max_mm` is at least the deviation of every element. It is too large by at most a quarter of
+//!   the largest deviation plus 2.5e-7 mm.
+//! * `n_elements_lower_bound`, where it is known, holds for all sets of elements with the same method and the
+//!   same kind of joints.
 //!
-//! # Degenerate input
-//! Somewhere the band may be too narrow for any element, however short: for example, if it has no room on the
-//! side to which the curve bends. Then the job is refused, and the error names the place.
+//! A job is refused if no element stays within the band at some place, however short it is. This happens, for
+//! example, if the band has no room on the side to which the curve bends. The error names the place.
 //!
 //! # Cost
-//! O(n) for n elements. Bisection takes O(n log n) if the curve has many knots. Joints in the band and paths
-//! beside the contour cost more; see `corridor` and [`offset`](crate::geometry::offset).
-//! `benches/interpolation.rs` measures times over growing sizes.
-//!
-//! # Differences from the paper
-//! * The paper samples deviations; here they are proved.
-//! * The paper measures its band vertically in its formulas and along the normal in its tables. Here the
-//!   caller chooses one of the two measures.
-//! * The paper's machining time is that of its interpreter; here it is length divided by feed.
-//! * The tests name the misprints in the paper's tables.
+//! O(n) for n elements, or O(n log n) for bisection of a curve with many knots. Joints beside the curve and
+//! offset paths cost more.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
 //! Technique", Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
+//! The paper samples deviations; here they are proved. The tests name the misprints in the paper's tables.
 
 mod beam_search;
 mod bisection;

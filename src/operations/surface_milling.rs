@@ -1,49 +1,35 @@
-//! Finishes a surface in passes along parallel planes (CL-Cartesian machining), or roughs it along unions of
-//! wires (`wire_union`). The steps below are those of finishing (`cl_cartesian`).
+//! Mills a surface: finishes it in passes along parallel planes (CL-Cartesian machining), or roughs it along
+//! unions of wires (`wire_union`). The steps below are those of finishing.
 //!
 //! # Method
-//! 1. Build the surface from its data ([`source`](crate::geometry::surface::source)). With the boundary
-//!    `past`, continue the surface past its edges.
-//! 2. Find the CL curves with one of two engines:
-//!    * `offset_section`, for ball cutters. It proves that the surface is smooth
-//!      ([`joints`](crate::geometry::surface::joints)) and that the ball can follow it
-//!      ([`regularity`](crate::machining::regularity)). It cuts sections of the offset by the ball's radius
-//!      plus the allowance, and lowers them by the radius (Ju eq. 1).
-//!    * `contact`, for all cutters. It drops the cutter onto the surface, enlarged by the allowance
-//!      ([`drop_cutter`](crate::machining::drop_cutter)). For a ball cutter it tries the sections of the
-//!      offset first, and drops the cutter if a proof fails.
-//! 3. Space the planes equally (`planes`). With the boundary `inside`, cut off each part of a section over
-//!    which the cutter crosses the `outline`. Join the CL points of each section by arcs and lines (`passes`;
-//!    Ju, section 4).
-//! 4. Join the passes, one way or zigzag. Either a link leads from a pass to the next, or the cutter leaves
-//!    the pass and enters the next one (`links`, `entries`).
-//! 5. Prove how deep the cutter cuts into the surface on every move, as computed and as written
-//!    (`certificate`).
+//! 1. Build the surface from its data. On request, continue it past its edges.
+//! 2. Choose parallel planes at equal distances (`planes`).
+//! 3. Find the curves that the tip follows in these planes, the CL curves, with one of two engines. The
+//!    engine `offset_section` is for ball cutters: it traces sections of the offset surface. The engine
+//!    `contact` is for all cutters: it drops the cutter onto the surface.
+//! 4. Make passes of lines and arcs near the CL curves (`passes`). Join them to one path (`links`,
+//!    `entries`).
+//! 5. Prove how deep the cutter cuts into the surface on every move (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from the path to the exact CL curves, and back. It holds for the
-//!   path as computed and as rounded to the resolution. It is at most the tolerance.
-//! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move. The proof does
-//!   not use how the path was made. A path that enters the allowance by more than the tolerance is refused.
-//! * `scallop_max_mm` bounds the height that exact passes leave between them, along the normal of the surface
-//!   (`scallop`). The deviation of the passes is not counted. The bound does not cover places near an edge of
-//!   the surface.
+//! * `deviation_max_mm` bounds the distance from the passes to the exact CL curves, and from the CL curves to
+//!   the passes. It holds before and after rounding, and is at most the tolerance.
+//! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move, before and after
+//!   rounding. The proof does not use how the path was made.
+//! * `scallop_max_mm` bounds the height of the material that passes without deviation leave between them,
+//!   except near edges of the surface (`scallop`).
 //!
-//! # Degenerate input
-//! * A section shorter than two steps of the resolution is left out, because it would vanish in rounding.
-//! * A piece of a section shorter than a tenth of the cutter's radius is left out if the section has a longer
-//!   piece. A warning says so.
+//! A job is refused if its path cuts into the allowance by more than the tolerance. Sections that would
+//! vanish in rounding are left out. A connected part of a section that is shorter than a tenth of the
+//! cutter's radius is left out beside a longer part; a warning says so.
 //!
 //! # Cost
-//! O(p + n log m) for n CL points, m patches and p subpatches of the regularity proof.
-//!
-//! # Differences from the paper
-//! * The paper's step along a section is constant. Here the step follows the proved curvature, and is refined
-//!   until the tolerance holds for the whole curve.
-//! * The paper does not treat rapids, links and the order of passes.
+//! O(n log m) for n CL points and m patches. For ball cutters, the proof of `regularity` is added.
 //!
 //! # Reference
-//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs". The paper's step along a section is
+//! constant; here it follows from the curvature. The paper does not treat rapids, links and the order of
+//! passes.
 
 mod certificate;
 mod cl_cartesian;

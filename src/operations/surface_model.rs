@@ -1,19 +1,19 @@
 //! Describes a surface: its patches, its bounding box, its curvature, and a wire model of it.
 //!
 //! # Method
-//! Build the surface from its data ([`source`](crate::geometry::surface::source)). Turn it so that its normal
-//! points up at its first corner. Find its bounding box and its most concave place by branch and bound on
-//! control nets. Take the wires from [`wire_model`].
+//! 1. Build the surface from its data ([`source`](crate::geometry::surface::source)).
+//! 2. Find its bounding box and its most concave place by branch and bound on control nets.
+//! 3. Trace the wires of the requested wire model ([`wire_model`]).
 //!
 //! # Guarantees
-//! * The box holds the surface. A side of the box lies at most [`BOUNDS_ACCURACY_MM`] beyond the surface. If
-//!   the surface touches a side along a whole curve, that side may lie as far out as the control points.
+//! * The box holds the surface. Each side of the box lies at most [`BOUNDS_ACCURACY_MM`] mm outside the
+//!   surface, or farther where the surface touches that side along a whole curve.
 //! * The curvature is an upper bound. It is at most a hundredth too large, unless the limit of work is
 //!   reached.
-//! * Edges and gaps between patches are warnings; the model is made all the same.
+//! * Edges and gaps between patches are reported as warnings.
 //!
 //! # Cost
-//! O(patches + points of wires).
+//! O(m + n) for m patches and n points of wires.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

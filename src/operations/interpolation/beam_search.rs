@@ -1,15 +1,15 @@
-//! Finds fewer elements than greedy growth, by keeping several places that the same number of elements can
-//! reach.
+//! Searches for fewer elements than greedy growth finds, by keeping several places that the same number of
+//! elements can reach.
 //!
 //! # Method
-//! Layer k holds places of the curve that k elements can reach. The longest element from each of these places
-//! is found. The ends of these elements are places of layer k + 1. Layer k + 1 also gets nearer places, at
-//! equal steps behind the farthest end, if some element from layer k can end there. An element from a nearer
-//! place may reach farther than one from the farthest place, as happens about an inflection. So nearer places
-//! are kept.
+//! 1. Layer k holds places of the curve that k elements can reach. Layer 0 holds the start.
+//! 2. Find the longest element from each place of layer k. The ends of these elements belong to layer k + 1.
+//! 3. Add nearer places to layer k + 1, at equal steps behind the farthest. About an inflection, an element
+//!    from a nearer place may reach farther.
+//! 4. End when an element reaches the end of the curve, or when no fewer elements than by greedy growth are
+//!    possible.
 //!
-//! The search ends when an element reaches the end of the curve. It is given up when it cannot need fewer
-//! elements than greedy growth. It is not tried for more than [`MOST_ELEMENTS`].
+//! A chain of more than [`MOST_ELEMENTS`] elements is left as it is.
 //!
 //! # Cost
 //! For each element, about [`PLACES`] searches for a longest element, and the square of [`PLACES`] samplings

@@ -1,25 +1,20 @@
-//! The fewest lines with joints anywhere in the band: a path with the fewest links through a corridor.
+//! The fewest lines within a band, with joints anywhere in the band.
 //!
 //! # Method
-//! 1. Lay gates across the band, many for each element with joints on the curve. A gate is a straight line
-//!    from one edge of the band to the other. The left ends of the gates make one chain, and the right ends
+//! 1. Lay many straight gates across the band. The left ends of the gates make one chain, and the right ends
 //!    another. The corridor is the polygon between the two chains.
-//! 2. Bound by derivatives how far an edge of the band leaves its chain. With both chains moved inward by
-//!    this bound, the corridor lies inside the band. With both moved outward, it holds the band.
-//! 3. Find the line that leads farthest along the corridor, with the left chain on its left and the right
-//!    chain on its right. It touches both chains, and ends where it leaves the corridor. Its stretch from the
-//!    last touch to the end is called a window. Every path with one line more has to cross the window.
-//! 4. Find the line that leads farthest from this window, and so on. Among the lines that pass the chains so
-//!    far, only the steepest and the flattest are kept (O'Rourke).
-//! 5. Place the joints where successive lines meet. Each joint lies on a window.
+//! 2. Bound how far the edges of the band leave the chains. With both chains moved inward by this bound, the
+//!    corridor lies inside the band. With both moved outward, the corridor holds the band.
+//! 3. From the start, find the line that leads farthest along the corridor. Its stretch from the last touch
+//!    of a chain to its end is called a window. Every path to the end of the corridor crosses the window.
+//! 4. From each window, find the line that leads farthest, up to the end of the corridor.
+//! 5. Place a joint where two successive lines meet.
 //!
 //! # Guarantees
-//! The number of lines through the outer corridor is a lower bound for all paths in the band. Lines through
-//! the inner corridor are not yet proved to stay within the band. The caller proves them.
-//!
-//! # Degenerate input
-//! No path is found if the band folds, or if it turns back within the reach of one line. The joints then stay
-//! on the curve, and the lower bound is 1.
+//! * The number of lines through the outer corridor is a lower bound for all paths of lines within the band.
+//! * The lines through the inner corridor are a candidate: the caller proves that they stay within the band.
+//! * No path is found if the band folds, or if it turns back within the reach of one line. The lower bound is
+//!   then 1. It is also 1 if the curve has a corner and the band is measured along the normal.
 //!
 //! # Cost
 //! O(n m) for n gates, if one line passes m of them.
@@ -221,7 +216,8 @@ impl Touching {
     }
 }
 
-/// All lines with the points `left` on their left and the points `right` on their right.
+/// All lines with the points `left` on their left and the points `right` on their right. Only the two
+/// outermost are kept (O'Rourke).
 #[derive(Debug, Default)]
 struct Bundle {
     left: Vec<Vertex>,

@@ -1,20 +1,16 @@
 //! Greedy division with joints on the curve: each element ends as far on as possible.
 //!
 //! # Method
-//! 1. Find the longest element from a joint. The *strain* of an element is its deviation divided by the width
-//!    of the band on that side. It grows with the element's length, and is one for the longest element. A
-//!    secant search in logarithms finds that length from samples. The element is then proved to stay within
-//!    the band, and shortened if it is not.
-//! 2. Start the next element at its end, and so on.
-//! 3. Where the curve is not convex, look further. A longer element may stay within the band although a
-//!    shorter one does not, so longer ones are tried. An earlier joint may allow the next element to reach
-//!    farther, so earlier joints are tried.
+//! 1. From the last joint, search for the longest element that stays within the band at sampled places.
+//! 2. Prove that the element stays within the band everywhere. Shorten it until it does.
+//! 3. Start the next element at its end.
+//! 4. Where the curve is not convex, try longer elements, too, because one may stay within the band although
+//!    a shorter one does not. Also try earlier joints, because the next element may then reach farther.
 //!
 //! # Guarantees
 //! * Every element is proved to stay within the band.
 //! * For lines on a convex curve, the number of elements is the least possible, up to rounding. For other
 //!   elements and curves it may be larger; `lower_bound` shows by how much at most.
-//! * Each joint is as far on as samples show, to a share of 2e-7 of its element.
 //!
 //! # Cost
 //! O(n) for n elements.
@@ -220,7 +216,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 }
 
-/// The length at which the strain is one, or `room` if the strain stays below one.
+/// The length at which the strain is one, or `room` if the strain stays below one. The strain of an element
+/// is its deviation divided by the width of the band on that side.
 ///
 /// The strain is nearly a power of the length. So a secant in logarithms through the last two trials finds
 /// the root; each trial stays within the bracket.

@@ -1,33 +1,27 @@
-//! A lower bound for the number of elements. It holds for every set of elements with joints on the curve.
+//! A lower bound for the number of elements that a curve needs, if all joints lie on the curve.
 //!
 //! # Method
-//! Suppose that k elements can reach no place beyond r. The last of k + 1 elements then starts at r or before
-//! it. Let b be a bound for the end of every element that starts at r or before it. Then k + 1 elements can
-//! reach no place beyond b, and b becomes the next r. This goes on up to the end of the curve. There are two
-//! ways to show that a place b is a bound:
+//! 1. Let r be the start of the curve. Without an element, no place beyond r is reached.
+//! 2. Find a place b such that no element that starts at r or before ends beyond b.
+//! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 up to the end of the curve.
 //!
-//! *Convex*, for lines. The curve must be convex and turn by less than a right angle. Then a line over a part
-//! of the curve stays within the band if a line over the whole does (`is_convex`). So b is a bound if the
-//! line from r to b leaves the band.
-//!
-//! *By points*, for everything else. An element that covers the range from r to b passes near every point of
-//! the curve there. b is a bound if no element passes near enough to a few of these points:
-//! * three points, for lines: their triangle is higher than the band is wide;
-//! * four points, for arcs: the thinnest ring that holds them is wider than the band;
-//! * four points of a graph y(x), for parabolas: their third divided difference is too large.
+//! A place b is proved in one of two ways. Along a convex curve, no line ends beyond b if the line from r to
+//! b leaves the band. In all other cases, a few points of the curve between r and b are taken: three for
+//! lines, four for arcs and parabolas. No element ends beyond b if none passes near enough to all of these
+//! points.
 //!
 //! # Guarantees
 //! * The bound holds up to a rounding of 1e-9 of the band.
-//! * For lines on convex curves, `least` needs no more elements than the bound.
-//! * For arcs and parabolas the bound is lower than the count of `least` by about a tenth. About inflections
-//!   it is lower still: the worst case seen is 10 for 15 elements.
-//! * For parabolas on a curve that is no graph, the bound is 1.
+//! * For lines on convex curves the bound is the number that greedy growth finds (`least`).
+//! * For arcs and parabolas it is lower than that number by about a tenth. About inflections it is lower
+//!   still: in the worst case seen, it is 10 where `least` finds 15.
+//! * For parabolas on a curve that is no graph y(x), the bound is 1.
 //!
 //! # Cost
-//! O(n) for n elements: about as much as finding the elements.
+//! O(n) for n elements.
 //!
 //! # Reference
-//! Three and four points: C. J. de la Vallee Poussin's theorem; rings: Ebara, Fukuyama, Nakano, Nakanishi,
+//! Lines and parabolas: C. J. de la Vallee Poussin's theorem; arcs: Ebara, Fukuyama, Nakano, Nakanishi,
 //! *Roundness algorithms using the Voronoi diagrams*, CCCG 1989.
 
 use nalgebra::{Matrix2, Point2, Vector2};
@@ -199,7 +193,10 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         start + ruled_out
     }
 
-    /// Whether a few points over a range prove that no element of the method stays within the band there.
+    /// Whether a few points over a range prove that no element of the method stays within the band there:
+    /// * three points, for lines: their triangle is higher than the band is wide;
+    /// * four points, for arcs: the thinnest ring that holds them is wider than the band;
+    /// * four points of a graph y(x), for parabolas: their third divided difference is too large.
     fn rules_out(&self, [from, to]: [f64; 2]) -> bool {
         let at = |part: f64| from + (to - from) * part;
         match self.method {

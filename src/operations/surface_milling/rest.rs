@@ -1,17 +1,15 @@
 //! Searches for rest: material that the cutter cannot reach.
 //!
 //! # Method
-//! 1. Take about 1500 places of the surface. At each, put the cutter where its lower side touches the tangent
-//!    plane of the place.
-//! 2. If another place of the surface is in the way, the cutter stands higher. Then try other positions of
-//!    the axis around the place. From the best of them, move the axis step by step while the lower side of
-//!    the cutter over the place gets lower.
-//! 3. The rest at the place is the least height of the lower side over it, times the z coordinate of the unit
-//!    normal.
+//! 1. Take about 1500 places of the surface. At each place, put the cutter where its lower side touches the
+//!    tangent plane.
+//! 2. If another place of the surface is in the way, the cutter stands higher. Then search for the position
+//!    of the axis at which the lower side of the cutter is lowest over the place.
+//! 3. The rest is the height of the lower side over the place, times the z coordinate of the unit normal.
 //!
 //! # Guarantees
-//! There are none between the sampled places. At a sampled place the figure is too low by at most
-//! `TIP_ACCURACY_MM`. It may be too high, because the search may miss the best position of the axis.
+//! At a sampled place the rest is too low by at most 1e-4 mm. It may be too high, because the search may miss
+//! the best position of the axis. Nothing is known between the sampled places.
 
 use nalgebra::{Point3, Vector2};
 

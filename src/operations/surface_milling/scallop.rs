@@ -1,21 +1,16 @@
-//! Scallops: the height of material that a ball leaves between parallel passes.
+//! Scallops: bounds the height of the material that a ball cutter leaves between passes in parallel planes.
 //!
 //! # Method
-//! Let the passes lie in planes a distance s apart, and let R be the radius of the ball. A ball that touches
-//! the surface at P, with the unit normal n, has its centre at O = P + R n. The surface of all such O is the
-//! offset.
-//! 1. Go from O on the offset straight up or down the slope, across the planes. The nearest plane is reached
-//!    after a way of at most l = s / (2 q). Here q is the least ratio of a distance between planes to the
-//!    distance between their sections along the offset ([`Slope::share`]). This place is the centre C of a
-//!    ball on a pass.
-//! 2. Let k be the largest concave curvature of the offset. Then |C - O| <= l and n . (C - O) <= k l^2 / 2.
-//! 3. The ball about C reaches down to the height h over P, where
-//!
-//! (R - h)^2 + k l^2 (R - h) + l^2 = R^2.
+//! 1. From the centre of a ball that touches the surface, go straight up or down the slope of the offset
+//!    surface to the nearest plane of a pass. The distance of the planes and the steepness of the slope
+//!    ([`Slope`]) bound the way.
+//! 2. A ball of that pass lies at the end of the way. The largest concave curvature of the offset bounds how
+//!    much higher this ball lies.
+//! 3. The height of the material that is left between the two balls follows from the way and the curvature.
 //!
 //! # Guarantees
-//! h is an upper bound. On a plane it is the exact height. The bound does not cover places so near to an edge
-//! of the surface that the way of step 1 would leave it.
+//! The result is an upper bound for passes without deviation. On a plane it is exact. It does not cover
+//! places so near to an edge of the surface that the way of step 1 would leave the surface.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;
@@ -80,13 +75,22 @@ pub(super) fn sampled_slopes(
     Ok(slopes)
 }
 
+/// The bound h for one slope; `None` if the passes are too far apart to meet.
+///
+/// Let s be the spacing and R the radius. A ball that touches the surface at P, with the unit normal n, has
+/// its centre at O = P + R n. The way from O across the planes to the nearest pass is at most l = s / (2 q).
+/// Here q is the slope's share. Let C be the centre of the ball there, and k the largest concave curvature of
+/// the offset. Then |C - O| <= l and n . (C - O) <= k l^2 / 2. The ball about C reaches down to the height h
+/// over P, where
+///
+/// (R - h)^2 + k l^2 (R - h) + l^2 = R^2.
 fn height_at(radius: f64, spacing: f64, slope: &Slope) -> Option<f64> {
     let way = 0.5 * spacing / slope.share;
     if way >= radius {
         return None;
     }
     let half_sum = 0.5 * slope.concavity * way * way;
-    // R - h is the positive root of the equation in the module's doc; this form of h avoids cancellation.
+    // R - h is the positive root of the equation; this form of h avoids cancellation.
     let root = half_sum.hypot((radius * radius - way * way).sqrt());
     Some((way * way + 2.0 * radius * half_sum) / (radius + half_sum + root))
 }

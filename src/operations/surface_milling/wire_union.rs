@@ -1,47 +1,33 @@
-//! Roughs a surface along the union of a wire model with copies of itself, shifted by the radius of the
-//! cutter.
+//! Roughs a surface along the union of a wire model with copies of itself, shifted by the cutter's radius.
 //!
 //! # Method
-//! 1. Cut the surface by planes of constant y at equal distances, no more than the pitch apart. The first and
-//!    the last plane lie on the extent of the surface. The sections are the wires. Where the surface
-//!    overhangs, a wire follows the highest sheet ([`upper_envelope`](crate::machining::upper_envelope)).
-//! 2. Shift the wire model by the radius along +y and along -y, and unite both copies with it. Over a wire
-//!    the path takes the largest z of that wire and of its neighbours within the radius, at the same x.
-//! 3. Move the tip along the union from left to right, on lines between points of the union.
-//! 4. After each pass go up to the clearance plane (the paper's top z), over the next wire, and down to the
-//!    retract plane by rapid. Then plunge.
-//! 5. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)), and report that
-//!    depth.
+//! 1. Cut the surface by planes of constant y at equal distances, at most the pitch apart. The sections are
+//!    the wires. Where the surface overhangs, a wire follows the highest sheet
+//!    ([`upper_envelope`](crate::machining::upper_envelope)).
+//! 2. For each wire, take the largest z at every x among this wire and the wires within the cutter's radius,
+//!    at least one on each side. The curve of these heights is the union over the wire. An allowance is added
+//!    to the radius and to the heights.
+//! 3. Move the tip along each union from left to right, on lines between points of the union.
+//! 4. Between two unions, move by rapid over the clearance plane and down to the retract plane, and then
+//!    plunge.
+//! 5. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from the path to the exact union, and back. It holds for the path
-//!   as computed and as written, and is at most the tolerance. Nearly upright walls of the union are placed
-//!   as accurately as `upper_envelope` states.
-//! * `gouge_max_mm` bounds the depth of cutter and shank in the surface. **The path gouges**, because it is
-//!   not offset in its own plane: where a wire has the slope angle a, a ball of radius R cuts R (1 - cos a)
-//!   deep. The path is for roughing, and the answer warns of the gouge.
+//! * `deviation_max_mm` bounds the distance from the path to the exact unions, and from the unions to the
+//!   path. It holds before and after rounding, and is at most the tolerance. Only slots between upright walls
+//!   that are narrower than 2 % of the tolerance may be missing.
+//! * **The path gouges**, because it is not offset along the wires: where a wire has the slope angle a, a
+//!   ball of radius R cuts R (1 - cos a) deep. `gouge_max_mm` bounds this depth, and the answer warns of it.
 //!
-//! # Degenerate input
-//! A union shorter than two steps of the resolution is left out, because it would vanish in rounding.
+//! A union that would vanish in rounding is left out.
 //!
 //! # Cost
 //! O(n log n) for n segments of wires, and the cost of the gouge bound.
 //!
-//! # Differences from the paper
-//! * The paper shifts by "the wire pitch that corresponds to the tool radius". It says that the neighbouring
-//!   wires protect the part while the cutter's diameter is at most twice the pitch. Here every wire within
-//!   the radius counts, and at least one wire on each side. For such diameters this is the paper's rule. For
-//!   larger diameters the neighbouring wires protect the part as well.
-//! * The pitch here is the distance of the planes that are cut. It may be a little less than the requested
-//!   pitch.
-//! * For an allowance the paper takes a larger cutter. Here the wires within the radius plus the allowance
-//!   count, and the path is lifted by the allowance. So level places keep the allowance.
-//! * The paper's points lie on a raster of 5 mm; here they follow from the tolerance.
-//! * The path does not run in and out beside the part.
-//!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4.
+//! of Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4. The paper's points lie on a raster of 5
+//! mm; here their distance follows from the tolerance.
 
 mod wires;
 
@@ -143,7 +129,13 @@ fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
     warnings
 }
 
-/// The number of wires on each side over which a path passes at least as high.
+/// The number of wires on each side over which a path passes at least as high: all wires within the reach,
+/// and at least one.
+///
+/// The paper shifts the wires by "the wire pitch that corresponds to the tool radius". It says that the
+/// neighbouring wires protect the part while the cutter's diameter is at most twice the pitch. For such
+/// diameters the rule here is the paper's. For larger diameters it protects the part as well. The pitch here
+/// is the distance of the planes that are cut. It may be a little less than the requested pitch.
 fn neighbours(reach_mm: f64, pitch_mm: f64) -> usize {
     ((reach_mm / pitch_mm + PITCH_ROUNDING).floor() as usize).max(1)
 }
@@ -175,6 +167,9 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
 }
 
 /// The pass along an envelope in the plane at `y` mm; `None` if it would vanish in rounding.
+///
+/// For an allowance the paper takes a larger cutter. Here the wires within the radius plus the allowance
+/// count, and the path is lifted by the allowance. So level places keep the allowance.
 fn pass(
     job: &Job,
     envelope: &UpperEnvelope,

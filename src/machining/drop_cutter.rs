@@ -1,15 +1,13 @@
 //! Finds where a cutter that comes down from above touches a surface first.
 //!
 //! The axis of the cutter stands at a given place. Each surface point under the cutter would stop the tip at
-//! some height. This height is the *lift* of the point. The tip comes to rest at the largest lift of all
-//! points.
+//! some height, the *lift* of the point. The tip comes to rest at the largest lift of all points.
 //!
 //! # Method
 //! 1. Divide the surface into small parts, in a hierarchy of boxes (`tree`).
 //! 2. Find the largest lift in a part by Newton's method (`newton`).
-//! 3. Prove for every other part that it has no larger lift. Several bounds are tried, quick ones first
-//!    (`support`, `round`, `side`, `lift_bound`).
-//! 4. Halve each part for which no bound gives the proof, and go on with both halves.
+//! 3. Prove for every other part that it has no larger lift (`support`, `round`, `side`, `lift_bound`).
+//! 4. Halve each part for which the proof fails, and go on with both halves.
 //!
 //! # Guarantees
 //! * The surface may have any shape. Folds, sharp edges, overhangs and boundaries are allowed.
@@ -19,13 +17,6 @@
 //! # Cost
 //! O(log m) for m parts: 3 to 20 microseconds on a wave of 9 x 9 points. On the axis of a bowl, where the
 //! cutter touches all around, a drop takes tens of milliseconds.
-//!
-//! # Other methods
-//! * S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs": sections of the offset surface.
-//! * Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for
-//!   Machining of Sculptured Surface of Die", 1989: unions of shifted plane sections.
-//!
-//! These methods see the surface only at the sections. Here every part of the surface counts.
 
 mod axis_above_surface;
 mod drop;

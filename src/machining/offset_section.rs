@@ -8,25 +8,19 @@
 //! 3. End the section where it reaches the boundary again. Repeat step 2 from a point of step 1 that no
 //!    section has reached, until none is left.
 //!
-//! Sections that never meet the boundary are not searched. There are none, because such a section needs a
-//! fold or an overhang.
-//!
 //! # Guarantees
 //! The caller must have proved that the offset has no fold and the surface no overhang
-//! ([`regularity`](super::regularity)). Then:
-//! * Every point lies on the section to within rounding.
-//! * Between two neighbouring points the section leaves their chord by at most 1.01 times the chord height
-//!   asked for.
+//! ([`regularity`](super::regularity)). Then every section meets the boundary, and every point lies on the
+//! section to within rounding. The section leaves the chord of two neighbouring points by at most 1.01 times
+//! the chord height asked for.
 //!
-//! The plane must not touch the boundary without crossing it, and must not contain a part of the boundary. So
-//! callers trace the first and the last section of a surface [`INSET_MM`] inside its extent.
+//! The plane must not touch the boundary without crossing it, and must not contain a part of the boundary.
 //!
 //! # Cost
 //! O(s + n) for n points of a section and s stretches of the boundary.
 //!
 //! # Reference
-//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 3, eq. 2 and 3. The step
-//! length is constant in the paper. Here it follows from a bound of the curvature.
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 3, eq. 2 and 3.
 
 mod boundary;
 
@@ -38,8 +32,9 @@ use crate::geometry::surface::offset::{OffsetJet, offset};
 use crate::geometry::surface::{Surface, span_of};
 use boundary::{Boundary, BoundaryPoint};
 
-/// How far inside the extent of the offset its outermost sections are traced, mm. It is large enough for a
-/// plane along a straight edge to meet the edges at its ends, and too small to show in any program.
+/// How far inside the extent of the offset its outermost sections are traced, mm. On the extent the plane
+/// would touch the boundary, or contain a part of it. The inset is large enough for a plane along a straight
+/// edge to meet the edges at its ends, and too small to show in any program.
 pub const INSET_MM: f64 = 1e-6;
 
 /// Largest number of points of one section. At 0.01 mm apart this is a section of ten metres.

@@ -5,19 +5,15 @@
 //! 2. Every concave curvature is below 1 / R. Then the offset by R does not fold.
 //!
 //! # Method
-//! 1. Bound the normal and the principal curvatures over each patch from its control net ([`curvature`]).
-//! 2. If the bounds show both conditions, the patch is proved. Otherwise halve it, and go on with both
-//!    halves.
-//! 3. For each proved subpatch, also bound how steep the surface is ([`Slope`]), and the curvature of
-//!    sections of the offset.
+//! Bound the normal and the principal curvatures over each patch from its control net ([`curvature`]). If the
+//! bounds do not show both conditions, halve the patch, and go on with both halves.
 //!
 //! # Guarantees
 //! * `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for the
 //!   whole offset, and for its sections with planes at right angles to the chosen axis.
-//! * The error `Overhang` means that condition 1 fails at the centre of a subpatch, and `Folds` that
-//!   condition 2 fails there. The same errors are returned for a subpatch that is still undecided after 42
-//!   halvings, or after 200,000 subpatches of one patch. `Folds` names the most concave place among 5 x 5
-//!   points of each patch.
+//! * The error `Overhang` means that condition 1 fails at some point, and `Folds` that condition 2 fails. The
+//!   same errors are returned for a condition that is undecided after 42 halvings, or after 200,000
+//!   subpatches of one patch.
 //!
 //! # Cost
 //! O(n) for n subpatches. Their number grows as the largest concave curvature comes close to 1 / R.

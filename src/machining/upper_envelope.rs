@@ -2,23 +2,19 @@
 //!
 //! # Method
 //! 1. Halve the patches that the plane may meet, until the section of each part is near its chord in height.
-//!    The chord becomes a [`Segment`] (`part`).
-//! 2. Where the section is nearly upright, halve until the part is narrow enough. A level [`Segment`] at the
-//!    height of its top replaces the section there.
-//! 3. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
+//!    The chord becomes a [`Segment`]. Where the section is nearly upright, a narrow part becomes a level
+//!    [`Segment`] at the height of its top (`part`).
+//! 2. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
 //!
 //! # Guarantees
 //! * The skyline is accurate to [`Accuracy::height_mm`] at every x. At nearly upright walls it may have the
 //!   height of a place up to [`Accuracy::width_mm`] away.
 //! * Slots between upright walls may be missing if they are narrower than `width_mm`.
-//! * Creases, folds and overhangs of the surface are allowed.
-//!
-//! An edge of the surface that grazes the plane may count as if the plane lay up to `height_mm` beside it. A
-//! surface that lies in the plane has no skyline. A plane that needs more than a million parts is refused.
+//! * Creases, folds and overhangs of the surface are allowed. A plane that needs more than a million parts is
+//!   refused, for example because the surface lies in the plane.
 //!
 //! # Cost
-//! O(k) for k segments of a section. The envelope takes O(n log n + n m) for n segments, of which at most m
-//! lie over one x.
+//! O(n log n + n m) for n segments, of which at most m lie over one x.
 
 mod envelope;
 mod part;
@@ -83,7 +79,9 @@ impl<'a, P: Patch> Profiles<'a, P> {
         Self { surface, ranges: surface.patches().iter().map(range).collect() }
     }
 
-    /// The stretches of the section with the plane at `y` mm, in no particular order.
+    /// The stretches of the section with the plane at `y` mm, in no particular order. Where an edge of the
+    /// surface grazes the plane, the ends of the section may be those of a section with a plane up to
+    /// `accuracy.height_mm` away.
     ///
     /// # Errors
     /// When the section is lost, or the budget stops.

@@ -1,23 +1,18 @@
 //! Estimates the time that a machine with a limited acceleration needs for a toolpath.
 //!
 //! # Method
-//! 1. Cut the toolpath into chains: runs of moves of one kind, feed or rapid. The machine is at rest at both
-//!    ends of a chain and during dwells.
-//! 2. Limit the speed within each move by its feed. On arcs and parabolas, limit the centripetal acceleration
-//!    as well.
-//! 3. Limit the speed at each joint of two moves. The sharper the corner, the lower the limit (Jeon's
+//! 1. Cut the toolpath into chains: runs of moves of one kind, feed or rapid. The machine is at rest between
+//!    two chains and during dwells.
+//! 2. Limit the speed within each move by its feed, and on curves also by the centripetal acceleration.
+//! 3. Limit the speed at each joint of two moves: the sharper the corner, the lower the limit (Jeon's
 //!    junction deviation of 0.01 mm, the default of Grbl).
-//! 4. Look ahead: lower the limits at the joints until the machine can brake and accelerate from each joint
-//!    to the next.
-//! 5. Let each move accelerate from the speed at its start, run at its largest speed, and brake to the speed
-//!    at its end.
+//! 4. Lower the limits at the joints until the machine can brake and accelerate from each joint to the next.
+//!    Each move then takes the time of the fastest run between the speeds at its ends.
 //!
 //! # Guarantees
-//! * The time is at least length divided by feed, and falls as the acceleration grows.
-//! * The time does not change when a line or an arc is divided.
-//!
-//! The time is an estimate, because one acceleration stands for all axes, along the path and across it. Jerk,
-//! the limits of single axes, and the number of blocks that a control looks ahead are not known here.
+//! The time is at least length divided by feed, and falls as the acceleration grows. It does not change when
+//! a line or an arc is divided. It is an estimate: one acceleration stands for all axes, and jerk is not
+//! known here.
 //!
 //! # Cost
 //! O(n) in the moves: 0.05 microseconds each.

@@ -2,27 +2,25 @@
 //! of the last decimal.
 //!
 //! The rounded ends of an arc are in general not equally far from its rounded centre. A control may run the
-//! arc at either of these two radii, or at one between them. So a block stands for several possible paths.
+//! arc at either of these two radii, or at one between them.
 //!
 //! # Method
 //! 1. Round each end of a curve on its own. Curves that meet in a point still meet after rounding.
-//! 2. For an arc, try nine centres on the grid of the output, and take the best (`candidate`). If no centre
-//!    gives the guarantees below, divide the arc in two.
-//! 3. For a parabola, round the three control points. If the guarantees do not hold, divide the parabola in
-//!    two (`parabola`).
-//! 4. Write lines instead of a curve that is flatter than half a step. Also write lines instead of arcs that
-//!    are too large or too small for controls, and instead of parabolas if the control has no blocks for
-//!    them.
+//! 2. For an arc, take the best of nine centres on the grid of the output (`candidate`). For a parabola,
+//!    round the three control points (`parabola`).
+//! 3. Divide an arc or a parabola in two if the rounded curve does not give the guarantees below.
+//! 4. Write lines instead of curves that are flatter than half a step, and of curves that the control cannot
+//!    run.
 //!
 //! # Guarantees
 //! * Every path that a control may run has a Frechet distance of at most [`MAX_DISPLACEMENT_STEPS`] steps
 //!   from the source curve. Each written curve carries its own bound of this distance.
-//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] steps and within
-//!   [`MAX_MISMATCH_MM`] mm.
-//! * A full circle is written for a full circle only.
+//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] steps and [`MAX_MISMATCH_MM`]
+//!   mm.
+//! * A full circle is written for a full circle only. A line whose ends round to the same point is not
+//!   written.
 //!
-//! A line whose ends round to the same point is not written. A coordinate too large for the number of
-//! decimals is refused. So is a curve that needs more than [`MAX_PIECES`] blocks.
+//! A curve that needs more than [`MAX_PIECES`] blocks is refused.
 //!
 //! # Cost
 //! O(1) for nearly every curve. An arc that is too large for controls needs O(sqrt(radius / step)) lines.

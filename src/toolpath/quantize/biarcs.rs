@@ -1,20 +1,18 @@
 //! Bounds how far a control leaves a parabola that a block states as a quadratic spline.
 //!
 //! LinuxCNC has such blocks. It divides the parameter of the parabola into twelve equal parts, and runs two
-//! arcs instead of each part (a biarc). The arcs touch each other, and they touch the parabola at the ends of
-//! the part.
+//! arcs instead of each part (a biarc).
 //!
 //! # Method
 //! 1. Compute the same arcs, by formulas without the cancellation in LinuxCNC's own.
-//! 2. Divide each part of the parabola at the normal on which its two arcs meet. Each arc then has its own
-//!    share of the parabola.
-//! 3. Bound the distance of each share from the circle of its arc.
-//! 4. Add an allowance for the rounding in LinuxCNC's formulas.
+//! 2. Divide each part of the parabola at the normal on which its two arcs meet. Bound the distance of both
+//!    shares from the circles of their arcs.
+//! 3. Add an allowance for the rounding in LinuxCNC's formulas.
 //!
 //! # Guarantees
-//! * The sum is an upper bound of the Frechet distance between the arcs and the parabola.
-//! * There is no bound if a part turns by less than 1e-6 radians, because LinuxCNC divides by the square of
-//!   the turn. There is none either if a part turns by more than one radian.
+//! The sum is an upper bound of the Frechet distance between the arcs and the parabola. There is no bound if
+//! a part turns by less than 1e-6 radians, because LinuxCNC divides by the square of the turn. There is none
+//! either if a part turns by more than one radian.
 //!
 //! # Reference
 //! `NURBS_FEED` and `biarc` in LinuxCNC's `emccanon.cc`; K. M. Bolton, *Biarc curves*, Computer-Aided Design

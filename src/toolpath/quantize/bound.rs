@@ -4,19 +4,15 @@
 //! between the distances of the two ends from that centre.
 //!
 //! # Method
-//! 1. *By angle.* Compare each point of the control's path with the point of the arc in the same direction
-//!    from the arc's centre. Closed formulas bound the distance of such points. Where the control's path
-//!    reaches beyond an end of the arc, compare its points with that end. On a helix the bound includes the
-//!    difference of the heights.
-//! 2. *By fraction.* On a helix, also compare points at equal fractions of the turn, at 33 fractions. Add a
-//!    bound of how much the distance can grow between two fractions. The smaller of the bounds by angle and
-//!    by fraction counts.
+//! 1. Compare each point of the control's path with the point of the arc in the same direction from the arc's
+//!    centre. Closed formulas bound the distance of such points.
+//! 2. On a helix, also compare points at equal fractions of the turn. The smaller of the two bounds counts.
 //!
 //! # Guarantees
-//! * The result is an upper bound of the Frechet distance. It includes the rounding of its own computation.
-//! * There is no bound if the path begins or ends more than half a radian beside an end of the arc, or if it
-//!   turns the other way or by a whole turn more or less. There is none either if the two centres are farther
-//!   apart than half of the smallest radius of path and arc.
+//! The result is an upper bound of the Frechet distance. There is no bound if the path begins or ends more
+//! than half a radian beside an end of the arc, or if it turns the other way or by a whole turn more or less.
+//! There is none either if the two centres are farther apart than half of the smallest radius of path and
+//! arc.
 
 use std::f64::consts::{PI, TAU};
 
@@ -134,9 +130,10 @@ impl<'a> Between<'a> {
         })
     }
 
-    /// The bound by angle. The distance from the arc's circle is largest or least for the largest or the
-    /// smallest radius about the family's centre. The family may begin or end beyond an end of the arc, by a
-    /// small angle. The point there is compared with that end, and the bound includes the chord of the angle.
+    /// The bound by angle. On a helix it includes the difference of the heights. The distance from the arc's
+    /// circle is largest or least for the largest or the smallest radius about the family's centre. The
+    /// family may begin or end beyond an end of the arc, by a small angle. The point there is compared with
+    /// that end, and the bound includes the chord of the angle.
     fn by_angle(&self) -> f64 {
         let (family, arc) = (self.family, self.arc);
         let [least, most] = self.extremes_along_shift();
@@ -183,8 +180,8 @@ impl<'a> Between<'a> {
         [least, most]
     }
 
-    /// The bound by fraction. A bound of the second derivative shows by how much the distance can grow
-    /// between two fractions.
+    /// The bound by fraction, at 33 fractions. A bound of the second derivative shows by how much the
+    /// distance can grow between two fractions.
     fn by_fraction(&self) -> f64 {
         let (family, arc) = (self.family, self.arc);
         let from = arc.start.xy() - arc.center;

@@ -1,25 +1,20 @@
 //! Fits arcs and lines to a polyline.
 //!
 //! # Method
-//! 1. Fit the points in the requested plane, or else in the plane in which they lie
+//! 1. Fit the points in the requested plane, or else in their own plane
 //!    ([`arc_fit`](crate::geometry::arc_fit)).
 //! 2. Measure the deviation of the fitted curves again, by separate code ([`following`]). If the deviation of
 //!    a curve exceeds the tolerance, lines through its points replace the curve. Biarcs are never replaced.
-//! 3. Bound the deviation of the program at its decimals.
-//! 4. Turn the curves into a toolpath.
+//! 3. Bound the deviation of the program at its decimals, and make a toolpath of the curves.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the deviation of the curves. With the measure `points` this is the distance of
-//!   the points from the curves, taken in the order of travel. With the measure `polyline` it is the distance
-//!   from the curves to the polyline, and from the polyline to the curves.
-//! * The deviation is at most the tolerance, to within rounding. Only the method `biarc` may exceed the
-//!   tolerance, because biarcs pass through all points whatever the tolerance; a warning then says so.
-//! * `deviation_written_max_mm` bounds the deviation of every path that the control may take for the program.
+//! * `deviation_max_mm` bounds the deviation of the curves. By the measure `points` this is the distance of
+//!   the points from the curves, in the order of travel. By the measure `polyline` it is the distance from
+//!   the curves to the polyline, and from the polyline to the curves.
+//! * The deviation is at most the tolerance, to within rounding. Only biarcs may exceed the tolerance; a
+//!   warning then says so.
 //!
-//! Neighbouring points that coincide count once. A path whose points are all the same is refused.
-//!
-//! # Cost
-//! That of the fit.
+//! Points that are all the same are refused. The cost is that of the fit.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.

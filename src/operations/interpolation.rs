@@ -2,34 +2,27 @@
 //!
 //! # Method
 //! 1. Divide the domain of the curve into equal ranges, as many as the job asks for.
-//! 2. Divide each range into elements, in one of two ways. *Bisection*, as in Hyun's paper, halves each
-//!    element that leaves the band (`bisection`). *Least* lets each element reach as far as it can (`least`),
-//!    and then searches for fewer elements (`beam_search`). On request, the joints of lines may lie beside
-//!    the curve (`corridor`).
+//! 2. Divide each range into elements. Either halve each element that leaves the band, as in Hyun's paper
+//!    (`bisection`). Or let each element reach as far as it can (`least`), and then search for fewer
+//!    (`beam_search`).
 //! 3. Prove over the whole of each element that it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
 //! 4. Bound from below how many elements are needed (`lower_bound`).
-//! 5. Turn the elements into a toolpath (`path`). If the control runs no parabolas, arcs or lines within the
-//!    same band replace them. On request, offset the path by the cutter's radius (`compensation`).
+//! 5. Turn the elements into a toolpath (`path`). On request, offset it by the cutter's radius
+//!    (`compensation`).
 //!
 //! # Guarantees
 //! * Elements join without gaps from the first point of the curve to the last.
 //! * `deviation_max_mm` is at least the deviation of every element. It is too large by at most a quarter of
 //!   the largest deviation plus 2.5e-7 mm.
-//! * `n_elements_lower_bound`, where it is known, holds for all sets of elements with the same method and the
-//!   same kind of joints.
-//!
-//! A job is refused if no element stays within the band at some place, however short it is. This happens, for
-//! example, if the band has no room on the side to which the curve bends. The error names the place.
+//! * A job is refused if no element stays within the band at some place, however short it is.
 //!
 //! # Cost
-//! O(n) for n elements, or O(n log n) for bisection of a curve with many knots. Joints beside the curve and
-//! offset paths cost more.
+//! O(n) for n elements, or O(n log n) for bisection of a curve with many knots.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
-//! Technique", Research Report, The Institute of Industrial Technology, Kangweon Nat'l Univ., vol. 12, 1992.
-//! The paper samples deviations; here they are proved. The tests name the misprints in the paper's tables.
+//! Technique", 1992. The paper samples deviations; here they are proved.
 
 mod beam_search;
 mod bisection;

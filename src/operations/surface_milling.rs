@@ -2,34 +2,25 @@
 //! unions of wires (`wire_union`). The steps below are those of finishing.
 //!
 //! # Method
-//! 1. Build the surface from its data. On request, continue it past its edges.
-//! 2. Choose parallel planes at equal distances (`planes`).
-//! 3. Find the curves that the tip follows in these planes, the CL curves, with one of two engines. The
-//!    engine `offset_section` is for ball cutters: it traces sections of the offset surface. The engine
-//!    `contact` is for all cutters: it drops the cutter onto the surface.
-//! 4. Make passes of lines and arcs near the CL curves (`passes`). Join them to one path (`links`,
-//!    `entries`).
-//! 5. Prove how deep the cutter cuts into the surface on every move (`certificate`).
+//! 1. Choose parallel planes at equal distances (`planes`).
+//! 2. Find the CL curves: the curves of the tip in these planes. The engine `offset_section` traces sections
+//!    of the offset surface, for ball cutters only. The engine `contact` drops any cutter onto the surface.
+//! 3. Make passes of lines and arcs near the CL curves (`passes`), and join the passes (`links`, `entries`).
+//! 4. Prove how deep the cutter cuts into the surface on every move (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from the passes to the exact CL curves, and from the CL curves to
-//!   the passes. It holds before and after rounding, and is at most the tolerance.
-//! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move, before and after
-//!   rounding. The proof does not use how the path was made.
-//! * `scallop_max_mm` bounds the height of the material that passes without deviation leave between them,
-//!   except near edges of the surface (`scallop`).
+//! * `deviation_max_mm` bounds the distance from passes to exact CL curves, and from CL curves to passes.
+//! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move.
+//! * `scallop_max_mm` bounds the height that passes without deviation leave between them (`scallop`).
 //!
-//! A job is refused if its path cuts into the allowance by more than the tolerance. Sections that would
-//! vanish in rounding are left out. A connected part of a section that is shorter than a tenth of the
-//! cutter's radius is left out beside a longer part; a warning says so.
+//! The first two figures hold before and after rounding. A path that deviates by more than the tolerance is
+//! refused. So is a path that cuts into the allowance by more than the tolerance.
 //!
 //! # Cost
 //! O(n log m) for n CL points and m patches. For ball cutters, the proof of `regularity` is added.
 //!
 //! # Reference
-//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs". The paper's step along a section is
-//! constant; here it follows from the curvature. The paper does not treat rapids, links and the order of
-//! passes.
+//! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
 
 mod certificate;
 mod cl_cartesian;

@@ -1,23 +1,17 @@
 //! Describes a surface: its patches, its bounding box, its curvature, and a wire model of it.
 //!
 //! # Method
-//! 1. Build the surface from its data ([`source`](crate::geometry::surface::source)).
-//! 2. Find its bounding box and its most concave place by branch and bound on control nets.
-//! 3. Trace the wires of the requested wire model ([`wire_model`]).
+//! Build the surface from its data. Find its bounding box and its most concave place by branch and bound on
+//! control nets. Trace the wires of the requested wire model ([`wire_model`]).
 //!
 //! # Guarantees
 //! * The box holds the surface. Each side of the box lies at most [`BOUNDS_ACCURACY_MM`] mm outside the
 //!   surface, or farther where the surface touches that side along a whole curve.
 //! * The curvature is an upper bound. It is at most a hundredth too large, unless the limit of work is
 //!   reached.
-//! * Edges and gaps between patches are reported as warnings.
 //!
 //! # Cost
 //! O(m + n) for m patches and n points of wires.
-//!
-//! # Reference
-//! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.
 
 use nalgebra::{Point3, Vector3};
 

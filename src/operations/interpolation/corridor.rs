@@ -3,25 +3,22 @@
 //! # Method
 //! 1. Lay many straight gates across the band. The left ends of the gates make one chain, and the right ends
 //!    another. The corridor is the polygon between the two chains.
-//! 2. Bound how far the edges of the band leave the chains. With both chains moved inward by this bound, the
-//!    corridor lies inside the band. With both moved outward, the corridor holds the band.
-//! 3. From the start, find the line that leads farthest along the corridor. Its stretch from the last touch
-//!    of a chain to its end is called a window. Every path to the end of the corridor crosses the window.
-//! 4. From each window, find the line that leads farthest, up to the end of the corridor.
-//! 5. Place a joint where two successive lines meet.
+//! 2. Bound how far the edges of the band leave the chains. Move both chains inward by this bound for an
+//!    inner corridor, which lies inside the band. Move both outward for an outer corridor, which holds the
+//!    band.
+//! 3. From the start, find the line that leads farthest along a corridor. Every path to the end of the
+//!    corridor crosses the stretch of this line from its last touch of a chain to its end. From that stretch
+//!    find the line that leads farthest, and so on to the end.
+//! 4. Place a joint where two successive lines meet.
 //!
 //! # Guarantees
 //! * The number of lines through the outer corridor is a lower bound for all paths of lines within the band.
 //! * The lines through the inner corridor are a candidate: the caller proves that they stay within the band.
 //! * No path is found if the band folds, or if it turns back within the reach of one line. The lower bound is
-//!   then 1. It is also 1 if the curve has a corner and the band is measured along the normal.
-//!
-//! # Cost
-//! O(n m) for n gates, if one line passes m of them.
+//!   then 1.
 //!
 //! # Reference
-//! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986; J.
-//! O'Rourke, *An on-line algorithm for fitting straight lines between data ranges*, CACM 24, 1981.
+//! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986.
 
 mod gates;
 
@@ -66,7 +63,8 @@ pub struct Joint {
 }
 
 impl Corridor {
-    /// A lower bound for the number of lines of a path within the band.
+    /// A lower bound for the number of lines of a path within the band. It is 1 if the curve has a corner and
+    /// the band is measured along the normal.
     ///
     /// # Errors
     /// When the budget ends.
@@ -217,7 +215,8 @@ impl Touching {
 }
 
 /// All lines with the points `left` on their left and the points `right` on their right. Only the two
-/// outermost are kept (O'Rourke).
+/// outermost are kept (J. O'Rourke, *An on-line algorithm for fitting straight lines between data ranges*,
+/// CACM 24, 1981).
 #[derive(Debug, Default)]
 struct Bundle {
     left: Vec<Vertex>,

@@ -6,19 +6,13 @@
 //! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 up to the end of the curve.
 //!
 //! A place b is proved in one of two ways. Along a convex curve, no line ends beyond b if the line from r to
-//! b leaves the band. In all other cases, a few points of the curve between r and b are taken: three for
-//! lines, four for arcs and parabolas. No element ends beyond b if none passes near enough to all of these
-//! points.
+//! b leaves the band. In all other cases, no element ends beyond b if none passes near enough to a few points
+//! of the curve between r and b: three points for lines, four for arcs and parabolas.
 //!
 //! # Guarantees
-//! * The bound holds up to a rounding of 1e-9 of the band.
-//! * For lines on convex curves the bound is the number that greedy growth finds (`least`).
-//! * For arcs and parabolas it is lower than that number by about a tenth. About inflections it is lower
-//!   still: in the worst case seen, it is 10 where `least` finds 15.
-//! * For parabolas on a curve that is no graph y(x), the bound is 1.
-//!
-//! # Cost
-//! O(n) for n elements.
+//! The bound holds up to a rounding of 1e-9 of the band. For lines on convex curves it is the number that
+//! greedy growth finds (`least`). For arcs and parabolas it is lower by about a tenth, and by a third in the
+//! worst case seen, about inflections. For parabolas on a curve that is no graph y(x), it is 1.
 //!
 //! # Reference
 //! Lines and parabolas: C. J. de la Vallee Poussin's theorem; arcs: Ebara, Fukuyama, Nakano, Nakanishi,

@@ -2,32 +2,26 @@
 //!
 //! # Method
 //! 1. Cut the surface by planes of constant y at equal distances, at most the pitch apart. The sections are
-//!    the wires. Where the surface overhangs, a wire follows the highest sheet
-//!    ([`upper_envelope`](crate::machining::upper_envelope)).
+//!    the wires. Where the surface overhangs, a wire follows the highest sheet (`upper_envelope`).
 //! 2. For each wire, take the largest z at every x among this wire and the wires within the cutter's radius,
 //!    at least one on each side. The curve of these heights is the union over the wire. An allowance is added
 //!    to the radius and to the heights.
-//! 3. Move the tip along each union from left to right, on lines between points of the union.
-//! 4. Between two unions, move by rapid over the clearance plane and down to the retract plane, and then
-//!    plunge.
-//! 5. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)).
+//! 3. Move the tip along each union on lines, and by rapid from one union to the next.
+//! 4. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from the path to the exact unions, and from the unions to the
-//!   path. It holds before and after rounding, and is at most the tolerance. Only slots between upright walls
-//!   that are narrower than 2 % of the tolerance may be missing.
+//! * `deviation_max_mm` bounds the distance from path to exact unions, and from unions to path. It holds
+//!   before and after rounding, and is at most the tolerance. Only slots narrower than 2 % of the tolerance
+//!   may be missing.
 //! * **The path gouges**, because it is not offset along the wires: where a wire has the slope angle a, a
 //!   ball of radius R cuts R (1 - cos a) deep. `gouge_max_mm` bounds this depth, and the answer warns of it.
-//!
-//! A union that would vanish in rounding is left out.
 //!
 //! # Cost
 //! O(n log n) for n segments of wires, and the cost of the gouge bound.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 4.1, fig. 4-1 to 4-4. The paper's points lie on a raster of 5
-//! mm; here their distance follows from the tolerance.
+//! of Sculptured Surface of Die", 1989, section 4.1.
 
 mod wires;
 

@@ -71,16 +71,6 @@ impl Curve {
         }
     }
 
-    /// The point of the curve nearest to `p`; for a helix a point whose distance is the one that
-    /// [`distance_to`](Self::distance_to) returns.
-    pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
-        match self {
-            Curve::Line(line) => line.nearest_to(p),
-            Curve::Arc(arc) => arc.nearest_to(p),
-            Curve::Parabola(parabola) => parabola.at(parabola.nearest(p)),
-        }
-    }
-
     /// The largest scalar product of `direction`, a vector of any length, with a point of the curve; mm for a
     /// unit vector.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {

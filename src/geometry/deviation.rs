@@ -3,16 +3,16 @@
 //! # Method
 //! 1. The distance of the curve from the element is read at some parameters of the curve (`gauge`). Each
 //!    reading is an interval that contains the exact distance.
-//! 2. Between two readings, a bound of the second derivative of the distance limits how far the distance may
-//!    leave the readings. Where this derivative has no bound, the limit is how far the curve's point may
-//!    move.
-//! 3. The range between two readings is halved until this limit lies within the band and is close to the
-//!    largest reading.
+//! 2. Between two readings, a bound of the second derivative of the distance gives an upper bound of the
+//!    distance. Where this derivative has no bound, the bound adds to the readings how far the curve's point
+//!    may move.
+//! 3. The range between two readings is halved until its upper bound lies within the band and is close to the
+//!    largest reading, or until a reading lies outside the band.
 //!
 //! # Guarantees
 //! * [`Verdict::Within`] proves that the deviation is within the band at every parameter of the given range.
-//!   Its [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that every point
-//!   of the element is as near to the curve.
+//!   Its [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that no point of
+//!   the element is farther from the curve than the largest of these deviations.
 //! * [`Verdict::Outside`] names a parameter at which the curve certainly leaves the band.
 //! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide.
 //!

@@ -149,15 +149,20 @@ impl Element {
         }
     }
 
-    /// Encloses the length of the element for each unit of a foot's `u`, also a little beyond the ends, mm.
-    pub fn speed(&self) -> Interval {
+    /// Encloses the length of the element for each unit of `u`, mm: on the element, and beyond its ends as far
+    /// as the feet at these two values of `u`.
+    pub fn speed(&self, feet: [f64; 2]) -> Interval {
         match self {
             Self::Line { start, end } => Interval::point((end - start).norm()),
             Self::Arc(arc) => Interval::point(arc.radius * arc.turn.abs()),
             // The speed of a parabola may fall to zero in a hairpin. Beyond the ends it grows: twice the
-            // largest speed between the ends is enough for `u` from -0.5 to 1.5.
+            // largest speed between the ends is enough for `u` from -0.5 to 1.5. The speed is a convex
+            // function of `u`, so farther out it is largest at the feet.
             Self::Parabola { start, control, end } => {
-                Interval::between(0.0, 4.0 * (control - start).norm().max((end - control).norm()))
+                let legs = [control - start, end - control];
+                let near = 4.0 * legs[0].norm().max(legs[1].norm());
+                let far = feet.map(|u| 2.0 * (legs[0] * (1.0 - u) + legs[1] * u).norm());
+                Interval::between(0.0, near.max(far[0]).max(far[1]))
             }
         }
     }

@@ -1,8 +1,9 @@
 //! The pool of threads on which computations run, apart from the threads that serve connections.
 //!
 //! 1. A request takes a ticket. There is a ticket for each thread and for each place in the queue. If no
-//!    ticket is free, the request is refused at once. A program that is sent as a stream takes no ticket; a
-//!    separate limit holds for streams.
+//!    ticket is free, the request is refused at once. A program that is rewritten as a stream takes no
+//!    ticket: [`program_stream`](super::program_stream) limits the number of streams, and refuses a stream
+//!    above the limit. Its pieces run on the same threads.
 //! 2. The request waits for a free thread. Its deadline includes this time.
 //! 3. The thread runs the computation. When the computation ends, thread and ticket are free again.
 //!

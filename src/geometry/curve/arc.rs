@@ -223,16 +223,6 @@ impl Arc {
         }
     }
 
-    /// The point of the arc whose distance from `p` is the one that [`distance_to`](Self::distance_to)
-    /// returns.
-    pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
-        let local = self.plane.to_local(p) - self.plane.to_local(&self.center);
-        let across = self.fraction_of_angle(local.y.atan2(local.x)).map(|t| self.point_at(t));
-        let nearer = |a: Point3<f64>, b: Point3<f64>| if (p - a).norm() <= (p - b).norm() { a } else { b };
-        let end = nearer(self.start, self.end);
-        across.map_or(end, |across| nearer(across, end))
-    }
-
     /// The fraction of the sweep at which the arc passes the angle `angle` (radians, in the local frame);
     /// `None` if it does not.
     pub fn fraction_of_angle(&self, angle: f64) -> Option<f64> {

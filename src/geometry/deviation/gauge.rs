@@ -69,7 +69,7 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let distance = Interval::around(foot.distance, slack);
         let out = match (self.ends, self.element) {
             (Ends::OnCurve, Element::Line { .. }) => {
-                (beyond(foot.u) - END_ROUNDING).max(0.0) * self.element.speed().lo()
+                (beyond(foot.u) - END_ROUNDING).max(0.0) * self.element.speed([foot.u; 2]).lo()
             }
             _ => 0.0,
         };
@@ -129,7 +129,7 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         }
         let way = x.width().hypot(y.width());
         let distance = a.distance + Interval::around(0.0, way);
-        let speed = self.element.speed();
+        let speed = self.element.speed([a.u, b.u]);
         let jump = match self.element {
             Element::Line { .. } => 0.0,
             Element::Arc(_) | Element::Parabola { .. } => (b.u - a.u).abs() * speed.hi(),

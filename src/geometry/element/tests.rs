@@ -55,6 +55,20 @@ fn the_feet_of_the_ends_are_at_zero_and_one() {
 }
 
 #[test]
+fn the_way_between_two_feet_is_no_longer_than_the_speed_allows() {
+    let (start, end) = (Point2::origin(), Point2::new(1.0, 0.0));
+    let hairpin = Element::Parabola { start, control: Point2::new(0.5, 40.0), end };
+    for element in elements().into_iter().chain([hairpin]) {
+        for [from, to] in [[0.0, 1.0], [-0.4, 1.4], [0.9, 6.0], [-30.0, -2.0], [-3.0, 12.0]] {
+            let at = |k: u32| point(&element, from + (to - from) * f64::from(k) / 1000.0);
+            let way: f64 = (0..1000).map(|k| (at(k + 1) - at(k)).norm()).sum();
+            let most = element.speed([from, to]).hi() * (to - from);
+            assert!(way <= most * (1.0 + 1e-12), "{element:?} from {from} to {to}: {way} > {most}");
+        }
+    }
+}
+
+#[test]
 fn a_parabola_goes_through_its_three_points() {
     let points = [Point2::new(0.0, 0.0), Point2::new(1.0, 2.0), Point2::new(3.0, -1.0)];
     let element = Element::parabola_through(points);

@@ -19,9 +19,6 @@ use crate::geometry::bounding_tree::Volume;
 
 /// A patch over the unit square. Every point of the patch is a convex combination of the control points; mm.
 pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
-    /// The cost of evaluating and halving one patch of this type, counted in bicubic patches.
-    const WORK: usize;
-
     /// The jet at (u, v). Outside the unit square the patch is extrapolated.
     fn jet(&self, u: f64, v: f64) -> Jet;
 

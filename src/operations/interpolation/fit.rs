@@ -193,7 +193,11 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                 // Beyond an end of the element, the point is farther from the element than from its
                 // continuation.
                 let out = (-foot.u).max(foot.u - 1.0);
-                if out <= 1e-9 { foot.distance } else { foot.distance.hypot(out * element.speed().lo()) }
+                if out <= 1e-9 {
+                    foot.distance
+                } else {
+                    foot.distance.hypot(out * element.speed([foot.u; 2]).lo())
+                }
             }
             Measure::Vertical => element.graph_at(t).map_or(f64::INFINITY, |y| p.y - y),
         }

@@ -1,10 +1,13 @@
-//! Writes a parabola as one spline block or several, or as lines. Lines are used where the parabola is flat,
-//! where it does not lie at one height, and where the control has no spline blocks.
+//! Writes a parabola as one spline block or several, or as lines. A parabola becomes lines if it is almost
+//! straight, if its height changes along it, or if the control has no spline blocks.
 //!
 //! # Method
-//! Each of the three control points is rounded on its own. No point of the parabola then moves farther than
-//! the control point that moves most. A control may run arcs instead of the parabola; `biarcs` bounds how far
-//! they leave it. A parabola is divided in two if both distances together are too large.
+//! 1. Round each of the three control points on its own. No point of the parabola then moves farther than the
+//!    control point that moves most.
+//! 2. Bound how far the machine's control may leave the rounded parabola when it runs the block. Some
+//!    controls run arcs in place of the parabola (`biarcs`).
+//! 3. Add the move of step 1 and the bound of step 2. If the sum exceeds [`ACCEPTED_STEPS`] units of the last
+//!    decimal, divide the given parabola in two and begin again with each half.
 
 use nalgebra::Vector2;
 

@@ -20,8 +20,6 @@ pub struct BicubicPatch {
 type Net = [[f64; 4]; 4];
 
 impl Patch for BicubicPatch {
-    const WORK: usize = 1;
-
     fn jet(&self, u: f64, v: f64) -> Jet {
         let (bu, bv) = (basis(u), basis(v));
         let mut sums = [Vector3::zeros(); 6];

@@ -1,10 +1,10 @@
 //! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] along u, and likewise along v.
 //!
 //! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero.
-//! Two facts give the bounds:
-//! * Every point of the patch is a weighted mean of the control points.
-//! * A quotient of two polynomials lies between the least and the largest quotient of their Bernstein
-//!   coefficients, if the coefficients of the divisor are above zero.
+//! The points of a patch lie in the convex hull of its control points. Its derivatives are quotients of two
+//! polynomials. Such a quotient lies between the least and the largest quotient of Bernstein coefficients of
+//! the same index, if both polynomials have the same degree and the coefficients of the divisor are above
+//! zero.
 
 mod product;
 mod swept;
@@ -118,8 +118,6 @@ impl<const N: usize> RationalPatch<N> {
 }
 
 impl<const N: usize> Patch for RationalPatch<N> {
-    const WORK: usize = N * N / 10;
-
     fn jet(&self, u: f64, v: f64) -> Jet {
         let jet = self.homogeneous_jet(u, v);
         let [point, du, dv, duu, duv, dvv] = jet.map(|h| h.xyz());

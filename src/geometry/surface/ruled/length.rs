@@ -1,9 +1,10 @@
 //! Lengths of cubics, and places at a given length.
 //!
 //! # Method
-//! The length is the integral of the speed, by the Gauss-Legendre rule of eight points. An interval is halved
-//! until both halves together give the same length as the whole, up to rounding. To find the place at a given
-//! length, Newton's method is used. A step that leaves the interval of the place is replaced by bisection.
+//! * The length is the integral of the speed, by the Gauss-Legendre rule of eight points. An interval is
+//!   halved until both halves together give the same length as the whole, up to rounding.
+//! * The place at a given length is found by Newton's method. A bracket that contains the place shrinks at
+//!   every step. Where a step would leave the bracket, its middle is taken instead.
 
 use nalgebra::{Point3, Vector3};
 

@@ -40,7 +40,7 @@ pub enum KnotError {
     #[error("the first and the last parameter of the domain are equal")]
     EmptyDomain,
     #[error(
-        "knot {index} is closer to the knot before it than {shortest} of the domain; make the two knots equal, or move them apart"
+        "knot {index} is too close to the knot before it: different knots must be at least {shortest} times the length of the domain apart; make the two knots equal, or move them apart"
     )]
     SpanTooShort { index: usize, shortest: f64 },
 }

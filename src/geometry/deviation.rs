@@ -4,21 +4,23 @@
 //! 1. The distance of the curve from the element is read at some parameters of the curve (`gauge`). Each
 //!    reading is an interval that contains the exact distance.
 //! 2. Between two readings, a bound of the second derivative of the distance gives an upper bound of the
-//!    distance. Where this derivative has no bound, the bound adds to the readings how far the curve's point
-//!    may move.
-//! 3. The range between two readings is halved until its upper bound lies within the band and is close to the
-//!    largest reading, or until a reading lies outside the band.
+//!    distance. Where the second derivative has no bound, a reading plus the way that the curve may take from
+//!    there to the other reading bounds the distance.
+//! 3. Each range between two readings is halved until the upper bound of the distance over it lies within the
+//!    band and exceeds the largest reading so far by little or not at all. The search also ends when a
+//!    reading lies outside the band, or after some thousands of readings.
 //!
 //! # Guarantees
 //! * [`Verdict::Within`] proves that the deviation is within the band at every parameter of the given range.
 //!   Its [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that no point of
 //!   the element is farther from the curve than the largest of these deviations.
-//! * [`Verdict::Outside`] names a parameter at which the curve certainly leaves the band.
+//! * [`Verdict::Outside`] names a parameter of the curve at which the deviation is certainly outside the
+//!   band.
 //! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide.
 //!
 //! # Cost
-//! O(1) for a smooth curve well within the band. O(log(1 / g)) if the largest deviation is 1 - g or 1 + g
-//! times what the band allows.
+//! O(1) readings for a smooth curve well within the band. O(log(1 / g)) readings if the largest deviation
+//! misses the limit of the band, on either side, by a small part g of that limit.
 
 mod gauge;
 

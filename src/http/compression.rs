@@ -38,7 +38,7 @@ impl Coding {
             (None | Some(b"identity"), None) => Ok(Self::Identity),
             (Some(b"gzip" | b"x-gzip"), None) => Ok(Self::Gzip),
             _ => {
-                let detail = "this content coding is unknown: send the body as it is, or in `gzip` once";
+                let detail = "this `content-encoding` is unknown: send the body uncompressed, or compressed a single time with `gzip`";
                 Err(ApiError::new(Code::UnsupportedCoding, detail))
             }
         }

@@ -85,7 +85,9 @@ pub enum Fault {
     OnePoint,
     #[error("a smooth curve needs at least 2 points")]
     OneSmoothPoint,
-    #[error("a curve cannot start or end with a rounded corner; leave out the radius")]
+    #[error(
+        "a curve cannot start or end with a rounded corner; write `l(...)` instead of `r(...)` for the first and the last item"
+    )]
     CornerAtEnd,
     #[error("the radius {radius_mm} mm is negative")]
     NegativeRadius { radius_mm: f64 },

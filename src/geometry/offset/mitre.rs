@@ -1,9 +1,9 @@
-//! Mitres at corners of a contour that are nearly straight. Without a mitre, the offset has an arc of a few
-//! micrometres there.
+//! Mitres at corners of a contour that are nearly straight. Without a mitre, the offset has an arc there that
+//! is only a few micrometres long.
 //!
 //! # Method
 //! The arc is left out, and the elements before and after it are lengthened until they meet. The place where
-//! they meet is a little farther from the contour than the arc. If it is farther than the caller allows, or
+//! they meet is farther from the contour than the arc is. If it is farther by more than the caller allows, or
 //! if the two elements do not meet, the arc stays.
 //!
 //! # Guarantees

@@ -57,7 +57,7 @@ pub enum NurbsError {
     #[error("the first and the last parameter of the domain are equal")]
     EmptyDomain { along: usize },
     #[error(
-        "knot {index} is closer to the knot before it than {SHORTEST_SPAN} of the domain; make the two knots equal, or move them apart"
+        "knot {index} is too close to the knot before it: different knots must be at least {SHORTEST_SPAN} times the length of the domain apart; make the two knots equal, or move them apart"
     )]
     SpanTooShort { along: usize, index: usize },
     #[error("there are {found} rows of weights for {expected} rows of control points")]

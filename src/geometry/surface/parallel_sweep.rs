@@ -27,7 +27,7 @@ pub enum ParallelSweepError {
     #[error("a curve has no pieces; it needs at least one")]
     Empty,
     #[error(
-        "the surface has {patches} patches, one for each pair of pieces; at most {PATCH_LIMIT} are supported"
+        "the surface has {patches} patches: the pieces of one curve times the pieces of the other; at most {PATCH_LIMIT} are supported; use curves with fewer pieces"
     )]
     TooManyPatches { patches: usize },
 }

@@ -212,8 +212,9 @@ pub struct ProgramReport {
     /// Number of straight moves in these runs after the rewriting.
     n_lines: u64,
     /// Proved largest distance between the new blocks and the straight moves that they replace, in mm,
-    /// measured from each to the other. The radii at the start and at the end of a rounded arc differ
-    /// slightly; the bound holds whichever radius between the two the control follows.
+    /// measured from each to the other. Because coordinates are rounded, the radii at the start and at the
+    /// end of an arc differ slightly; the bound holds for every radius between the two that the control may
+    /// use.
     deviation_max_mm: f64,
     /// Number of blocks of the program that move an axis.
     n_motions: u64,

@@ -47,8 +47,9 @@ pub struct MillRequest {
     step_length_mm: Option<f64>,
     /// How `cl_cartesian` finds the CL points. `contact` lowers the cutter until it touches the surface. It
     /// works with any cutter and any surface, sharp edges included; only what is visible from above is
-    /// milled. `offset_section` intersects planes with the offset of the surface. It works with ball cutters,
-    /// on smooth surfaces without overhangs that the ball can follow everywhere.
+    /// milled. `offset_section` intersects planes with the offset of the surface. It works with ball cutters
+    /// only, and only where the surface is smooth, has no overhangs and is nowhere curved too tightly for the
+    /// ball.
     #[serde(default)]
     #[schema(default = "contact")]
     engine: Engine,
@@ -61,11 +62,11 @@ pub struct MillRequest {
     /// Thickness of the stock that the program leaves on the surface, in mm.
     #[schema(minimum = 0, maximum = 1000, default = 0)]
     allowance_mm: Option<f64>,
-    /// The stock that stands over the surface. Without `stock` rapids end 2 mm above the finished surface
-    /// plus `allowance_mm`, and the answer warns. With `wire_union` rapids end at
-    /// `cutting.retract_z_mm`, by default 2 mm above the highest point of the part and of `stock`. Without
-    /// `stock` the service knows the part only, and does not warn: where raw material stands higher, send
-    /// `stock`, or the rapids run into it.
+    /// The stock that stands over the surface. Without `stock`, `cl_cartesian` brings rapids down to 2 mm
+    /// above the finished surface plus `allowance_mm`, and the answer warns. `wire_union` brings rapids down
+    /// to `cutting.retract_z_mm`, by default 2 mm above the highest point of the part and of `stock`, and
+    /// does not warn where `stock` is absent. Where raw material stands higher than the part, send `stock`,
+    /// or the rapids run into it.
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
@@ -232,10 +233,10 @@ pub struct MillReport {
     /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
     rest_at: Option<Place>,
     /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
-    /// deviation of the passes is not included. The bound does not cover strips along an edge from which a
-    /// line on the surface to the next pass would cross the edge. `null` where the cuts of neighbouring
-    /// passes do not overlap everywhere, where the cutter is no ball or cannot follow the surface everywhere,
-    /// and with `wire_union`.
+    /// deviation of the passes is not included. The bound does not cover strips along an edge of the surface:
+    /// places from which the way along the surface to the next pass leads beyond the edge. `null` where the
+    /// cuts of neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow
+    /// the surface everywhere, and with `wire_union`.
     scallop_max_mm: Option<f64>,
     /// Number of arcs.
     n_arcs: usize,

@@ -142,9 +142,9 @@ fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct WriteReport {
     /// Proved largest distance between the cutting moves as sent and as written, in mm, measured from each to
-    /// the other. The radii at the start and at the end of a rounded arc differ slightly; the bound holds
-    /// whichever radius between the two the control follows. For `G5.1` the bound includes the arcs that
-    /// LinuxCNC runs instead.
+    /// the other. Because coordinates are rounded, the radii at the start and at the end of an arc differ
+    /// slightly; the bound holds for every radius between the two that the control may use. For `G5.1` the
+    /// bound includes the arcs that LinuxCNC runs instead.
     deviation_max_mm: f64,
     /// The part of `deviation_max_mm`, in mm, that comes from making arcs exact whose radii at the start and
     /// at the end differed in the request.

@@ -154,7 +154,7 @@ fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations
     let is_legal = stepover >= Range::POSITIVE.min && across <= 2.0 * MAX_MAGNITUDE_MM;
     if is_legal && sections > most as f64 {
         let detail = format!(
-            "{stepover} mm over {across} mm makes {sections} passes; at most {most} are allowed: send a larger distance"
+            "planes {stepover} mm apart on a surface {across} mm wide make {sections} passes; at most {most} are allowed: send a larger distance"
         );
         violations.add(at, FieldCode::LimitExceeded, detail);
     }

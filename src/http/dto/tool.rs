@@ -38,7 +38,7 @@ pub struct Tool {
     /// Number of the tool in the tool table. Without a number the program calls tool 1, and the answer warns.
     #[schema(minimum = 1, maximum = 99_999)]
     number: Option<u32>,
-    /// Number of the tool's length offset (H). Default: `number`.
+    /// Number of the tool's length offset (H). Default: the value of `number`, or 1 without `number`.
     #[schema(minimum = 1, maximum = 99_999)]
     length_offset: Option<u32>,
 }

@@ -3,9 +3,9 @@
 //! # Method
 //! 1. At the middle of the range, the value and the derivative after each operation are computed.
 //! 2. Over the range, the value and two derivatives after each operation are enclosed by interval arithmetic.
-//! 3. The mean value theorem gives a second enclosure, from the value at the middle and the enclosed
-//!    derivative. The intersection of the two enclosures is kept. The first derivative is narrowed in the
-//!    same way.
+//! 3. After each operation the mean value theorem gives a second enclosure, from the value at the middle and
+//!    the enclosed derivative. The intersection of the two enclosures is kept, and later operations use it.
+//!    The first derivative is narrowed in the same way.
 //!
 //! The second enclosure is the narrower one over short ranges. Interval arithmetic takes the two x in x - x^2
 //! for independent numbers, so its enclosure is too wide.

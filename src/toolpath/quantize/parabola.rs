@@ -6,8 +6,9 @@
 //!    control point that moves most.
 //! 2. Bound how far the machine's control may leave the rounded parabola when it runs the block. Some
 //!    controls run arcs in place of the parabola (`biarcs`).
-//! 3. Add the move of step 1 and the bound of step 2. If the sum exceeds [`ACCEPTED_STEPS`] units of the last
-//!    decimal, divide the given parabola in two and begin again with each half.
+//! 3. Add the largest distance that step 1 moved a control point, and the bound of step 2. If the sum exceeds
+//!    [`ACCEPTED_STEPS`] units of the last decimal, divide the given parabola in two and begin again with
+//!    each half.
 
 use nalgebra::Vector2;
 

@@ -2,9 +2,8 @@
 //!
 //! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero.
 //! The points of a patch lie in the convex hull of its control points. Its derivatives are quotients of two
-//! polynomials. Such a quotient lies between the least and the largest quotient of Bernstein coefficients of
-//! the same index, if both polynomials have the same degree and the coefficients of the divisor are above
-//! zero.
+//! polynomials. Let n_k and d_k be the coefficients of dividend and divisor in the Bernstein basis of one
+//! degree. If every d_k is above zero, the quotient lies between the least and the largest n_k / d_k.
 
 mod product;
 mod swept;

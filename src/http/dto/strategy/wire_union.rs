@@ -12,8 +12,8 @@ use crate::http::pointer::Pointer;
 use crate::operations::surface_milling as core;
 
 /// Roughing passes along wires: curves on the surface at constant y. All passes run in the same direction and
-/// consist of lines; any cutter may be used. At each x the heights of the pass's own wire and of all wires
-/// within the cutter's radius are compared, at least one wire on each side; the tip is at the highest. Where
+/// consist of lines; any cutter may be used. At each x the tip is at the greatest height of these wires: the
+/// pass's own wire, all wires within the cutter's radius, and in any case the next wire on each side. Where
 /// the surface slopes along the wires, the path **gouges the part**; a warning states the proved depth.
 /// `boundary` must be `on`.
 #[derive(Debug, Deserialize, ToSchema)]

@@ -103,8 +103,11 @@ pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violati
         }
     }
     if let Some(k) = knots.windows(2).position(|pair| pair[1] < pair[0]) {
-        let detail =
-            format!("the knot {} is below the knot {} before; knots never fall", knots[k + 1], knots[k]);
+        let detail = format!(
+            "a knot of {} follows a knot of {}; no knot may be smaller than the knot before it",
+            knots[k + 1],
+            knots[k]
+        );
         violations.add(&at.index(k + 1), FieldCode::OutOfRange, detail);
     }
 }

@@ -37,11 +37,12 @@ pub struct PointGrid {
     /// spans are one cubic. `natural`: no curvature at the edges; this flattens the rim of a curved part.
     /// `clamped`: the tangents of `end_tangents`. `bessel`: the slope of the parabola through the three
     /// points nearest to the edge. Default: `not_a_knot`. The warning `ends_reduced` is given only where the
-    /// request asks for `not_a_knot`.
+    /// request itself contains `ends: not_a_knot`.
     ends: Option<Ends>,
-    /// What to do with an outlier: a point whose distance to its nearest neighbour is more than five times
-    /// the largest distance from its neighbours to their other neighbours. Such a point is mostly a mistake
-    /// and takes long to mill. `refuse`: the answer is a problem. `accept`: the point is milled.
+    /// What to do with an outlier: a point P that lies far from its neighbours. Even the nearest of them is
+    /// more than five times as far from P as any of them is from its own neighbours, P not counted. Such a
+    /// point is mostly a mistake and takes long to mill. `refuse`: the answer is a problem. `accept`: the
+    /// point is milled.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,
@@ -80,16 +81,18 @@ pub enum Outliers {
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EndTangents {
-    /// Tangents along u at the points of the first row, in mm.
+    /// Tangents along u at the points of the first row, in mm: the derivative by a parameter that grows by 1
+    /// from row to row, in the direction of growing u.
     #[schema(value_type = TangentRow)]
     u0: Vec<Point>,
-    /// Tangents along u at the points of the last row, in mm.
+    /// Tangents along u at the points of the last row, in mm, measured as for `u0`.
     #[schema(value_type = TangentRow)]
     u1: Vec<Point>,
-    /// Tangents along v at the first point of each row, in mm.
+    /// Tangents along v at the first point of each row, in mm: the derivative by a parameter that grows by 1
+    /// from point to point, in the direction of growing v.
     #[schema(value_type = TangentRow)]
     v0: Vec<Point>,
-    /// Tangents along v at the last point of each row, in mm.
+    /// Tangents along v at the last point of each row, in mm, measured as for `v0`.
     #[schema(value_type = TangentRow)]
     v1: Vec<Point>,
 }

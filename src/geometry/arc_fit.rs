@@ -1,31 +1,35 @@
-//! Fits a chain of lines and arcs to a sequence of points. Each line or arc is an element. It replaces a run
-//! of neighbouring points.
+//! Fits a chain of lines and arcs, the elements, to a sequence of points. Each element replaces the points
+//! from the place where it starts to the place where it ends.
 //!
 //! # Method
 //! The caller chooses one of three methods:
-//! * [`Method::Greedy`] is Ju's method. Each element takes in points until no element can replace them all.
+//! * [`Method::Greedy`] is Ju's method. It makes one element after the other. Each element takes in one point
+//!   after another, until no line or arc can replace all points that it would have.
 //! * [`Method::Optimal`] searches for the chain with the fewest elements.
 //! * [`Method::Biarc`] puts two arcs between each two neighbouring points. The chain passes through every
-//!   point and has no kinks. No tolerance is used, and the guarantees below do not apply.
+//!   point and has no kinks. This method ignores the tolerance.
 //!
-//! With [`Continuity::Tangent`], the chain of the first two methods guides the search for a smooth chain
-//! (`tangent`).
+//! With [`Continuity::Tangent`], a chain of one of the first two methods is only a first result. Starting
+//! from it, a second search looks for a chain without kinks (`tangent`).
 //!
 //! # Guarantees
-//! * Every point is within the tolerance of its element. The element passes its points in their order.
+//! The guarantees hold for the first two methods.
+//! * For each point, the element that replaces it has a place within the tolerance of the point. These places
+//!   follow each other along the element in the order of the points.
 //! * With [`Measure::Polyline`], the lines between the points are within the tolerance of the elements, and
-//!   the elements within the tolerance of these lines.
-//! * Elements meet on points. With [`Joints::Free`] they may also meet beside the points, within the
-//!   tolerance, if that saves elements.
+//!   the elements are within the tolerance of these lines.
+//! * Elements meet on points. With [`Joints::Free`] they may also meet beside a point, within the tolerance
+//!   of it. They do so only if the chain then has fewer elements.
 //! * With [`Method::Optimal`] and [`Continuity::Position`], no chain whose elements meet on points has fewer
-//!   elements. There are three exceptions: the input has more than [`WINDOW`] points, the search is given up
-//!   ([`Fit::effort`]), or a suitable arc is missed because only some of the arcs between two points are
-//!   tried.
+//!   elements than the result. There are three exceptions: the input has more than [`WINDOW`] points, the
+//!   search was given up ([`Fit::effort`]), or the search missed an arc that would fit, because it tries only
+//!   some of the arcs between two points.
 //! * Two points make a line. If the last point equals the first ([`Fit::is_closed`]), one full circle is
-//!   tried first. Any other arc turns by at most 350 degrees.
+//!   tried first. An arc that is not a full circle turns by at most 350 degrees.
 //!
 //! # Cost
-//! O(n m) checks of one point against one element, in some 10 ns each, for n points and elements of m points.
+//! O(n m) checks of one point against one element, for n points and elements that replace m points each. A
+//! check takes some 10 ns.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.

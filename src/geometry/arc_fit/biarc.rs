@@ -1,14 +1,17 @@
-//! Biarcs: two arcs between each two neighbouring points. All arcs follow each other without a kink.
+//! Biarcs: a chain with two arcs between each two neighbouring points. The chain passes through all points
+//! and has no kinks.
 //!
 //! # Method
-//! 1. Each point gets a tangent: that of the circle through the point and its two neighbours. The first point
-//!    takes the circle through the first three points, and the last point the circle through the last three.
-//!    If the points are closed, the neighbours of the first point are the second and the last but one.
-//! 2. Between two points P and Q, the two arcs meet in a joint. The tangent at the joint meets the tangent at
-//!    P in a place A, and the tangent at Q in a place B. The joint is chosen such that A is as far from P as
-//!    B is from Q.
+//! 1. Each point gets a tangent: that of the circle through the point, the point before it and the point
+//!    after it. The first point has no point before it, so its tangent is that of the circle through the
+//!    first three points. The last point uses the circle through the last three points. If the last point
+//!    equals the first, both are treated as one inner point: the last but one comes before it, and the second
+//!    after it.
+//! 2. Between two neighbouring points P and Q, two arcs meet in a joint. The tangent at the joint meets the
+//!    tangent at P in a place A, and the tangent at Q in a place B. The joint is chosen such that the
+//!    distance from P to A equals the distance from Q to B.
 //!
-//! If two points and their tangents lie on one line, a line replaces the two arcs.
+//! If the tangents at P and Q both run along the line from P to Q, this line replaces the two arcs.
 //!
 //! # Reference
 //! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.

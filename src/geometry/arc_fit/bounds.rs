@@ -1,18 +1,20 @@
-//! Bounds for the search of `optimal`: from each point, how far one element can reach at most, and how many
-//! elements are needed at least to the last point.
+//! Two bounds for each point, which shorten the search of `optimal`: an upper bound of how far one element
+//! from the point can reach, and the least number of elements that any chain needs from the point to the last
+//! point.
 //!
 //! # Method
-//! 1. Suppose that an element replaces a run of points. Then, for any two of these points, some arc between
-//!    the two passes near all points between them. "Near" means within a known multiple of the tolerance. So
-//!    if there is no such arc, no element replaces a run that contains the two points.
-//! 2. This gives each point a bound for the reach of its elements. Below the bound, each point is tried as
-//!    the last point of an element, the farthest first, until an element fits. After a given number of checks
-//!    of one point against one element, the bound stays as it is.
-//! 3. The least number of elements from a point to the last point is one more than the least number from any
-//!    point within its reach. It is computed from the last point to the first.
+//! A check is a test of one point against one element.
+//! 1. Take two points P and Q. If some element replaces both, then some arc from P to Q passes within a known
+//!    multiple of the tolerance of all points between P and Q. So if there is no such arc, no element
+//!    replaces both P and Q.
+//! 2. For each point P, step 1 gives a point that no element from P reaches. The points before it are tried
+//!    one by one as the end of an element from P, the farthest first. The first one that fits is the final
+//!    bound for P. After a given number of checks nothing more is tried, and step 1 alone gives the bounds.
+//! 3. The least number of elements is computed from the last point back to the first. For a point P it is one
+//!    more than the least of the numbers of all points within the bound of P.
 //!
 //! # Cost
-//! O(n m) for n points and elements of m points.
+//! O(n m) checks for n points and elements that replace m points each.
 
 use super::Shapes;
 use super::candidate::{Points, Rule, Span, Witnesses};

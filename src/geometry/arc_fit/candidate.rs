@@ -1,16 +1,19 @@
-//! Decides whether one element can replace a run of points, and finds the best such element.
+//! Decides whether one element can replace a sequence of points between two given ends, and finds the best
+//! such element.
 //!
 //! # Method
-//! 1. The arcs over the chord of the run differ in one number, the bulge: the tangent of a quarter of the
-//!    sweep. For each point, [`Chord`] gives the bulges of the arcs that pass within the tolerance. The
-//!    bulges that suit all points form two intervals at most.
-//! 2. The line and some arcs from these intervals are tried. An element fits if it passes its points in
-//!    order. For a polyline, it also has to stay near the lines between the points. In space, its height has
-//!    to follow the heights of the points.
-//! 3. The best arc has its farthest points on the left and on the right equally far away. If it does not fit,
-//!    the element found in step 2 stays.
+//! The chord is the straight line from one end to the other.
+//! 1. The arcs over the chord differ in one number, the bulge: the tangent of a quarter of the sweep. For
+//!    each point, [`Chord`] gives the bulges of the arcs that pass within the tolerance of the point. The
+//!    bulges that suit all points form at most two intervals.
+//! 2. The line and some arcs with bulges in these intervals are tried, until one fits. An element fits if it
+//!    passes the points in their order. With [`Measure::Polyline`], the lines between the points also have to
+//!    be near the element. If the points have different heights, their distances from the element in space
+//!    count.
+//! 3. The best arc is the one that has equal largest distances to the points on its left and on its right. If
+//!    this arc does not fit, the result is the element of step 2.
 //!
-//! If no element is found, there may still be one, because only some arcs are tried.
+//! Step 2 tries only some of the arcs. So an element that fits may exist although none is found.
 
 use nalgebra::Vector2;
 

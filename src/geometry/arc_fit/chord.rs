@@ -1,11 +1,12 @@
-//! The arcs over one chord that pass near a point, in closed form.
+//! The arcs over one chord that pass within the tolerance of a point, in closed form. All of these arcs start
+//! at one end of the chord and end at the other.
 //!
-//! An arc over a chord is given by its bulge tan(sweep / 4), positive if the arc lies to the left of the
-//! chord. The chord itself has the bulge 0. The arcs that pass within the tolerance of a point are:
-//! 1. all arcs, if the point is within the tolerance of an end of the chord;
-//! 2. all arcs except those with bulges between a negative and a positive bound, if the point lies beyond an
-//!    end of the chord and within the tolerance of its line;
-//! 3. the arcs with bulges between two bounds, in all other cases.
+//! An arc is given by its bulge tan(sweep / 4), which is positive if the arc lies to the left of the chord.
+//! The chord itself has the bulge 0. There are three cases:
+//! 1. The point is within the tolerance of an end of the chord: all arcs pass near it.
+//! 2. The point lies beyond an end of the chord, but within the tolerance of the line that continues the
+//!    chord: the arcs below a negative bulge and the arcs above a positive bulge pass near it.
+//! 3. In all other cases, the arcs with bulges between two numbers pass near it.
 
 use nalgebra::Vector2;
 

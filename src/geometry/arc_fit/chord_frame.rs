@@ -1,5 +1,5 @@
-//! One element in the frame of its chord: the place on it that is nearest to a point, and how far the lines
-//! between points lie from it.
+//! One element, in coordinates along and across its chord: the nearest place of the element to a point, and
+//! how far the line between two points lies from the element.
 
 use nalgebra::Vector2;
 

@@ -1,10 +1,11 @@
-//! Finds the points at which a polyline has a real corner.
+//! Finds the points at which a polyline has a real corner. The small turns of a polyline that follows a
+//! smooth curve are not corners.
 //!
-//! At each point the polyline turns by some angle. A point is a corner if its angle is several times the
-//! largest angle at a few points before it and after it ([`TIMES`], [`BESIDE`]). An angle below
-//! [`LEAST_TURN`] is never a corner. With [`Measure::Points`] the points are samples of a curve, where longer
-//! lines turn more. There, each angle is divided by the mean length of the two lines at its point before
-//! angles are compared.
+//! The polyline turns by some angle at each inner point. A point is a corner if its angle is at least
+//! [`LEAST_TURN`], and more than [`TIMES`] times the largest angle at the [`BESIDE`] points before it and the
+//! [`BESIDE`] points after it. With [`Measure::Points`] the points are samples of a curve, so the angle grows
+//! with the length of the lines. For the comparison, the angle at each point is then divided by the mean
+//! length of the two lines that meet there.
 
 use nalgebra::Vector2;
 

@@ -1,10 +1,14 @@
-//! One full circle through points whose last point equals the first.
+//! Fits one full circle to points whose last point equals the first.
 //!
-//! A circle of least squares is fitted in rounds, by Kasa's linear equations. After each round, the weight of
-//! each point is multiplied by its distance from the circle (Lawson). So the largest distance falls towards
-//! the least possible one. The first circle within the tolerance is the result. After [`ROUNDS`] rounds the
-//! search ends without a result. There is no result either if the points do not pass the circle once and in
-//! order, or if neighbouring points are more than 30 degrees apart.
+//! # Method
+//! 1. The circle of least weighted squares is computed, by Kasa's linear equations. At first all weights are
+//!    1. If the circle keeps the tolerance, it is the result.
+//! 2. Otherwise the weight of each point is multiplied by the distance of the point from the circle (Lawson),
+//!    and step 1 is repeated, up to [`ROUNDS`] times in all. From round to round, the largest distance
+//!    approaches the least possible one.
+//!
+//! There is no result in three cases: no circle keeps the tolerance, the points do not go once around the
+//! circle in order, or two neighbouring points are more than 30 degrees apart as seen from the centre.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

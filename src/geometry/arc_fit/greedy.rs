@@ -1,17 +1,19 @@
-//! Ju's method: each element takes in one point after another until the next point does not fit.
+//! Ju's method: each element takes in one point after another, until no line or arc can replace these points
+//! and the next one. The next element starts there.
 //!
-//! Two things make long elements faster:
-//! * With [`Measure::Polyline`] an element takes in [`STRIDE`] points at a time, and single points at its
-//!   end.
-//! * After a given number of points ([`ONE_BY_ONE`], or [`FAST`]) its number of points doubles, until they
-//!   are too many for one element. Bisection then finds an end between the last two numbers.
+//! Two changes make long elements faster to find:
+//! * With [`Measure::Polyline`], an element takes in [`STRIDE`] points at a time. When that fails, it goes on
+//!   with single points.
+//! * When an element has a given number of points ([`ONE_BY_ONE`], or [`FAST`]), this number is doubled again
+//!   and again, until the points are too many for one element. Bisection between the last two numbers then
+//!   finds the end of the element.
 //!
-//! An element may fit although a shorter one fails. So these elements may be longer than Ju's, but never
-//! shorter.
+//! Some elements fit although a shorter element from the same start does not. Because of the two changes, an
+//! element may therefore be longer than Ju's element from the same start. It is never shorter.
 //!
 //! # Differences from the paper
-//! The printed algorithm drops the last two points if they are left over; here they become a line. Eq. 4
-//! measures the distance from the whole circle; here the distance is measured from the arc.
+//! The printed algorithm drops the last two points if no element has taken them in; here they become a line.
+//! Eq. 4 measures the distance of a point from the whole circle; here it is measured from the arc.
 
 use nalgebra::Vector2;
 

@@ -1,8 +1,8 @@
-//! Nodes beside the points. A node is a place where two elements may meet.
+//! Makes nodes on the points and beside them. A node is a place where two elements may meet.
 //!
-//! Elements that meet on noisy points have to follow the noise. So some of the points also get nodes to their
-//! left and to their right, on a line across the polyline. These nodes are within the tolerance of their
-//! point.
+//! Points may have errors. Elements that meet only on such points have to follow the errors, and so a chain
+//! needs more elements. To avoid this, some of the points get further nodes to their left and to their right,
+//! on a line across the polyline. All nodes of a point lie within the tolerance of the point.
 
 use nalgebra::Vector2;
 

@@ -1,10 +1,13 @@
-//! Fits points in space, and returns lines, arcs and helices.
+//! Fits lines, arcs and helices to points in space.
 //!
-//! Arcs lie in a coordinate plane, or are helices about the normal of one. If the caller gives the plane, it
-//! holds for all arcs. Otherwise the points are divided into stretches. If x, y or z does not change over at
-//! least four points, or over all points, they make a stretch with arcs in the plane of the other two
-//! coordinates. All other stretches have helices about the z axis. A second fit uses such helices for all
-//! points; if it needs fewer curves, it is the result.
+//! If the caller gives a coordinate plane, all arcs are parallel to it, and all helices have its normal as
+//! their direction. Otherwise the points are divided into stretches of neighbouring points:
+//! * A stretch whose points all have the same x, the same y or the same z gets arcs in the plane of the other
+//!   two coordinates. It has at least four points, or all points of the input.
+//! * Any other stretch gets helices in the direction of z.
+//!
+//! If there are several stretches, a second fit uses helices in the direction of z for all points. It is the
+//! result if it needs fewer curves.
 
 use nalgebra::{Point3, Vector2, Vector3};
 

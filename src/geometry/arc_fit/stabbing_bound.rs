@@ -1,16 +1,18 @@
-//! Proves that no longer element can start at a given place.
+//! Proves that no element from a given start S can reach beyond some point.
 //!
-//! An element that starts at the place lies on a circle through the place. With every point, fewer of these
-//! circles pass within the tolerance of all points so far. When no circle is left, no element from the place
-//! reaches beyond these points.
+//! An element from S lies on a circle through S, or on a line, which counts as a circle here. Each point that
+//! the element has to pass excludes the circles that do not come within the tolerance of the point. When the
+//! points up to some point have excluded all circles, no element from S reaches beyond this point.
 //!
 //! # Method
-//! 1. About each point lies a disc with the tolerance as its radius. An inversion about the place turns the
-//!    discs into other discs, and the circles through the place into lines. The task is now to find the lines
-//!    that meet all discs.
-//! 2. A line y = m x + t is a point (m, t) of another plane. There, the lines that meet one disc lie in a
-//!    strip, which may be too wide, but is never too narrow.
-//! 3. The strips of all discs have a polygon in common. When it is empty, no circle is left.
+//! 1. About each point lies a disc with the tolerance as its radius. An inversion about S turns each disc
+//!    into another disc, and each circle through S into a line. A circle is possible if its line meets the
+//!    discs of all points.
+//! 2. The line y = m x + t is written as the point (m, t) of a second plane. In this plane, all lines that
+//!    meet one disc lie in a strip. The strip may contain lines that miss the disc, but it lacks none that
+//!    meets it.
+//! 3. The common part of all strips is a polygon. Each new point cuts it with one more strip. When the
+//!    polygon is empty, no circle is possible.
 //!
 //! # Cost
 //! O(v) for each point, where v is the number of corners of the polygon.

@@ -1,20 +1,22 @@
-//! Makes a smooth chain: each element starts in the direction in which the element before it ends.
+//! Makes a smooth chain: each element starts in the direction in which the element before it ends. Only at
+//! real corners of the points ([`corners`]) the chain has kinks.
 //!
 //! # Method
 //! A node is a place where two elements may meet.
-//! 1. The arcs between two nodes that keep the tolerance start in one or two intervals of directions. They
-//!    also end in one or two intervals of directions.
-//! 2. The search goes from node to node. For each node it keeps the intervals of directions in which a chain
-//!    can arrive there. An arc can go on from a node if it starts in one of these directions. At a real
-//!    corner ([`corners`]) it may start in any direction.
-//! 3. At the last node one direction is chosen. It is followed back to the start, and gives each arc of the
-//!    chain.
+//! 1. For two nodes, the arcs that keep the tolerance between them form one or two intervals of bulges. So
+//!    their directions at the start form one or two intervals, and so do their directions at the end.
+//! 2. The search goes from node to node. For each node it keeps the intervals of directions in which a smooth
+//!    chain can arrive there. An arc can continue such a chain if its direction at the start lies in one of
+//!    these intervals. From a corner, an arc may start in any direction.
+//! 3. When the search reaches the last node, one arc that ends there is chosen. Its direction at the start is
+//!    the direction in which the arc before it has to end. This fixes that arc too, and so on back to the
+//!    first node.
 //!
-//! If the search finds no such chain, or is given up after a given number of checks of one point against one
-//! element, the result is the chain that need not be smooth.
+//! If the search finds no smooth chain, or is given up after a given number of checks of one point against
+//! one element, the result is the chain that the search started from. It may have kinks.
 //!
 //! # Cost
-//! O(c k^2 m) for c elements of m points, each with k nodes. k has a constant limit.
+//! O(c k^2 m) for c elements, each of which replaces m points with k nodes. k has a constant limit.
 
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};

@@ -1,5 +1,5 @@
-//! Products and derivatives of polynomials over the unit interval, given by their Bernstein coefficients. The
-//! values of a polynomial lie between the least and the largest of its coefficients.
+//! Products and derivatives of polynomials over the interval from 0 to 1. A polynomial is given by its
+//! Bernstein coefficients. Over the interval, its values lie between the least and the largest coefficient.
 
 use nalgebra::SVector;
 

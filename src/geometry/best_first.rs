@@ -1,4 +1,5 @@
-//! The queue of a branch and bound: items with bounds, the largest bound first.
+//! The queue of a branch and bound search: each item has a bound, and the item with the largest bound leaves
+//! the queue first.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

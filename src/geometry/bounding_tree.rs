@@ -1,12 +1,18 @@
-//! A binary tree of bounding volumes over items, and the search that leaves out whole branches.
+//! A binary tree over items, and a search that skips parts of the tree. Each node of the tree has a bounding
+//! volume.
 //!
 //! # Method
-//! Items are added from below: each with its volume, and pairs of nodes under a common volume. For each
-//! volume, the visitor of a search gives an upper bound of what may be found there. The search visits the
-//! half with the larger bound first. What it finds there may make the other half needless.
+//! The caller builds the tree from its leaves up: each item becomes a leaf with a volume, and two nodes get a
+//! parent, whose volume contains both of their volumes.
+//!
+//! The search is given a visitor, which states an upper bound for each volume: nothing in the volume is worth
+//! more to the visitor than this number. The search goes down the tree and takes the child with the larger
+//! bound first. It skips a node if the visitor declares the bound of the node too small, because of what it
+//! has already found.
 //!
 //! # Cost
-//! O(n) to build. A search is O(log n + found) where volumes are tight.
+//! O(n) to build the tree over n items. A search is O(log n + f) if volumes are hardly larger than the items
+//! in them, where f is the number of items that the visitor is shown.
 
 /// A tree of volumes `V` over items `T`.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
-//! Rules for knots, and the Bezier control points of B-spline curves and surfaces.
+//! Checks knot vectors, and computes the Bezier control points of B-spline curves and surfaces.
 //!
-//! A B-spline of degree p is a polynomial over each span, the interval between two neighbouring knots. The
-//! Bezier control points of a span are weighted means of p + 1 control points of the B-spline. These weights
-//! depend on the knots only. [`spans`] computes one matrix of weights for each span of nonzero length, in
-//! O(p^4) a span. The ends of the knots may be clamped or not: a clamped end has p + 1 equal knots.
-//! [`check_knots`] refuses knots that break the caller's rules ([`KnotRules`]).
+//! A span is the interval between two neighbouring knots. Over each span, a B-spline of degree p is one
+//! polynomial, and each of its p + 1 Bezier control points is a weighted mean of p + 1 control points of the
+//! B-spline. The weights depend on the knots only. [`spans`] computes one matrix of weights for each span of
+//! nonzero length, in O(p^4) a span. At each end, the knot vector may have p + 1 equal knots (a clamped end)
+//! or not. [`check_knots`] refuses a knot vector that breaks the caller's rules ([`KnotRules`]).
 //!
 //! # Reference
 //! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.

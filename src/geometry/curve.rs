@@ -1,4 +1,4 @@
-//! Curves that a tool follows in one motion: a line, an arc (helices included), or a part of a parabola.
+//! Curves that a tool follows in one motion: a line, an arc, a helix, or a part of a parabola.
 
 pub mod arc;
 pub mod line;

@@ -1,26 +1,29 @@
-//! Proves how far an element (a line, an arc or a parabola) lies from a curve.
+//! Proves how far an element (a line, an arc or a parabola) deviates from a curve, over a range of the
+//! curve's parameter. The caller gives the band: the largest deviations that are allowed to the left and to
+//! the right of the curve.
 //!
 //! # Method
-//! 1. The distance of the curve from the element is read at some parameters of the curve (`gauge`). Each
-//!    reading is an interval that contains the exact distance.
-//! 2. Between two readings, a bound of the second derivative of the distance gives an upper bound of the
-//!    distance. Where the second derivative has no bound, a reading plus the way that the curve may take from
-//!    there to the other reading bounds the distance.
-//! 3. Each range between two readings is halved until the upper bound of the distance over it lies within the
-//!    band and exceeds the largest reading so far by little or not at all. The search also ends when a
-//!    reading lies outside the band, or after some thousands of readings.
+//! 1. At some parameters, the signed distance of the curve from the element is computed (`gauge`). Each
+//!    result is a reading: an interval that contains the exact distance.
+//! 2. Each two neighbouring readings give an interval that contains the distance everywhere between them. It
+//!    follows from a bound of the second derivative of the distance. If the second derivative has no bound,
+//!    it follows from one of the readings and how far the curve moves until the other reading.
+//! 3. If this interval leaves the band, or is much larger than the largest reading so far, one more reading
+//!    is made in the middle, and step 2 is done for both halves.
+//! 4. The search ends when no part needs to be halved, when a reading lies outside the band, or after some
+//!    thousands of readings.
 //!
 //! # Guarantees
-//! * [`Verdict::Within`] proves that the deviation is within the band at every parameter of the given range.
-//!   Its [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that no point of
-//!   the element is farther from the curve than the largest of these deviations.
-//! * [`Verdict::Outside`] names a parameter of the curve at which the deviation is certainly outside the
-//!   band.
+//! * [`Verdict::Within`] proves that the deviation is within the band at every parameter of the range. Its
+//!   [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that no point of the
+//!   element is farther from the curve than [`Spread::largest_mm`].
+//! * [`Verdict::Outside`] names a parameter at which the deviation is certainly outside the band.
 //! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide.
 //!
 //! # Cost
-//! O(1) readings for a smooth curve well within the band. O(log(1 / g)) readings if the largest deviation
-//! misses the limit of the band, on either side, by a small part g of that limit.
+//! O(1) readings for a smooth curve well within the band. If the largest deviation is close to the limit of
+//! the band, below or above it, O(log(1 / g)) readings. Here g is the difference of the two, divided by the
+//! limit.
 
 mod gauge;
 

@@ -1,8 +1,8 @@
 //! Elements of an interpolation: a line, an arc or a parabola between two points of the plane.
 //!
-//! The foot of a point is the nearest place on the element, or on the line, circle or parabola that continues
-//! it. The signed distance of a point is positive if the point lies to the left of the element, seen in its
-//! direction.
+//! The foot of a point is the place nearest to the point, on the element or on the line, circle or parabola
+//! that continues the element. The signed distance of a point is positive if the point lies to the left of
+//! the element, as seen from the start of the element toward its end.
 
 use std::f64::consts::PI;
 

@@ -1,24 +1,26 @@
 //! Upper bounds of the distance between a curve (a line, an arc or a helix) and a sequence of points.
 //!
-//! * [`from_lines`] bounds the Frechet distance between the curve and the polyline through the points: both
-//!   are travelled from end to end without turning back, and the largest distance on the way counts.
-//! * [`from_points`] bounds the distance of each point from a place on the curve. The places follow each
-//!   other along the curve in the order of the points.
+//! * [`from_lines`] bounds the Frechet distance between the curve and the polyline through the points.
+//!   Suppose that one place moves along the curve and another along the polyline, both from start to end and
+//!   never back. The Frechet distance is the least distance that the two places never have to exceed.
+//! * [`from_points`] bounds the least distance within which each point has a place on the curve, if these
+//!   places follow each other in the order of the points.
 //!
 //! # Method
-//! 1. Each point gets a place on the curve: its foot, the place nearest to it. If the feet are out of order,
-//!    places in order are chosen such that the largest distance of a point from its place is as small as
-//!    possible.
-//! 2. For [`from_lines`], each line of the polyline is compared with the part of the curve between the places
-//!    of its ends.
+//! 1. Each point gets a place on the curve: its foot, the nearest place. If the feet are not in the order of
+//!    the points, other places, which are in order, replace them. These are chosen such that the largest
+//!    distance of a point from its place is as small as possible.
+//! 2. For [`from_lines`], each line of the polyline is compared with a part of the curve: the part between
+//!    the places of the two ends of the line.
 //!
 //! # Guarantees
-//! The result may be too large, but never too small. No code is shared with the fit that makes the curves, so
-//! that the result can check the fit. A parabola has an infinite bound. For [`from_points`], so has an arc
-//! that turns by more than half a turn between two neighbouring points.
+//! A result may be larger than the exact distance, but never smaller. It is infinite for a parabola. For
+//! [`from_points`] it is also infinite if an arc turns by more than half a turn between two neighbouring
+//! points. The module shares no code with the fit that makes the curves, so it can check the fit.
 //!
 //! # Cost
-//! O(n) for n points whose feet are in order, O(n log(1 / rounding)) if they are not.
+//! O(n) for n points whose feet are in order. If they are not, the places are found by bisection, and the
+//! cost is O(n log(1 / e)) for the relative rounding error e.
 
 use std::f64::consts::{PI, TAU};
 

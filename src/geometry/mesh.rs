@@ -1,16 +1,17 @@
-//! A surface as triangles, for pictures. The corners of the triangles are points of the surface on a grid of
-//! parameters.
+//! Triangles that approximate a surface, for pictures. Their corners are points of the surface, on a grid of
+//! its two parameters.
 //!
 //! # Guarantees
-//! The caller chooses the largest number of grid cells in each direction, whatever the size of the surface.
-//! If a direction has no more patches than this number, the joints of its patches are grid lines.
+//! In each direction, the grid has at most as many cells as the caller allows, however large the surface is.
+//! If the surface has at most that many patches in a direction, the joints of these patches are lines of the
+//! grid.
 //!
 //! # Degenerate input
-//! Where a side of the surface shrinks to a point, triangles have no area. A point whose triangles all have
-//! no area has no normal.
+//! Where a side of the surface shrinks to a point, some triangles have no area. A point gets no normal if all
+//! triangles that meet there have no area.
 //!
 //! # Cost
-//! O(cells).
+//! O(c) for c cells of the grid.
 
 use nalgebra::{Point3, Vector3};
 

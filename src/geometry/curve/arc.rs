@@ -1,4 +1,4 @@
-//! A circular arc in a coordinate plane, or a helix about the plane's normal.
+//! A circular arc parallel to a coordinate plane, or a helix about a normal of that plane.
 
 use std::f64::consts::TAU;
 

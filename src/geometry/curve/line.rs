@@ -1,4 +1,4 @@
-//! A straight segment.
+//! A straight line between two points.
 
 use nalgebra::{Point3, Vector3};
 

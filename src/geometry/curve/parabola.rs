@@ -1,12 +1,14 @@
-//! A part of a parabola: a quadratic Bezier curve in space.
+//! A part of a parabola in space, given by the three control points of a quadratic Bezier curve.
 //!
-//! Its length has a closed form. The nearest place to a point is an end of the curve, or a root of a cubic
-//! polynomial. The curvature is largest at the vertex, or at the end nearest to the vertex.
+//! The length of the curve has a closed form. The place nearest to a point is an end of the curve, or a root
+//! of a cubic polynomial. The curvature is largest at the vertex of the parabola, or, if the curve does not
+//! contain the vertex, at the end of the curve nearest to it.
 //!
 //! # Degenerate input
-//! Three control points on one line give a straight motion. If the middle one lies beyond an end, the motion
-//! turns back, and its length counts both ways. Control points may coincide. Coordinates that are not finite,
-//! or whose fourth powers overflow, are refused.
+//! Three control points on one line give a straight motion. If the middle control point then lies beyond one
+//! of the other two, the motion passes this end and turns back. Its length counts the way there and the way
+//! back. Control points may coincide. Coordinates are refused if they are not finite, or if their fourth
+//! powers overflow.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,5 +1,7 @@
-//! Two ways to measure the distance of a curve from an element: along the normal of the element, and along y.
-//! Each gives an interval for the distance at one parameter, and bounds between two parameters.
+//! Two ways to measure the signed distance of a curve from an element: along the normal of the element
+//! ([`Normal`]), and along y ([`Vertical`]). Both give an interval for the distance at one parameter of the
+//! curve. Between two parameters, both give an interval for the distance, and one for its second derivative
+//! if that has a bound.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,4 +1,5 @@
-//! Compares bounds with closed forms and with dense samples. Wrong curves get large bounds.
+//! Compares bounds with distances in closed form and with distances of dense samples. Also checks that a
+//! curve that does not belong to the points gets a large bound.
 
 use nalgebra::Point3;
 use proptest::prelude::*;

@@ -1,22 +1,24 @@
-//! The offset of contours of lines and arcs: the places on one side of the contours at a given distance from
-//! them.
+//! Offsets contours of lines and arcs: computes the curves that run at a given distance to one side of the
+//! contours, and are nowhere nearer to any contour. A contour is a chain of elements, open or closed.
 //!
 //! # Method
-//! 1. Each element of a contour is moved aside by the distance, and each convex corner gets an arc
-//!    (`pieces`).
-//! 2. The parts of these pieces that are too near to a contour are removed (`clip`).
-//! 3. The parts that are left are joined into chains (`link`). At a nearly straight corner, a mitre replaces
-//!    the arc: the elements before and after it are lengthened until they meet (`mitre`).
-//! 4. The least distance between the offset and the contours is computed (`distance`). If a mitre comes too
-//!    near to a contour, all corners keep their arcs. If the offset still comes too near, it is refused.
+//! 1. Each element of a contour is moved aside by the distance. At each convex corner, an arc about the
+//!    corner is added. The moved elements and the arcs are the pieces (`pieces`).
+//! 2. The parts of the pieces that are nearer to a contour than the distance are removed (`clip`).
+//! 3. The remaining parts are joined into chains (`link`).
+//! 4. At nearly straight corners, a mitre replaces the arc: the elements before and after the arc are
+//!    lengthened until they meet (`mitre`).
+//! 5. The least distance between the offset and the contours is computed (`distance`). If it is too small,
+//!    the arcs of all corners are put back, and it is computed again. If it is still too small, the offset is
+//!    refused.
 //!
 //! # Guarantees
-//! * Every point of the offset has at least the given distance from every contour, less 1e-6 mm.
-//! * The chains run in the direction of their contours. Each element starts exactly where the one before it
-//!   ends.
-//! * The offset of an open contour does not run around its ends.
-//! * Contours may cross themselves and each other. If nothing is left, the offset is empty. Parabolas are
-//!   refused, and so are more than a million elements.
+//! * Every point of the offset has at least the given distance, less 1e-6 mm, from every contour.
+//! * The chains run in the direction of their contours. Each element starts exactly where the element before
+//!   it ends.
+//! * The offset of an open contour does not run around the ends of the contour.
+//! * Contours may cross themselves and each other. If no part of a piece remains, the offset is empty.
+//!   Parabolas are refused, and so are more than a million elements.
 //!
 //! # Cost
 //! O(n (log n + k)) for n elements, where k is the number of elements within the distance of one piece.

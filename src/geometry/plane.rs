@@ -1,4 +1,5 @@
-//! The three coordinate planes of machine arcs and their local frames.
+//! The three coordinate planes in which a machine runs arcs. Each plane has a local frame: two axes in the
+//! plane, and its normal.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,5 +1,5 @@
 //! Profiles: chains of lines, arcs and cubics, in the plane or in space. Swept and ruled surfaces are made
-//! from them.
+//! from profiles.
 
 #[cfg(test)]
 pub mod drawn;

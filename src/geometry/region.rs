@@ -1,26 +1,27 @@
-//! Regions of the plane, with outlines of lines and arcs: union, intersection, difference, offset, area and
-//! containment.
+//! Regions of the plane that are bounded by lines and arcs: their union, intersection, difference, offset and
+//! area, and whether a place lies inside.
 //!
 //! # Method
-//! 1. All outlines are cut at each other into edges (`arrangement`).
-//! 2. The winding of an outline about a place is how often the outline turns about the place (`winding`). The
-//!    windings on both sides of an edge tell on which side the result lies. Each operation has its own rule
-//!    for this.
-//! 3. Edges with the result on one side only are joined into the outlines of the result (`trace`).
-//! 4. For an offset, all outlines are offset together ([`offset`](crate::geometry::offset)). The chains of
-//!    the offset then go through steps 1 to 3.
+//! 1. All outlines are cut where they meet. The parts are edges (`arrangement`).
+//! 2. For the places on both sides of each edge, the windings are computed (`winding`). The winding of an
+//!    outline about a place is how often the outline turns about the place. Each operation has a rule that
+//!    decides from the windings whether a place is in the result.
+//! 3. The edges that have the result on exactly one side are joined into the outlines of the result
+//!    (`trace`).
+//! 4. For an offset, all outlines are offset first ([`offset`](crate::geometry::offset)). Steps 1 to 3 are
+//!    then done for the chains of the offset.
 //!
 //! # Guarantees
-//! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross, and
-//!   meet at most in single points.
-//! * The boundary of a result lies within a few times 1e-6 mm of the exact one. Parts of a region that are
-//!   narrower than 1e-6 mm are dropped. An empty region is valid.
+//! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross each
+//!   other. They meet at most in single points.
+//! * The boundary of a result lies within a few times 1e-6 mm of the exact boundary. Parts of a region that
+//!   are narrower than 1e-6 mm are dropped. An empty region is a valid result.
 //! * A region is refused if its outlines run so close to each other that inside and outside cannot be told
 //!   apart, or if it needs more than a million elements.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet, plus a search along a ray for each
-//! place where outlines meet.
+//! O(n log n + k) for n elements, where k is the number of pairs of elements whose boxes meet. In addition,
+//! one search along a ray is needed for each place where outlines meet.
 //!
 //! # Reference
 //! A. Margalit, G. D. Knott, *An algorithm for computing the union, intersection or difference of two

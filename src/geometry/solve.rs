@@ -1,4 +1,5 @@
-//! Roots, largest values and bisection, for functions of one number.
+//! Numerical searches for functions of one number: a root, the place of the largest value, and the bisection
+//! of a range.
 
 use std::convert::Infallible;
 

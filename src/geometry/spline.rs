@@ -1,10 +1,11 @@
-//! The first derivatives, at given values, of the cubic spline through these values. The spline has two
-//! continuous derivatives. The values may have any number of dimensions.
+//! The first derivatives of a cubic spline that passes through given values, one derivative at each value.
+//! The spline has two continuous derivatives. The values are numbers or vectors of any dimension.
 //!
-//! At each inner value, the second derivatives before and after it are equal. At each end an end condition
-//! holds ([`EndCondition`]). These conditions are a tridiagonal system of linear equations, which is solved
-//! in O(n) for n values. If there are too few values for not-a-knot or Bessel ends, the result is the
-//! derivatives of the polynomial through the values.
+//! The first derivatives are the solution of a system of linear equations, one for each value. At each inner
+//! value, the equation says that the second derivative is the same just before and just after it. At each
+//! end, it states the end condition ([`EndCondition`]). The system is tridiagonal and is solved in O(n) for n
+//! values. If there are too few values for not-a-knot or Bessel ends, the result is the derivatives of the
+//! polynomial through all values.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.

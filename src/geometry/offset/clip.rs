@@ -1,19 +1,20 @@
-//! Clipping: removes the parts of a piece that are too near to a contour. A piece is an element of the
-//! contour moved aside, or an arc about one of its corners.
+//! Clipping: removes the parts of the pieces of an offset that are nearer to a contour than the offset's
+//! distance. A piece is an element of a contour, moved aside by the distance, or an arc about a corner.
 //!
 //! # Method
-//! 1. A piece is compared with one element of the contour after the other. The places at exactly the offset's
-//!    distance from the element lie on parallels to the element and on circles about its ends.
-//! 2. These lines and circles cut the piece into parts. Each part is too near to the element everywhere or
-//!    nowhere.
-//! 3. So the middle of each part decides. The part is removed if its middle is too near to the element.
+//! These steps are done for each piece and each element of a contour near it:
+//! 1. The places at exactly the offset's distance from the element lie on parallels to the element and on
+//!    circles about its ends.
+//! 2. These parallels and circles cut the piece into parts. A part is nearer to the element than the distance
+//!    either everywhere or nowhere.
+//! 3. So one place of each part is enough: if the middle of the part is too near, the part is removed.
 //!
 //! # Guarantees
-//! The parts that are left are too near to the contour by no more than rounding.
+//! The parts that remain are nearer to a contour than the distance by no more than rounding.
 //!
 //! # Cost
-//! A piece is compared only with the elements that are nearer to its middle than the distance plus half of
-//! its length.
+//! Each piece is compared only with the elements that are nearer to the middle of the piece than the offset's
+//! distance plus half the length of the piece.
 
 use nalgebra::{Point2, Vector2};
 

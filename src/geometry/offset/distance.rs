@@ -1,12 +1,14 @@
 //! The least distance between two lines or arcs, in closed form.
 //!
 //! # Method
-//! The least distance is at an end of one element, where the two elements cross, or on a line that is normal
-//! to both. At each such place of one element, the distance to the other element is computed. The least of
-//! these distances is the result.
+//! Suppose that a place on one element and a place on the other have the least distance. Then the two
+//! elements cross there, or one of the places is an end of its element, or the line between the places is
+//! normal to both elements. All such places of one element are computed, and their distances from the other
+//! element. The least of these distances is the result.
 //!
 //! # Guarantees
-//! The error is some 1e-15 of the largest coordinate or radius. Elements without length count as points.
+//! The error of the result is some 1e-15 of the largest coordinate or radius. Elements without length count
+//! as points.
 
 use nalgebra::{Point2, Vector2};
 

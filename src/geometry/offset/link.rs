@@ -1,16 +1,16 @@
-//! Joins the parts of pieces that clipping has left into chains.
+//! Joins the parts of pieces that remain after clipping. The results are chains of elements.
 //!
 //! # Method
-//! Where two pieces clip each other, a part of one ends where a part of the other starts, up to rounding. The
-//! end of one part is joined to the start of another, the nearest pairs first. An end that finds no start
-//! nearby ends its chain.
+//! Where two pieces cut each other, clipping ends a part of one piece and starts a part of the other, at the
+//! same place up to rounding. So each end of a part is joined to the start of another part nearby. The
+//! nearest pairs are joined first. If an end finds no start nearby, its part is the last one of a chain.
 //!
 //! # Guarantees
-//! Each element starts exactly where the one before it ends. This place lies within [`BESIDE_MM`] of the line
-//! or circle of both pieces. Chains run in the direction of their contours.
+//! Each element starts exactly where the element before it ends. If this joint connects two pieces, it lies
+//! within [`BESIDE_MM`] of the line or circle of each of them. Chains run in the direction of their contours.
 //!
 //! # Cost
-//! O(n log n) for n parts, unless many ends lie within the reach of one joint.
+//! O(n log n) for n parts, unless many parts end near the same place.
 
 use nalgebra::{Point2, center};
 

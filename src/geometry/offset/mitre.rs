@@ -1,14 +1,14 @@
-//! Mitres at corners of a contour that are nearly straight. Without a mitre, the offset has an arc there that
-//! is only a few micrometres long.
+//! Replaces the arcs at nearly straight corners of a contour by mitres. Such arcs would be only a few
+//! micrometres long.
 //!
 //! # Method
-//! The arc is left out, and the elements before and after it are lengthened until they meet. The place where
-//! they meet is farther from the contour than the arc is. If it is farther by more than the caller allows, or
-//! if the two elements do not meet, the arc stays.
+//! These steps are done for each such arc. The arc is left out, and the elements before and after it are
+//! lengthened until they meet. The place where they meet is farther from the corner than the arc is. If it is
+//! farther by more than the caller allows, or if the two elements do not meet, the arc is kept.
 //!
 //! # Guarantees
-//! Each element starts exactly where the one before it ends. Elements stay on their lines and circles, within
-//! 1e-9 mm.
+//! Each element starts exactly where the element before it ends. A lengthened element stays within 1e-9 mm of
+//! its former line or circle.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,14 +1,17 @@
-//! The pieces of an offset before clipping: the elements of the contour moved aside by the distance, and arcs
-//! about its convex corners.
+//! The pieces of an offset before clipping: each element of a contour moved aside by the offset's distance,
+//! and an arc about each convex corner.
 //!
 //! # Method
-//! Lines are moved parallel to themselves. Arcs keep their centres and change their radii; if the new radius
-//! is not above zero, there is no piece. An arc about a corner runs from the normal of the element before the
-//! corner to the normal of the element after it.
+//! * A line is moved parallel to itself.
+//! * An arc keeps its centre and gets a new radius, which is smaller or larger by the distance. If the new
+//!   radius is zero or below, the arc has no piece.
+//! * A corner is convex if the contour turns away from the side of the offset there. The arc about the corner
+//!   has the distance as its radius. It runs from the normal of the element before the corner to the normal
+//!   of the element after it.
 //!
 //! # Guarantees
-//! Every place on the chosen side at exactly the given distance from the contour lies on a piece. The ends of
-//! an open contour are an exception: there are no arcs about them.
+//! Every place on the chosen side at exactly the offset's distance from the contour lies on a piece. The ends
+//! of an open contour are an exception: no pieces run around them.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 

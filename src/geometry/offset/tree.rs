@@ -1,7 +1,8 @@
-//! A tree of boxes over a chain of elements.
+//! A tree of bounding boxes over a chain of elements, for searches for the elements near a place.
 //!
-//! The chain is halved until few elements are left, so elements that are near to each other in the chain share
-//! boxes. A search for the elements near a point is O(log n + found) where the chain does not meander.
+//! The chain is halved again and again, until each part has only a few elements. Each part gets a box, so
+//! elements that follow each other in the chain share boxes. A search is O(log n + found) for n elements,
+//! unless parts that are far apart in the chain lie close together in the plane.
 
 use nalgebra::{Point2, Vector2};
 

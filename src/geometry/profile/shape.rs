@@ -1,4 +1,4 @@
-//! The shapes of the pieces of a profile.
+//! The shape of one piece of a profile: a line, an arc or a cubic.
 
 use nalgebra::{Point, SVector};
 

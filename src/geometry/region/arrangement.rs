@@ -1,21 +1,22 @@
-//! An arrangement: loops of lines and arcs, cut at each other into edges that meet at vertices only.
+//! An arrangement: closed loops of lines and arcs, cut into edges that meet only at the vertices where they
+//! end.
 //!
 //! # Method
-//! Places that are nearer to each other than a short distance, the snap, count as one place.
-//! 1. Each place where two elements cross or nearly touch becomes a vertex, and so does each end of an
-//!    element.
-//! 2. Each element is cut at the vertices within the snap of it. The parts are the edges. They start and end
-//!    exactly at their vertices.
-//! 3. Edges between the same two vertices become one edge, if they also stay together in the middle. This
-//!    edge counts how often the loops run along it, less how often they run back. If this count is zero, the
-//!    edge is dropped.
+//! Places that are nearer to each other than a given short distance, the snap, count as one place.
+//! 1. The ends of all elements become vertices, and so do all places where two elements cross or nearly
+//!    touch.
+//! 2. Each element is cut at all vertices within the snap of it. The parts are the edges. Each edge is made
+//!    anew, so that it starts and ends exactly at vertices.
+//! 3. Several edges between the same two vertices become one edge, if their middles also lie close together.
+//!    The new edge counts how often the loops run along it in its direction, less how often they run along it
+//!    backward. If the count is zero, the edge is dropped.
 //!
 //! # Guarantees
-//! Edges lie within a few snaps of their elements. At every vertex, the loops arrive as often as they leave.
-//! More than a million elements, or cuts of elements, are refused.
+//! Edges lie within a few snaps of the elements that they are parts of. At every vertex, the loops arrive as
+//! often as they leave. More than a million elements are refused, and so are more than a million cuts.
 //!
 //! # Cost
-//! O(n log n + k) for n elements, of which k pairs have boxes that meet.
+//! O(n log n + k) for n elements, where k is the number of pairs of elements whose boxes meet.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Places where two lines or arcs meet, or nearly touch.
+//! The places where two elements, lines or arcs, cross or come within a short distance of each other.
 
 use nalgebra::Point2;
 

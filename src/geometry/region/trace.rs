@@ -1,15 +1,17 @@
-//! Traces the outlines of an area from the edges that bound it.
+//! Traces the outlines of an area. The input is the edges of an arrangement, and a rule that tells on which
+//! sides of each edge the area lies.
 //!
 //! # Method
-//! 1. An edge bounds the area if the area lies on one side only. The edge is turned so that the area is on
-//!    its left.
-//! 2. Edges are joined into loops. Where several edges leave the end of an edge, the first one clockwise from
-//!    this edge follows: it bounds the same corner of the area.
-//! 3. Loops are divided where they visit a vertex twice. Loops narrower than 1e-6 mm are dropped.
-//! 4. Successive edges on one line or circle become one element.
-//! 5. Loops that run clockwise are islands. Each island belongs to the smallest outline that contains it.
+//! 1. An edge bounds the area if the area lies on exactly one side of the edge. Such an edge is turned so
+//!    that the area is on its left.
+//! 2. These edges are joined into loops. Where several edges could follow at a vertex, the first one
+//!    clockwise from the edge that arrives is taken: these two edges bound the same corner of the area.
+//! 3. A loop that visits a vertex twice is divided there into two loops.
+//! 4. Successive edges on one line or circle become one element. Loops narrower than 1e-6 mm are dropped.
+//! 5. Loops that run clockwise are islands. Each island belongs to the smallest outer outline that contains
+//!    it.
 //!
-//! If the edges do not close, the area is refused.
+//! If the edges do not form closed loops, the area is refused.
 
 use std::collections::HashMap;
 

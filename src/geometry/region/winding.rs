@@ -1,12 +1,14 @@
-//! Windings: how often loops turn about a place, counterclockwise turns minus clockwise turns.
+//! Windings: how often loops turn about a place. Counterclockwise turns count as 1, and clockwise turns as
+//! -1.
 //!
 //! # Method
-//! 1. A ray runs from the place toward larger x. An element that crosses the ray upward adds one to the
-//!    winding, and an element that crosses it downward takes one away.
-//! 2. An element contains its lower end, but not its upper end (Franklin's rule). So a vertex on the ray
-//!    counts once, and a horizontal line never counts.
-//! 3. The windings on the two sides of an edge stay the same along the edge, and through vertices where only
-//!    two edges meet. So one ray is enough for a whole chain of edges.
+//! 1. A ray runs from the place toward larger x. An element that crosses the ray upward adds 1 to the
+//!    winding, and an element that crosses it downward subtracts 1.
+//! 2. For step 1, an element contains its lower end, but not its upper end (Franklin's rule). So where a loop
+//!    crosses the ray at a vertex, only one of the two elements counts. A horizontal line never counts.
+//! 3. On each side of an edge, all places next to the edge have the same winding. At a vertex where only two
+//!    edges meet, the second edge has the windings of the first. So one ray is enough for a whole chain of
+//!    such edges.
 //!
 //! # Reference
 //! W. Randolph Franklin's rule for places in polygons.

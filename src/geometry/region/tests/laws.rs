@@ -1,4 +1,5 @@
-//! Laws of random regions, checked against sampled windings and distances.
+//! Tests that random regions obey the laws of sets, and that offsets keep their distance. The expected
+//! results come from windings and distances at sampled places.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

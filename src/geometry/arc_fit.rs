@@ -4,13 +4,14 @@
 //! # Method
 //! The caller chooses one of three methods:
 //! * [`Method::Greedy`] is Ju's method. It makes one element after the other. Each element takes in one point
-//!   after another, until no line or arc can replace all points that it would have.
+//!   after another, as long as some line or arc can replace all of them.
 //! * [`Method::Optimal`] searches for the chain with the fewest elements.
 //! * [`Method::Biarc`] puts two arcs between each two neighbouring points. The chain passes through every
 //!   point and has no kinks. This method ignores the tolerance.
 //!
-//! With [`Continuity::Tangent`], a chain of one of the first two methods is only a first result. Starting
-//! from it, a second search looks for a chain without kinks (`tangent`).
+//! With [`Continuity::Tangent`], a second search follows one of the first two methods. It looks for a chain
+//! that has kinks only at real corners of the points (`tangent`). If it finds none, the first chain is the
+//! result.
 //!
 //! # Guarantees
 //! The guarantees hold for the first two methods.
@@ -19,7 +20,7 @@
 //! * With [`Measure::Polyline`], the lines between the points are within the tolerance of the elements, and
 //!   the elements are within the tolerance of these lines.
 //! * Elements meet on points. With [`Joints::Free`] they may also meet beside a point, within the tolerance
-//!   of it. They do so only if the chain then has fewer elements.
+//!   of it. They do so only if the chain then has fewer elements or fewer kinks.
 //! * With [`Method::Optimal`] and [`Continuity::Position`], no chain whose elements meet on points has fewer
 //!   elements than the result. There are three exceptions: the input has more than [`WINDOW`] points, the
 //!   search was given up ([`Fit::effort`]), or the search missed an arc that would fit, because it tries only

@@ -7,10 +7,10 @@
 //!    result is a reading: an interval that contains the exact distance.
 //! 2. Each two neighbouring readings give an interval that contains the distance everywhere between them. It
 //!    follows from a bound of the second derivative of the distance. If the second derivative has no bound,
-//!    it follows from one of the readings and how far the curve moves until the other reading.
-//! 3. If this interval leaves the band, or is much larger than the largest reading so far, one more reading
-//!    is made in the middle, and step 2 is done for both halves.
-//! 4. The search ends when no part needs to be halved, when a reading lies outside the band, or after some
+//!    it follows from one of the readings and a bound of how far the curve moves between the two parameters.
+//! 3. If this interval is not inside the band, or reaches much farther than the largest reading so far, one
+//!    more reading is made in the middle between the two. Step 2 is then done for both halves.
+//! 4. The search ends when nothing is left to be halved, when a reading lies outside the band, or after some
 //!    thousands of readings.
 //!
 //! # Guarantees

@@ -2,9 +2,10 @@
 //!
 //! * [`from_lines`] bounds the Frechet distance between the curve and the polyline through the points.
 //!   Suppose that one place moves along the curve and another along the polyline, both from start to end and
-//!   never back. The Frechet distance is the least distance that the two places never have to exceed.
-//! * [`from_points`] bounds the least distance within which each point has a place on the curve, if these
-//!   places follow each other in the order of the points.
+//!   never back. The Frechet distance is the least number d for which both can move such that their distance
+//!   never exceeds d.
+//! * [`from_points`] bounds the least number d for which each point has a place on the curve no farther away
+//!   than d, and these places follow each other along the curve in the order of the points.
 //!
 //! # Method
 //! 1. Each point gets a place on the curve: its foot, the nearest place. If the feet are not in the order of
@@ -15,8 +16,9 @@
 //!
 //! # Guarantees
 //! A result may be larger than the exact distance, but never smaller. It is infinite for a parabola. For
-//! [`from_points`] it is also infinite if an arc turns by more than half a turn between two neighbouring
-//! points. The module shares no code with the fit that makes the curves, so it can check the fit.
+//! [`from_points`] it is also infinite if an arc or helix turns by more than half a turn between the places
+//! of two neighbouring points. The module shares no code with the fit that makes the curves, so it can check
+//! the fit.
 //!
 //! # Cost
 //! O(n) for n points whose feet are in order. If they are not, the places are found by bisection, and the

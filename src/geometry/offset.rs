@@ -8,9 +8,9 @@
 //! 3. The remaining parts are joined into chains (`link`).
 //! 4. At nearly straight corners, a mitre replaces the arc: the elements before and after the arc are
 //!    lengthened until they meet (`mitre`).
-//! 5. The least distance between the offset and the contours is computed (`distance`). If it is too small,
-//!    the arcs of all corners are put back, and it is computed again. If it is still too small, the offset is
-//!    refused.
+//! 5. The least distance between the offset and the contours is computed (`distance`). If it is below the
+//!    given distance by more than 1e-6 mm, all mitres are undone, and it is computed again. If it is still
+//!    too small, the offset is refused.
 //!
 //! # Guarantees
 //! * Every point of the offset has at least the given distance, less 1e-6 mm, from every contour.
@@ -21,7 +21,8 @@
 //!   Parabolas are refused, and so are more than a million elements.
 //!
 //! # Cost
-//! O(n (log n + k)) for n elements, where k is the number of elements within the distance of one piece.
+//! O(n (log n + k)) for n elements, where k is the number of elements of contours that lie within the given
+//! distance of one piece.
 //!
 //! # Reference
 //! X.-Z. Liu, J.-H. Yong, G.-Q. Zheng, J.-G. Sun, *An offset algorithm for polyline curves*, Computers in

@@ -14,8 +14,9 @@
 //! # Guarantees
 //! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross each
 //!   other. They meet at most in single points.
-//! * The boundary of a result lies within a few times 1e-6 mm of the exact boundary. Parts of a region that
-//!   are narrower than 1e-6 mm are dropped. An empty region is a valid result.
+//! * The boundary of a result lies within a few snaps of the exact boundary. A snap is 1e-6 mm, or up to
+//!   16e-6 mm if outlines run very close to each other for a long way. Parts of a region that are narrower
+//!   than 1e-6 mm are dropped. An empty region is a valid result.
 //! * A region is refused if its outlines run so close to each other that inside and outside cannot be told
 //!   apart, or if it needs more than a million elements.
 //!

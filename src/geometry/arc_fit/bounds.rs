@@ -1,17 +1,18 @@
-//! Two bounds for each point, which shorten the search of `optimal`: an upper bound of how far one element
-//! from the point can reach, and the least number of elements that any chain needs from the point to the last
-//! point.
+//! Two bounds for each point: how far one element from the point can reach at most, and how many elements a
+//! chain from the point to the last point needs at least. The bounds shorten the search of `optimal`. They
+//! hold for chains whose elements meet on points.
 //!
 //! # Method
 //! A check is a test of one point against one element.
-//! 1. Take two points P and Q. If some element replaces both, then some arc from P to Q passes within a known
-//!    multiple of the tolerance of all points between P and Q. So if there is no such arc, no element
+//! 1. Take two points P and Q. If some element replaces both, then some arc from P to Q misses no point
+//!    between P and Q by more than a known multiple of the tolerance. So if there is no such arc, no element
 //!    replaces both P and Q.
-//! 2. For each point P, step 1 gives a point that no element from P reaches. The points before it are tried
-//!    one by one as the end of an element from P, the farthest first. The first one that fits is the final
-//!    bound for P. After a given number of checks nothing more is tried, and step 1 alone gives the bounds.
+//! 2. For each point P, step 1 gives a point that no element from P reaches. The points between P and this
+//!    point are tried one by one as the end of an element from P, the farthest first. The first one at which
+//!    an element fits is the bound of P. After a given number of checks in all, the remaining points get the
+//!    bounds of step 1 instead.
 //! 3. The least number of elements is computed from the last point back to the first. For a point P it is one
-//!    more than the least of the numbers of all points within the bound of P.
+//!    more than the smallest such number of the points that come after P, up to the bound of P.
 //!
 //! # Cost
 //! O(n m) checks for n points and elements that replace m points each.

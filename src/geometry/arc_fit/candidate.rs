@@ -8,9 +8,9 @@
 //!    bulges that suit all points form at most two intervals.
 //! 2. The line and some arcs with bulges in these intervals are tried, until one fits. An element fits if it
 //!    passes the points in their order. With [`Measure::Polyline`], the lines between the points also have to
-//!    be near the element. If the points have different heights, their distances from the element in space
-//!    count.
-//! 3. The best arc is the one that has equal largest distances to the points on its left and on its right. If
+//!    be within the tolerance of the element. If the points have different heights, distances are measured in
+//!    space.
+//! 3. The best arc is as far from the farthest point on its left as from the farthest point on its right. If
 //!    this arc does not fit, the result is the element of step 2.
 //!
 //! Step 2 tries only some of the arcs. So an element that fits may exist although none is found.

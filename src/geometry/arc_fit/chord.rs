@@ -1,11 +1,11 @@
-//! The arcs over one chord that pass within the tolerance of a point, in closed form. All of these arcs start
-//! at one end of the chord and end at the other.
+//! The arcs over one chord that pass near a point, in closed form. They start at one end of the chord and end
+//! at the other. "Near" means within the tolerance.
 //!
 //! An arc is given by its bulge tan(sweep / 4), which is positive if the arc lies to the left of the chord.
 //! The chord itself has the bulge 0. There are three cases:
 //! 1. The point is within the tolerance of an end of the chord: all arcs pass near it.
 //! 2. The point lies beyond an end of the chord, but within the tolerance of the line that continues the
-//!    chord: the arcs below a negative bulge and the arcs above a positive bulge pass near it.
+//!    chord: the arcs with bulges below some negative number or above some positive number pass near it.
 //! 3. In all other cases, the arcs with bulges between two numbers pass near it.
 
 use nalgebra::Vector2;

@@ -2,13 +2,14 @@
 //!
 //! # Method
 //! 1. The circle of least weighted squares is computed, by Kasa's linear equations. At first all weights are
-//!    1. If the circle keeps the tolerance, it is the result.
+//!    equal. If the circle passes within the tolerance of all points, the search ends with it. With
+//!    [`Measure::Polyline`], the lines between the points count too.
 //! 2. Otherwise the weight of each point is multiplied by the distance of the point from the circle (Lawson),
 //!    and step 1 is repeated, up to [`ROUNDS`] times in all. From round to round, the largest distance
 //!    approaches the least possible one.
 //!
-//! There is no result in three cases: no circle keeps the tolerance, the points do not go once around the
-//! circle in order, or two neighbouring points are more than 30 degrees apart as seen from the centre.
+//! There is no result in three cases: no circle keeps the tolerance, the points do not go around the circle
+//! once and in order, or two neighbouring points are more than 30 degrees apart as seen from the centre.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

@@ -1,5 +1,5 @@
-//! Ju's method: each element takes in one point after another, until no line or arc can replace these points
-//! and the next one. The next element starts there.
+//! Ju's method: each element takes in one point after another, as long as some line or arc can replace all of
+//! them. The next element starts at the last of these points.
 //!
 //! Two changes make long elements faster to find:
 //! * With [`Measure::Polyline`], an element takes in [`STRIDE`] points at a time. When that fails, it goes on

@@ -1,15 +1,15 @@
-//! Searches for a chain with fewer elements than a known chain. Its elements meet at given nodes. A node is a
-//! place where two elements may meet.
+//! Searches for a chain with fewer elements than a known chain. A node is a place where two elements may
+//! meet; all nodes are given.
 //!
 //! # Method
 //! The search is breadth-first. The first round finds all nodes that one element from the first point
 //! reaches. Each later round finds all nodes that one element from a node of the round before reaches. The
 //! first chain that reaches the last point has the fewest elements. An element from a node A to a node B is
 //! not tried in three cases:
-//! 1. An earlier element has reached B.
-//! 2. [`Bounds`] prove that no chain that continues from B has fewer elements than the known chain.
-//! 3. [`Fan`] proves that no circle through A and B passes within the tolerance of all points between A and
-//!    B.
+//! 1. An element that was tried before has reached B.
+//! 2. [`Bounds`] prove that no chain through A and B has fewer elements than the known chain.
+//! 3. [`Fan`] proves that no circle or line through A and B passes within the tolerance of all points between
+//!    A and B.
 //!
 //! The search is given up after a given number of checks of one point against one element. The caller then
 //! repeats it with fewer nodes, or keeps the known chain.

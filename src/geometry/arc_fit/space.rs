@@ -1,13 +1,13 @@
 //! Fits lines, arcs and helices to points in space.
 //!
-//! If the caller gives a coordinate plane, all arcs are parallel to it, and all helices have its normal as
-//! their direction. Otherwise the points are divided into stretches of neighbouring points:
-//! * A stretch whose points all have the same x, the same y or the same z gets arcs in the plane of the other
-//!   two coordinates. It has at least four points, or all points of the input.
-//! * Any other stretch gets helices in the direction of z.
+//! If the caller gives a coordinate plane, all arcs are parallel to it, and the axes of all helices are
+//! normal to it. Otherwise the points are divided into stretches of neighbouring points:
+//! * If all points of a stretch have the same x, y or z, it gets lines and arcs in the plane of the other two
+//!   coordinates. Such a stretch has at least four points, or all points of the input.
+//! * Any other stretch gets lines, and helices whose axes run along z.
 //!
-//! If there are several stretches, a second fit uses helices in the direction of z for all points. It is the
-//! result if it needs fewer curves.
+//! If there are several stretches, a second fit treats all points as one stretch with helices. The fit with
+//! fewer curves is the result.
 
 use nalgebra::{Point3, Vector2, Vector3};
 

@@ -9,8 +9,7 @@
 //!    into another disc, and each circle through S into a line. A circle is possible if its line meets the
 //!    discs of all points.
 //! 2. The line y = m x + t is written as the point (m, t) of a second plane. In this plane, all lines that
-//!    meet one disc lie in a strip. The strip may contain lines that miss the disc, but it lacks none that
-//!    meets it.
+//!    meet one disc lie in a strip. The strip may also contain lines that miss the disc.
 //! 3. The common part of all strips is a polygon. Each new point cuts it with one more strip. When the
 //!    polygon is empty, no circle is possible.
 //!

@@ -1,10 +1,10 @@
-//! Makes a smooth chain: each element starts in the direction in which the element before it ends. Only at
-//! real corners of the points ([`corners`]) the chain has kinks.
+//! Makes a smooth chain: each element starts in the direction in which the element before it ends. The chain
+//! has kinks only at real corners of the points ([`corners`]).
 //!
 //! # Method
 //! A node is a place where two elements may meet.
-//! 1. For two nodes, the arcs that keep the tolerance between them form one or two intervals of bulges. So
-//!    their directions at the start form one or two intervals, and so do their directions at the end.
+//! 1. For two nodes A and B, the arcs from A to B that keep the tolerance have bulges in one or two
+//!    intervals. So their directions at A lie in one or two intervals, and so do their directions at B.
 //! 2. The search goes from node to node. For each node it keeps the intervals of directions in which a smooth
 //!    chain can arrive there. An arc can continue such a chain if its direction at the start lies in one of
 //!    these intervals. From a corner, an arc may start in any direction.
@@ -16,7 +16,8 @@
 //! one element, the result is the chain that the search started from. It may have kinks.
 //!
 //! # Cost
-//! O(c k^2 m) for c elements, each of which replaces m points with k nodes. k has a constant limit.
+//! O(c k^2 m) for a chain of c elements, if each element replaces m points and k nodes lie on or beside these
+//! points. k has a constant limit.
 
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};

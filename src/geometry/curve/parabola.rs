@@ -1,8 +1,8 @@
 //! A part of a parabola in space, given by the three control points of a quadratic Bezier curve.
 //!
-//! The length of the curve has a closed form. The place nearest to a point is an end of the curve, or a root
-//! of a cubic polynomial. The curvature is largest at the vertex of the parabola, or, if the curve does not
-//! contain the vertex, at the end of the curve nearest to it.
+//! The length of the curve has a closed form. The place nearest to a point is an end of the curve, or lies at
+//! a parameter that is a root of a cubic polynomial. The curvature is largest at the vertex of the parabola,
+//! or, if the curve does not contain the vertex, at the end of the curve nearest to it.
 //!
 //! # Degenerate input
 //! Three control points on one line give a straight motion. If the middle control point then lies beyond one

@@ -1,12 +1,12 @@
-//! Clipping: removes the parts of the pieces of an offset that are nearer to a contour than the offset's
-//! distance. A piece is an element of a contour, moved aside by the distance, or an arc about a corner.
+//! Clipping: removes every part of a piece that is nearer to a contour than the offset's distance. A piece is
+//! an element of a contour, moved aside by this distance, or an arc about a corner of a contour.
 //!
 //! # Method
 //! These steps are done for each piece and each element of a contour near it:
 //! 1. The places at exactly the offset's distance from the element lie on parallels to the element and on
 //!    circles about its ends.
-//! 2. These parallels and circles cut the piece into parts. A part is nearer to the element than the distance
-//!    either everywhere or nowhere.
+//! 2. These parallels and circles cut the piece into parts. A part is nearer to the element than the offset's
+//!    distance either all along or nowhere.
 //! 3. So one place of each part is enough: if the middle of the part is too near, the part is removed.
 //!
 //! # Guarantees

@@ -3,7 +3,8 @@
 //! # Method
 //! Where two pieces cut each other, clipping ends a part of one piece and starts a part of the other, at the
 //! same place up to rounding. So each end of a part is joined to the start of another part nearby. The
-//! nearest pairs are joined first. If an end finds no start nearby, its part is the last one of a chain.
+//! nearest pairs are joined first. If there is no start near the end of a part, this part is the last one of
+//! its chain.
 //!
 //! # Guarantees
 //! Each element starts exactly where the element before it ends. If this joint connects two pieces, it lies

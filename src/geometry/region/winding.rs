@@ -1,5 +1,5 @@
-//! Windings: how often loops turn about a place. Counterclockwise turns count as 1, and clockwise turns as
-//! -1.
+//! Windings: how often loops turn about a place. Each counterclockwise turn adds one, and each clockwise turn
+//! subtracts one.
 //!
 //! # Method
 //! 1. A ray runs from the place toward larger x. An element that crosses the ray upward adds 1 to the

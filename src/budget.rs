@@ -1,7 +1,7 @@
-//! The limits of one computation: a deadline, a cancel flag, a receiver of progress, and threads that help.
+//! The limits of one computation: a deadline, a cancel flag, a receiver of progress, and helping threads.
 //!
-//! A computation below `http` notices the outside world only through its budget. Every long loop checks the
-//! budget at short intervals. The check gives `Err(Stopped)` when the caller has gone away or the deadline
+//! A computation below `http` learns only from its budget that it has to stop. Every long loop checks the
+//! budget at short intervals. The check returns `Err(Stopped)` if the caller has gone away or the deadline
 //! has passed. The computation then ends without a result.
 
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The settings of the program. Each setting is a flag and an environment variable.
+//! The settings of the program. Each setting can be given as a flag or as an environment variable.
 
 use std::net::SocketAddr;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! Geometry: planes, curves, surfaces, regions and proved bounds. It knows nothing of machines, and nothing
-//! of the formats of files and messages.
+//! Geometry: planes, curves, surfaces, regions and proved bounds. These modules know nothing of machines, and
+//! nothing of the formats of files and messages.
 
 pub mod arc_fit;
 pub mod bernstein;

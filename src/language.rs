@@ -1,4 +1,4 @@
-//! The languages in which users describe parts: expressions in x, and section curves.
+//! The languages in which users describe parts: expressions y(x), and section curves.
 
 pub mod expression;
 pub mod graph;

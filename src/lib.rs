@@ -1,5 +1,5 @@
-//! toolpathd turns part data into CNC toolpaths. This library holds all of the code; the binary reads the
-//! settings and starts the HTTP service.
+//! toolpathd turns part data into CNC toolpaths. This library holds the settings, the computations and the
+//! HTTP service; the binary (`main.rs`) starts them.
 
 pub mod budget;
 pub mod config;

@@ -1,5 +1,6 @@
-//! Cutters and surfaces: where a cutter touches a surface, how deep it cuts into it, and which curves its tip
-//! or its centre follows. No module here names feeds, programs or wire formats.
+//! Cutters on surfaces: where a cutter touches a surface, how deep the cutter cuts into the surface, and
+//! which curves the tip or the centre of the cutter follows. These modules know nothing of feeds, programs or
+//! JSON.
 
 pub mod cutter;
 pub mod drop_cutter;

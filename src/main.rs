@@ -1,4 +1,5 @@
-//! The binary: reads the settings, then starts the service, checks a running service, or prints the contract.
+//! The binary. It reads the settings and runs one of three commands: start the service, check a running
+//! service, or print the contract (the OpenAPI description of the service).
 
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};

@@ -1,4 +1,5 @@
-//! The operations. Each one takes a job and a budget and returns a plan or its own error.
+//! The operations. Each operation takes a job and a budget. It returns a plan, or an error of a type of its
+//! own.
 
 pub mod arc_fitting;
 pub mod cutter_location;

@@ -1,9 +1,9 @@
-//! Work shared out to threads, with the results in order.
+//! Shares out the items of a computation to threads, and returns the results in the order of the items.
 //!
-//! A computation starts its own threads and never waits for the work of another computation. [`Helpers`]
-//! counts how many threads may still be started; several computations can share one count. The thread on
-//! which a computation was called is not counted. A computation that finds no helper free does all its work
-//! on that thread.
+//! A computation starts its own helping threads, and never waits for the work of another computation.
+//! [`Helpers`] counts how many helping threads may still be started; several computations can share one
+//! count. The calling thread works too, and is not counted. If no helping thread is free, the calling thread
+//! does all the work.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;

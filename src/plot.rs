@@ -3,22 +3,22 @@
 //! # Method
 //! 1. `layout` arranges three views in first-angle projection: plan, front and left side. It takes the
 //!    largest standard scale at which all three fit.
-//! 2. `view` projects each curve into each view. An arc stays an arc where the view faces its plane. Seen
-//!    along its plane, an arc becomes a straight line, and a helix becomes chords.
-//! 3. `pen` writes the path data. It leaves out details below the resolution of the drawing.
-//! 4. `relief` draws a surface below the paths, as coloured bands of heights.
-//! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again without strokes that lie near
-//!    earlier strokes of the same kind (`ink`). The sheet then says how near.
+//! 2. `view` projects each curve into each view. An arc or a helix is drawn as an arc in the view that faces
+//!    its plane. In the other views an arc is a straight line, and a helix is drawn as chords.
+//! 3. `pen` writes the path data of the curves. It omits details below the resolution of the drawing.
+//! 4. `relief` draws the surface under the paths, as coloured bands of heights.
+//! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again with fewer strokes. A stroke is
+//!    omitted if earlier strokes of its kind pass near all of it (`ink`). The sheet then says how near.
 //!
 //! # Guarantees
-//! * Each point of a move is drawn within 0.02 mm of its exact place on paper, unless the sheet says that
-//!   strokes are left out.
+//! * Each point of a move is drawn within 0.02 mm of paper of its exact place, unless the sheet says that
+//!   strokes are omitted.
 //! * A sheet has about 3 MB at most.
 //! * The same content gives the same bytes. Texts of the caller appear as text only, never as markup.
 //!
 //! # Degenerate input
-//! If there is nothing to draw, or a coordinate is beyond a thousand kilometres, the sheet has no drawing and
-//! says so. A single point is drawn at 1:1.
+//! If there is nothing to draw, or a coordinate is larger than a thousand kilometres in size, the sheet has
+//! no drawing and says so. A single point is drawn at 1:1.
 //!
 //! # Cost
 //! O(n) for n moves and points.

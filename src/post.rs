@@ -1,24 +1,23 @@
 //! The post-processor: writes a toolpath as the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower` turns the toolpath into blocks. [`crate::toolpath::quantize`] rounds their coordinates to the
-//!    decimals of the program.
-//! 2. `header` collects the comments for people before the first block.
-//! 3. `write` writes the blocks as lines of text, between the first and last lines that the dialect
-//!    prescribes.
+//! 1. `lower` turns the moves of the toolpath into blocks. [`crate::toolpath::quantize`] rounds the
+//!    coordinates to the decimals of the program.
+//! 2. `header` collects the comments for people, which stand before the first block.
+//! 3. `write` writes the blocks as lines of text. The dialect adds lines before and after them.
 //! 4. `check` reads the text back with [`read`], and compares every motion and dwell with its block.
 //!
-//! [`rewrite`] shortens programs of any origin.
+//! The module [`rewrite`] works apart from this: it shortens a given program, also one from another source.
 //!
 //! # Guarantees
 //! * A program is returned only if `check` finds no difference.
 //! * The Frechet distance between the feed moves of the toolpath and those of the program is at most 1.5
 //!   units of the last decimal. Errors do not accumulate, because each end of a move is an absolute
 //!   coordinate, rounded on its own.
-//! * The program adds an approach to the start, first in X and Y and then in Z, and a retract to the
-//!   clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
-//! * A rapid that moves Z together with X or Y becomes two blocks. The tool goes up before it moves in X and
-//!   Y, and down after it.
+//! * The program moves to the start of the toolpath first in X and Y and then in Z. After the last move it
+//!   retracts to the clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
+//! * A rapid that moves Z together with X or Y becomes two blocks, one for Z and one for X and Y. Upward, the
+//!   block for Z comes first; downward, it comes last.
 //! * User text appears only in comments.
 //!
 //! # Cost

@@ -1,12 +1,12 @@
-//! The toolpath: what every operation makes and every output takes.
+//! The toolpath: the result of every operation, from which programs, pictures and JSON are made.
 //!
-//! # Promises
+//! # Guarantees
 //! * Every coordinate is finite.
-//! * A toolpath is continuous: a move stores where it ends, and starts where the last one ended.
-//! * The radii at both ends of an arc agree.
-//! * A rapid has no feed. A feed move has a feed, or states that none was chosen. Without a feed it has no
-//!   time, and no program can be made of its toolpath.
-//! * Nothing is modal and nothing is text. Both belong to `post` alone.
+//! * A toolpath is continuous: a move stores where it ends, and starts where the previous move ends.
+//! * The radii at both ends of an arc agree, up to rounding.
+//! * A rapid has no feed. A feed move has a feed, or states that no feed was chosen. A feed move without a
+//!   feed has no duration, and a toolpath with such a move cannot become a program.
+//! * A toolpath holds no modal state and no NC text. Both belong to `post` alone.
 
 pub mod contour;
 pub mod cutting;

@@ -1,14 +1,15 @@
-//! Interval arithmetic with outward rounding: each result contains the exact value.
+//! Interval arithmetic with outward rounding. An operation takes intervals and returns an interval.
 //!
 //! # Guarantees
-//! The result contains the exact result for all numbers of the operands. Sums, differences, products,
-//! quotients and square roots of `f64` are the exact values rounded to the nearest number. So it is enough to
-//! move each end outward by one number. The functions in [`elementary`] are less accurate in the standard
-//! library: there, each end is moved outward by more numbers.
+//! The interval of the result contains the exact result for all numbers in the intervals of the operands. For
+//! sums, differences, products, quotients and square roots, the processor rounds the exact value to the
+//! nearest floating-point number. So it is enough to move each end of the result outward to the next
+//! floating-point number. The functions in [`elementary`] are less accurate in the standard library: there,
+//! each end moves outward by several floating-point numbers.
 //!
 //! # Degenerate input
-//! If an end would be NaN, the result is the whole line from minus to plus infinity. A quotient is the whole
-//! line if the divisor contains zero.
+//! If an end of the result would be NaN, the result is the whole line, from minus to plus infinity. A
+//! quotient is the whole line if the divisor contains zero.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009.

@@ -1,5 +1,6 @@
-//! Curves in the plane that are to be interpolated. Each curve gives points, and proved bounds of its points
-//! and derivatives over a range of parameters.
+//! Curves in the plane that are to be interpolated. Each curve gives the point and the derivative at a
+//! parameter. Over a range of parameters, it gives proved bounds of its points and of its first two
+//! derivatives.
 
 pub mod interpolant;
 pub mod nurbs;

@@ -1,7 +1,8 @@
 //! Surfaces: the data they are made from, their evaluation, and proofs about them.
 //!
-//! Every kind of surface ([`source`]) becomes Bezier patches over a grid of unit squares: patch (i, j) covers
-//! parameters i..=i+1 and j..=j+1. Evaluation, sections and proofs work on these patches only.
+//! Every kind of surface ([`source`]) becomes a grid of Bezier patches. Patch (i, j) covers the parameters
+//! from i to i + 1 along u, and from j to j + 1 along v. Evaluation, sections and proofs use only the
+//! patches.
 
 pub mod any_surface;
 pub mod bezier;

@@ -3,24 +3,24 @@
 //! # Method
 //! 1. [`parse`](Expression::parse) turns the text into a list of operations, in the order of their
 //!    computation.
-//! 2. The operations are computed with floating-point numbers, which gives the value and the derivative, or
-//!    with intervals, which encloses the value and two derivatives. Derivatives come from automatic
-//!    differentiation in forward mode.
+//! 2. The list is computed at one x with floating-point numbers; the result is the value and the derivative.
+//!    Over a range of x it is computed with intervals; the result encloses the value and the first two
+//!    derivatives. All derivatives come from automatic differentiation in forward mode.
 //! 3. [`examine`](Expression::examine) proves that the expression is defined over a domain.
 //!
 //! # Grammar
-//! From the loosest to the tightest binding, the operators are: `+` and `-` between operands; `*` and `/`;
-//! the signs `+` and `-`; `^`. Powers associate to the right. So -x^2 is -(x^2), and 2^-x is legal. A product
-//! needs its `*`. For names, see [`function`].
+//! The operators from the one that binds least to the one that binds most: `+` and `-` between operands; `*`
+//! and `/`; `+` and `-` as signs; `^`. Powers associate to the right. So -x^2 is -(x^2). The exponent may
+//! have a sign, as in 2^-x. A product needs its `*`. [`function`] lists the names.
 //!
 //! # Guarantees
-//! * Numbers, `pi`, `e` and exponents without x become floating-point numbers. The intervals contain the
-//!   exact results for these floating-point numbers.
+//! * Numbers, `pi`, `e` and exponents without x are rounded to floating-point numbers. The intervals contain
+//!   the exact results for these rounded numbers.
 //! * A text longer than [`LONGEST_TEXT`] bytes, or nested deeper than [`DEEPEST_NESTING`] levels, is an
 //!   error.
 //!
 //! # Cost
-//! O(n) for n bytes of text: for parsing, and for each computation.
+//! Parsing a text of n bytes takes O(n), and so does each computation of its expression.
 //!
 //! # Reference
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM, 2008, sections 3.1 and 13.2.

@@ -1,4 +1,4 @@
-//! The graph of an expression as a plane curve.
+//! The graph y(x) of an expression as a plane curve.
 
 use nalgebra::{Point2, Vector2};
 

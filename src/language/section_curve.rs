@@ -1,26 +1,26 @@
-//! Section curves: the language for the sections of dies, and the geometry of the curves.
+//! Section curves: the language for cross-sections of dies, and the geometry of the curves that it describes.
 //!
-//! A text is a list of items, separated by white space, in their order along the curve. Numbers are mm. All
-//! points of a text have two coordinates, or all have three.
+//! A text is a list of items, separated by white space, in their order along the curve. Numbers are mm.
+//! Either all points of a text have two coordinates, or all have three.
 //!
 //! | item | what it is |
 //! |---|---|
-//! | `l(x,y)`, `l(x,y,z)` | a point; straight lines lead to it and away from it |
-//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner with an arc of radius R that touches both lines; R = 0: no arc |
-//! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through points |
+//! | `l(x,y)`, `l(x,y,z)` | a point; straight lines join it to the items before and after it |
+//! | `r(x,y,R)`, `r(x,y,z,R)` | a corner, rounded by an arc of radius R between its two lines; R = 0: sharp |
+//! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through the points |
 //!
 //! # Method
 //! 1. `grammar` turns the text into items.
-//! 2. `corner` turns each rounded corner into an arc.
-//! 3. `chain` joins the items by straight lines. A `b` becomes a natural cubic spline, with uniform
-//!    parameters within the `b`.
+//! 2. `corner` turns each rounded corner into an arc that touches both of its lines.
+//! 3. `chain` joins the items by straight lines. Each `b` becomes a natural cubic spline of its own. Its
+//!    parameter grows by the same amount from point to point.
 //!
 //! # Guarantees
-//! Arcs are exact, as rational quadratic curves.
+//! Arcs are exact, up to rounding, as rational quadratic curves.
 //!
 //! # Degenerate input
-//! Each error names its place in the text. Neighbouring points that coincide are refused. So is a rounded
-//! corner that does not fit between its neighbours, or where the curve reverses.
+//! Each error names its place in the text. Neighbouring points that coincide are refused. A rounded corner is
+//! refused if the arc does not fit on the lines beside it, or if the curve turns back on itself there.
 //!
 //! # Cost
 //! O(n) in the length of the text.

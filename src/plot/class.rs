@@ -1,4 +1,4 @@
-//! Classes of strokes and their looks: colour on a screen, width and dashes in print.
+//! Classes of strokes, and how each class looks: its colour on a screen, and its width and dashes in print.
 
 use super::{Move, text};
 use crate::geometry::curve::Curve;

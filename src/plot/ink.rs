@@ -1,7 +1,7 @@
-//! The cells of the sheet in which a pen has drawn.
+//! A raster of cells over the sheet, which records where a pen has drawn.
 //!
-//! A stroke can be left out if the pen has drawn in all of the stroke's cells before. Every stroke that is
-//! drawn reaches at least one new cell. So there are no more strokes than cells.
+//! A stroke can be omitted if the pen has drawn in all of its cells before. So every stroke that is drawn
+//! adds at least one cell, and there are no more strokes than cells.
 
 use nalgebra::Point2;
 

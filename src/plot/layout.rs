@@ -1,7 +1,8 @@
 //! Chooses the scale and the places of the views on the sheet.
 //!
-//! In first-angle arrangement the front is above the plan, and the left side is to the right of the plan. So
-//! all coordinates grow to the right or upward. Plan and front share x; plan and left side share y.
+//! In first-angle arrangement the front is above the plan, and the left side is to the right of the plan.
+//! Along the sheet, every coordinate grows to the right or upward. Plan and front have the same place along
+//! x; plan and left side have the same place along y.
 
 use nalgebra::{Point2, Point3};
 

@@ -2,13 +2,14 @@
 //! drawing.
 //!
 //! # Method
-//! 1. A curve that differs from its chord by at most [`CHORD_MM`] is drawn as the chord.
-//! 2. One stroke replaces consecutive lines while it passes all of their ends within [`THIN_MM`]. The
-//!    directions in which such a stroke can leave its start form a cone. Each further line narrows the cone.
+//! 1. A curve that differs from its chord by at most [`CHORD_MM`] is drawn as its chord.
+//! 2. Consecutive lines become one stroke while the stroke passes the ends of all these lines within
+//!    [`THIN_MM`]. Seen from its start, the stroke can have any direction in a cone. Each further line
+//!    narrows the cone.
 //!
 //! # Guarantees
-//! The drawing differs from the exact curves by less than 0.02 mm of paper. [`THIN_MM`], [`CHORD_MM`] and the
-//! rounding of coordinates to 0.01 mm add up to less.
+//! The drawing differs from the exact curves by less than 0.02 mm of paper. This is more than the sum of
+//! [`THIN_MM`], [`CHORD_MM`] and the rounding of coordinates to 0.01 mm.
 //!
 //! # Cost
 //! O(1) for a line or a curve.

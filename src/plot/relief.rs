@@ -1,16 +1,17 @@
-//! The relief: a surface as coloured bands of heights. The plan also shows contours, and light from the upper
-//! left. Front and left side show the area that the surface covers.
+//! The relief: a surface as coloured bands of heights. The plan shows the bands with contours between them,
+//! and light from the upper left. Front and left side show the area that the surface covers.
 //!
 //! # Method
-//! 1. The surface becomes a mesh of triangles. They are cut where two bands meet (`bands`), and where two
-//!    tones of light and shade meet (`tone`).
-//! 2. Neighbouring pieces of triangles are joined to one area (`border`).
-//! 3. In the plan, the bands are drawn from the lowest to the highest, so that higher parts of the surface
-//!    cover lower parts.
-//! 4. In the front and the left side, the area of all triangles is filled with the colours of the heights.
+//! 1. The surface becomes a mesh of triangles.
+//! 2. For the plan, each triangle is cut at the heights where two bands meet (`bands`), and where light or
+//!    shade begins (`tone`). The pieces of each band are joined to one area (`border`).
+//! 3. In the plan, the bands are drawn from the lowest to the highest. So higher parts of the surface cover
+//!    lower parts.
+//! 4. For the front and for the left side, all triangles are joined to one area. The area is filled with the
+//!    colours of the bands by height.
 //!
 //! # Guarantees
-//! A relief has at most about [`MAX_BYTES`]. If it would have more, the surface is drawn with a coarser mesh.
+//! A relief has at most about [`MAX_BYTES`]. If a relief would have more, a coarser mesh is drawn.
 //!
 //! # Cost
 //! O(n log n) for n pieces of triangles.

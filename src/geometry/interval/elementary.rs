@@ -1,16 +1,18 @@
 //! Elementary functions of intervals: sine, logarithm, powers and so on.
 //!
 //! # Guarantees
-//! The result contains the value of the function at every number of the operand, if the standard library errs
-//! by at most `ULPS` (4) units in the last place.
+//! The result contains the value of the function at every number of the operand. This holds if the error of
+//! the standard library is at most `ULPS` (4) units in the last place of a floating-point number.
 //!
-//! The caller has to check whether a function is defined:
-//! * A number outside the domain of the function counts as the nearest number of the domain: the inverse sine
-//!   of 2 is that of 1.
-//! * The logarithm leaves out the numbers that are not positive. If none is positive, the result is the whole
-//!   line.
-//! * The tangent is the whole line if the operand may contain a pole.
-//! * The sine and cosine of an operand with an angle above 1e8 rad are [-1, 1].
+//! # Degenerate input
+//! No function reports an operand outside its domain; the caller checks the operand.
+//! * A number outside the domain counts as the nearest number of the domain: the inverse sine of 2 is that of
+//!   1.
+//! * The logarithm ignores the numbers that are not positive. If no number is positive, the result is the
+//!   whole line.
+//! * The tangent is the whole line if a pole lies in the operand, or so near that rounding hides on which
+//!   side.
+//! * The sine and cosine are [-1, 1] if an angle in the operand is larger than 1e8 rad in size.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 

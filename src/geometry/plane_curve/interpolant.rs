@@ -1,13 +1,17 @@
 //! The smooth curve through given points: a cubic spline with two continuous derivatives.
 //!
-//! The parameter of a point is the sum of the chord lengths from the first point to this one. Each pair of
-//! neighbouring points gets a cubic Bezier piece. The first two pieces are parts of one cubic, and so are the
-//! last two (not-a-knot ends).
+//! # Method
+//! The parameter of a point is the sum of the chord lengths from the first point to this point. A cubic
+//! Bezier piece joins each pair of neighbouring points. The first two pieces are parts of one cubic, and so
+//! are the last two pieces (not-a-knot ends).
 //!
 //! # Guarantees
-//! The curve passes through the points exactly. Two points make a line, and three points a parabola. A curve
-//! that ends at its first point usually has a kink there. Neighbouring points are refused if they coincide,
-//! or lie so close together that rounding gives both the same parameter.
+//! The curve passes through the points exactly. Two points make a line, and three points a parabola. If the
+//! last point equals the first, the curve is closed, but usually has a kink at this point.
+//!
+//! # Degenerate input
+//! Two neighbouring points are refused if they coincide, or if they are so close together that rounding gives
+//! both the same parameter.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 1978, chapter IV.

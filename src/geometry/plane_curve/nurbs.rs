@@ -1,9 +1,13 @@
-//! NURBS curves in the plane, as chains of Bezier pieces. Each knot span with a length becomes one piece.
+//! NURBS curves in the plane, as chains of Bezier pieces. Each knot span of a length above zero becomes one
+//! piece.
 //!
 //! # Guarantees
-//! The pieces equal the curve, up to rounding. The ends may be clamped or not: a clamped end has p + 1 equal
-//! knots, where p is the degree. At a clamped end, a curve without weights passes exactly through its control
-//! point there. A knot inside the domain that occurs p + 1 times may leave a gap in the curve. A curve with a
+//! The pieces equal the curve, up to rounding. Each end of the curve may be clamped or not. An end is clamped
+//! if its knot occurs p + 1 times, where p is the degree. A curve without weights passes exactly through its
+//! first control point if its start is clamped, and through its last if its end is clamped.
+//!
+//! # Degenerate input
+//! A knot inside the domain may occur p + 1 times. The curve can then have a gap at this knot; a curve with a
 //! gap is refused.
 //!
 //! # Cost

@@ -2,14 +2,15 @@
 //! chain.
 //!
 //! # Method
-//! De Casteljau's algorithm gives points and derivatives. It also gives the control points of the part of a
-//! piece over a range of parameters. A box about these control points contains the part (`net`; `quotient`
-//! for rational pieces). Boxes for the derivatives are made in the same way.
+//! De Casteljau's algorithm gives points and derivatives. For a range of parameters inside a piece, it also
+//! gives control points of just this part of the piece. A box about these control points contains the part
+//! (`net`; `quotient` for rational pieces). Boxes that contain the derivatives are made in the same way.
 //!
 //! # Guarantees
-//! * Boxes allow for every rounding error. They may be larger than needed, but the excess falls at least by
-//!   half if the range is halved.
-//! * A chain is refused if a piece does not start where the piece before it ends, up to rounding.
+//! * A box contains the exact values, because it is enlarged by a bound of all rounding errors.
+//! * A box may be larger than the values need. If the range is halved, the excess becomes half as large or
+//!   less.
+//! * A chain is refused if a piece does not start where the previous piece ends, up to rounding.
 //! * A parameter outside the domain counts as the nearest end of the domain.
 //!
 //! # Cost

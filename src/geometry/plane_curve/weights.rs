@@ -1,4 +1,5 @@
-//! The rules for the weights of a rational curve.
+//! Checks the weights of a rational curve: their number, their size, and the ratio of the largest to the
+//! least.
 
 use super::LARGEST;
 use crate::geometry::bspline::MAX_WEIGHT_RATIO;

@@ -1,20 +1,21 @@
-//! Principal curvatures of a surface: at a point, as bounds over a part of a patch, and as a bound over the
-//! whole surface.
+//! Principal curvatures of a surface: the larger curvature at a point, bounds of both curvatures over a part
+//! of a patch, and an upper bound of the larger curvature over the whole surface.
 //!
 //! # Method
-//! 1. For each derivative, a ball of vectors contains all its values over a part ([`VectorBall`]). The
-//!    centres of the balls give two curvatures. The radii tell how far the curvatures of the part may differ
-//!    from these two.
-//! 2. To bound the curvature of the whole surface, the part with the largest bound is halved again and again
-//!    (branch and bound), until the bound is near the largest curvature found.
+//! 1. For each first and second derivative, a ball of vectors ([`VectorBall`]) contains all values of the
+//!    derivative over a part. The centres of the balls give two curvatures. The radii of the balls tell how
+//!    far any curvature of the part can lie outside these two.
+//! 2. For the whole surface, each patch gets an upper bound. The part with the largest upper bound is halved,
+//!    and its halves get bounds of their own (branch and bound). This is repeated until the largest upper
+//!    bound is near the largest curvature found at a point.
 //!
 //! # Guarantees
 //! A curvature is positive where the surface is concave, seen from the side to which its normal points.
-//! Bounds hold for every point of the part. If the limit of halvings is reached, the bound of the whole
-//! surface still holds, but is less tight.
+//! Bounds hold for every point of the part or surface. The number of halvings is limited; if the limit is
+//! reached, the bound of the whole surface still holds, but is less tight.
 //!
 //! # Degenerate input
-//! A part that contains a point without a normal has no bound.
+//! A part or a surface that contains a point without a normal has no bound.
 
 use super::patch::{Bounds, DerivativeBounds};
 use super::vector_ball::VectorBall;

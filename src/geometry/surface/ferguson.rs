@@ -1,9 +1,9 @@
-//! Ferguson's surface: points on a grid, with a tangent in each direction and a twist (mixed second
-//! derivative) at each point.
+//! Ferguson's surface: points on a grid. Each point has a tangent along u, a tangent along v, and a twist
+//! (the mixed second derivative).
 //!
 //! # Guarantees
 //! The surface passes through its points with the given tangents. First derivatives are continuous across
-//! patches, because neighbouring patches share the data at their common corners.
+//! patches, because neighbouring patches have the same data at their common corners.
 //!
 //! # Reference
 //! J. C. Ferguson, "Multivariable Curve Interpolation", Journal of the ACM 11, 1964.

@@ -1,10 +1,10 @@
 //! Checks whether neighbouring patches meet along their common sides, and whether they have the same normals
 //! there.
 //!
-//! Points and normals of both patches are compared at `PLACES` places along each common side. Points farther
-//! apart than [`GAP_LIMIT_MM`] are refused, and so are normals at a larger angle than [`KINK_LIMIT`]. Smaller
-//! differences count as rounding. The largest distance and the largest angle are doubled, so that they also
-//! hold between the places.
+//! Points and normals of both patches are compared at `PLACES` places along each common side. The surface is
+//! refused if two points are farther apart than [`GAP_LIMIT_MM`], or two normals differ by a larger angle
+//! than [`KINK_LIMIT`]. Smaller differences count as rounding of the data. The result is twice the largest
+//! distance found and twice the largest angle found: the factor of two covers what lies between the places.
 
 use nalgebra::Point3;
 

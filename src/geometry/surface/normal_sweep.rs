@@ -1,26 +1,30 @@
-//! A plane drive curve is carried along a basic curve, which lies in the xy plane. The plane of the drive
-//! curve always stands at right angles to the basic curve.
+//! The surface that a plane drive curve sweeps while it is carried along a basic curve in the xy plane. The
+//! plane of the drive curve always stands at right angles to the basic curve.
 //!
 //! # Method
-//! The drive curve has one coordinate along the unit normal of the basic curve, and one upward. Each piece of
-//! the basic curve with each piece of the drive curve makes a patch:
+//! The first coordinate of the drive curve counts along the unit normal of the basic curve (to the left), the
+//! second upward. Each pair of a piece of the basic curve and a piece of the drive curve makes a patch:
 //! 1. Along a line or an arc, the unit normal is a quotient of polynomials. So the patch is exact.
-//! 2. Along a cubic, a cubic replaces the unit normal (`unit_normal`). If it is not near enough, the piece is
-//!    halved.
-//! 3. At a sharp corner between two lines, the patches of both lines end in the plane that halves the corner
-//!    (a mitre, `corner`).
+//! 2. Along a cubic, another cubic replaces the unit normal (`unit_normal`). Where it is not near enough to
+//!    the unit normal, the piece of the basic curve is halved.
+//! 3. At a sharp corner between two lines, the patches along both lines end in the plane that halves the
+//!    corner (a mitre, `corner`).
 //!
 //! # Guarantees
 //! Along lines and arcs the surface is exact, up to rounding. Along cubics it is within [`TOLERANCE_MM`] of
-//! the exact surface. It does not fold along any piece of the basic curve, but distant parts of it may
-//! intersect. Refused are:
-//! * a drive curve that reaches so far that the surface would fold;
-//! * a sharp corner beside an arc or a cubic, because the surfaces on its two sides do not meet in a plane;
-//! * a basic curve that turns back, or has a cusp.
+//! the exact surface. The surface does not fold along any piece of the basic curve. Parts of the surface
+//! along different pieces may still intersect.
+//!
+//! # Degenerate input
+//! Refused are:
+//! * a drive curve that reaches so far to the side that the surface would fold;
+//! * a sharp corner with an arc or a cubic on one side: the surfaces on the two sides do not meet in a plane;
+//! * a basic curve that turns back on itself at a corner, or has a cusp.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.2. The basic curve of the paper may leave the plane.
+//! of Sculptured Surface of Die", 1989, section 3.2.2. In the paper, the basic curve need not lie in the xy
+//! plane.
 
 mod corner;
 mod unit_normal;

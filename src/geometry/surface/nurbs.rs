@@ -2,10 +2,12 @@
 //! makes one patch.
 //!
 //! # Guarantees
-//! The patches equal the surface, up to rounding. The ends of the knots may be clamped or not: a clamped end
-//! has p + 1 equal knots for the degree p. A knot inside the domain that occurs p times may make a sharp
-//! edge, which [`joints`](super::joints) finds. A knot there that occurs more often could leave a gap, and is
-//! refused.
+//! The patches equal the surface, up to rounding. In both directions, each end may be clamped or not. An end
+//! is clamped if its knot occurs p + 1 times, where p is the degree in that direction.
+//!
+//! # Degenerate input
+//! A surface can have a sharp edge at a knot inside the domain that occurs p times; [`joints`](super::joints)
+//! finds such edges. A knot inside the domain that occurs more than p times could make a gap, and is refused.
 //!
 //! # Cost
 //! O(p^2 q^2) for each patch of degree p along u and q along v.

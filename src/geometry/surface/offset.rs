@@ -1,5 +1,5 @@
-//! The offset of a surface along its normal. The centre of a ball that rolls on the surface moves on the
-//! offset.
+//! The offset of a surface along its normal, as a point and its first derivatives. A ball that rolls on the
+//! surface has its centre on the offset.
 
 use nalgebra::{Point3, Vector3};
 

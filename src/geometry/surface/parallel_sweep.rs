@@ -1,8 +1,9 @@
-//! A drive curve is carried along a basic curve without being rotated.
+//! The surface that a drive curve sweeps while it is carried along a basic curve without being rotated.
 //!
-//! The point of the surface at (u, v) is basic(u) + drive(v) - drive(0). Each piece of the basic curve with
-//! each piece of the drive curve makes a patch. The surface is exact, up to rounding. Curves that run in the
-//! same direction somewhere are accepted; the surface has no normal there.
+//! The point of the surface at (u, v) is basic(u) + drive(v) - drive(0). Each pair of a piece of the basic
+//! curve and a piece of the drive curve makes a patch. The surface is exact, up to rounding. If the tangents
+//! of both curves are parallel for some (u, v), the surface has no normal at (u, v); such curves are
+//! accepted.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

@@ -1,8 +1,8 @@
-//! What all Bezier patches can do: give points and derivatives, be divided, and give bounds from their
-//! control points.
+//! What all Bezier patches can do: give points and derivatives, be divided, and bound their derivatives by
+//! their control points.
 //!
 //! Two types are patches: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to 7.
-//! Proofs are written for [`Patch`], so they hold for both.
+//! Proofs use only the trait [`Patch`], so they hold for both types.
 
 pub mod bicubic;
 pub mod raise;

@@ -3,19 +3,20 @@
 //! # Method
 //! 1. A cubic spline runs through every row of points (along v) and through every column (along u). These
 //!    splines give the derivatives along u and v at every point.
-//! 2. With [`Twist::Spline`], splines along v through the derivatives along u give the twist, the mixed
-//!    second derivative, at every point. With [`Twist::Zero`] the twist is zero.
-//! 3. Each patch follows from the points, derivatives and twists at its corners.
+//! 2. The twist is the mixed second derivative at a point. With [`Twist::Spline`], further cubic splines
+//!    along v run through the derivatives along u, and their derivatives are the twists. With [`Twist::Zero`]
+//!    every twist is zero.
+//! 3. Each pair of neighbouring rows and columns makes a bicubic patch, from the points, derivatives and
+//!    twists at its corners.
 //!
 //! # Guarantees
 //! With [`Twist::Spline`] the surface has continuous second derivatives. With [`Twist::Zero`] only its first
-//! derivatives are continuous. Coincident points are accepted, even if they leave the surface without a
-//! normal.
+//! derivatives are continuous. Points that coincide are accepted, even if the surface has no normal there.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
 //! of Sculptured Surface of Die", 1989, section 3.1, eq. 1-7. The paper has only [`Twist::Zero`] (eq. 6), and
-//! does not print its end conditions.
+//! does not print the end conditions of its splines.
 
 use nalgebra::{Point3, Vector3};
 

@@ -2,21 +2,25 @@
 //! each curve, that divide the lengths of the curves in the same ratio.
 //!
 //! # Method
-//! 1. Each curve is cut at its own joints. It is also cut where the other curve has a joint at the same
-//!    fraction of its length. Each part of one curve then faces a part of the other.
-//! 2. Two lines make an exact patch. So do two arcs that turn by the same angle.
-//! 3. In any other pair, each arc and each cubic is replaced by a cubic whose parameter is the length. Both
-//!    parts are halved until the new cubics are near enough.
+//! 1. Both curves are cut at the same fractions of their lengths: at every fraction where one of the curves
+//!    has a joint. So each part of one curve faces one part of the other.
+//! 2. Two lines that face each other make an exact patch. So do two arcs that turn by the same angle.
+//! 3. In any other pair, a cubic replaces each of the two parts. The parameter of the cubic is proportional
+//!    to the length along the part. Both parts are halved until each cubic is near enough to its part.
 //!
 //! # Guarantees
 //! Patches of step 2 are exact, up to rounding. In all other patches, each end of a ruling is within
-//! [`TOLERANCE_MM`] of its exact place. A cubic is refused if it has a cusp, where its direction jumps, or
-//! turns so tightly that it may have one. Curves that meet are accepted; the surface has no normal where they
-//! meet.
+//! [`TOLERANCE_MM`] of its exact place.
+//!
+//! # Degenerate input
+//! A cubic of a given curve is refused if it has a cusp (a place where its direction jumps), or turns so
+//! tightly that it may have one. Curves that meet each other are accepted; the surface has no normal where
+//! they meet.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.3. The paper joins single points of the curves only.
+//! of Sculptured Surface of Die", 1989, section 3.2.3. The paper joins only single pairs of points by
+//! rulings.
 
 mod length;
 mod part;

@@ -1,13 +1,13 @@
-//! What all sweeps share: a drive curve is carried along a basic curve, and each piece of the basic curve
-//! makes a patch with each piece of the drive curve.
+//! What all sweeps share: a drive curve is carried along a basic curve, and each pair of a piece of the basic
+//! curve and a piece of the drive curve makes a patch.
 //!
-//! At the parameter u, the basic curve gives an origin o(u) and three vectors a(u), b(u), c(u). The point (x,
-//! y, z) of the drive curve becomes the point o(u) + a(u) x + b(u) y + c(u) z of the surface.
+//! At its parameter u, the basic curve gives an origin o(u) and three vectors a(u), b(u), c(u). They move the
+//! point (x, y, z) of the drive curve to the point o(u) + a(u) x + b(u) y + c(u) z of the surface.
 //!
-//! On one piece of the basic curve, o, a, b and c are rational Bezier curves of the same degree, and for each
-//! i their control points o_i, a_i, b_i and c_i have the same weight w_i. With the control point (x_j, y_j,
-//! z_j) of the drive curve and its weight v_j, the patch has the control points o_i + a_i x_j + b_i y_j + c_i
-//! z_j with the weights w_i v_j.
+//! On one piece of the basic curve, o, a, b and c are rational Bezier curves of one degree. Their control
+//! points o_i, a_i, b_i and c_i share the weight w_i. The drive curve has control points (x_j, y_j, z_j) with
+//! the weights v_j. So the patch has the control points o_i + a_i x_j + b_i y_j + c_i z_j with the weights
+//! w_i v_j.
 
 use nalgebra::{Point3, Vector3};
 

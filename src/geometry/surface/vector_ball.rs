@@ -1,4 +1,5 @@
-//! Balls of vectors and intervals of numbers. They contain every value of a polynomial over a patch.
+//! Sets that contain every value of a polynomial over a patch: a ball if the values are vectors, an interval
+//! if they are numbers.
 
 use nalgebra::Vector3;
 

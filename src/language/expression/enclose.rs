@@ -1,14 +1,17 @@
 //! Encloses the values of an expression, and of its first two derivatives, over a range of x.
 //!
 //! # Method
-//! 1. At the middle of the range, the value and the derivative after each operation are computed.
-//! 2. Over the range, the value and two derivatives after each operation are enclosed by interval arithmetic.
-//! 3. After each operation the mean value theorem gives a second enclosure, from the value at the middle and
-//!    the enclosed derivative. The intersection of the two enclosures is kept, and later operations use it.
-//!    The first derivative is narrowed in the same way.
+//! 1. The expression is computed at the middle of the range. For each of its operations, the value and the
+//!    first derivative of the result are kept.
+//! 2. The expression is computed over the whole range by interval arithmetic. For each operation, this gives
+//!    intervals that contain the value and the first two derivatives of the result.
+//! 3. During step 2, the mean value theorem gives a second interval for the value of each operation, from its
+//!    value at the middle and the interval of its first derivative. The intersection of both intervals
+//!    replaces the first one before the next operation is computed.
+//! 4. Step 3 is done for the first derivative as well, with the interval of the second derivative.
 //!
-//! The second enclosure is the narrower one over short ranges. Interval arithmetic takes the two x in x - x^2
-//! for independent numbers, so its enclosure is too wide.
+//! Over short ranges the second interval is narrower. Interval arithmetic takes the two x in x - x^2 for
+//! independent numbers, so its interval is too wide.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.

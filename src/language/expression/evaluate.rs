@@ -1,4 +1,5 @@
-//! Computes the value and the derivative of an expression at one x, with rounding errors.
+//! Computes the value and the derivative of an expression at one x with floating-point numbers. Rounding
+//! errors are not bounded.
 
 use super::function::{Function, Pairing};
 use super::tape::{Operation, Tape};

@@ -5,27 +5,29 @@
 //!
 //! # Method
 //! 1. The expression is computed at some points of the domain.
-//! 2. The domain is searched in cells; the first cell is the whole domain. The expression is computed at the
-//!    middle of a cell, and over the cell as intervals.
-//! 3. If an operation offends at a point or over a whole cell, the search ends with an error.
-//! 4. If the intervals do not decide whether an operation offends in a cell, the cell is halved. A cell
-//!    where no operation offends is halved too if its bounds are much wider than the values at points. After
-//!    [`MOST_CELLS_FOR_BOUNDS`] cells, wide bounds are accepted.
+//! 2. The domain becomes the first cell. For each cell, the expression is computed at the middle, and over
+//!    the whole cell with intervals.
+//! 3. If an operation certainly offends, at a point or over a whole cell, the search ends with an error.
+//! 4. If the intervals leave open whether an operation offends in a cell, the cell is halved into two new
+//!    cells.
+//! 5. If no operation offends in a cell, the intervals bound the values there. If these bounds go far beyond
+//!    the values computed at points, the cell is halved, too. After [`MOST_CELLS_FOR_BOUNDS`] cells, no cell
+//!    is halved for this reason.
 //!
 //! # Guarantees
-//! Over a domain without an error, every operation is defined, continuous and finite, and the values are
-//! inside the returned bounds. There is one exception, because numbers are rounded. A negative operand of
-//! sqrt counts as zero in two cases: its size is at most 1e-12 times that of the terms from which it was
-//! computed, or the operand is negative only in a part of a cell that is too narrow to be halved. The same
-//! holds at the limits of asin, acos and powers.
+//! If there is no error, every operation is defined, continuous and finite over the domain, and the values
+//! are within the returned bounds. Rounding requires one exception: a negative operand of sqrt counts as zero
+//! in two cases. In the first case its size is at most 1e-12 times that of the terms that were added to
+//! obtain it. In the second case it is negative only in a part of a cell that is too narrow to be halved. The
+//! same exception is made at the ends of the domains of asin, acos and powers.
 //!
 //! # Degenerate input
-//! A domain that is not two finite numbers, the first less than the second, is an error. So is an expression
-//! that has only a limit at some place, such as sin(x)/x at zero. A search that needs more than
-//! [`MOST_CELLS`] cells ends with an error.
+//! * A domain is an error unless it is two finite numbers, the first less than the second.
+//! * An expression that has only a limit and no value at some place, such as sin(x)/x at zero, is an error.
+//! * A search that needs more than [`MOST_CELLS`] cells ends with an error.
 //!
 //! # Cost
-//! O(n) a cell for n operations.
+//! O(n) for each cell, where n is the number of operations.
 
 use super::enclose::{self, Middle};
 use super::offence::{Certainty, Finding, Offence};

@@ -1,4 +1,4 @@
-//! The names that an expression may use.
+//! The names that an expression can use: the variable, constants and functions.
 
 /// A function of one argument. Angles are in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! Operations on intervals with two derivatives.
 //!
 //! # Method
-//! A *jet* is three intervals. They enclose a value and its first two derivatives by x, over a range of x. An
-//! operation on jets returns the jet of its result and a verdict: the operand certainly is, possibly is, or
-//! cannot be outside the domain of the operation.
+//! A *jet* is three intervals. Over a range of x, they enclose a value, its first derivative by x, and its
+//! second derivative by x. An operation takes jets and returns a jet and a verdict. The verdict says whether
+//! the operand lies outside the domain of the operation: certainly, possibly, or never.
 //!
 //! # Guarantees
-//! An operand outside the domain of the operation counts as the nearest number of the domain. A derivative
-//! that does not exist, or that has no bound, becomes the interval from minus infinity to infinity.
+//! A number outside the domain of the operation counts as the nearest number of the domain. A derivative that
+//! does not exist, or for which no bound is found, becomes the interval from minus infinity to infinity.
 
 pub mod power;
 

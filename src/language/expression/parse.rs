@@ -1,8 +1,8 @@
 //! The parser: turns a text into a tape, the list of operations in the order of their computation.
 //!
 //! # Method
-//! The parser is Pratt's operator precedence parser. It reads the operands of an operator before it applies
-//! the operator, and then appends the operator to the tape. So it builds no tree.
+//! The parser is Pratt's operator precedence parser. It appends the operations of the operands to the tape
+//! first, and then the operator that combines them. So it builds no tree.
 //!
 //! # Reference
 //! V. R. Pratt, "Top Down Operator Precedence", POPL, 1973.

@@ -1,4 +1,5 @@
-//! The tape: the operations of an expression in the order of their computation, operands first.
+//! The tape: the list of operations of an expression. An operation comes after the operations that compute
+//! its operands.
 
 use super::function::{Function, Pairing};
 

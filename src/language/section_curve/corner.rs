@@ -1,7 +1,7 @@
-//! A corner rounded by the arc that touches both of its lines.
+//! A corner rounded by the arc that touches both lines of the corner.
 //!
-//! An arc that turns by at most a right angle is one rational quadratic curve. The corner is its middle
-//! control point. A longer arc is two such curves, which meet on the bisector of the corner.
+//! If the arc turns by at most a right angle, it is one rational quadratic curve, with the corner as its
+//! middle control point. Otherwise it is two such curves, which meet on the bisector of the corner.
 
 use nalgebra::Point;
 

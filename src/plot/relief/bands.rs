@@ -1,4 +1,4 @@
-//! Bands of heights: the heights between them, their colours, and their legend.
+//! Bands of heights: the levels where two bands meet, the colours of the bands, and their legend.
 
 use nalgebra::Point3;
 

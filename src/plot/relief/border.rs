@@ -1,9 +1,9 @@
-//! The border of an area that consists of many pieces, which may lie over each other.
+//! The border of an area that consists of many pieces. The pieces may overlap.
 //!
 //! # Method
-//! The edges of every piece run around it in the same direction of rotation. Where two pieces touch, their
-//! common edge runs once in each direction, and both are removed. The remaining edges form closed chains. The
-//! SVG fill rule `nonzero` fills the area within these chains.
+//! The edges of every piece run around the piece in the same direction of rotation. Where two pieces lie side
+//! by side, their common edge occurs once in each direction, and both occurrences are removed. The remaining
+//! edges form closed chains. The SVG fill rule `nonzero` fills the area within these chains.
 
 use nalgebra::Point2;
 

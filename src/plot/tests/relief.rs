@@ -1,5 +1,5 @@
-//! Tests of the relief: the band that is drawn at a place of the plan, and the size and validity of the sheet
-//! for any surface.
+//! Tests of the relief: the band that is drawn at a place of the plan, and that the sheet is small enough and
+//! valid for any surface.
 
 use nalgebra::Vector3;
 use roxmltree::Document;

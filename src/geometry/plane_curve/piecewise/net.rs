@@ -1,8 +1,8 @@
-//! Control points of a part of a Bezier polynomial, by de Casteljau's algorithm, with a bound of all rounding
-//! errors. A net is a list of control points.
+//! Nets: the control points of a Bezier polynomial, with a bound of their rounding errors. De Casteljau's
+//! algorithm turns the net of a polynomial into the net of a part of it.
 //!
-//! Every step of the algorithm is a weighted mean, so no step enlarges earlier errors. The errors of all
-//! steps are added to those of the given control points.
+//! Every step of the algorithm is a weighted mean, so no step enlarges earlier errors. The error bound of the
+//! new net is the error bound of the given net plus the rounding errors of all steps.
 
 use crate::geometry::interval::{Interval, outward};
 

@@ -1,18 +1,22 @@
-//! Rational Bezier pieces: points, derivatives, and boxes that contain their values over a range of
-//! parameters.
+//! Rational Bezier pieces: points, derivatives, and boxes that contain the curve and its first two
+//! derivatives over a range of parameters.
 //!
 //! # Method
-//! The curve is the quotient of two polynomials, A and W. W has the weights as its control points. A has the
-//! control points of the curve, times their weights.
-//! 1. Boxes of A, W and their derivatives over the range give boxes of the curve and its derivatives.
-//! 2. The middle of the range alone gives boxes that are much smaller.
-//! 3. By the mean value theorem, a value over the range differs from the value in the middle by at most half
-//!    of the range times a bound of the next derivative. So the boxes of step 2, enlarged by this difference,
-//!    hold over the range. The result is what they have in common with the boxes of step 1.
+//! The curve is the quotient of two polynomials, A and W. The control points of W are the weights. The
+//! control points of A are those of the curve, each times its weight.
+//! 1. Boxes of A, W and their derivatives over the range give a box of the curve, and one of each of its
+//!    first two derivatives, over the range.
+//! 2. The same computation at the middle of the range alone gives boxes that are as small as rounding
+//!    permits.
+//! 3. By the mean value theorem, the curve anywhere in the range differs from the curve at the middle by at
+//!    most half the length of the range times a bound of the first derivative. The box of step 2 is enlarged
+//!    by this difference. Now it holds over the range, too, and is intersected with the box of step 1.
+//! 4. Step 3 is done for the first derivative in the same way, with the bound of the second derivative. The
+//!    second derivative keeps its box of step 1.
 //!
 //! # Guarantees
-//! A box may be larger than needed. If the range is halved, the excess falls to a quarter for the curve and
-//! its first derivative, and to a half for its second derivative.
+//! A box may be larger than the values need. If the range is halved, the excess falls to a quarter for the
+//! curve and its first derivative, and to a half for its second derivative.
 
 use super::net::{Net, NetPart, UNIT};
 use crate::geometry::interval::{Interval, outward};

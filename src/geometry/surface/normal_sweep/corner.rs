@@ -1,9 +1,9 @@
-//! Normals at the ends of the pieces of a plane curve, and the mitres at its sharp corners.
+//! Normals at the ends of the pieces of a plane curve, and mitres at its sharp corners.
 //!
-//! Two lines meet at a corner. Let a and b be their unit normals, and a . b the scalar product. The mitre
-//! vector is m = (a + b) / (1 + a . b). m lies in the plane that halves the corner, and m . a = m . b = 1.
-//! So, for any distance x, the parallels of both lines at the distance x meet at the point x m, counted from
-//! the corner.
+//! At a corner between two lines, let a and b be the unit normals of the lines, and a . b their scalar
+//! product. The mitre vector m = (a + b) / (1 + a . b) replaces both normals at the corner. m lies in the
+//! plane that halves the corner. Because m . a = m . b = 1, the parallels of both lines at any distance x
+//! meet at the corner plus x m.
 
 use nalgebra::Vector2;
 

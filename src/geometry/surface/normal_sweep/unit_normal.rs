@@ -1,12 +1,14 @@
-//! The unit normal along a plane cubic. It is not a polynomial, so cubics replace it. Each cubic has the
-//! values and derivatives of the unit normal at both of its ends.
+//! The unit normal along a plane cubic, replaced by cubics. The exact unit normal is not a polynomial. So the
+//! plane cubic is divided into parts, and each part gets a cubic that has the values and the derivatives of
+//! the unit normal at both ends of the part.
 //!
 //! # Method
-//! The plane cubic is halved until Bernstein coefficients prove two things for each part:
-//! 1. The cubic that replaces the unit normal is so near to it that the surface is within [`TOLERANCE_MM`] of
-//!    the exact one. Each halving makes the difference sixteen times smaller.
-//! 2. Parallel curves do not run backward at the least and at the largest distance that the drive curve
-//!    reaches. Then no parallel curve between them does.
+//! A part is halved until Bernstein coefficients prove two things for it:
+//! 1. The cubic is so near to the unit normal that the surface is within [`TOLERANCE_MM`] of the exact
+//!    surface. Each halving makes the difference about sixteen times smaller.
+//! 2. The surface does not fold along the part. It would fold where a parallel curve of the part runs
+//!    backward. So the parallel curves at the least and at the largest distance that the drive curve reaches
+//!    must not run backward. Then no parallel curve between these two does.
 
 use nalgebra::{Point2, Vector2};
 

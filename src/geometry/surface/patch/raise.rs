@@ -1,4 +1,5 @@
-//! Polynomial patches of low degree as bicubic patches. The conversion is exact.
+//! Turns polynomial patches of degree up to 3 into bicubic patches. The surface stays the same, up to
+//! rounding.
 
 use nalgebra::Vector4;
 

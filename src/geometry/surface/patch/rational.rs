@@ -1,9 +1,11 @@
 //! One rational Bezier patch of any degree from 1 to [`MAX_DEGREE`] along u, and likewise along v.
 //!
-//! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero.
-//! The points of a patch lie in the convex hull of its control points. Its derivatives are quotients of two
-//! polynomials. Let n_k and d_k be the coefficients of dividend and divisor in the Bernstein basis of one
-//! degree. If every d_k is above zero, the quotient lies between the least and the largest n_k / d_k.
+//! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero,
+//! so the points of a patch lie in the convex hull of its control points.
+//!
+//! Derivatives and squared coordinates are quotients of two polynomials. The Bernstein coefficients of a
+//! polynomial bound its values over the patch. Bounds of the dividend and of the divisor give a bound of the
+//! quotient.
 
 mod product;
 mod swept;

@@ -1,10 +1,11 @@
-//! Lengths of cubics, and places at a given length.
+//! Lengths of cubics, and the parameter at which a cubic has reached a given length.
 //!
 //! # Method
-//! * The length is the integral of the speed, by the Gauss-Legendre rule of eight points. An interval is
-//!   halved until both halves together give the same length as the whole, up to rounding.
-//! * The place at a given length is found by Newton's method. A bracket that contains the place shrinks at
-//!   every step. Where a step would leave the bracket, its middle is taken instead.
+//! * The length is the integral of the speed over the parameter. An interval of parameters is integrated by
+//!   the Gauss-Legendre rule of eight points. It is halved until the sum over its halves agrees with the
+//!   result for the whole interval, up to rounding.
+//! * The parameter at a given length is found by Newton's method. An interval that contains the parameter
+//!   shrinks at every step. If a step would leave this interval, the middle of the interval is taken instead.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,10 +1,10 @@
 //! Powers a^b of intervals with two derivatives.
 //!
-//! # Method
-//! Three cases have different domains:
-//! * b is a constant whole number: every a is legal, but zero is illegal if b is negative.
-//! * b is another constant: a must be at least zero, and above zero if b is negative.
-//! * b contains x: a must be at least zero, and above zero if b is zero or negative.
+//! # Degenerate input
+//! Which bases a are legal depends on the exponent b:
+//! * b is a constant whole number: every a is legal, except zero if b is negative.
+//! * b is another constant: a must be at least zero; if b is negative, a must be above zero.
+//! * b contains x: a must be at least zero; where b is zero or negative, a must be above zero.
 
 use super::{Jet, Node, ONE, unless};
 use crate::geometry::interval::Interval;

@@ -1,5 +1,5 @@
-//! Compares values, derivatives and enclosures of random expressions with those of trees, and tests
-//! identities.
+//! Compares values, derivatives and enclosures of random expressions with values that trees compute (`trees`)
+//! and with differences of values. Tests identities.
 
 use proptest::prelude::*;
 

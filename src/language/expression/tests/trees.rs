@@ -1,4 +1,4 @@
-//! Random expressions as trees that compute their own values.
+//! Random expressions as trees. A tree computes its value on its own, so that tests can compare this value.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Products and quotients of polynomials, by their Bernstein coefficients.
+//! Sums of squares of polynomials, and bounds of their quotients, from Bernstein coefficients.
 
 use super::{MAX_DEGREE, SIZE};
 

@@ -1,5 +1,5 @@
-//! Bounds of derivatives for patches whose weights do not change along one of the two directions. Examples
-//! are arcs swept along a line, and cubics rotated about an axis.
+//! Bounds of derivatives for patches whose weights do not change along v. Examples are an arc along u that is
+//! swept along a line, and a cubic along v that is rotated about an axis.
 
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! The HTTP service: decodes requests into jobs, runs the jobs on a fixed number of threads, and encodes the
 //! answers.
 //!
-//! Only this layer knows status codes, media types and JSON.
+//! Only these modules know status codes, media types and JSON.
 
 mod admission;
 mod answer;

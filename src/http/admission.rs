@@ -1,5 +1,6 @@
-//! Refuses requests that the service has no room for: at once if the queue of computations is full, and while
-//! the body arrives if the bodies of all requests fill the memory for bodies.
+//! Refuses a request for which the service has no room. If the queue of computations is full, the request is
+//! refused at once. If the bodies of all requests together fill the memory for bodies, a request is refused
+//! while its body arrives.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,11 +1,13 @@
-//! The pool of threads on which computations run, apart from the threads that serve connections.
+//! The pool of threads on which computations run. Other threads serve the connections.
 //!
-//! 1. A request takes a ticket. There is a ticket for each thread and for each place in the queue. If no
-//!    ticket is free, the request is refused at once. A program that is rewritten as a stream takes no
-//!    ticket: [`program_stream`](super::program_stream) limits the number of streams, and refuses a stream
-//!    above the limit. Its pieces run on the same threads.
+//! # Method
+//! 1. A request takes a ticket. There are as many tickets as threads and places in the queue together. If no
+//!    ticket is free, the request is refused at once.
 //! 2. The request waits for a free thread. Its deadline includes this time.
 //! 3. The thread runs the computation. When the computation ends, thread and ticket are free again.
+//!
+//! An NC program that is rewritten while it arrives uses the same threads, but takes no ticket;
+//! [`program_stream`](super::program_stream) limits the number of such programs.
 //!
 //! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
 //! next check of the budget.

@@ -1,8 +1,9 @@
 //! Decodes the JSON bodies of requests. Each error has a pointer to the member at fault.
 //!
-//! 1. The whole body is checked to be JSON. So a body that is not JSON is never reported as a wrong request.
+//! # Method
+//! 1. The whole body is checked to be JSON. So a body that is not JSON is always reported as such.
 //! 2. The body is decoded as the type of the request. The decoder stops at its first error.
-//! 3. After an error, `mend` looks for the other errors in the body.
+//! 3. After an error, `mend` looks for further errors in the body.
 
 mod foreign;
 mod mend;

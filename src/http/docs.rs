@@ -1,5 +1,4 @@
-//! Web pages at `/docs` to read the contract and to try requests. All files of the pages are part of the
-//! binary.
+//! Web pages at `/docs` to read the contract and to try requests. The binary contains all files of the pages.
 
 use std::sync::Arc;
 

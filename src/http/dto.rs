@@ -1,7 +1,7 @@
 //! Wire types: the JSON of requests and answers.
 //!
-//! The types of the other layers are separate. If a type gets a field on one side only, the conversion
-//! between the two does not compile.
+//! Computations have types of their own. If a field is added to a wire type or to its counterpart, but not to
+//! both, the conversion between them does not compile.
 
 pub mod answer;
 pub mod approach;

@@ -1,4 +1,4 @@
-//! Errors as the caller sees them: problem documents by RFC 9457. Only this module maps failures to status
+//! Errors as the caller sees them: problem documents (RFC 9457). Only this module turns failures into status
 //! codes.
 
 use std::fmt;

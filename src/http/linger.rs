@@ -1,8 +1,8 @@
 //! Reads the rest of a request body after the answer has been sent.
 //!
-//! The service refuses a body that is too large while the caller still sends it. If the service closed the
-//! connection at once, the caller would see a connection reset, possibly before it has read the answer. So
-//! the service reads the rest of the body and throws it away, up to [`MAX_TIME`] and [`MAX_BYTES`]. Then it
+//! The service can refuse a body before the caller has sent all of it. If the service closed the connection
+//! at once, the caller would see a connection reset, and might never read the answer. So the service reads
+//! the rest of the body and throws it away, for at most [`MAX_TIME`] and at most [`MAX_BYTES`]. Then it
 //! closes the connection.
 
 use std::pin::Pin;

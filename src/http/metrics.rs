@@ -1,7 +1,7 @@
 //! Metrics of this process, in the text form that Prometheus reads.
 //!
-//! All labels are taken from fixed lists: route templates, known methods, statuses, error codes and stages.
-//! So no request can add a time series.
+//! The values of all labels are taken from fixed lists: route templates, known methods, statuses, error codes
+//! and stages. So the number of time series stays the same, whatever callers send.
 
 use std::sync::Arc;
 use std::time::Duration;

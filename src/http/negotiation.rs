@@ -1,5 +1,5 @@
 //! Chooses the form of an answer from the forms that the endpoint offers. The query parameter `format`
-//! decides, or else the header `Accept`.
+//! decides; without it the header `Accept` decides.
 
 use std::sync::Arc;
 

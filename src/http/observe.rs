@@ -1,5 +1,5 @@
-//! The outermost layer: for every request it writes one log line, counts metrics and continues the caller's
-//! trace.
+//! The outermost layer of the service. For every request it writes one log line and counts metrics. If the
+//! caller sent a trace, the request continues this trace.
 
 use std::pin::Pin;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The contract, generated from the handlers and the wire types, and the routes it describes.
+//! The contract, generated from the handlers and the wire types, and the routes that the contract describes.
 
 mod additions;
 mod examples;

@@ -1,12 +1,13 @@
-//! Rewrites NC programs while they arrive. A program may be larger than memory, and its answer begins before
-//! the whole program has arrived.
+//! Rewrites NC programs while they arrive. A program may be larger than memory. Its answer begins before the
+//! whole program has arrived.
 //!
-//! * The number of streams is limited; a stream above the limit is refused.
+//! A *stream* is one such program under way, from its first byte to the end of its answer.
+//! * The number of streams is limited; a further stream is refused.
 //! * A stream uses a thread of the pool only while it has bytes to rewrite.
 //! * The rewritten text waits for the caller in a queue of limited size. If the caller reads slowly, the
-//!   queue fills up, and the service reads no more of the program until the queue has room.
-//! * A failure before the first byte of the answer is answered as a problem document. A later failure closes
-//!   the connection before the end of the body, so that the caller sees that the answer is not complete.
+//!   queue fills up. Then the service reads no more of the program until the queue has room.
+//! * A failure before the first byte of the answer gives a problem document. A later failure closes the
+//!   connection before the end of the body. So the caller sees that the answer is not complete.
 
 use std::io::Write;
 use std::sync::Arc;

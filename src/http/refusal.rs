@@ -1,9 +1,9 @@
-//! Gives a problem document to requests that the HTTP parser refuses, as to every other failure.
+//! Adds a problem document to the answer if the HTTP parser refuses a request.
 //!
-//! The parser of hyper refuses a request if it cannot read its head, or if the head is too large. Then hyper
-//! itself writes a status without a body and closes the connection; no code of the service sees the request.
-//! [`Explained`] watches the bytes that go to the caller, and replaces such an answer by one with a problem
-//! document.
+//! hyper's parser refuses a request whose head it cannot read, or whose head is too large. No other code of
+//! the service sees such a request: hyper itself writes a status without a body, and closes the connection.
+//! [`Explained`] watches the bytes that go to the caller, and replaces such an answer by an answer with a
+//! problem document.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;

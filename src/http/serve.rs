@@ -1,4 +1,5 @@
-//! Accepts and serves connections with time limits, and shuts down without losing a request.
+//! Accepts and serves connections with time limits. A shutdown waits for the requests under way, but not
+//! longer than a limit.
 
 use std::io;
 use std::sync::Arc;

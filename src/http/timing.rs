@@ -1,4 +1,4 @@
-//! The times that the steps of an answer took, for the header `Server-Timing`, the log and the metrics.
+//! How long each step of an answer took, for the header `Server-Timing`, the log and the metrics.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The trace a request belongs to (W3C Trace Context, `traceparent`).
+//! The caller's trace, which a request continues (W3C Trace Context, `traceparent`).
 
 use std::fmt;
 use std::hash::{BuildHasher, Hasher, RandomState};

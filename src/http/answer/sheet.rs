@@ -1,4 +1,4 @@
-//! The texts of an answer for people: the notes beside a drawing, and the header of an NC program.
+//! Texts for people in an answer: the notes beside a drawing, and the comments at the head of an NC program.
 
 use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;

@@ -1,5 +1,5 @@
-//! Recognises bodies that are not JSON, and names what they are: the text of a spreadsheet, another encoding,
-//! JSON with numbers such as NaN.
+//! Recognises bodies that are not JSON, and names what each one is: the text of a spreadsheet, a text in
+//! another encoding, or JSON with numbers such as NaN.
 
 /// A message that says what `body` is and what to send instead. `fault_at` is the byte where the JSON parser
 /// stopped. `None` for a body that is not recognised.

@@ -1,18 +1,20 @@
-//! Finds everything that is wrong with a request body, so that the caller can correct all of it at once.
+//! Finds the errors of a request body, so that the caller can correct all of them at once.
 //!
-//! A decoder stops at its first error. To find further errors, the body is repaired and decoded again:
-//!
-//! 1. The value at fault is replaced by a placeholder, such as 1000 or "x". A member that must not be there
-//!    is removed.
-//! 2. The body is decoded again. If the decoder stops again, step 1 is repeated there, with another
-//!    placeholder if the place is the same.
-//! 3. When the whole body can be decoded, its values are checked. Errors that a placeholder causes are not
-//!    reported.
-//!
-//! If no placeholder is left, or after [`MOST_TRIES`] decodings or [`MOST_BYTES`] bytes, the errors found so
-//! far are reported.
+//! # Method
+//! A decoder stops at its first error. To find further errors, a copy of the body is repaired and decoded
+//! again:
+//! 1. The value at which the decoder stopped is replaced by a placeholder, such as 1000 or "x". A member that
+//!    the request must not have is removed instead.
+//! 2. The copy is decoded. If the decoder stops again, step 1 is repeated. If it stops at the same value,
+//!    step 1 takes the next placeholder.
+//! 3. When the decoder reaches the end, the values of the copy are checked. Errors that a placeholder causes
+//!    are not reported.
 //!
 //! A whole number with a decimal point, such as `12.0`, is accepted where an integer is needed.
+//!
+//! # Cost
+//! The repair ends when no placeholder is left to try, after [`MOST_TRIES`] decodings, or after
+//! [`MOST_BYTES`] decoded bytes. Then the errors found so far are reported.
 
 use serde_json::{Value, json};
 

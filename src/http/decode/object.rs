@@ -1,5 +1,5 @@
-//! Decodes structs from JSON objects only. The decoders that serde derives would also accept an array of the
-//! fields.
+//! Decodes structs from JSON objects only. A decoder that serde derives would also accept an array with the
+//! values of the fields.
 
 use std::fmt;
 use std::marker::PhantomData;

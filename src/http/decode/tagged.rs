@@ -1,10 +1,10 @@
 //! Decodes objects whose member `kind` says which other members they have, and makes their schemas for the
 //! contract.
 //!
-//! Each set of such objects is a Rust enum. Its decoder is written by hand: in the decoder that serde
-//! derives, the path of an error ends at the enum, and does not lead to the member at fault. The decoder
-//! written here finds the whole path. serde passes only a text from an inner decoder to an outer decoder, so
-//! the error is packed into this text.
+//! All kinds of such an object form a Rust enum. A macro writes the decoder of the enum. It replaces the
+//! decoder that serde derives, whose errors point to the whole object, and not to the member at fault. The
+//! macro's decoder finds the path to the member. serde passes only a text from an inner decoder to an outer
+//! decoder, so path and error are packed into this text.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};

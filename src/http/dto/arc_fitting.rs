@@ -1,5 +1,5 @@
-//! The request to fit arcs to a polyline or to an NC program, its conversion to a job, and the reports of
-//! both.
+//! The request to fit arcs to a polyline, the request to fit arcs to an NC program, their conversion to jobs,
+//! and their reports.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;

@@ -1,5 +1,5 @@
-//! Checks numbers, counts and texts of a request. All violations are collected; the check does not end at the
-//! first.
+//! Checks numbers, counts and texts of a request. The check goes on after a violation, so that all violations
+//! are collected.
 
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 use crate::http::pointer::Pointer;

@@ -1,4 +1,5 @@
-//! The request to lower a cutter onto a surface, and the report of where the cutter touches.
+//! The request to lower a cutter onto a surface, and the report of the places where the cutter touches the
+//! surface.
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Conversions between enums of the JSON and enums of the computation that have the same variants.
+//! Conversions between an enum of the JSON and an enum of the computation with the same variants.
 
 /// Implements the conversion from an enum of the wire to the core's enum, variant by variant.
 macro_rules! into_core {

@@ -1,7 +1,7 @@
 //! An answer as one self-contained HTML page: the picture, and the members of the JSON answer as tables.
 //!
-//! The page loads no other file: no script, no font, no style sheet. In print the picture has a sheet of its
-//! own and keeps its scale, and the tables follow.
+//! The page loads no other file: no script, no font, no style sheet. In print the picture is alone on a sheet
+//! and keeps its scale; the tables follow on further sheets.
 
 mod label;
 mod number;

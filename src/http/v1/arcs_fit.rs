@@ -1,5 +1,5 @@
-//! `POST /v1/arcs/fit`: fits the fewest arcs and lines to a polyline, or replaces runs of short lines in an
-//! NC program by arcs.
+//! `POST /v1/arcs/fit`: fits the fewest arcs and lines to a polyline. In an NC program, it replaces
+//! consecutive short lines by arcs and longer lines.
 
 use std::sync::Arc;
 

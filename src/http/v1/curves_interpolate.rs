@@ -1,5 +1,5 @@
-//! `POST /v1/curves/interpolate`: replaces a plane curve by lines, arcs or parabolas within a band, and
-//! answers them as JSON, a program or a picture.
+//! `POST /v1/curves/interpolate`: replaces a plane curve by lines, arcs or parabolas that stay in a band
+//! about the curve. Answers these elements as JSON, a program or a picture.
 
 mod failure;
 

@@ -1,4 +1,5 @@
-//! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places, and answers where it touches.
+//! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places. Answers, for each place, the
+//! cutter location at which the cutter first touches the surface.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Problem documents for data that give no surface. Most faults are found when a request is checked; these
-//! faults show only when the whole surface is made.
+//! Problem documents for data that give no surface. These faults show only when the whole surface is made;
+//! all other faults are found when the request is checked.
 
 use crate::geometry::surface::ferguson::FergusonError;
 use crate::geometry::surface::joints::NotSmooth;

@@ -1,4 +1,4 @@
-//! Names of fields as words with a unit: `cutting_length_mm` is "cutting length" in mm.
+//! Turns the names of fields into words with a unit: `cutting_length_mm` becomes "cutting length" in mm.
 
 use crate::plot::text::{clean, escape};
 

@@ -1,4 +1,4 @@
-//! The toolpath: the result of every operation, from which programs, pictures and JSON are made.
+//! The toolpath: the moves of a tool. Operations make it; programs, pictures and JSON are made from it.
 //!
 //! # Guarantees
 //! * Every coordinate is finite.

@@ -4,8 +4,8 @@
 //! The interval of the result contains the exact result for all numbers in the intervals of the operands. For
 //! sums, differences, products, quotients and square roots, the processor rounds the exact value to the
 //! nearest floating-point number. So it is enough to move each end of the result outward to the next
-//! floating-point number. The functions in [`elementary`] are less accurate in the standard library: there,
-//! each end moves outward by several floating-point numbers.
+//! floating-point number. The standard library computes the functions of [`elementary`] less accurately. For
+//! these functions, each end moves outward by several floating-point numbers.
 //!
 //! # Degenerate input
 //! If an end of the result would be NaN, the result is the whole line, from minus to plus infinity. A

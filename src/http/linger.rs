@@ -2,8 +2,8 @@
 //!
 //! The service can refuse a body before the caller has sent all of it. If the service closed the connection
 //! at once, the caller would see a connection reset, and might never read the answer. So the service reads
-//! the rest of the body and throws it away, for at most [`MAX_TIME`] and at most [`MAX_BYTES`]. Then it
-//! closes the connection.
+//! the rest of the body and throws it away, until the body ends, [`MAX_TIME`] has passed, or [`MAX_BYTES`]
+//! are read. Then it closes the connection.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};

@@ -10,8 +10,8 @@
 //!
 //! # Grammar
 //! The operators from the one that binds least to the one that binds most: `+` and `-` between operands; `*`
-//! and `/`; `+` and `-` as signs; `^`. Powers associate to the right. So -x^2 is -(x^2). The exponent may
-//! have a sign, as in 2^-x. A product needs its `*`. [`function`] lists the names.
+//! and `/`; `+` and `-` as signs; `^`. So -x^2 is -(x^2). Powers associate to the right: 2^3^x is 2^(3^x).
+//! The exponent can have a sign, as in 2^-x. A product needs its `*`. [`function`] lists the names.
 //!
 //! # Guarantees
 //! * Numbers, `pi`, `e` and exponents without x are rounded to floating-point numbers. The intervals contain

@@ -12,8 +12,8 @@
 //! # Method
 //! 1. `grammar` turns the text into items.
 //! 2. `corner` turns each rounded corner into an arc that touches both of its lines.
-//! 3. `chain` joins the items by straight lines. Each `b` becomes a natural cubic spline of its own. Its
-//!    parameter grows by the same amount from point to point.
+//! 3. `chain` joins the items by straight lines. Each `b` becomes a natural cubic spline of its own. The
+//!    parameter of the spline grows by the same amount from point to point.
 //!
 //! # Guarantees
 //! Arcs are exact, up to rounding, as rational quadratic curves.

@@ -1,7 +1,7 @@
 //! A raster of cells over the sheet, which records where a pen has drawn.
 //!
-//! A stroke can be omitted if the pen has drawn in all of its cells before. So every stroke that is drawn
-//! adds at least one cell, and there are no more strokes than cells.
+//! A stroke can be omitted if the pen has drawn in all cells of the stroke before. So every stroke that is
+//! drawn adds at least one cell, and there are no more strokes than cells.
 
 use nalgebra::Point2;
 

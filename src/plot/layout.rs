@@ -1,8 +1,8 @@
 //! Chooses the scale and the places of the views on the sheet.
 //!
 //! In first-angle arrangement the front is above the plan, and the left side is to the right of the plan.
-//! Along the sheet, every coordinate grows to the right or upward. Plan and front have the same place along
-//! x; plan and left side have the same place along y.
+//! Along the sheet, every coordinate grows to the right or upward. A point of the part is equally far from
+//! the left edge of the sheet in plan and front, and equally far from the top edge in plan and left side.
 
 use nalgebra::{Point2, Point3};
 

@@ -3,7 +3,7 @@
 //!
 //! # Method
 //! 1. A curve that differs from its chord by at most [`CHORD_MM`] is drawn as its chord.
-//! 2. Consecutive lines become one stroke while the stroke passes the ends of all these lines within
+//! 2. Consecutive lines become one stroke as long as the stroke passes the ends of all these lines within
 //!    [`THIN_MM`]. Seen from its start, the stroke can have any direction in a cone. Each further line
 //!    narrows the cone.
 //!

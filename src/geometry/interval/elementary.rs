@@ -6,12 +6,11 @@
 //!
 //! # Degenerate input
 //! No function reports an operand outside its domain; the caller checks the operand.
-//! * A number outside the domain counts as the nearest number of the domain: the inverse sine of 2 is that of
-//!   1.
 //! * The logarithm ignores the numbers that are not positive. If no number is positive, the result is the
 //!   whole line.
-//! * The tangent is the whole line if a pole lies in the operand, or so near that rounding hides on which
-//!   side.
+//! * The tangent is the whole line if a pole lies in the operand, or if rounding hides whether one does.
+//! * In other functions, a number outside the domain counts as the nearest number of the domain: the inverse
+//!   sine of 2 is that of 1.
 //! * The sine and cosine are [-1, 1] if an angle in the operand is larger than 1e8 rad in size.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};

@@ -5,9 +5,9 @@
 //! 1. For each first and second derivative, a ball of vectors ([`VectorBall`]) contains all values of the
 //!    derivative over a part. The centres of the balls give two curvatures. The radii of the balls tell how
 //!    far any curvature of the part can lie outside these two.
-//! 2. For the whole surface, each patch gets an upper bound. The part with the largest upper bound is halved,
-//!    and its halves get bounds of their own (branch and bound). This is repeated until the largest upper
-//!    bound is near the largest curvature found at a point.
+//! 2. For the whole surface, each patch gets an upper bound of its larger curvature. The patch or part with
+//!    the largest upper bound is halved, and its halves get bounds of their own (branch and bound). This is
+//!    repeated until the largest upper bound is near the largest curvature found at a point.
 //!
 //! # Guarantees
 //! A curvature is positive where the surface is concave, seen from the side to which its normal points.

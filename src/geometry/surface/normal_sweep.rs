@@ -5,8 +5,8 @@
 //! The first coordinate of the drive curve counts along the unit normal of the basic curve (to the left), the
 //! second upward. Each pair of a piece of the basic curve and a piece of the drive curve makes a patch:
 //! 1. Along a line or an arc, the unit normal is a quotient of polynomials. So the patch is exact.
-//! 2. Along a cubic, another cubic replaces the unit normal (`unit_normal`). Where it is not near enough to
-//!    the unit normal, the piece of the basic curve is halved.
+//! 2. Along a cubic, another cubic replaces the unit normal (`unit_normal`). Where this other cubic is not
+//!    near enough to the unit normal, the piece of the basic curve is halved.
 //! 3. At a sharp corner between two lines, the patches along both lines end in the plane that halves the
 //!    corner (a mitre, `corner`).
 //!

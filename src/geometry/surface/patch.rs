@@ -1,8 +1,8 @@
-//! What all Bezier patches can do: give points and derivatives, be divided, and bound their derivatives by
-//! their control points.
+//! What all Bezier patches can do: give points and derivatives, be halved, and bound their points and
+//! derivatives by their control points.
 //!
-//! Two types are patches: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to 7.
-//! Proofs use only the trait [`Patch`], so they hold for both types.
+//! Two types implement [`Patch`]: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to
+//! 7. Proofs use only this trait, so they hold for both types.
 
 pub mod bicubic;
 pub mod raise;

@@ -2,8 +2,8 @@
 //! each curve, that divide the lengths of the curves in the same ratio.
 //!
 //! # Method
-//! 1. Both curves are cut at the same fractions of their lengths: at every fraction where one of the curves
-//!    has a joint. So each part of one curve faces one part of the other.
+//! 1. Both curves are cut at the same fractions of their lengths: at every fraction where at least one of the
+//!    curves has a joint. So each part of one curve faces one part of the other.
 //! 2. Two lines that face each other make an exact patch. So do two arcs that turn by the same angle.
 //! 3. In any other pair, a cubic replaces each of the two parts. The parameter of the cubic is proportional
 //!    to the length along the part. Both parts are halved until each cubic is near enough to its part.

@@ -1,5 +1,5 @@
-//! The request to fit arcs to a polyline, the request to fit arcs to an NC program, their conversion to jobs,
-//! and their reports.
+//! The wire types for fitting arcs to a polyline, and for fitting arcs to an NC program: requests and
+//! reports.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;

@@ -1,4 +1,4 @@
-//! The caller's own texts about a job. The answer repeats them unchanged.
+//! The caller's own texts about a job. The answer repeats these texts unchanged.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The member `program` of requests: how the NC program is written.
+//! The member `program` of requests: how the service writes the NC program.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -1,4 +1,4 @@
-//! Toolpaths in requests: the same object that answers hold.
+//! Toolpaths in requests. They are the same JSON object as toolpaths in answers.
 
 use nalgebra::Point3;
 use serde::Deserialize;

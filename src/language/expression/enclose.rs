@@ -6,12 +6,12 @@
 //! 2. The expression is computed over the whole range by interval arithmetic. For each operation, this gives
 //!    intervals that contain the value and the first two derivatives of the result.
 //! 3. During step 2, the mean value theorem gives a second interval for the value of each operation, from its
-//!    value at the middle and the interval of its first derivative. The intersection of both intervals
-//!    replaces the first one before the next operation is computed.
+//!    value at the middle and the interval of its first derivative. The intersection of this interval and the
+//!    interval of step 2 is kept, and the next operations use it.
 //! 4. Step 3 is done for the first derivative as well, with the interval of the second derivative.
 //!
-//! Over short ranges the second interval is narrower. Interval arithmetic takes the two x in x - x^2 for
-//! independent numbers, so its interval is too wide.
+//! Over short ranges the interval of step 3 is the narrower one. Interval arithmetic takes the two x in x -
+//! x^2 for independent numbers, so the interval of step 2 is too wide.
 //!
 //! # Reference
 //! R. E. Moore, R. B. Kearfott, M. J. Cloud, *Introduction to Interval Analysis*, SIAM, 2009, section 6.3.

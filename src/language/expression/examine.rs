@@ -5,8 +5,8 @@
 //!
 //! # Method
 //! 1. The expression is computed at some points of the domain.
-//! 2. The domain becomes the first cell. For each cell, the expression is computed at the middle, and over
-//!    the whole cell with intervals.
+//! 2. A cell is a part of the domain; the first cell is the whole domain. For each cell, the expression is
+//!    computed at the middle, and over the whole cell with intervals.
 //! 3. If an operation certainly offends, at a point or over a whole cell, the search ends with an error.
 //! 4. If the intervals leave open whether an operation offends in a cell, the cell is halved into two new
 //!    cells.

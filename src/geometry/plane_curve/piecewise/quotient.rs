@@ -9,8 +9,9 @@
 //! 2. The same computation at the middle of the range alone gives boxes that are as small as rounding
 //!    permits.
 //! 3. By the mean value theorem, the curve anywhere in the range differs from the curve at the middle by at
-//!    most half the length of the range times a bound of the first derivative. The box of step 2 is enlarged
-//!    by this difference. Now it holds over the range, too, and is intersected with the box of step 1.
+//!    most half the length of the range times a bound of the first derivative over the range. The curve's box
+//!    of step 2 is enlarged by this difference. Now it contains the curve over the range, and is intersected
+//!    with the curve's box of step 1.
 //! 4. Step 3 is done for the first derivative in the same way, with the bound of the second derivative. The
 //!    second derivative keeps its box of step 1.
 //!

@@ -6,9 +6,10 @@
 //! A part is halved until Bernstein coefficients prove two things for it:
 //! 1. The cubic is so near to the unit normal that the surface is within [`TOLERANCE_MM`] of the exact
 //!    surface. Each halving makes the difference about sixteen times smaller.
-//! 2. The surface does not fold along the part. It would fold where a parallel curve of the part runs
-//!    backward. So the parallel curves at the least and at the largest distance that the drive curve reaches
-//!    must not run backward. Then no parallel curve between these two does.
+//! 2. The surface does not fold along the part. It would fold where a parallel curve (a curve at constant
+//!    distance from the part) runs backward. The proof covers the parallel curves at the least and at the
+//!    largest distance that the drive curve reaches. If these two do not run backward, no parallel curve
+//!    between them does.
 
 use nalgebra::{Point2, Vector2};
 

@@ -3,9 +3,8 @@
 //! A control point (x, y, z) with the weight w is stored as (w x, w y, w z, w). Every weight is above zero,
 //! so the points of a patch lie in the convex hull of its control points.
 //!
-//! Derivatives and squared coordinates are quotients of two polynomials. The Bernstein coefficients of a
-//! polynomial bound its values over the patch. Bounds of the dividend and of the divisor give a bound of the
-//! quotient.
+//! Derivatives and squared coordinates are quotients of two polynomials. The Bernstein coefficients of the
+//! dividend and of the divisor give bounds of the quotient over the patch.
 
 mod product;
 mod swept;

@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! * The length is the integral of the speed over the parameter. An interval of parameters is integrated by
-//!   the Gauss-Legendre rule of eight points. It is halved until the sum over its halves agrees with the
-//!   result for the whole interval, up to rounding.
+//!   the Gauss-Legendre rule of eight points. If the sum over its two halves differs from the result for the
+//!   interval by more than rounding, each half is integrated in the same way.
 //! * The parameter at a given length is found by Newton's method. An interval that contains the parameter
 //!   shrinks at every step. If a step would leave this interval, the middle of the interval is taken instead.
 

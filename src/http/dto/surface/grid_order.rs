@@ -1,5 +1,5 @@
-//! Finds mistakes in the order of a grid's points, before anything is computed: repeated and reversed rows,
-//! repeated columns, and outliers.
+//! Finds mistakes in a grid of points before anything is computed: repeated and reversed rows, repeated
+//! columns, and outliers.
 
 use nalgebra::Point3;
 

@@ -1,4 +1,5 @@
-//! The surface kind `normal_sweep` in requests: curves carried along curves at right angles to them.
+//! The surface kind `normal_sweep` in requests: a drive curve carried along a basic curve, at right angles to
+//! it.
 
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;

@@ -1,4 +1,5 @@
-//! The surface kind `parallel_sweep` in requests: curves carried along curves without turning.
+//! The surface kind `parallel_sweep` in requests: a drive curve carried along a basic curve without being
+//! rotated.
 
 use nalgebra::{Point2, Point3};
 use serde::Deserialize;

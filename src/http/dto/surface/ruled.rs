@@ -1,4 +1,4 @@
-//! The surface kind `ruled` in requests: curves joined by straight lines.
+//! The surface kind `ruled` in requests: two curves, and straight lines between them.
 
 use nalgebra::{Point2, Point3};
 use serde::Deserialize;

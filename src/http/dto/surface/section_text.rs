@@ -1,4 +1,4 @@
-//! Section curves as texts in surfaces of requests.
+//! Section curves that a request gives as texts.
 
 use nalgebra::{Point2, Point3};
 use serde::{Deserialize, Deserializer};

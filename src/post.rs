@@ -1,13 +1,15 @@
 //! The post-processor: writes a toolpath as the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower` turns the moves of the toolpath into blocks. [`crate::toolpath::quantize`] rounds the
-//!    coordinates to the decimals of the program.
-//! 2. `header` collects the comments for people, which stand before the first block.
-//! 3. `write` writes the blocks as lines of text. The dialect adds lines before and after them.
-//! 4. `check` reads the text back with [`read`], and compares every motion and dwell with its block.
+//! 1. `lower` turns the toolpath into blocks. [`crate::toolpath::quantize`] rounds their coordinates to the
+//!    decimals of the program.
+//! 2. `header` collects the comments for people that stand before the first block.
+//! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
+//!    prescribes.
+//! 4. `check` reads the text back with [`read`]. It compares each motion and each dwell of the text with the
+//!    block from which it was written.
 //!
-//! The module [`rewrite`] works apart from this: it shortens a given program, also one from another source.
+//! [`rewrite`] is separate: it shortens programs of any origin.
 //!
 //! # Guarantees
 //! * A program is returned only if `check` finds no difference.

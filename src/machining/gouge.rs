@@ -1,30 +1,32 @@
 //! Bounds from above how deep a moving cutter cuts into a surface.
 //!
-//! The *depth* of a surface point in the cutter is its distance from the outside of the cutter. It is zero
-//! for a point outside the cutter.
+//! The *depth* of a surface point inside the cutter is its distance from the nearest point outside the
+//! cutter. A surface point outside the cutter has the depth zero.
 //!
 //! # Method
-//! 1. Cut the path into pieces: lines, and arcs of at most a quarter turn. Chords replace helices and
-//!    parabolas.
-//! 2. Find the patches that the cutter may touch on each piece. Every such patch makes a pair with the piece.
-//! 3. For each pair, bound the depth of all points of the patch while the cutter follows the piece. One bound
-//!    comes from planes that have the whole cutter on one side (`planes`). The other bound comes from a ball
-//!    cutter that contains the cutter (`ball`). The smaller bound counts.
-//! 4. Take the pair with the largest bound, halve its piece or its patch, and bound the depth for both
-//!    halves. Repeat this step until the largest bound exceeds the largest depth found at a point by at most
-//!    the requested gap.
+//! 1. Replace helices and parabolas of the path by chords. Cut the path into pieces: lines, and arcs of at
+//!    most a quarter turn.
+//! 2. For each piece, find all patches that the cutter may touch on it. The piece makes a pair with each of
+//!    these patches.
+//! 3. For each pair, bound from above the depth of all points of the patch while the cutter follows the
+//!    piece. One bound comes from planes that have the whole cutter on one side (`planes`). Another one comes
+//!    from a ball cutter that contains the cutter (`ball`). The bound of the pair is the smaller one.
+//! 4. Take the pair with the largest bound, and halve its piece or its patch. This gives two pairs; bound the
+//!    depth for each of them. Repeat this step until the largest bound of a pair exceeds the largest depth
+//!    found at a surface point by at most the requested gap.
 //!
 //! # Guarantees
-//! * The bound is at least the depth of every surface point at every position of the cutter on the path.
-//!   Rounding and the distance of chords from their curves are included.
-//! * A sharp rim may reach farther below a slope than any surface point lies in the cutter. The bound covers
-//!   this reach, too, except near edges, where the surface ends or turns sharply.
-//! * The bound exceeds the larger of depth and reach by about the gap. It exceeds them by more if 20,000
-//!   halvings do not suffice for a piece.
-//! * The proof does not use how the path was made.
+//! * The result is at least the depth of every surface point at every position of the cutter on the path. It
+//!   includes rounding, and the distance of chords from the curves that they replace.
+//! * The sharp rim of a flat end may lie farther below a sloping surface than the depth of any surface point.
+//!   The result is at least this distance, too, except near edges, where the surface ends or turns sharply.
+//! * The result exceeds the larger of depth and distance by about the gap. It exceeds them by more if 20,000
+//!   halvings for one piece are not enough.
+//! * Only surface, cutter and path are used. So the result is an independent check of the planning of the
+//!   path.
 //!
 //! # Cost
-//! O(n log m) for n pieces and m patches. A move of a ball takes 35 microseconds in the benchmark.
+//! O(n log m) for n pieces and m patches. A move of a ball cutter takes 35 microseconds in the benchmark.
 
 mod ball;
 mod part;

@@ -1,20 +1,21 @@
-//! Sections of the offset of a surface with planes at right angles to x or y. The method is that of Ju,
-//! section 3.
+//! Traces sections of the offset of a surface with planes at right angles to x or y. The method is that of
+//! Ju, section 3.
 //!
 //! # Method
-//! 1. Find the points where the plane meets the boundary of the offset (`boundary`).
-//! 2. Follow the section from one of these points in steps. A step along the tangent predicts the next point,
-//!    and Newton's method moves it onto the section.
-//! 3. End the section where it reaches the boundary again. Repeat step 2 from a point of step 1 that no
-//!    section has reached, until none is left.
+//! 1. Find all points where the plane meets the boundary of the offset (`boundary`).
+//! 2. From one of these points, trace the section point by point: go a short way along the tangent, and then
+//!    move the new point onto the section by Newton's method.
+//! 3. End the section where it reaches the boundary again. Trace the next section from a point of step 1 at
+//!    which no section starts or ends yet, until there is no such point.
 //!
 //! # Guarantees
-//! The caller must have proved that the offset has no fold and the surface no overhang
-//! ([`regularity`](super::regularity)). Then every section meets the boundary, and every point lies on the
-//! section to within rounding. The section leaves the chord of two neighbouring points by at most 1.01 times
-//! the chord height asked for.
+//! * The caller must have proved that the offset has no fold and the surface no overhang
+//!   ([`regularity`](super::regularity)). Then every section ends at the boundary, so that none is missed.
+//! * Every point lies on the section to within rounding. Between two neighbouring points, the section leaves
+//!   their chord by at most 1.01 times the chord height asked for.
 //!
-//! The plane must not touch the boundary without crossing it, and must not contain a part of the boundary.
+//! The plane must cross the boundary wherever it meets it. A plane that only touches the boundary, or that
+//! contains a part of it, is not supported.
 //!
 //! # Cost
 //! O(s + n) for n points of a section and s stretches of the boundary.

@@ -1,28 +1,30 @@
-//! Divides a plane curve into elements that stay within a band about it: lines, arcs or parabolas.
+//! Divides a plane curve into lines, arcs or parabolas that stay within a band about the curve.
 //!
 //! # Method
-//! 1. Divide the domain of the curve into equal ranges, as many as the job asks for.
-//! 2. Divide each range into elements. Either halve each element that leaves the band, as in Hyun's paper
-//!    (`bisection`). Or let each element reach as far as it can (`least`), and then search for fewer
-//!    (`beam_search`).
-//! 3. Prove over the whole of each element that it stays within the band
+//! 1. Divide the domain of the curve into as many equal ranges as the job asks for.
+//! 2. Divide each range into elements, by one of two methods. *Bisection*, as in Hyun's paper: halve each
+//!    element that leaves the band (`bisection`). *Fewest elements*: let each element reach as far as it can
+//!    (`least`), and then search for fewer elements (`beam_search`).
+//! 3. Prove for each element that all of it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
-//! 4. Bound from below how many elements are needed (`lower_bound`).
-//! 5. Turn the elements into a toolpath (`path`). On request, offset it by the cutter's radius
+//! 4. Compute a lower bound for the number of elements that the curve needs (`lower_bound`).
+//! 5. Turn the elements into a toolpath (`path`). On request, offset the toolpath by the cutter's radius
 //!    (`compensation`).
 //!
 //! # Guarantees
 //! * Elements join without gaps from the first point of the curve to the last.
-//! * `deviation_max_mm` is at least the deviation of every element. It is too large by at most a quarter of
-//!   the largest deviation plus 2.5e-7 mm.
-//! * A job is refused if no element stays within the band at some place, however short it is.
+//! * `deviation_max_mm` is at least the deviation of every element. It exceeds the largest deviation by at
+//!   most a quarter of that deviation plus 2.5e-7 mm.
+//! * A job is refused if there is a place at which no element stays within the band, however short the
+//!   element is.
 //!
 //! # Cost
-//! O(n) for n elements, or O(n log n) for bisection of a curve with many knots.
+//! O(n) for n elements. Bisection of a curve with many knots takes O(n log n).
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation
-//! Technique", 1992. The paper samples deviations; here they are proved.
+//! Technique",
+//! 1992. The paper samples the deviation of each element; here a bound of the deviation is proved.
 
 mod beam_search;
 mod bisection;

@@ -1,23 +1,28 @@
-//! Mills a surface: finishes it in passes along parallel planes (CL-Cartesian machining), or roughs it along
-//! unions of wires (`wire_union`). The steps below are those of finishing.
+//! Mills a surface in passes along parallel planes. Finishing (CL-Cartesian machining) is described here.
+//! Roughing is described in `wire_union`.
 //!
 //! # Method
 //! 1. Choose parallel planes at equal distances (`planes`).
-//! 2. Find the CL curves: the curves of the tip in these planes. The engine `offset_section` traces sections
-//!    of the offset surface, for ball cutters only. The engine `contact` drops any cutter onto the surface.
-//! 3. Make passes of lines and arcs near the CL curves (`passes`), and join the passes (`links`, `entries`).
+//! 2. In each plane, find the CL curves: the curves that the tip follows while the cutter touches the
+//!    surface. There are two engines. `offset_section` traces sections of the offset surface, for ball
+//!    cutters only. `contact` drops a cutter of any shape onto the surface.
+//! 3. Fit lines and arcs to the CL curves, which makes the passes (`passes`). Join the passes (`links`,
+//!    `entries`).
 //! 4. Prove how deep the cutter cuts into the surface on every move (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from passes to exact CL curves, and from CL curves to passes.
+//! * `deviation_max_mm` bounds the distance of every point of the passes from the exact CL curves, and of
+//!   every point of the exact CL curves from the passes.
 //! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move.
-//! * `scallop_max_mm` bounds the height that passes without deviation leave between them (`scallop`).
+//! * `scallop_max_mm` bounds the height of the material between neighbouring passes that follow the CL curves
+//!   exactly (`scallop`).
 //!
-//! The first two figures hold before and after rounding. A path that deviates by more than the tolerance is
-//! refused. So is a path that cuts into the allowance by more than the tolerance.
+//! The bounds of deviation and gouge hold for the path as computed and as the program states it. A path is
+//! refused if its bound of the deviation exceeds the tolerance. It is also refused if the cutter may enter
+//! the layer that the allowance leaves on the surface, deeper than the tolerance.
 //!
 //! # Cost
-//! O(n log m) for n CL points and m patches. For ball cutters, the proof of `regularity` is added.
+//! O(n log m) for n CL points and m patches. For ball cutters, the cost of `regularity` comes on top.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".

@@ -1,38 +1,43 @@
 //! Shortens NC programs of any origin: replaces runs of short G1 blocks by fewer arcs and lines.
 //!
-//! A run is a series of consecutive G1 blocks at one speed. A block of a run has at most 256 bytes, and holds
-//! only N, G1, X, Y, Z and F words.
+//! A *run* is a series of consecutive G1 blocks at one speed. Each block of a run has at most 256 bytes, and
+//! has no words but N, G1, X, Y, Z and F.
 //!
 //! # Method
-//! 1. Each line is read (`block`), and the modal state of the control is followed (`modes`).
-//! 2. The blocks of a run are collected (`run`). Arcs and lines are fitted to the ends of the blocks, with a
-//!    proof that they stay within the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted
-//!    in parts.
-//! 3. Arcs and lines replace blocks where the new text is shorter (`text`). All other blocks stay.
-//! 4. An arc leaves the control in G2 or G3, and perhaps in another plane. If a later line relies on the
-//!    original modes, a G1 word in the line, or a block before the line, restores these modes.
+//! 1. Read each line (`block`), and follow the modal state of the control (`modes`).
+//! 2. Collect the blocks of each run (`run`).
+//! 3. Fit arcs and lines to the end points of these blocks, with a proof that the arcs and lines stay within
+//!    the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted in parts.
+//! 4. Where the text of the arcs and lines is shorter than the blocks, write it in place of the blocks
+//!    (`text`). Copy all other blocks.
+//! 5. After an arc, the control is in G2 or G3, and perhaps in another plane than in the source program. If a
+//!    later line relies on the modes of the source program, write words that restore these modes: a G1 in
+//!    that line, or a block before it.
 //!
 //! # Guarantees
-//! * Text outside of runs is copied byte for byte. Only the words of step 4 are added. No motion is added.
+//! * Text outside of runs is copied byte for byte, apart from the added words of step 5. These words cause no
+//!   motion.
 //! * The Frechet distance between the path of a run and the path that replaces it is at most the tolerance.
-//!   Rounding gives an arc slightly different radii at its two ends. The tolerance holds for every radius
-//!   between these two, because controls differ in the radius that they use.
-//! * Where curves replace blocks, the first curve starts and the last curve ends exactly at ends of blocks.
-//!   So errors do not accumulate.
+//!   This holds for every control: a rounded arc has slightly different radii at its two ends, and a control
+//!   may run the arc at any radius between them.
+//! * Arcs and lines that replace blocks start exactly where the first of these blocks starts, and end exactly
+//!   where the last one ends. So errors do not add up along the program.
 //!
 //! # What is left alone
+//! These blocks are in no run:
 //! * Blocks under a mode that changes their path or their speed, such as cutter compensation or feeds per
 //!   turn.
-//! * Blocks that rely on a mode or on a position that is not known, for example after a macro. A program is
-//!   taken to begin in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
-//! * Numbered blocks after the first line that can jump. Earlier blocks may have lost their numbers, so a
-//!   jump back may miss its target.
+//! * Blocks that rely on a mode or on a position that is not known, for example after a macro. At its start,
+//!   a program is taken to be in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
+//! * Numbered blocks behind a line that can jump to a block number. The rewriter does not keep the numbers of
+//!   the blocks that it replaced before that line, so a jump back to one of them no longer finds its block.
 //!
 //! # Degenerate input
 //! A line longer than [`MAX_LINE_LENGTH`] is an error. Text of any encoding is copied.
 //!
 //! # Cost
-//! O(n) for n bytes, plus the cost of fitting. Memory holds one line and one window of blocks.
+//! O(n) for n bytes, plus the cost of fitting. Only one line and one window of blocks are in memory at a
+//! time.
 
 mod block;
 mod modes;

@@ -1,21 +1,23 @@
 //! Estimates the time that a machine with a limited acceleration needs for a toolpath.
 //!
 //! # Method
-//! 1. Cut the toolpath into chains: runs of moves of one kind, feed or rapid. The machine is at rest between
-//!    two chains and during dwells.
-//! 2. Limit the speed within each move by its feed, and on curves also by the centripetal acceleration.
+//! 1. Divide the toolpath into chains. A chain consists of consecutive moves that are all feed moves or all
+//!    rapids. The machine is at rest between two chains and during dwells.
+//! 2. Limit the speed within each move: by the feed of the move, and on curves also by the centripetal
+//!    acceleration.
 //! 3. Limit the speed at each joint of two moves: the sharper the corner, the lower the limit (Jeon's
 //!    junction deviation of 0.01 mm, the default of Grbl).
-//! 4. Lower the limits at the joints until the machine can brake and accelerate from each joint to the next.
-//!    Each move then takes the time of the fastest run between the speeds at its ends.
+//! 4. Lower the limits at the joints until the acceleration of the machine suffices to change, within each
+//!    move, from the speed at its start to the speed at its end.
+//! 5. Add up the shortest times of all moves between these speeds.
 //!
 //! # Guarantees
-//! The time is at least length divided by feed, and falls as the acceleration grows. It does not change when
-//! a line or an arc is divided. It is an estimate: one acceleration stands for all axes, and jerk is not
-//! known here.
+//! * The result is at least the length of the moves divided by their feeds, and falls as the acceleration
+//!   grows. It does not change when a line or an arc is divided.
+//! * The result is an estimate: one acceleration stands for all axes, and jerk is not limited.
 //!
 //! # Cost
-//! O(n) in the moves: 0.05 microseconds each.
+//! O(n) for n moves: 0.05 microseconds each.
 //!
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.

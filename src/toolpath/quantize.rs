@@ -1,29 +1,32 @@
-//! Rounds curves to the decimals of the output: the geometry that a program will state. A *step* is one unit
-//! of the last decimal.
+//! Rounds curves to the decimals of the output. The rounded curves are those that a program will state. A
+//! *step* is one unit of the last decimal.
 //!
-//! The rounded ends of an arc are in general not equally far from its rounded centre. A control may run the
-//! arc at either of these two radii, or at one between them.
+//! The rounded ends of an arc are in general not equally far from its rounded centre. These two distances are
+//! the *radii* of the arc. A control may run the arc at either radius, or at one between them.
 //!
 //! # Method
-//! 1. Round each end of a curve on its own. Curves that meet in a point still meet after rounding.
-//! 2. For an arc, take the best of nine centres on the grid of the output (`candidate`). For a parabola,
-//!    round the three control points (`parabola`).
-//! 3. Divide an arc or a parabola in two if the rounded curve does not give the guarantees below.
-//! 4. Write lines instead of curves that are flatter than half a step, and of curves that the control cannot
-//!    run.
+//! 1. Round each end point of each curve by itself. Two curves that meet in a point still meet after
+//!    rounding.
+//! 2. For an arc, choose the best of nine centres whose coordinates can be written (`candidate`). For a
+//!    parabola, round the three control points (`parabola`).
+//! 3. If the rounded arc or parabola does not give the guarantees below, divide the source curve in two, and
+//!    repeat step 2 for each half.
+//! 4. Write lines in place of a curve that is flatter than half a step, or that the control cannot run.
 //!
 //! # Guarantees
-//! * Every path that a control may run has a Frechet distance of at most [`MAX_DISPLACEMENT_STEPS`] steps
-//!   from the source curve. Each written curve carries its own bound of this distance.
-//! * The radii at the ends of a written arc agree within [`MAX_MISMATCH_STEPS`] steps and [`MAX_MISMATCH_MM`]
-//!   mm.
-//! * A full circle is written for a full circle only. A line whose ends round to the same point is not
-//!   written.
+//! * Every path that a control may run for a written curve has a Frechet distance of at most
+//!   [`MAX_DISPLACEMENT_STEPS`] steps from the source curve. Each written curve states its own bound of this
+//!   distance.
+//! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by at most
+//!   [`MAX_MISMATCH_MM`] mm.
+//! * A full circle is written only if the source curve is a full circle. A line whose ends round to the same
+//!   point is left out.
 //!
 //! A curve that needs more than [`MAX_PIECES`] blocks is refused.
 //!
 //! # Cost
-//! O(1) for nearly every curve. An arc that is too large for controls needs O(sqrt(radius / step)) lines.
+//! O(1) for nearly every curve. An arc of a radius above [`MAX_RADIUS_MM`] needs O(sqrt(radius / step))
+//! lines.
 
 mod biarcs;
 pub(super) mod bound;

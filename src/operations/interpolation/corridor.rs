@@ -1,21 +1,25 @@
-//! The fewest lines within a band, with joints anywhere in the band.
+//! Finds the fewest lines from end to end of a band, if their joints may lie anywhere in the band.
 //!
 //! # Method
-//! 1. Lay many straight gates across the band. The left ends of the gates make one chain, and the right ends
-//!    another. The corridor is the polygon between the two chains.
-//! 2. Bound how far the edges of the band leave the chains. Move both chains inward by this bound for an
-//!    inner corridor, which lies inside the band. Move both outward for an outer corridor, which holds the
-//!    band.
-//! 3. From the start, find the line that leads farthest along a corridor. Every path to the end of the
-//!    corridor crosses the stretch of this line from its last touch of a chain to its end. From that stretch
-//!    find the line that leads farthest, and so on to the end.
-//! 4. Place a joint where two successive lines meet.
+//! 1. Lay many straight gates across the band, from its left edge to its right edge. The left ends of the
+//!    gates are the points of one chain, and the right ends those of another chain. A *corridor* is the
+//!    region between two such chains.
+//! 2. Bound the distance between the edges of the band and the chains. Moved inward by this bound, the chains
+//!    enclose the inner corridor, which lies inside the band. Moved outward by it, they enclose the outer
+//!    corridor, which contains the band.
+//! 3. In each corridor, find the line from the start that leads farthest. Every path to the end of the
+//!    corridor crosses the last stretch of this line, from the last chain point that the line touches to the
+//!    line's end. Find the line that leads farthest from any point of this stretch, and go on in the same way
+//!    to the end.
+//! 4. In the inner corridor, place a joint wherever two successive lines meet.
 //!
 //! # Guarantees
-//! * The number of lines through the outer corridor is a lower bound for all paths of lines within the band.
-//! * The lines through the inner corridor are a candidate: the caller proves that they stay within the band.
-//! * No path is found if the band folds, or if it turns back within the reach of one line. The lower bound is
-//!   then 1.
+//! * The number of lines through the outer corridor is a lower bound for the number of lines of every path
+//!   within the band.
+//! * The lines through the inner corridor are a candidate: the caller still has to prove that they stay
+//!   within the band.
+//! * If the band folds, or turns back within the reach of one line, no path is returned, and the lower bound
+//!   is 1.
 //!
 //! # Reference
 //! S. Suri, *A linear time algorithm for minimum link paths inside a simple polygon*, CVGIP 35, 1986.

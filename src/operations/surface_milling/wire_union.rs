@@ -1,23 +1,28 @@
-//! Roughs a surface along the union of a wire model with copies of itself, shifted by the cutter's radius.
+//! Plans a roughing path above the wires of a surface, after Koo et al. Above each wire, the path is as high
+//! as the highest wire within the cutter's radius.
 //!
 //! # Method
-//! 1. Cut the surface by planes of constant y at equal distances, at most the pitch apart. The sections are
-//!    the wires. Where the surface overhangs, a wire follows the highest sheet (`upper_envelope`).
-//! 2. For each wire, take the largest z at every x among this wire and the wires within the cutter's radius,
-//!    at least one on each side. The curve of these heights is the union over the wire. An allowance is added
-//!    to the radius and to the heights.
-//! 3. Move the tip along each union on lines, and by rapid from one union to the next.
+//! 1. Cut the surface by planes of constant y at equal distances, at most the pitch apart. The section in
+//!    each plane is a wire. Where the surface overhangs, the wire is the highest part of the section
+//!    (`upper_envelope`).
+//! 2. For each wire and each x, take the largest z of the wire itself and of its neighbours within the
+//!    cutter's radius. At least one neighbour on each side counts. As a function of x, this largest z is the
+//!    *union* of the wire. An allowance is added to the radius and to z.
+//! 3. Move the tip along each union on lines. A rapid leads from the end of one union to the start of the
+//!    next.
 //! 4. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance from path to exact unions, and from unions to path. It holds
-//!   before and after rounding, and is at most the tolerance. Only slots narrower than 2 % of the tolerance
-//!   may be missing.
-//! * **The path gouges**, because it is not offset along the wires: where a wire has the slope angle a, a
-//!   ball of radius R cuts R (1 - cos a) deep. `gouge_max_mm` bounds this depth, and the answer warns of it.
+//! * `deviation_max_mm` bounds the distance of every point of the path from the exact unions, and of every
+//!   point of the exact unions from the path. It holds for the path as computed and as the program states it,
+//!   and is at most the tolerance. Slots of the surface may be missing from the unions if they are narrower
+//!   than 2 % of the tolerance.
+//! * **The path gouges**, because the unions are not offset in the direction of x: where a wire has the slope
+//!   angle a, a ball cutter of radius R cuts R (1 - cos a) deep. `gouge_max_mm` bounds the depth of all
+//!   gouges, and the answer warns of it.
 //!
 //! # Cost
-//! O(n log n) for n segments of wires, and the cost of the gouge bound.
+//! O(n log n) for n segments of wires, plus the cost of the gouge bound.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

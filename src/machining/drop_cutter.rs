@@ -1,22 +1,22 @@
 //! Finds where a cutter that comes down from above touches a surface first.
 //!
-//! The axis of the cutter stands at a given place. Each surface point under the cutter would stop the tip at
-//! some height, the *lift* of the point. The tip comes to rest at the largest lift of all points.
+//! The axis of the cutter is at a given position in plan. Each surface point under the cutter would stop the
+//! tip at some height, the *lift* of the point. The tip comes to rest at the largest lift of all points.
 //!
 //! # Method
 //! 1. Divide the surface into small parts, in a hierarchy of boxes (`tree`).
-//! 2. Find the largest lift in a part by Newton's method (`newton`).
-//! 3. Prove for every other part that it has no larger lift (`support`, `round`, `side`, `lift_bound`).
-//! 4. Halve each part for which the proof fails, and go on with both halves.
+//! 2. In the most promising part, find the largest lift by Newton's method (`newton`).
+//! 3. For every other part, prove that it has no larger lift (`support`, `round`, `side`, `lift_bound`).
+//! 4. Halve each part for which step 3 fails, and repeat steps 2 and 3 for its halves.
 //!
 //! # Guarantees
-//! * The surface may have any shape. Folds, sharp edges, overhangs and boundaries are allowed.
-//! * The true tip is higher than [`Contact::tip`] by at most [`Contact::gap_mm`] plus rounding. The gap is
-//!   1e-9 mm or the accuracy asked for. It is larger if 20,000 halvings do not suffice.
+//! * The surface may have any shape: folds, sharp edges, overhangs and boundaries are allowed.
+//! * The true tip is at [`Contact::tip`], or higher by at most [`Contact::gap_mm`] plus rounding. The gap is
+//!   1e-9 mm, or the accuracy asked for. It is larger if 20,000 halvings are not enough.
 //!
 //! # Cost
 //! O(log m) for m parts: 3 to 20 microseconds on a wave of 9 x 9 points. On the axis of a bowl, where the
-//! cutter touches all around, a drop takes tens of milliseconds.
+//! cutter touches all around, one search takes tens of milliseconds.
 
 mod axis_above_surface;
 mod drop;

@@ -5,18 +5,20 @@
 //! 2. Every concave curvature is below 1 / R. Then the offset by R does not fold.
 //!
 //! # Method
-//! Bound the normal and the principal curvatures over each patch from its control net ([`curvature`]). If the
-//! bounds do not show both conditions, halve the patch, and go on with both halves.
+//! Bound the normal and the principal curvatures over each patch from its control net ([`curvature`]). If
+//! these bounds do not prove both conditions for the patch, halve the patch, and do the same with each half.
 //!
 //! # Guarantees
-//! * `Ok` proves both conditions for every point of the surface. The bounds in [`Regularity`] hold for the
-//!   whole offset, and for its sections with planes at right angles to the chosen axis.
-//! * The error `Overhang` means that condition 1 fails at some point, and `Folds` that condition 2 fails. The
-//!   same errors are returned for a condition that is undecided after 42 halvings, or after 200,000
-//!   subpatches of one patch.
+//! * `Ok` means that both conditions are proved for every point of the surface. It comes with a
+//!   [`Regularity`]: bounds for the whole offset, and for the sections of the offset with planes at right
+//!   angles to the chosen axis.
+//! * The error `Overhang` means that condition 1 fails at some point, and the error `Folds` that condition 2
+//!   fails. The same errors are returned if a condition is neither proved nor refuted after 42 halvings, or
+//!   after 200,000 subpatches of one patch.
 //!
 //! # Cost
-//! O(n) for n subpatches. Their number grows as the largest concave curvature comes close to 1 / R.
+//! O(n) for n subpatches. The closer the largest concave curvature comes to 1 / R, the more subpatches are
+//! needed.
 
 use nalgebra::Point3;
 

@@ -1,14 +1,14 @@
-//! The skyline of a surface in a plane of constant y: the largest z of the section for every x.
+//! Finds the skyline of a surface in a plane of constant y: for every x, the largest z of the section.
 //!
 //! # Method
-//! 1. Halve the patches that the plane may meet, until the section of each part is near its chord in height.
-//!    The chord becomes a [`Segment`]. Where the section is nearly upright, a narrow part becomes a level
-//!    [`Segment`] at the height of its top (`part`).
+//! 1. Take the patches that the plane may meet. Halve each of them until the section of each part differs
+//!    little in height from its chord. This chord becomes a [`Segment`]. Where the section is nearly upright,
+//!    a narrow part becomes a level [`Segment`] at the height of its highest point (`part`).
 //! 2. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
 //!
 //! # Guarantees
-//! * The skyline is accurate to [`Accuracy::height_mm`] at every x. At nearly upright walls it may have the
-//!   height of a place up to [`Accuracy::width_mm`] away.
+//! * The height of the skyline is accurate to [`Accuracy::height_mm`] at every x. Near a nearly upright wall,
+//!   the height at x may be that of a place up to [`Accuracy::width_mm`] beside x.
 //! * Slots between upright walls may be missing if they are narrower than `width_mm`.
 //! * Creases, folds and overhangs of the surface are allowed. A plane that needs more than a million parts is
 //!   refused, for example because the surface lies in the plane.

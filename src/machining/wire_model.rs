@@ -1,19 +1,21 @@
-//! Curves on a surface: wire models, and sketches of a surface for pictures.
+//! Computes wire models of a surface, and sketches: a few curves of constant u and of constant v, for
+//! pictures.
 //!
-//! The wire model of a surface is a family of curves on it, at most a pitch apart.
+//! A wire model is a family of curves on the surface, each at most a pitch from the next.
 //!
 //! # Method
 //! * Wires along u are curves of constant v, and wires along v are curves of constant u. The distance between
-//!   neighbours is measured along three curves that cross all wires: both sides of the surface and its
-//!   middle.
-//! * Wires along x or y are plane sections at equal distances ([`Sections`]). The surface must not overhang.
+//!   two neighbouring wires is measured along three curves that cross all wires: two sides of the surface,
+//!   and the curve halfway between them in u or v. The longest of the three lengths counts.
+//! * Wires along x or y are sections of the surface with planes at equal distances ([`Sections`]). For these
+//!   wires, the surface must not overhang.
 //!
 //! # Guarantees
-//! The chords of a wire leave it by at most the chord height asked for. A model with too many wires or points
-//! is refused.
+//! A wire leaves the chords between its points by at most the chord height asked for. A model with too many
+//! wires or points is refused.
 //!
 //! # Cost
-//! O(n) for n points.
+//! O(n) for n points of wires.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

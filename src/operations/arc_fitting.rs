@@ -1,20 +1,26 @@
-//! Fits arcs and lines to a polyline.
+//! Fits arcs and lines to a polyline, and makes a toolpath of them.
 //!
 //! # Method
-//! 1. Fit the points in the requested plane, or else in their own plane
-//!    ([`arc_fit`](crate::geometry::arc_fit)).
-//! 2. Measure the deviation of the fitted curves again, by separate code ([`following`]). If the deviation of
-//!    a curve exceeds the tolerance, lines through its points replace the curve. Biarcs are never replaced.
-//! 3. Bound the deviation of the program at its decimals, and make a toolpath of the curves.
+//! 1. Fit curves to the points of the polyline ([`arc_fit`](crate::geometry::arc_fit)). Arcs lie in the
+//!    requested plane. Without a requested plane, they lie in the plane of the points.
+//! 2. Measure the deviation of each fitted curve again, by separate code ([`following`]). If it exceeds the
+//!    tolerance, replace the curve by lines through its points. Biarcs are not replaced.
+//! 3. Make a toolpath of the curves. Round the curves to the decimals of the program, and bound the deviation
+//!    of the rounded curves as well.
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the deviation of the curves. By the measure `points` this is the distance of
-//!   the points from the curves, in the order of travel. By the measure `polyline` it is the distance from
-//!   the curves to the polyline, and from the polyline to the curves.
-//! * The deviation is at most the tolerance, to within rounding. Only biarcs may exceed the tolerance; a
-//!   warning then says so.
+//! * `deviation_max_mm` bounds the deviation of the curves before they are rounded to decimals. By the
+//!   measure `points`, the deviation is the distance of the points from the curves, with both taken in the
+//!   order of travel. By the measure `polyline`, it is the largest distance of a point of the curves from the
+//!   polyline, or of a point of the polyline from the curves.
+//! * The deviation is at most the tolerance, apart from the rounding of floating-point numbers. Only biarcs
+//!   may exceed the tolerance; a warning then says so.
 //!
-//! Points that are all the same are refused. The cost is that of the fit.
+//! # Degenerate input
+//! Points that are all the same are refused.
+//!
+//! # Cost
+//! The cost is that of the fit.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.

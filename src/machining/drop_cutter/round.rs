@@ -1,22 +1,25 @@
-//! Proves that a part of the surface stays clear of the cutter, by round bodies that contain the cutter's
-//! lower side.
+//! Proves that a part of the surface is clear of the cutter: that it does not meet a round body that contains
+//! the lower side of the cutter.
 //!
 //! # Method
 //! 1. Choose bodies of revolution about the cutter's axis: a ball, and for a bull nose also a flattened
-//!    spheroid. Each body contains the lower side of the cutter. It touches the cutter where the cutter's
-//!    lower side is as steep as at a known contact.
-//! 2. Bound the squared distance of the part's points from the centre of each body. For a spheroid, lengths
-//!    are scaled so that it becomes a ball. The squared distance is a polynomial of the part's parameters, or
-//!    a quotient of two polynomials. The least Bernstein coefficient bounds it from below.
-//! 3. If all points of the part lie outside one body, the part is clear of the cutter.
+//!    spheroid. Each body contains the lower side of the cutter. Each body touches the lower side where this
+//!    side is as steep as at a known contact.
+//! 2. For each body, bound from below the squared distance of the part's points from the body's centre. For a
+//!    spheroid, lengths are first scaled so that it becomes a ball. The squared distance is a polynomial of
+//!    the part's parameters, or a quotient of two polynomials, and its least Bernstein coefficient is the
+//!    bound.
+//! 3. If the bound shows for one body that all points of the part lie outside it, the part is clear of the
+//!    cutter.
 //!
 //! If the cutter moves along a straight line, the bodies move with it. A similar bound then holds for the
 //! whole move.
 //!
 //! # Guarantees
-//! * A part that reaches above the centre of a body is not decided by this body, because the shank may touch
-//!   it.
-//! * The proof is exact where both cutter and surface are round, as in a fillet that the cutter fits.
+//! * If a part reaches above the centre of a body, this body proves nothing about the part, because the part
+//!   may touch the shank.
+//! * The proof succeeds without a margin where both cutter and surface are round, as in a fillet that the
+//!   cutter fits.
 
 use nalgebra::Vector3;
 

@@ -1,18 +1,18 @@
-//! Proves that a part of the surface stays clear of the cutter, in a view from the side.
+//! Proves that a part of the surface is clear of the cutter, in a view from the side.
 //!
 //! # Method
-//! 1. Look at cutter and part along a level direction. Beside the axis, the outline of the cutter is its
-//!    flat, its corner and its shank.
+//! 1. Look at cutter and part along a level direction. On one side of the axis, the outline of the cutter
+//!    consists of its flat, its corner and its shank.
 //! 2. Find the stretch of the outline that the part can meet, from the part's least distance to the axis and
 //!    the part's largest height.
-//! 3. Choose a circle that contains this stretch at both ends of a straight move. The circle contains it
-//!    during the whole move, because circles are convex.
-//! 4. If all points of the part lie outside the circle, the part is clear of the cutter. Otherwise try
-//!    another centre of the circle.
+//! 3. Choose a circle that contains this stretch at both ends of a straight move of the cutter. Because
+//!    circles are convex, the circle contains the stretch during the whole move.
+//! 4. If all points of the part lie outside the circle in this view, the part is clear of the cutter.
+//!    Otherwise try a circle with another centre.
 //!
 //! # Guarantees
-//! The proof is exact for a fillet that is swept along the direction of the view, because one of the centres
-//! tried is that of the fillet.
+//! The proof succeeds without a margin for a fillet that is swept along the direction of the view, because
+//! the centre of the fillet is one of the centres tried.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

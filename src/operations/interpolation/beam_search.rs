@@ -1,19 +1,19 @@
-//! Searches for fewer elements than greedy growth finds, by keeping several places that the same number of
-//! elements can reach.
+//! Searches for fewer elements than greedy growth finds (`least`).
 //!
 //! # Method
-//! 1. Layer k holds places of the curve that k elements can reach. Layer 0 holds the start.
-//! 2. Find the longest element from each place of layer k. The ends of these elements belong to layer k + 1.
-//! 3. Add nearer places to layer k + 1, at equal steps behind the farthest. About an inflection, an element
-//!    from a nearer place may reach farther.
-//! 4. End when an element reaches the end of the curve, or when no fewer elements than by greedy growth are
-//!    possible.
+//! 1. Layer k is a set of places on the curve that k elements can reach. Layer 0 holds only the start of the
+//!    curve.
+//! 2. From each place of layer k, find the longest element. The ends of these elements belong to layer k + 1.
+//! 3. Add nearer places to layer k + 1: at equal distances behind its farthest place. Near an inflection, an
+//!    element from a nearer place may reach farther than one from the farthest place.
+//! 4. Repeat steps 2 and 3 for the next layer. Stop when an element reaches the end of the curve, or when the
+//!    layers show no way with fewer elements than greedy growth needs.
 //!
-//! A chain of more than [`MOST_ELEMENTS`] elements is left as it is.
+//! More than [`MOST_ELEMENTS`] elements of greedy growth are kept without a search.
 //!
 //! # Cost
-//! For each element, about [`PLACES`] searches for a longest element, and the square of [`PLACES`] samplings
-//! of an element's deviation.
+//! For each element, about [`PLACES`] searches for a longest element. In addition, the deviation of about
+//! [`PLACES`] times [`PLACES`] trial elements is sampled.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

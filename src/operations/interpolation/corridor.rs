@@ -8,9 +8,9 @@
 //!    enclose the inner corridor, which lies inside the band. Moved outward by it, they enclose the outer
 //!    corridor, which contains the band.
 //! 3. In each corridor, find the line from the start that leads farthest. Every path to the end of the
-//!    corridor crosses the last stretch of this line, from the last chain point that the line touches to the
-//!    line's end. Find the line that leads farthest from any point of this stretch, and go on in the same way
-//!    to the end.
+//!    corridor crosses the last stretch of this line: from the last chain point that the line touches to the
+//!    end of the line. Among all lines that start on this stretch, find the one that leads farthest. Go on in
+//!    the same way to the end.
 //! 4. In the inner corridor, place a joint wherever two successive lines meet.
 //!
 //! # Guarantees

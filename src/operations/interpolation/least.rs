@@ -1,16 +1,18 @@
-//! Greedy division with joints on the curve: each element ends as far on as possible.
+//! Greedy growth: divides a curve into elements with joints on the curve, each as long as possible.
 //!
 //! # Method
 //! 1. From the last joint, search for the longest element that stays within the band at sampled places.
-//! 2. Prove that the element stays within the band everywhere. Shorten it until it does.
-//! 3. Start the next element at its end.
-//! 4. Where the curve is not convex, try longer elements, too, because one may stay within the band although
-//!    a shorter one does not. Also try earlier joints, because the next element may then reach farther.
+//! 2. Prove that the element stays within the band everywhere. If the proof fails, shorten the element and
+//!    try again.
+//! 3. Place a joint at the end of the element, and repeat from step 1.
+//! 4. On a part of the curve that is not convex, a longer element may stay within the band although a shorter
+//!    one does not. There, step 1 also tries longer elements. It also tries an earlier joint, because the
+//!    next element may then reach farther.
 //!
 //! # Guarantees
 //! * Every element is proved to stay within the band.
 //! * For lines on a convex curve, the number of elements is the least possible, up to rounding. For other
-//!   elements and curves it may be larger; `lower_bound` shows by how much at most.
+//!   elements and curves the number may be larger. `lower_bound` shows by how much at most.
 //!
 //! # Cost
 //! O(n) for n elements.

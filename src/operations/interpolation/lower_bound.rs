@@ -1,18 +1,22 @@
-//! A lower bound for the number of elements that a curve needs, if all joints lie on the curve.
+//! Computes a lower bound for the number of elements that a curve needs, if all joints lie on the curve.
 //!
 //! # Method
-//! 1. Let r be the start of the curve. Without an element, no place beyond r is reached.
-//! 2. Find a place b such that no element that starts at r or before ends beyond b.
-//! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 up to the end of the curve.
+//! 1. Let r be the start of the curve, and count no element yet.
+//! 2. Find a place b such that every element that starts at r or before r, and stays within the band, ends at
+//!    b or before b.
+//! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 until r is the end of the curve. The
+//!    count is the lower bound.
 //!
-//! A place b is proved in one of two ways. Along a convex curve, no line ends beyond b if the line from r to
-//! b leaves the band. In all other cases, no element ends beyond b if none passes near enough to a few points
-//! of the curve between r and b: three points for lines, four for arcs and parabolas.
+//! A place b is proved in one of two ways:
+//! * *Lines on a convex part of the curve.* The line from r to b leaves the band.
+//! * *All other cases.* A few points of the curve between r and b are so placed that no element passes near
+//!   enough to all of them: three points for lines, four for arcs and parabolas.
 //!
 //! # Guarantees
-//! The bound holds up to a rounding of 1e-9 of the band. For lines on convex curves it is the number that
-//! greedy growth finds (`least`). For arcs and parabolas it is lower by about a tenth, and by a third in the
-//! worst case seen, about inflections. For parabolas on a curve that is no graph y(x), it is 1.
+//! The bound holds up to a rounding of 1e-9 of the width of the band. For lines on a convex curve it is the
+//! number that greedy growth finds (`least`). For arcs and parabolas it is about a tenth below that number.
+//! In the worst case seen, near inflections, it is a third below. For parabolas on a curve that is no graph
+//! y(x), it is 1.
 //!
 //! # Reference
 //! Lines and parabolas: C. J. de la Vallee Poussin's theorem; arcs: Ebara, Fukuyama, Nakano, Nakanishi,

@@ -1,18 +1,18 @@
-//! Bounds how far a control leaves a parabola that a block states as a quadratic spline.
+//! Bounds the distance between a parabola and the arcs that LinuxCNC runs in its place.
 //!
-//! LinuxCNC has such blocks. It divides the parameter of the parabola into twelve equal parts, and runs two
-//! arcs instead of each part (a biarc).
+//! A block of LinuxCNC can state a parabola as a quadratic spline. LinuxCNC divides the parameter range of
+//! the parabola into twelve equal parts, and runs two arcs (a biarc) in place of each part.
 //!
 //! # Method
-//! 1. Compute the same arcs, by formulas without the cancellation in LinuxCNC's own.
-//! 2. Divide each part of the parabola at the normal on which its two arcs meet. Bound the distance of both
-//!    shares from the circles of their arcs.
-//! 3. Add an allowance for the rounding in LinuxCNC's formulas.
+//! 1. Compute the arcs that LinuxCNC runs. The formulas here avoid the cancellation in LinuxCNC's formulas.
+//! 2. For each part, find the point at which its two arcs meet, and the normal of the parabola through this
+//!    point. Divide the part at this normal, and bound the distance of each half from the circle of its arc.
+//! 3. To each bound, add an allowance for the rounding in LinuxCNC's formulas. The largest sum is the result.
 //!
 //! # Guarantees
-//! The sum is an upper bound of the Frechet distance between the arcs and the parabola. There is no bound if
-//! a part turns by less than 1e-6 radians, because LinuxCNC divides by the square of the turn. There is none
-//! either if a part turns by more than one radian.
+//! The result is an upper bound of the Frechet distance between the arcs and the parabola. There is no result
+//! if the tangent turns by less than 1e-6 radians along a part, because LinuxCNC divides by the square of
+//! this angle. There is no result either if the tangent turns by more than one radian along a part.
 //!
 //! # Reference
 //! `NURBS_FEED` and `biarc` in LinuxCNC's `emccanon.cc`; K. M. Bolton, *Biarc curves*, Computer-Aided Design

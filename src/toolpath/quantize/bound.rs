@@ -1,18 +1,20 @@
-//! Bounds the distance between an arc and every path that a control may run for the arc's block.
+//! Bounds the distance between an arc and every path that a control may run for the block of the arc.
 //!
-//! The block states rounded ends and a rounded centre. A control turns about the rounded centre, at a radius
-//! between the distances of the two ends from that centre.
+//! The block states rounded ends and a rounded centre. A control moves about the rounded centre. Its radius
+//! lies between the distances of the two rounded ends from the rounded centre.
 //!
 //! # Method
 //! 1. Compare each point of the control's path with the point of the arc in the same direction from the arc's
-//!    centre. Closed formulas bound the distance of such points.
-//! 2. On a helix, also compare points at equal fractions of the turn. The smaller of the two bounds counts.
+//!    centre. Closed formulas bound the distance of all such pairs of points.
+//! 2. For a helix, also compare points at equal fractions of the turn. The smaller bound of steps 1 and 2
+//!    counts.
 //!
 //! # Guarantees
-//! The result is an upper bound of the Frechet distance. There is no bound if the path begins or ends more
-//! than half a radian beside an end of the arc, or if it turns the other way or by a whole turn more or less.
-//! There is none either if the two centres are farther apart than half of the smallest radius of path and
-//! arc.
+//! The result is an upper bound of the Frechet distance. There is no result in three cases:
+//! * Seen from its centre, an end of the path is turned by more than half a radian from the same end of the
+//!   arc.
+//! * The path turns the other way than the arc, or by a whole turn more or less.
+//! * The distance of the two centres is more than half of the smallest radius of path and arc.
 
 use std::f64::consts::{PI, TAU};
 

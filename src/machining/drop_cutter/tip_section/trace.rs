@@ -1,19 +1,21 @@
 //! Finds the sections over one line of positions of the axis, by bisection.
 //!
-//! A position *counts* if a section runs through the contact there.
+//! A *section* is a curve of the tip over a stretch of the line. A position *counts* if a section runs
+//! through the tip there.
 //!
 //! # Method
 //! Cut the line into intervals, and find for both ends of each interval whether they count.
-//! * *Neither end counts.* If no part of the surface is near the interval, it has no section. An interval
-//!   shorter than 0.05 of the cutter's radius (less on a small surface) is taken to have none. Otherwise
-//!   halve the interval.
-//! * *One end counts.* The section ends within the interval. Bisection finds this place to 1e-8 mm.
-//! * *Both ends count.* If the tips are proved to keep near the chord of the ends, the interval is done.
-//!   Otherwise halve it. The ends of an interval shorter than 1e-6 mm are the foot and the head of an upright
-//!   wall.
+//! * *Neither end counts.* If no part of the surface is near the interval, there is no section over it. An
+//!   interval shorter than 0.05 of the cutter's radius (less on a small surface) is taken to have no section
+//!   either. Halve any other interval.
+//! * *One end counts.* A section ends within the interval. Bisection finds this end to 1e-8 mm.
+//! * *Both ends count.* If all tips over the interval are proved to be near the chord between the tips at its
+//!   ends, this chord is a part of the section. Otherwise halve the interval. If the interval is shorter than
+//!   1e-6 mm, it is an upright wall, and the tips at its ends are the foot and the head of the wall.
 //!
 //! # Guarantees
-//! The chords of a section are proved. So are the contacts at its ends.
+//! The distance of the tips from the chords of a section is proved. So are the contacts at the ends of the
+//! section.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,9 +1,9 @@
-//! Cutters as geometry: a flat disc with a rounded edge, turning about a vertical axis, below a shank of the
-//! same radius.
+//! Cutters as geometry: a flat disc with a rounded edge turns about a vertical axis. Above it is a shank of
+//! the same outer radius.
 //!
-//! Let r be the radius of the flat and c the radius of the rounded corner. A ball cutter has r = 0, a flat
-//! end has c = 0, and a bull nose has neither. At the distance d from the axis, the lower side of the cutter
-//! has the height h(d) above the tip:
+//! Let r be the radius of the flat disc, and c the radius of its rounded edge (the corner). A ball cutter has
+//! r = 0, a flat end has c = 0, and for a bull nose both are above zero. At the distance d from the axis, the
+//! lower side of the cutter is at the height h(d) above the tip:
 //! * h(d) = 0 for d <= r;
 //! * h(d) = c - sqrt(c^2 - (d - r)^2) for r < d <= r + c;
 //! * beyond r + c there is no lower side.

@@ -1,13 +1,14 @@
-//! Finds where a cutter that comes down at given places touches a surface.
+//! Finds where a cutter touches a surface when it comes down at given points of the plan.
 //!
 //! # Method
-//! 1. Order the points along a short way: as given, or up and down along parallel strips.
-//! 2. Share them out to threads in groups. The size of a group does not depend on the number of threads.
-//! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). The search for the
-//!    contact starts at the contact of the point before, if that point is near.
+//! 1. Order the points so that the way through them is short: as given, or up and down along parallel strips.
+//! 2. Divide the ordered points into groups, and the groups among threads. The size of a group does not
+//!    depend on the number of threads.
+//! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). If the previous point
+//!    of the group is near, its contact is the start of the search.
 //!
 //! # Guarantees
-//! The true tip is higher than the reported one by at most [`Location::gap_mm`].
+//! The true tip is at the reported tip, or higher by at most [`Location::gap_mm`].
 //!
 //! # Cost
 //! O(n log m) for n points and m patches.

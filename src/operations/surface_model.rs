@@ -1,14 +1,16 @@
-//! Describes a surface: its patches, its bounding box, its curvature, and a wire model of it.
+//! Describes a surface: its patches, its bounding box, its largest concave curvature, and a wire model of it.
 //!
 //! # Method
-//! Build the surface from its data. Find its bounding box and its most concave place by branch and bound on
-//! control nets. Trace the wires of the requested wire model ([`wire_model`]).
+//! 1. Build the surface from its data.
+//! 2. Find the bounding box by branch and bound on the control nets of the patches. Find the largest concave
+//!    curvature in the same way.
+//! 3. Trace the wires of the requested wire model ([`wire_model`]).
 //!
 //! # Guarantees
-//! * The box holds the surface. Each side of the box lies at most [`BOUNDS_ACCURACY_MM`] mm outside the
-//!   surface, or farther where the surface touches that side along a whole curve.
-//! * The curvature is an upper bound. It is at most a hundredth too large, unless the limit of work is
-//!   reached.
+//! * The box contains the surface. Each side of the box is at most [`BOUNDS_ACCURACY_MM`] mm away from the
+//!   surface. It may be farther away if the surface touches this side along a whole curve.
+//! * The curvature is an upper bound. It exceeds the true largest curvature by at most a hundredth, unless
+//!   the search reaches its limit of work.
 //!
 //! # Cost
 //! O(m + n) for m patches and n points of wires.

@@ -1,17 +1,17 @@
-//! Reads programs of the kind that this crate writes, as a control reads them.
+//! Reads programs of the kind that this crate writes, in the way in which a control reads them.
 //!
-//! The reader exists to check the writer. So reader and writer share the data of the dialect, and no code.
+//! The reader exists to check the writer. So the two share the data of the dialect, but no code.
 //!
 //! # Method
-//! `words` collects the words of a line. Then the words take effect in the order in which a control applies
-//! them: units, plane, feed, motion.
+//! For each line, `words` collects the words. Then the words take effect in the order in which a control
+//! applies them: units, plane, feed, motion.
 //!
 //! # Guarantees
-//! A word, code or combination that the reader does not know is an error. Nothing is skipped. A feed move
-//! from a position that is not known is an error too.
+//! A word, code or combination of words that the reader does not know is an error. Nothing is skipped. A feed
+//! move from a position that is not known is an error, too.
 //!
 //! # Cost
-//! O(n) for n characters. Only one line is held at a time.
+//! O(n) for n characters. Only one line is in memory at a time.
 
 mod words;
 

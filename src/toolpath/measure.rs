@@ -1,13 +1,13 @@
-//! Lengths, times, numbers of moves, and the box of a toolpath.
+//! Measures a toolpath: its lengths, its times, its numbers of moves of each kind, and its bounding box.
 //!
 //! # Guarantees
-//! * Lengths come from closed formulas.
-//! * The box holds the start, the rapids, and the extremes of arcs and parabolas.
-//! * A time is length divided by feed, as on a machine with unlimited acceleration. If any feed move has no
-//!   feed, there is no cutting time.
+//! * Lengths come from closed formulas, not from chords.
+//! * The box contains all moves, rapids too.
+//! * The time of a move is its length divided by its feed, as on a machine with unlimited acceleration. If
+//!   any feed move of the toolpath has no feed, the toolpath has no cutting time.
 //!
 //! # Cost
-//! O(n) in the moves.
+//! O(n) for n moves.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,17 +1,20 @@
-//! Makes exact arcs of rounded ones. Other software rounds ends and centre, so the two radii (the distances
-//! of the ends from the centre) no longer agree.
+//! Replaces a rounded arc by one or two exact arcs. Other software rounds the ends and the centre of an arc,
+//! so that its two *radii* (the distances of its two ends from the centre) differ. The radii of an exact arc
+//! agree.
 //!
 //! # Method
-//! 1. Move the centre to the perpendicular bisector of the ends. If the new arc lies within the allowed
-//!    distance of the given one, it is the answer.
-//! 2. Otherwise divide the given arc at the middle of its sweep, at the mean of its two radii, and make both
-//!    halves exact. This helps an arc that nearly closes, because its ends say little about its centre.
-//! 3. If a half still moves too far, refuse the arc. An arc whose two radii differ by more than the allowed
-//!    distance is refused at once.
+//! 1. Refuse an arc whose two radii differ by more than the allowed distance.
+//! 2. Keep the ends, and move the centre to their perpendicular bisector. If the new arc lies within the
+//!    allowed distance of the given one, it is the answer.
+//! 3. Otherwise divide the given arc at the middle of its sweep. The point of division is the mean of the two
+//!    radii away from the centre. Do step 2 for each half. This helps an arc that is nearly a full circle,
+//!    because its ends say little about its centre.
+//! 4. If the new arc of a half does not lie within the allowed distance either, refuse the given arc.
 //!
 //! # Guarantees
-//! A control may run the given arc at any radius between those of its two ends. [`NearArc::moved_mm`] bounds
-//! the distance from every such path to the exact arcs, and from the exact arcs to the path.
+//! A control may run the given arc at any radius between its two radii. [`NearArc::moved_mm`] bounds the
+//! distance of each point of every such path from the exact arcs, and of each point of the exact arcs from
+//! the path.
 
 use std::f64::consts::TAU;
 

@@ -1,17 +1,20 @@
-//! Bounds the height to which a part of the surface lifts the tip, by quadratic functions. The axis moves
-//! along a line in plan; t is its position on the line.
+//! Bounds the height to which a part of the surface lifts the tip while the axis moves along a line in plan.
+//! The number t is the position of the axis on this line.
 //!
 //! # Method
-//! 1. Choose a place of the part and a point of the cutter that may touch there. The lower side of the cutter
-//!    lies above its tangent plane at this point, by at least a quadratic form ([`Cutter::support_forms`]).
-//! 2. So the lift of a point of the part is at most a smooth function of t and of the part's two parameters.
-//!    Bound the second derivatives of this function.
-//! 3. If the function is not concave in the two parameters, add the curvature that it lacks. The bound grows
-//!    by the largest change of the function. Then take the largest value of a quadratic function that is
-//!    nowhere smaller.
+//! 1. Choose a place of the part, and a point of the cutter that may touch there. The lower side of the
+//!    cutter lies on or above a known quadratic surface that touches it at this point
+//!    ([`Cutter::support_forms`]).
+//! 2. With the quadratic surface in place of the lower side, the lift of a point of the part is a smooth
+//!    function of t and of the part's parameters u and v. The true lift is at most as large. Bound the second
+//!    derivatives of this function.
+//! 3. From these bounds, make a quadratic function of t, u and v that is at least as large as the smooth
+//!    function. It has to be concave in u and v. If it is not, subtract squares of u and v from it, and add
+//!    to the result the most by which this lowers the function on the part.
+//! 4. The result is the largest value of the quadratic function over all t, u and v.
 //!
 //! # Guarantees
-//! The bound holds for every point of the part and every t, to within rounding.
+//! The result is at least the lift of every point of the part for every t, to within rounding.
 
 use nalgebra::{Matrix2, Vector2};
 

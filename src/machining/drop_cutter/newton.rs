@@ -1,15 +1,17 @@
-//! Finds the place of a part that lifts the tip most, by Newton's method.
+//! Finds the place of a part that lifts the tip most, by Newton's method. The search starts at a place of the
+//! part.
 //!
 //! # Method
-//! A step is computed in one of two ways:
-//! 1. *By the tangent plane.* One point of the cutter's lower side has the same gradient as the surface. The
-//!    step brings that point over the surface point in plan. This works on the steepest walls and for sharp
-//!    rims.
-//! 2. *By the lift.* The step goes to the place at which the gradient of the lift vanishes. A step that would
-//!    leave the part ends on a side or in a corner of it. A sharp rim has no gradient, so this way does not
-//!    work there.
+//! Each step to the next place is computed in one of two ways:
+//! 1. *By the tangent plane.* Find the point of the cutter's lower side that has the gradient of the surface
+//!    at the place. The step leads to where the tangent plane of the surface lies under that point. This way
+//!    works on the steepest walls, and for sharp rims.
+//! 2. *By the lift.* The step leads to where the gradient of the lift vanishes. If it would leave the part,
+//!    it ends on a side or in a corner of the part. This way does not work for a sharp rim, because a sharp
+//!    rim has no gradient.
 //!
-//! The first way is used while its steps stay inside the part, and the second way at the sides of the part.
+//! The first way is used as long as its steps stay inside the part. At the sides of the part, the second way
+//! is used.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

@@ -1,16 +1,16 @@
-//! Compares the tips along a stretch with the chord between the tips at its ends. On a stretch the axis moves
-//! straight from one position to another. The contacts at both positions are known.
+//! Compares the tips over a stretch with the chord between the tips at its two ends. On a stretch, the axis
+//! moves straight from one position to another. The contacts at both positions are known.
 //!
 //! # Method
-//! 1. *Not too low.* Take the surface points between both contacts, along a straight line of parameters. Show
-//!    that they lift the tip nearly to the chord. If they do not, try the two contacts instead, each for its
-//!    half of the stretch.
-//! 2. *Not too high.* Show for every part of the surface that it lifts no tip more than a given height above
-//!    the chord, at any position of the stretch (`lift_bound`).
+//! 1. *Not too low.* Draw a straight line in the parameters u and v from one contact to the other. Show for
+//!    all surface points on this line together that they lift the tip nearly to the chord. If that fails, try
+//!    the points of the two contacts alone, each for its half of the stretch.
+//! 2. *Not too high.* Show for every part of the surface that it lifts the tip at most a given height above
+//!    the chord, at every position of the stretch (`lift_bound`).
 //!
 //! # Guarantees
-//! A proof holds for every position of the stretch, to within rounding. A stretch whose proof needs too many
-//! halvings counts as too high.
+//! A successful proof holds for every position of the stretch, to within rounding. If step 2 needs too many
+//! halvings of parts, the tips count as too high.
 
 use nalgebra::{Matrix2, Point3, Vector2};
 

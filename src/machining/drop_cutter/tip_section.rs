@@ -1,12 +1,13 @@
-//! Tips along a line of positions of the axis: the points that a pass follows. The distance between the tips
-//! and the chords of these points is proved.
+//! Finds the points that a pass follows: tips along a line of positions of the axis. The distance of all tips
+//! over the line from the chords between these points is proved.
 //!
-//! A section runs where the cutter touches the tangent plane of the surface, or a sharp edge inside the
-//! surface. It ends where the cutter touches only an edge at which the surface ends.
+//! A *section* is a connected curve of tips. It runs where the cutter touches the inside of the surface with
+//! its tangent plane, or a sharp edge inside the surface. It ends where the cutter touches only an edge at
+//! which the surface ends.
 //!
 //! # Method
-//! Bisection divides the line into chords that are proved to be near the tips, upright walls, and stretches
-//! without a section (`trace`).
+//! By bisection, divide the line into three kinds of stretches: stretches whose tips are proved to be near a
+//! chord, upright walls, and stretches without a section (`trace`).
 //!
 //! # Cost
 //! O(n) for n points: some ten microseconds each on a grid of 60 x 60, at a chord height of 6e-4 mm.

@@ -1,10 +1,11 @@
-//! A lower bound of the distance between a part of a patch and a piece of the path of a ball's centre.
+//! Computes a lower bound of the distance between a part of a patch and a piece of the path of a ball's
+//! centre.
 //!
 //! # Method
-//! 1. Express the squared distance from a surface point to the piece by the parameters of the part. For a
-//!    line or a point this is a polynomial, or a quotient of two polynomials for a rational patch. For an
-//!    arc, a polynomial that is nowhere larger replaces the squared distance.
-//! 2. Take the least Bernstein coefficient. It bounds the polynomial from below.
+//! 1. Write the squared distance of a surface point from the piece as a function of the part's parameters.
+//!    For a line or a point, this is a polynomial, or for a rational patch a quotient of two polynomials. For
+//!    an arc it is neither. There, use a function of that kind that is at most the squared distance.
+//! 2. The least Bernstein coefficient is a lower bound of the function. Its root is the result.
 
 use nalgebra::Vector3;
 

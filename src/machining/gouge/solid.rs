@@ -1,13 +1,14 @@
-//! The solid of a cutter with its shank, as the gouge proof sees it.
+//! The solid of a cutter with its shank, for the gouge proof.
 //!
-//! Let C be the point of the axis at the height of the centre of the rounded corner. For a ball cutter C is
-//! the ball's centre. For a flat end C is the middle of the bottom.
+//! Let C be the point of the axis at the height of the centre of the rounded corner. For a ball cutter, C is
+//! the centre of the ball. For a flat end, C is the middle of the bottom.
 //!
-//! The core of the cutter is a level disc about C with everything above the disc. The disc is as wide as the
-//! flat of the cutter. The cutter is all points within the corner radius of the core.
+//! The *core* of the cutter is a level disc about C, and everything straight above this disc. The radius of
+//! the disc is that of the cutter's flat. The cutter consists of all points whose distance from the core is
+//! at most the corner radius.
 //!
-//! The cutter is convex. So any unit vector m that does not point up bounds it: no point of the cutter lies
-//! farther from C along m than [`Solid::reach`].
+//! The cutter is convex. So for any unit vector m that does not point up, a plane at right angles to m bounds
+//! the cutter: no point of the cutter lies farther from C in the direction of m than [`Solid::reach`].
 
 use nalgebra::Vector3;
 

@@ -1,8 +1,9 @@
-//! Puts lines in place of arcs that hardly bend, where that takes no more elements.
+//! Replaces arcs that hardly bend by lines, where that takes no more elements.
 //!
-//! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects.
-//! Rounding of its centre also bends it. So a line from the arc's start replaces the arc, if it stays within
-//! the band. The arcs after it must then reach an old joint with as many elements as before.
+//! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects,
+//! and rounding of its centre changes how it bends. So a line from the start of such an arc replaces the arc,
+//! if the line stays within the band. The line may end before the arc did. Then new elements follow it. There
+//! must be no more of them than before up to one of the old joints, from which the old elements go on.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

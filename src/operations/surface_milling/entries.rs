@@ -1,14 +1,15 @@
-//! How the cutter comes down to a pass, and how it leaves one.
+//! Finds the moves by which the cutter comes down to a pass, and by which it leaves the pass.
 //!
 //! # Method
-//! 1. *Rapid.* The rapid down ends [`APPROACH_MM`] above the stock. For a block of stock that height is the
-//!    same everywhere. For a layer of stock it is found by bisection; without stated stock the layer has no
-//!    thickness. The cutter, enlarged by the thickness of the layer, must be proved to stay off the surface
-//!    down to [`APPROACH_MM`] below the end of the rapid ([`gouge`](crate::machining::gouge)).
+//! 1. *Rapid.* The cutter comes down by rapid to [`APPROACH_MM`] above the stock. For a block of stock, this
+//!    height is the same everywhere. For a layer of stock on the surface, bisection finds the height: a
+//!    cutter that is larger by the thickness of the layer must be proved to stay off the surface, down to
+//!    [`APPROACH_MM`] below the end of the rapid ([`gouge`](crate::machining::gouge)). If the job states no
+//!    stock, the thickness is zero.
 //! 2. *Entry.* The cutter plunges, or enters by a ramp or an arc if the job asks for one. If the ramp or the
-//!    arc cannot be proved clear, the cutter plunges instead.
-//! 3. *Exit.* The cutter leaves by an arc if the job asks for one and it is proved clear. Otherwise it goes
-//!    straight up.
+//!    arc cannot be proved clear of the surface, the cutter plunges instead.
+//! 3. *Exit.* The cutter leaves by an arc if the job asks for one and the arc is proved clear of the surface.
+//!    Otherwise it goes straight up.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,10 +1,11 @@
-//! Joins passes to one toolpath. In a zigzag a link leads from a pass to the next, if one is proved clear and
-//! is quicker than the way over the retract plane. Otherwise the cutter leaves one pass and enters the next
-//! (`entries`).
+//! Joins passes to one toolpath. In a zigzag, a link leads from a pass to the next one, if some link is
+//! proved clear of the surface and takes less time than the way over the retract plane. Otherwise the cutter
+//! leaves the pass, goes over the retract plane, and enters the next pass (`entries`).
 //!
 //! # Method
-//! A link is a straight line. If that line is not clear, two lines replace it that meet above its middle. The
-//! height of their meeting point is doubled until both lines are proved clear.
+//! The first link tried is a straight line. If it is not proved clear, try two lines that meet above the
+//! middle of the first one. Double the height of the point where they meet, until both lines are proved clear
+//! or take too long.
 
 use nalgebra::{Point3, center};
 

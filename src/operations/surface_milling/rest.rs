@@ -1,15 +1,16 @@
-//! Searches for rest: material that the cutter cannot reach.
+//! Searches for rest: material that the cutter cannot remove without cutting into the surface elsewhere.
 //!
 //! # Method
-//! 1. Take about 1500 places of the surface. At each place, put the cutter where its lower side touches the
-//!    tangent plane.
-//! 2. If another place of the surface is in the way, the cutter stands higher. Then search for the position
-//!    of the axis at which the lower side of the cutter is lowest over the place.
-//! 3. The rest is the height of the lower side over the place, times the z coordinate of the unit normal.
+//! 1. Take about 1500 places of the surface.
+//! 2. For each place, put the axis where the lower side of the cutter touches the surface at this place, and
+//!    drop the cutter. If it comes to rest higher, because the surface is in the way elsewhere, try other
+//!    positions of the axis. Keep the position at which the lower side lies least above the place.
+//! 3. For each place, the rest is the height of this lower side above the place, times the z coordinate of
+//!    the unit normal.
 //!
 //! # Guarantees
-//! At a sampled place the rest is too low by at most 1e-4 mm. It may be too high, because the search may miss
-//! the best position of the axis. Nothing is known between the sampled places.
+//! At a sampled place, the computed rest is at most 1e-4 mm below the true one. It may be above the true one,
+//! because the search may miss the best position of the axis. Nothing is known between the sampled places.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,16 +1,19 @@
-//! Scallops: bounds the height of the material that a ball cutter leaves between passes in parallel planes.
+//! Bounds the height of scallops: of the material that a ball cutter leaves between passes in parallel
+//! planes.
 //!
 //! # Method
-//! 1. From the centre of a ball that touches the surface, go straight up or down the slope of the offset
-//!    surface to the nearest plane of a pass. The distance of the planes and the steepness of the slope
-//!    ([`Slope`]) bound the way.
-//! 2. A ball of that pass lies at the end of the way. The largest concave curvature of the offset bounds how
-//!    much higher this ball lies.
-//! 3. The height of the material that is left between the two balls follows from the way and the curvature.
+//! 1. Let a ball touch the surface anywhere. From its centre, follow the offset surface straight up or down
+//!    its slope, to the nearest plane of a pass. The distance of the planes and the steepness of the slope
+//!    ([`Slope`]) bound the length of this way.
+//! 2. A second ball, which is a position of the cutter on that pass, has its centre at the end of the way.
+//!    The largest concave curvature of the offset and the length of the way bound how much higher the second
+//!    ball lies.
+//! 3. Compute how far above the touched point the second ball still cuts. This height is the bound.
 //!
 //! # Guarantees
-//! The result is an upper bound for passes without deviation. On a plane it is exact. It does not cover
-//! places so near to an edge of the surface that the way of step 1 would leave the surface.
+//! The result is an upper bound for passes that follow the CL curves exactly. On a plane it is the exact
+//! height. Places near an edge of the surface are not covered if the way of step 1 would leave the surface
+//! there.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;

@@ -1,15 +1,15 @@
 //! Fanuc 0i and 30i, milling.
 //!
-//! * Every coordinate and feed has a decimal point. Without a point the control counts least increments:
-//!   X10 is ten micrometres.
+//! * Every coordinate and every feed has a decimal point. Without a point, the control counts in least
+//!   increments: X10 would be ten micrometres.
 //! * G43 stands in the block of the first motion along Z. In a block of its own, G43 might move the axis.
 //! * The F of a helix is the speed along the helix. The control reads F in this way only if bit 5 (HTG) of
-//!   parameter 1403 is set. Without this bit, the helix is cut too fast.
-//! * The radii at the two ends of an arc differ by at most one unit of the last decimal. Parameter 3410 has
-//!   to allow that difference.
+//!   parameter 1403 is set. Without this bit, it cuts the helix too fast.
+//! * The two radii of an arc (at its start and at its end) differ by at most one unit of the last decimal.
+//!   Parameter 3410 has to allow that difference.
 //! * Parabolas become lines, because this control has no block for parabolas.
-//! * The program does not set how closely the control follows corners. A parameter of the control or G5.1
-//!   (contour control) sets that.
+//! * The program does not set how far the control may cut corners. A parameter of the control sets that, or
+//!   G5.1 (contour control).
 
 use crate::post::dialect::{
     BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber,

@@ -1,12 +1,13 @@
 //! LinuxCNC.
 //!
-//! * G64 lets the control round corners, so that it keeps its speed. P limits the deviation from the written
-//!   path to one unit of the last decimal. Without P, the control would cut corners by any distance. In exact
-//!   path mode, G61, it would stop at every small angle that rounding has made.
-//! * A parabola in a plane of constant Z is written as a quadratic spline: `G5.1 X Y I J`. I and J are the
-//!   offsets from the start to the Bezier control point. The control runs the parabola as 24 arcs. The bound
-//!   in the program's header includes the distance of these arcs from the parabola.
-//! * M30 alone ends the program, without percent signs.
+//! * G64 lets the control round corners, so that it does not slow down at them. The word P limits the
+//!   deviation from the written path to one unit of the last decimal. Without P, the control could cut a
+//!   corner by any distance. In exact path mode (G61), it would stop at every small angle that rounding has
+//!   made.
+//! * A parabola in a plane of constant Z is written as a quadratic spline: `G5.1 X Y I J`. I and J lead from
+//!   the start to the Bezier control point. The control runs the parabola as 24 arcs. The bound of the
+//!   deviation in the program's header includes the distance of these arcs from the parabola.
+//! * The program ends with M30, without percent signs.
 
 use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
 

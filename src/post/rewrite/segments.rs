@@ -1,13 +1,13 @@
-//! Fits curves to the points of a run, which are the ends of its blocks, and rounds the curves to the
-//! decimals of the output.
+//! Fits curves to the end points of the blocks of a run, and rounds the curves to the decimals of the output.
 //!
 //! # Method
-//! 1. The points are fitted with a slightly smaller tolerance, because rounding moves the curves.
-//! 2. Each curve is rounded. Rounding gives an arc slightly different radii at its two ends, so controls may
-//!    run different paths for the arc. The Frechet distance between each of these paths and the lines of the
-//!    run is bounded from above.
-//! 3. If the bound exceeds the tolerance, the points of the curve are fitted again with a smaller tolerance.
-//! 4. If [`MAX_TRIES`] new fits exceed the tolerance too, the blocks stay as they are.
+//! 1. Fit arcs and lines to the points, within slightly less than the tolerance, because rounding will move
+//!    them.
+//! 2. Round each curve. A rounded arc has slightly different radii at its two ends, so controls may run
+//!    different paths for it. Bound the Frechet distance between each of these paths and the lines between
+//!    the points.
+//! 3. If the bound of a curve exceeds the tolerance, fit the points of this curve again within a smaller
+//!    tolerance, and repeat step 2. After [`MAX_TRIES`] such tries, keep the blocks of these points.
 
 use nalgebra::Point3;
 

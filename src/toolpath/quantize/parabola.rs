@@ -1,14 +1,14 @@
-//! Writes a parabola as one spline block or several, or as lines. A parabola becomes lines if it is almost
-//! straight, if its height changes along it, or if the control has no spline blocks.
+//! Writes a parabola as one spline block or several, or as lines. It becomes lines if it is almost straight,
+//! if its height changes along it, or if the control has no spline blocks.
 //!
 //! # Method
-//! 1. Round each of the three control points on its own. No point of the parabola then moves farther than the
+//! 1. Round each of the three control points by itself. No point of the parabola moves farther than the
 //!    control point that moves most.
-//! 2. Bound how far the machine's control may leave the rounded parabola when it runs the block. Some
-//!    controls run arcs in place of the parabola (`biarcs`).
-//! 3. Add the largest distance that step 1 moved a control point, and the bound of step 2. If the sum exceeds
-//!    [`ACCEPTED_STEPS`] units of the last decimal, divide the given parabola in two and begin again with
-//!    each half.
+//! 2. Bound the distance between the rounded parabola and the path that the control runs for the block. This
+//!    path may consist of arcs (`biarcs`).
+//! 3. Add the largest distance by which step 1 moved a control point, and the bound of step 2. If the sum
+//!    exceeds [`ACCEPTED_STEPS`] units of the last decimal, divide the parabola before rounding in two, and
+//!    do all steps for each half.
 
 use nalgebra::Vector2;
 

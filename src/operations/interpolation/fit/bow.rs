@@ -1,12 +1,14 @@
-//! All arcs, or all parabolas, over one chord. Each of them is given by one number: its bow.
+//! All arcs, or all parabolas, over one chord. One number, the *bow*, tells them apart.
 //!
 //! # Method
-//! Exactly one element passes through a point beside the chord. So each point of a curve has a bow: that of
-//! the element through it. At an end of the curve, the element along the curve's tangent there gives the bow.
+//! Through each point beside the chord passes exactly one of these elements. So each point of a curve has a
+//! bow: that of the element through it. At the two ends of the curve, which are those of the chord, the bow
+//! is that of the element along the curve's tangent.
 //!
-//! The signed distances of all points of the curve from an element fall as its bow grows. So the best bow is
-//! the root of a falling function: the deviations to both sides take up the same share of the band. If one
-//! side of the band has no room, the best bow is the least or the largest bow of the points of the curve.
+//! As the bow grows, the signed distances of all points of the curve from the element fall. The best bow is
+//! the one at which the largest deviations to the two sides use up the same share of the band. It is found as
+//! the root of a falling function. If the band has no room on one side, the best bow is the least or the
+//! largest bow of the curve's points.
 
 use nalgebra::{Point2, Vector2};
 

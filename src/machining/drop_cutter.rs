@@ -5,9 +5,10 @@
 //!
 //! # Method
 //! 1. Divide the surface into small parts, in a hierarchy of boxes (`tree`).
-//! 2. In the most promising part, find the largest lift by Newton's method (`newton`).
-//! 3. For every other part, prove that it has no larger lift (`support`, `round`, `side`, `lift_bound`).
-//! 4. Halve each part for which step 3 fails, and repeat steps 2 and 3 for its halves.
+//! 2. Search single parts for a large lift by Newton's method (`newton`).
+//! 3. For each part, try to prove that no point of it has a larger lift than the largest one found
+//!    (`support`, `round`, `side`, `lift_bound`).
+//! 4. Halve each part for which the proof fails, and repeat steps 2 and 3 for its halves.
 //!
 //! # Guarantees
 //! * The surface may have any shape: folds, sharp edges, overhangs and boundaries are allowed.

@@ -1,4 +1,4 @@
-//! The differences between the programs of different controls, as data.
+//! The differences between the NC languages of different controls, as data.
 
 pub use crate::toolpath::quantize::Parabolas;
 

@@ -1,7 +1,7 @@
-//! The comments for people before the first block of a program: a page at most.
+//! The comments for people that stand before the first block of a program: a page at most.
 //!
-//! Lengths and feeds are in the units of the program. `write` replaces the characters that no comment may
-//! have.
+//! Lengths and feeds are in the units of the program. `write` replaces characters that are not allowed in a
+//! comment.
 
 use std::fmt::Write;
 

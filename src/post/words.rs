@@ -1,4 +1,4 @@
-//! Numbers, words and comments as text.
+//! Writes numbers, words and comments as text.
 
 use std::fmt::Write;
 

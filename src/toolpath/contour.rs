@@ -1,5 +1,5 @@
-//! The toolpath along chains of curves that are cut once. The tool goes down at the start of a chain, along
-//! it, and up at its end.
+//! The toolpath along chains of curves that are cut once each. For each chain, the tool goes down at its
+//! start, follows it, and goes up at its end.
 
 use nalgebra::Point3;
 

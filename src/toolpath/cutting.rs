@@ -1,5 +1,5 @@
-//! The conditions of a cut: a feed for each role of a move, spindle, coolant and heights. [`CuttingRequest`]
-//! holds what was asked for. In [`Cutting`] the defaults are filled in.
+//! The conditions of a cut: the feed for each role of a move, the spindle, the coolant, and the heights of
+//! rapids. [`CuttingRequest`] is what was asked for. [`Cutting`] is the same with all defaults filled in.
 
 use super::path::Role;
 use super::program::Program;

@@ -1,4 +1,4 @@
-//! Points on a curve whose chords stay near it.
+//! Finds points on a curve such that the chords between neighbouring points stay near the curve.
 
 use std::f64::consts::FRAC_PI_3;
 

@@ -1,4 +1,4 @@
-//! Rapids between passes: up, across and down. A rapid that leads nowhere is left out.
+//! Rapids between passes: up, across and down. A rapid of length zero is left out.
 
 use nalgebra::Point3;
 

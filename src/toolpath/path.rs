@@ -1,4 +1,4 @@
-//! Moves, passes and the toolpath, with the builder that makes a toolpath move by move.
+//! Moves, passes and the toolpath. A builder makes a toolpath move by move.
 
 use nalgebra::Point3;
 

@@ -1,4 +1,4 @@
-//! How a program is to be written: units, resolution, number and name.
+//! How a program is to be written: its units, its decimals, its number and its name.
 
 /// Units of the written words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

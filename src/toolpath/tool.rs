@@ -1,4 +1,4 @@
-//! Cutters, with their numbers in the control's tables.
+//! A cutter, with its numbers in the tables of the control.
 
 use crate::machining::cutter::Cutter;
 

@@ -1,5 +1,5 @@
-//! Feed rates and accelerations as types of their own, so that one cannot be taken for the other. Each has
-//! its legal range.
+//! Feed rates and accelerations as two types of their own, so that a number of one kind cannot be taken for
+//! the other. Each type has a legal range.
 
 /// A feed rate in mm/min, finite and above zero.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]

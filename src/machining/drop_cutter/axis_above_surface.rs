@@ -1,5 +1,5 @@
-//! Finds whether a part of the surface lies on the cutter's axis. Where the flat of a cutter touches a level
-//! place, the contact belongs to a section only if it does.
+//! Finds whether some point of the surface lies on the cutter's axis. Where the flat of a cutter touches a
+//! level place of the surface, the contact belongs to a section only if there is such a point.
 
 use nalgebra::{Matrix2, Vector2};
 

@@ -1,5 +1,5 @@
-//! The search for the contact at one position of the axis. Newton's method finds the highest contact, and a
-//! proof shows that nothing lifts the tip higher.
+//! The search for the contact at one position of the axis. Newton's method finds a contact, and a proof shows
+//! that no point of the surface lifts the tip higher.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,5 +1,5 @@
-//! Positions of the axis at which the cutter touches the tangent plane of the surface at a point of one of
-//! its four sides. Sections begin and end at such positions.
+//! Finds positions of the axis at which the cutter is tangent to the surface at a point of one of the four
+//! sides of the surface. Sections begin and end at such positions.
 
 use nalgebra::Vector2;
 

@@ -1,5 +1,5 @@
 //! Bounds the height to which a part of the surface lifts the tip, from a contact that is already known. The
-//! cutter's lower side lies above the tangent plane of the contact, by at least a paraboloid.
+//! lower side of the cutter lies on or above a paraboloid that touches it at the known contact.
 
 use nalgebra::{Vector2, Vector3};
 

@@ -1,9 +1,8 @@
 //! Finds the points that a pass follows: tips along a line of positions of the axis. The distance of all tips
 //! over the line from the chords between these points is proved.
 //!
-//! A *section* is a connected curve of tips. It runs where the cutter touches the inside of the surface with
-//! its tangent plane, or a sharp edge inside the surface. It ends where the cutter touches only an edge at
-//! which the surface ends.
+//! A *section* is a connected curve of tips. It runs where the cutter is tangent to the surface, or touches a
+//! sharp edge inside the surface. It ends where the cutter touches only an edge at which the surface ends.
 //!
 //! # Method
 //! By bisection, divide the line into three kinds of stretches: stretches whose tips are proved to be near a

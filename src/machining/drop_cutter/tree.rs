@@ -1,4 +1,4 @@
-//! The parts in which a surface is examined: small subpatches with bounds for each, in a hierarchy of boxes.
+//! The parts in which a surface is examined: small subpatches in a hierarchy of boxes, each with bounds.
 
 use nalgebra::{Vector2, Vector3};
 

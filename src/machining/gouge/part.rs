@@ -1,4 +1,4 @@
-//! Parts of patches, with a record of which sides of the patch are sharp edges.
+//! Parts of patches. Each part knows which sides of its patch are sharp edges.
 
 use nalgebra::Vector3;
 

@@ -1,5 +1,5 @@
-//! The path of the point C of the cutter (`solid`), cut into pieces: lines, and arcs of at most a quarter
-//! turn.
+//! The path of the point C of the cutter (defined in `solid`), cut into pieces: lines, and arcs of at most a
+//! quarter turn.
 
 use nalgebra::{Point3, Vector3};
 

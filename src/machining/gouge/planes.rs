@@ -1,4 +1,4 @@
-//! Bounds how deep a part lies in the cutter, by planes at right angles to unit vectors m.
+//! Bounds how deep a part of a patch lies in the cutter, by planes at right angles to several unit vectors m.
 
 use nalgebra::Vector3;
 

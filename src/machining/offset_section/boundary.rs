@@ -1,5 +1,5 @@
-//! The boundary curves of an offset surface, cut into stretches on which the coordinate of the section plane
-//! rises or falls throughout.
+//! The boundary curves of an offset surface, cut into stretches. A section plane is given by one coordinate.
+//! Along each stretch, this coordinate only rises or only falls.
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::solve::bisect;

@@ -1,4 +1,4 @@
-//! The upper envelope of straight segments: the largest height over every x.
+//! The upper envelope of straight segments: for every x, the largest height of a segment.
 
 use nalgebra::Vector2;
 

@@ -1,4 +1,4 @@
-//! The section of one part of a patch, as a segment where it is nearly straight.
+//! The section of one part of a patch with a plane. The section becomes a segment if it is nearly straight.
 
 use nalgebra::{Vector2, Vector3};
 

@@ -1,4 +1,5 @@
-//! Hyun's adaptive interpolation: an element that leaves the band is divided in two.
+//! Hyun's adaptive interpolation: each element that leaves the band is divided in two, until all elements
+//! stay within it.
 //!
 //! # Reference
 //! C. H. Hyun, "The Tool Path Determination for Machining the Plane Curve by an Adaptive Mesh Generation

@@ -1,4 +1,4 @@
-//! Moves joints to the corners of a curve, where that takes no more elements.
+//! Moves joints to the corners of a curve, where the number of elements stays the same.
 
 use super::fit::{Fitted, Fitter};
 use crate::budget::{Budget, Stopped};

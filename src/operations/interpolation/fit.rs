@@ -1,5 +1,5 @@
-//! Makes the element of a given shape over a range of the curve. Samples of the curve determine the element,
-//! and [`judge`] proves that it stays within the band.
+//! Makes the line, arc or parabola for a range of the curve. Sampled places of the curve determine the
+//! element, and [`judge`] proves that it stays within the band.
 
 mod bow;
 

@@ -5,9 +5,10 @@
 //! 2. Prove that the element stays within the band everywhere. If the proof fails, shorten the element and
 //!    try again.
 //! 3. Place a joint at the end of the element, and repeat from step 1.
-//! 4. On a part of the curve that is not convex, a longer element may stay within the band although a shorter
-//!    one does not. There, step 1 also tries longer elements. It also tries an earlier joint, because the
-//!    next element may then reach farther.
+//!
+//! A longer element may stay within the band although a shorter one does not, unless the elements are lines
+//! on a convex part of the curve. Where this may happen, step 1 also tries longer elements. It also tries to
+//! move the last joint back, because the next element may then reach farther.
 //!
 //! # Guarantees
 //! * Every element is proved to stay within the band.

@@ -1,4 +1,5 @@
-//! What a picture shows beside the toolpath: the curve, its band and the joints of its elements, as points.
+//! What a picture shows beside the toolpath: the curve, the edges of its band, and the joints of its
+//! elements. All are given as points.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,4 +1,5 @@
-//! Proves how deep the cutter cuts into the surface on the moves of a path, as computed and as written.
+//! Proves how deep the cutter cuts into the surface on the moves of a path, for the path as computed and as
+//! the program states it.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

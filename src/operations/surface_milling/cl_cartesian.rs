@@ -1,5 +1,5 @@
-//! Plans passes along parallel planes. Their CL curves are sections of the offset, or tips of the cutter in
-//! contact.
+//! Plans the finishing of a surface in passes along parallel planes. The CL curves in these planes are
+//! sections of the offset surface, or they are found by dropping the cutter onto the surface.
 
 use super::deviation::{Deviation, Seam};
 use super::entries::{APPROACH_MM, Proofs};

@@ -1,4 +1,5 @@
-//! Bounds how far the curves of a pass leave the exact CL curve, as computed and as written.
+//! Bounds the distance of the curves of a pass from the exact CL curve, for the curves as computed and as the
+//! program states them.
 
 use nalgebra::Point3;
 

@@ -1,4 +1,5 @@
-//! The outline of a surface seen from above, and the parts of sections over which the cutter stays inside it.
+//! The outline of a surface seen from above. It divides sections: only the parts over which the cutter stays
+//! inside the outline are kept.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,4 +1,5 @@
-//! Makes passes from CL curves: chains of arcs and lines with a proved deviation.
+//! Makes passes from CL curves. A pass is a chain of arcs and lines, with a proved bound of its deviation
+//! from the CL curve.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,4 +1,4 @@
-//! The section planes of a job, and the sections in them.
+//! The section planes of a job, and the CL curves in these planes.
 
 use super::outline::Outline;
 use super::{Error, Job};

@@ -1,4 +1,4 @@
-//! The modal state: what the words of a block leave for the next block.
+//! The modal state: what the words of a block set for later blocks.
 
 use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;

@@ -1,4 +1,5 @@
-//! Reads the words of one line strictly: a character, number or comment that is not whole is a fault.
+//! Reads the words of one line strictly: a character that begins no word, and an incomplete number or
+//! comment, are faults.
 
 use super::Fault;
 use crate::post::nc::{Codes, Lexer, Token};

@@ -1,4 +1,4 @@
-//! The words of one line of any NC program, as far as they are understood.
+//! The words of one line of any NC program, as far as they can be understood.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Writes the text that replaces blocks of a run, and the words that restore the modes after it.
+//! Writes the text that replaces blocks of a run, and the words that restore the modes of the source program
+//! behind a run.
 
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};

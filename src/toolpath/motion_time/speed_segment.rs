@@ -1,4 +1,5 @@
-//! Moves, or parts of moves, each with a length, the directions at its ends and its largest speed.
+//! Parts of moves for the estimate of time. Each part has a length, the directions at its two ends, and one
+//! largest speed. A line or an arc is one part.
 
 use nalgebra::Vector3;
 

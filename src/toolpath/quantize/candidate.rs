@@ -1,4 +1,4 @@
-//! Finds the centre on the output's grid with which an arc is written.
+//! Finds the centre with which an arc is written. Its coordinates have the decimals of the output.
 
 use std::f64::consts::TAU;
 

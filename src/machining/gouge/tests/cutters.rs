@@ -1,4 +1,5 @@
-//! Every shape of cutter: closed forms, and random moves over random surfaces against dense points.
+//! Every shape of cutter: comparison with closed formulas, and with dense points for random moves over random
+//! surfaces.
 
 use nalgebra::Vector2;
 use proptest::prelude::*;

@@ -1,5 +1,5 @@
-//! Gates across a band. Each has a bound for how far the edges of the band leave their chords to the next
-//! gate.
+//! Gates: straight lines across a band. Between each gate and the next one, a chord joins their ends on each
+//! edge of the band. A bound for the distance of the edge from this chord is computed.
 
 use nalgebra::{Point2, Vector2};
 

@@ -1,4 +1,5 @@
-//! A small control, written independently: it follows the words of a program and records the path.
+//! A small control, written independently of the rewriter: it follows the words of a program and records the
+//! path.
 
 use nalgebra::{Point3, Vector2};
 

@@ -1,4 +1,5 @@
-//! Random programs: lines outside runs stay, and so does the path of the runs.
+//! Random programs: lines outside of runs stay unchanged, and the path of each run stays within the
+//! tolerance.
 
 use proptest::prelude::*;
 

@@ -20,8 +20,8 @@
 //!   includes rounding, and the distance of chords from the curves that they replace.
 //! * The sharp rim of a flat end may lie farther below a sloping surface than the depth of any surface point.
 //!   The result is at least this distance, too, except near edges, where the surface ends or turns sharply.
-//! * The result exceeds the larger of depth and distance by about the gap. It exceeds them by more if 20,000
-//!   halvings for one piece are not enough.
+//! * The result exceeds the largest of these depths and distances by about the gap at most. The excess is
+//!   larger if 20,000 halvings for one piece are not enough.
 //! * Only surface, cutter and path are used. So the result is an independent check of the planning of the
 //!   path.
 //!

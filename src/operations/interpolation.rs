@@ -13,8 +13,8 @@
 //!
 //! # Guarantees
 //! * Elements join without gaps from the first point of the curve to the last.
-//! * `deviation_max_mm` is at least the deviation of every element. It exceeds the largest deviation by at
-//!   most a quarter of that deviation plus 2.5e-7 mm.
+//! * `deviation_max_mm` is at least the deviation of every element. Its excess over the largest deviation is
+//!   at most 2.5e-7 mm plus a quarter of this deviation.
 //! * A job is refused if there is a place at which no element stays within the band, however short the
 //!   element is.
 //!

@@ -18,8 +18,9 @@
 //!   exactly (`scallop`).
 //!
 //! The bounds of deviation and gouge hold for the path as computed and as the program states it. A path is
-//! refused if its bound of the deviation exceeds the tolerance. It is also refused if the cutter may enter
-//! the layer that the allowance leaves on the surface, deeper than the tolerance.
+//! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
+//! to stay on the surface. A path is also refused if the cutter may cut into this layer by more than the
+//! tolerance, measured from the top of the layer.
 //!
 //! # Cost
 //! O(n log m) for n CL points and m patches. For ball cutters, the cost of `regularity` comes on top.

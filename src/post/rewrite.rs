@@ -6,8 +6,8 @@
 //! # Method
 //! 1. Read each line (`block`), and follow the modal state of the control (`modes`).
 //! 2. Collect the blocks of each run (`run`).
-//! 3. Fit arcs and lines to the end points of these blocks, with a proof that the arcs and lines stay within
-//!    the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted in parts.
+//! 3. Fit arcs and lines to the end points of these blocks, with a proof that they deviate from the path of
+//!    the run by at most the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted in parts.
 //! 4. Where the text of the arcs and lines is shorter than the blocks, write it in place of the blocks
 //!    (`text`). Copy all other blocks.
 //! 5. After an arc, the control is in G2 or G3, and perhaps in another plane than in the source program. If a

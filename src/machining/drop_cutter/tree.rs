@@ -1,4 +1,5 @@
-//! The parts in which a surface is examined: small subpatches in a hierarchy of boxes, each with bounds.
+//! The parts into which a surface is divided for the search of contacts: small subpatches, in a hierarchy of
+//! boxes. Each part has its own bounds of place and derivatives.
 
 use nalgebra::{Vector2, Vector3};
 

@@ -2,8 +2,9 @@
 //!
 //! An arc with a radius of several metres along a nearly straight flank is a move that no machinist expects,
 //! and rounding of its centre changes how it bends. So a line from the start of such an arc replaces the arc,
-//! if the line stays within the band. The line may end before the arc did. Then new elements follow it. There
-//! must be no more of them than before up to one of the old joints, from which the old elements go on.
+//! if the line stays within the band. The line may end before the arc did. Then new elements follow it. They
+//! must reach one of the old joints without being more than the elements that led there before. From this
+//! joint on, the old elements stay.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

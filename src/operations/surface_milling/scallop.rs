@@ -8,7 +8,8 @@
 //! 2. A second ball, which is a position of the cutter on that pass, has its centre at the end of the way.
 //!    The largest concave curvature of the offset and the length of the way bound how much higher the second
 //!    ball lies.
-//! 3. Compute how far above the touched point the second ball still cuts. This height is the bound.
+//! 3. The second ball removes the material above the touched point down to some height above this point.
+//!    Compute this height from the results of steps 1 and 2. It is the bound.
 //!
 //! # Guarantees
 //! The result is an upper bound for passes that follow the CL curves exactly. On a plane it is the exact

@@ -6,8 +6,8 @@
 //!    each plane is a wire. Where the surface overhangs, the wire is the highest part of the section
 //!    (`upper_envelope`).
 //! 2. For each wire and each x, take the largest z of the wire itself and of its neighbours within the
-//!    cutter's radius. At least one neighbour on each side counts. As a function of x, this largest z is the
-//!    *union* of the wire. An allowance is added to the radius and to z.
+//!    cutter's radius. The next wire on each side counts in any case. As a function of x, this largest z is
+//!    the *union* of the wire. The allowance of the job is added to the radius and to z.
 //! 3. Move the tip along each union on lines. A rapid leads from the end of one union to the start of the
 //!    next.
 //! 4. Bound how deep the cutter cuts into the surface ([`gouge`](crate::machining::gouge)).

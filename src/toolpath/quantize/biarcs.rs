@@ -6,7 +6,8 @@
 //! # Method
 //! 1. Compute the arcs that LinuxCNC runs. The formulas here avoid the cancellation in LinuxCNC's formulas.
 //! 2. For each part, find the point at which its two arcs meet, and the normal of the parabola through this
-//!    point. Divide the part at this normal, and bound the distance of each half from the circle of its arc.
+//!    point. Divide the part at this normal into two portions, and bound the distance of each portion from
+//!    the circle of its arc.
 //! 3. To each bound, add an allowance for the rounding in LinuxCNC's formulas. The largest sum is the result.
 //!
 //! # Guarantees

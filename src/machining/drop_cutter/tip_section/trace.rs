@@ -10,8 +10,9 @@
 //!   either. Halve any other interval.
 //! * *One end counts.* A section ends within the interval. Bisection finds this end to 1e-8 mm.
 //! * *Both ends count.* If all tips over the interval are proved to be near the chord between the tips at its
-//!   ends, this chord is a part of the section. Otherwise halve the interval. If the interval is shorter than
-//!   1e-6 mm, it is an upright wall, and the tips at its ends are the foot and the head of the wall.
+//!   ends, this chord is a part of the section. Otherwise halve the interval, unless it is shorter than 1e-6
+//!   mm. Such a short interval counts as an upright wall; the tips at its ends are the foot and the head of
+//!   the wall.
 //!
 //! # Guarantees
 //! The distance of the tips from the chords of a section is proved. So are the contacts at the ends of the

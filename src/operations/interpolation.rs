@@ -4,7 +4,8 @@
 //! 1. Divide the domain of the curve into as many equal ranges as the job asks for.
 //! 2. Divide each range into elements, by one of two methods. *Bisection*, as in Hyun's paper: halve each
 //!    element that leaves the band (`bisection`). *Fewest elements*: let each element reach as far as it can
-//!    (`least`), and then search for fewer elements (`beam_search`).
+//!    (`least`). This is not always the smallest number, so a beam search then looks for fewer elements
+//!    (`beam_search`).
 //! 3. Prove for each element that all of it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
 //! 4. Compute a lower bound for the number of elements that the curve needs (`lower_bound`).
@@ -15,8 +16,7 @@
 //! * Elements join without gaps from the first point of the curve to the last.
 //! * `deviation_max_mm` is at least the deviation of every element. Its excess over the largest deviation is
 //!   at most 2.5e-7 mm plus a quarter of this deviation.
-//! * A job is refused if there is a place at which no element stays within the band, however short the
-//!   element is.
+//! * A job is refused if even the shortest element leaves the band at some place of the curve.
 //!
 //! # Cost
 //! O(n) for n elements. Bisection of a curve with many knots takes O(n log n).

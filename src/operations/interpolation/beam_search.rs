@@ -1,19 +1,21 @@
-//! Searches for fewer elements than greedy growth finds (`least`).
+//! Searches for an interpolation with fewer elements than greedy growth (`least`) finds. Greedy growth makes
+//! each element as long as possible, from the start of the curve to its end.
 //!
 //! # Method
 //! 1. Layer k is a set of places on the curve that k elements can reach. Layer 0 holds only the start of the
 //!    curve.
 //! 2. From each place of layer k, find the longest element. The ends of these elements belong to layer k + 1.
-//! 3. Add nearer places to layer k + 1: at equal distances behind its farthest place. Near an inflection, an
-//!    element from a nearer place may reach farther than one from the farthest place.
-//! 4. Repeat steps 2 and 3 for the next layer. Stop when an element reaches the end of the curve, or when the
-//!    layers show no way with fewer elements than greedy growth needs.
+//! 3. Divide the curve between the farthest places of layers k and k + 1 into equal parts. Add each of these
+//!    places to layer k + 1 that an element from a place of layer k reaches. Near an inflection, an element
+//!    that starts there may reach farther than an element that starts at the farthest place.
+//! 4. Repeat steps 2 and 3 for the next layer, until an element reaches the end of the curve. If the layers
+//!    become as many as the elements of greedy growth, nothing is gained, and these elements are kept.
 //!
-//! More than [`MOST_ELEMENTS`] elements of greedy growth are kept without a search.
+//! If greedy growth finds more than [`MOST_ELEMENTS`] elements, there is no search.
 //!
 //! # Cost
-//! For each element, about [`PLACES`] searches for a longest element. In addition, the deviation of about
-//! [`PLACES`] times [`PLACES`] trial elements is sampled.
+//! Each layer takes up to twice [`PLACES`] searches for a longest element, and samples the deviation of at
+//! most twice [`PLACES`] squared elements for step 3.
 
 use super::Error;
 use super::fit::{Fitted, Fitter};

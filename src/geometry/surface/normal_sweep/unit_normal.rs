@@ -1,15 +1,17 @@
-//! The unit normal along a plane cubic, replaced by cubics. The exact unit normal is not a polynomial. So the
-//! plane cubic is divided into parts, and each part gets a cubic that has the values and the derivatives of
-//! the unit normal at both ends of the part.
+//! Approximates the unit normal along a plane cubic by cubics. The exact unit normal is not a polynomial. So
+//! the plane cubic is divided into parts, and each part gets a cubic that has the values and the derivatives
+//! of the unit normal at both ends of the part.
+//!
+//! The points of the swept surface lie beside the plane cubic along its unit normal. The drive curve of the
+//! sweep gives their distances.
 //!
 //! # Method
 //! A part is halved until Bernstein coefficients prove two things for it:
-//! 1. The cubic is so near to the unit normal that the surface is within [`TOLERANCE_MM`] of the exact
-//!    surface. Each halving makes the difference about sixteen times smaller.
+//! 1. The surface with the approximate normal is within [`TOLERANCE_MM`] of the surface with the exact unit
+//!    normal. Each halving makes the difference about sixteen times smaller.
 //! 2. The surface does not fold along the part. It would fold where a parallel curve (a curve at constant
-//!    distance from the part) runs backward. The proof covers the parallel curves at the least and at the
-//!    largest distance that the drive curve reaches. If these two do not run backward, no parallel curve
-//!    between them does.
+//!    distance from the part) runs backward. The parallel curves at the least and at the largest distance of
+//!    the drive curve are examined. If these two do not run backward, no parallel curve between them does.
 
 use nalgebra::{Point2, Vector2};
 

@@ -6,12 +6,13 @@
 //!    after it. The first point has no point before it, so its tangent is that of the circle through the
 //!    first three points. The last point uses the circle through the last three points. If the last point
 //!    equals the first, both are treated as one inner point: the last but one comes before it, and the second
-//!    after it.
+//!    after it. If the three points lie on one line, this line is the tangent.
 //! 2. Between two neighbouring points P and Q, two arcs meet in a joint. The tangent at the joint meets the
 //!    tangent at P in a place A, and the tangent at Q in a place B. The joint is chosen such that the
 //!    distance from P to A equals the distance from Q to B.
 //!
-//! If the tangents at P and Q both run along the line from P to Q, this line replaces the two arcs.
+//! If the tangents at P and Q both have the direction from P to Q, the line from P to Q replaces the two
+//! arcs.
 //!
 //! # Reference
 //! K. M. Bolton, "Biarc curves", Computer-Aided Design, vol. 7, no. 2, 1975.

@@ -1,4 +1,5 @@
-//! Makes nodes on the points and beside them. A node is a place where two elements may meet.
+//! Makes nodes on and beside the points of the polyline to which elements are fitted. A node is a place where
+//! two elements may meet.
 //!
 //! Points may have errors. Elements that meet only on such points have to follow the errors, and so a chain
 //! needs more elements. To avoid this, some of the points get further nodes to their left and to their right,

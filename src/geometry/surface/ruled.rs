@@ -5,22 +5,23 @@
 //! 1. Both curves are cut at the same fractions of their lengths: at every fraction where at least one of the
 //!    curves has a joint. So each part of one curve faces one part of the other.
 //! 2. Two lines that face each other make an exact patch. So do two arcs that turn by the same angle.
-//! 3. In any other pair, a cubic replaces each of the two parts. The parameter of the cubic is proportional
-//!    to the length along the part. Both parts are halved until each cubic is near enough to its part.
+//! 3. In any other pair, each of the two parts is replaced by a cubic that approximates it, with the fraction
+//!    of the part's length as its parameter. Both parts are halved until each cubic is near enough, at every
+//!    parameter, to the point of its part at that fraction of the length.
 //!
 //! # Guarantees
 //! Patches of step 2 are exact, up to rounding. In all other patches, each end of a ruling is within
 //! [`TOLERANCE_MM`] of its exact place.
 //!
 //! # Degenerate input
-//! A cubic of a given curve is refused if it has a cusp (a place where its direction jumps), or turns so
-//! tightly that it may have one. Curves that meet each other are accepted; the surface has no normal where
-//! they meet.
+//! The curves may contain cubics. A curve is refused if one of its cubics has a cusp (a place where its
+//! direction jumps), or turns so tightly that a cusp cannot be ruled out. Curves that meet each other are
+//! accepted; the surface has no normal where they meet.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.3. The paper joins only single pairs of points by
-//! rulings.
+//! of Sculptured Surface of Die", 1989, section 3.2.3. The paper draws rulings only between some pairs of
+//! points, and builds no patches between the rulings.
 
 mod length;
 mod part;

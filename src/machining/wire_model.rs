@@ -1,12 +1,13 @@
-//! Computes wire models of a surface, and sketches: a few curves of constant u and of constant v, for
-//! pictures.
+//! Computes wire models and sketches of a surface. A sketch is a few curves of constant u and of constant v,
+//! for pictures.
 //!
-//! A wire model is a family of curves on the surface, each at most a pitch from the next.
+//! A wire model is a family of curves on the surface, the wires. The distance of neighbouring wires, measured
+//! as described below, is at most the pitch.
 //!
 //! # Method
-//! * Wires along u are curves of constant v, and wires along v are curves of constant u. The distance between
-//!   two neighbouring wires is measured along three curves that cross all wires: two sides of the surface,
-//!   and the curve halfway between them in u or v. The longest of the three lengths counts.
+//! * Wires along u are curves of constant v, and wires along v are curves of constant u. The distance of two
+//!   neighbouring wires is measured along three curves that cross all wires: two sides of the surface, and
+//!   the curve halfway between them in u or v. The largest of these three distances is at most the pitch.
 //! * Wires along x or y are sections of the surface with planes at equal distances ([`Sections`]). For these
 //!   wires, the surface must not overhang.
 //!

@@ -1,4 +1,4 @@
-//! The comments for people that stand before the first block of a program: a page at most.
+//! The comments for human readers at the head of a program, before its first block.
 //!
 //! Lengths and feeds are in the units of the program. `write` replaces characters that are not allowed in a
 //! comment.

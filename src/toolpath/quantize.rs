@@ -9,20 +9,20 @@
 //!    rounding.
 //! 2. For an arc, choose the best of nine centres whose coordinates can be written (`candidate`). For a
 //!    parabola, round the three control points (`parabola`).
-//! 3. If the rounded arc or parabola does not give the guarantees below, divide the source curve in two, and
-//!    repeat step 2 for each half.
+//! 3. If the rounded arc or parabola does not give the guarantees below, divide the given curve in two, and
+//!    treat each half from item 1 on, as often as needed.
 //! 4. Write lines in place of a curve that is flatter than half a step, or that the control cannot run.
 //!
 //! # Guarantees
 //! * Every path that a control may run for a written curve has a Frechet distance of at most
-//!   [`MAX_DISPLACEMENT_STEPS`] steps from the source curve. Each written curve states its own bound of this
-//!   distance.
+//!   [`MAX_DISPLACEMENT_STEPS`] steps from the part of the given curve that it replaces. Each written curve
+//!   states its own bound of this distance.
 //! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by at most
 //!   [`MAX_MISMATCH_MM`] mm.
-//! * A full circle is written only if the source curve is a full circle. A line whose ends round to the same
+//! * A full circle is written only if the given curve is a full circle. A line whose ends round to the same
 //!   point is left out.
 //!
-//! A curve that needs more than [`MAX_PIECES`] blocks is refused.
+//! A given curve that needs more than [`MAX_PIECES`] written curves is refused.
 //!
 //! # Cost
 //! O(1) for nearly every curve. An arc of a radius above [`MAX_RADIUS_MM`] needs O(sqrt(radius / step))

@@ -1,16 +1,18 @@
-//! Proves that no element from a given start S can reach beyond some point.
+//! Proves that no line or arc from a given start S can pass all points up to some point of a sequence.
 //!
-//! An element from S lies on a circle through S, or on a line, which counts as a circle here. Each point that
-//! the element has to pass excludes the circles that do not come within the tolerance of the point. When the
-//! points up to some point have excluded all circles, no element from S reaches beyond this point.
+//! A line or an arc from S lies on a circle through S; a line counts as a circle. Each point that has to be
+//! passed excludes the circles that do not come within the tolerance of the point. When the points up to and
+//! including some point have excluded all circles, every line or arc from S ends before that point.
 //!
 //! # Method
-//! 1. About each point lies a disc with the tolerance as its radius. An inversion about S turns each disc
-//!    into another disc, and each circle through S into a line. A circle is possible if its line meets the
-//!    discs of all points.
-//! 2. The line y = m x + t is written as the point (m, t) of a second plane. In this plane, all lines that
-//!    meet one disc lie in a strip. The strip may also contain lines that miss the disc.
-//! 3. The common part of all strips is a polygon. Each new point cuts it with one more strip. When the
+//! 1. About each point lies a disc with the tolerance as its radius. Discs that contain S exclude no circle
+//!    and are skipped. An inversion about S turns every other disc into a disc, and each circle through S
+//!    into a line. A circle is possible if its line meets the discs of all points.
+//! 2. Two discs that are far apart fix a frame of coordinates in which every line that meets both is y = m x
+//!    + t with a small slope m. The line is written as the point (m, t) of a second plane. Let x be the place
+//!    of a disc's centre along the frame. The lines that meet the disc have a value of m x + t between two
+//!    bounds, which hold for all possible slopes.
+//! 3. The possible points (m, t) form a convex polygon. Each new disc cuts it with its two bounds. When the
 //!    polygon is empty, no circle is possible.
 //!
 //! # Cost

@@ -162,7 +162,7 @@ impl Metrics {
         registry.register_with_unit("sent", "Bodies of answers", bytes(), self.sent.clone());
         registry.register(
             "connections_refused",
-            "Connections closed at once because too many were open",
+            "New connections that were closed immediately because too many others were open",
             self.connections_refused.clone(),
         );
         registry.register("running_jobs", "Computations now", self.running.clone());

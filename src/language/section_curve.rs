@@ -96,7 +96,7 @@ pub enum Fault {
     #[error("the curve turns back on itself, so no arc of radius {radius_mm} mm touches both lines")]
     Reversal { radius_mm: f64 },
     #[error(
-        "the radius {radius_mm} mm does not fit; the rounded corners of the line need {taken_mm} mm of its {length_mm} mm"
+        "the radius {radius_mm} mm is too large: the roundings at the ends of this line need {taken_mm} mm together, and the line is {length_mm} mm long"
     )]
     CornerDoesNotFit { radius_mm: f64, taken_mm: f64, length_mm: f64 },
     /// The parameters of the curve do not rise. That takes points a micrometre apart on a curve a thousand

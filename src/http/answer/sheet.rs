@@ -66,8 +66,8 @@ fn program_line(program: &Program, dialect: &str) -> String {
 
 fn offset_line(program: &Program) -> String {
     match program.work_offset {
-        Some(number) => format!("work offset: G{number}, with its zero at the zero of the drawing"),
-        None => "work offset: the active one; set its zero to the zero of the drawing".to_owned(),
+        Some(number) => format!("work offset: G{number}; its zero is X0 Y0 Z0 of this sheet"),
+        None => "work offset: the active one; set its zero to X0 Y0 Z0 of this sheet".to_owned(),
     }
 }
 

@@ -64,9 +64,9 @@ pub struct MillRequest {
     allowance_mm: Option<f64>,
     /// The stock that stands over the surface. Without `stock`, `cl_cartesian` brings rapids down to 2 mm
     /// above the finished surface plus `allowance_mm`, and the answer warns. `wire_union` brings rapids down
-    /// to `cutting.retract_z_mm`, by default 2 mm above the highest point of the part and of `stock`, and
-    /// does not warn where `stock` is absent. Where raw material stands higher than the part, send `stock`,
-    /// or the rapids run into it.
+    /// to `cutting.retract_z_mm`, by default 2 mm above the part's highest point, or above the top of `stock`
+    /// where that is higher. `wire_union` does not warn where `stock` is absent. Where raw material stands
+    /// higher than the part, send `stock`, or the rapids run into it.
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,
@@ -233,10 +233,10 @@ pub struct MillReport {
     /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
     rest_at: Option<Place>,
     /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
-    /// deviation of the passes is not included. The bound does not cover strips along an edge of the surface:
-    /// places from which the way along the surface to the next pass leads beyond the edge. `null` where the
-    /// cuts of neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow
-    /// the surface everywhere, and with `wire_union`.
+    /// deviation of the passes is not included. The bound does not cover places beside an edge of the surface
+    /// from which the way along the surface to the next pass leads beyond the edge. `null` where the cuts of
+    /// neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow the
+    /// surface everywhere, and with `wire_union`.
     scallop_max_mm: Option<f64>,
     /// Number of arcs.
     n_arcs: usize,

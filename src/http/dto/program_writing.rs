@@ -38,10 +38,10 @@ pub struct WriteRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
     program: Program,
-    /// Feeds of moves without `feed_mm_per_min`, spindle, coolant and the clearance plane. Without `cutting`
-    /// the program starts no spindle and no coolant. Without `clearance_z_mm` the clearance plane is 20 mm
-    /// above everything that the toolpath cuts, or at the highest place of the toolpath if that place is
-    /// higher, and the answer warns.
+    /// Spindle, coolant, the clearance plane, and the feeds of moves that have no `feed_mm_per_min` of their
+    /// own. Without `cutting` the program starts no spindle and no coolant. Without `clearance_z_mm` the
+    /// clearance plane is 20 mm above everything that the toolpath cuts, or at the highest place of the
+    /// toolpath if that place is higher, and the answer warns.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.

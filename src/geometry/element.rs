@@ -149,8 +149,8 @@ impl Element {
         }
     }
 
-    /// Encloses the length of the element for each unit of `u`, mm: on the element, and beyond its ends as far
-    /// as the feet at these two values of `u`.
+    /// Encloses the length of the element for each unit of `u`, mm: on the element, and beyond its ends as
+    /// far as the feet at these two values of `u`.
     pub fn speed(&self, feet: [f64; 2]) -> Interval {
         match self {
             Self::Line { start, end } => Interval::point((end - start).norm()),

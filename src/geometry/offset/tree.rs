@@ -13,7 +13,8 @@ use crate::geometry::element::Element;
 /// Elements under one box at the bottom of the tree.
 const LEAF: usize = 4;
 
-/// The share of the largest coordinate by which a search opens boxes. The corners of boxes are rounded points.
+/// The share of the largest coordinate by which a search opens boxes. The corners of boxes are rounded
+/// points.
 const ROUNDING: f64 = 1e-14;
 
 /// A chain of elements with its boxes.

@@ -24,9 +24,9 @@ pub struct Decimal {
 }
 
 impl Decimal {
-    /// Reads the number at the start of `bytes`: a sign, digits, a point, digits. Returns the length of its text,
-    /// which is zero where there is no digit, and its value. The value is `None` without a digit, with more than
-    /// twelve digits before the point, or where the number is no multiple of a millionth.
+    /// Reads the number at the start of `bytes`: a sign, digits, a point, digits. Returns the length of its
+    /// text, which is zero where there is no digit, and its value. The value is `None` without a digit, with
+    /// more than twelve digits before the point, or where the number is no multiple of a millionth.
     #[inline]
     pub fn at_start(bytes: &[u8]) -> (usize, Option<Self>) {
         let (is_negative, mut rest) = match bytes {

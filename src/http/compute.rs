@@ -7,7 +7,7 @@
 //! 3. The thread runs the computation. When the computation ends, thread and ticket are free again.
 //!
 //! An NC program that is rewritten while it arrives uses the same threads, but takes no ticket;
-//! [`program_stream`](super::program_stream) limits the number of such programs.
+//! `program_stream` limits the number of such programs.
 //!
 //! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
 //! next check of the budget.

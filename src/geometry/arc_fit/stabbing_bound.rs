@@ -6,8 +6,8 @@
 //!
 //! # Method
 //! 1. About each point lies a disc with the tolerance as its radius. Discs that contain S exclude no circle
-//!    and are skipped. An inversion about S turns every other disc into a disc, and each circle through S into
-//!    a line. A circle is possible if its line meets the discs of all points.
+//!    and are skipped. An inversion about S turns every other disc into a disc, and each circle through S
+//!    into a line. A circle is possible if its line meets the discs of all points.
 //! 2. Two discs that are far apart fix a frame of coordinates in which every line that meets both is
 //!    y = m x + t with a small slope m. The line is written as the point (m, t) of a second plane. If the
 //!    centre of a further disc has the first coordinate x, the lines that meet the disc have m x + t between

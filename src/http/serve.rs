@@ -199,7 +199,7 @@ async fn connection(
             let body = Body::new(Lingering::new(&parts.headers, body));
             let response = router.oneshot(Request::from_parts(parts, body)).await;
             response.map(|mut response| {
-                busy.has_answered(&response);
+                busy.finish(&response);
                 if *closing.borrow() && version <= Version::HTTP_11 {
                     response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
                 }
@@ -295,7 +295,7 @@ impl Busy {
     }
 
     /// Counts the request as answered. Of its answer only the head is known.
-    fn has_answered(self, response: &Response) {
+    fn finish(self, response: &Response) {
         if response.extensions().get::<Streamed>().is_some() {
             self.0.streams.store(true, Ordering::Relaxed);
         }
@@ -320,12 +320,12 @@ mod tests {
         let settings = Cli::parse_from(["toolpathd", "--deadline-s", "30", "--stream-deadline-s", "3600"]);
         let patience = Connections::new(&settings.settings).patience;
         let activity = Arc::new(Activity::default());
-        Busy::new(&activity).has_answered(&Response::default());
+        Busy::new(&activity).finish(&Response::default());
         assert_eq!(patience.last(activity.streams()), Duration::from_secs(330));
 
         let mut streamed = Response::default();
         streamed.extensions_mut().insert(Streamed);
-        Busy::new(&activity).has_answered(&streamed);
+        Busy::new(&activity).finish(&streamed);
         assert!(!activity.is_busy());
         assert_eq!(patience.last(activity.streams()), Duration::from_secs(3900));
     }

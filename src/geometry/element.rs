@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Rotation2, Vector2};
 
 use super::arc_fit;
 use super::interval::Interval;
@@ -77,7 +77,7 @@ impl PlaneArc {
         let sense = self.turn.signum();
         let out = if length > 0.0 { spoke / length } else { Vector2::x() };
         // Angles are measured from the middle of the arc, so that they jump as far from the arc as possible.
-        let middle = nalgebra::Rotation2::new(self.turn / 2.0) * (self.start - self.center);
+        let middle = Rotation2::new(self.turn / 2.0) * (self.start - self.center);
         let angle = middle.perp(&spoke).atan2(middle.dot(&spoke));
         Foot {
             u: 0.5 + angle / self.turn,
@@ -101,6 +101,84 @@ impl Element {
             Self::Line { end, .. } | Self::Parabola { end, .. } => *end,
             Self::Arc(arc) => arc.end,
         }
+    }
+
+    /// The length of a line or an arc, mm; of a parabola that of its chord.
+    pub fn length(&self) -> f64 {
+        match self {
+            Self::Arc(arc) => arc.radius * arc.turn.abs(),
+            line => (line.end() - line.start()).norm(),
+        }
+    }
+
+    /// The angle that an arc turns, positive to the left, radians; else zero.
+    pub fn turn(&self) -> f64 {
+        if let Self::Arc(arc) = self { arc.turn } else { 0.0 }
+    }
+
+    /// The place at the fraction `t` of the length of a line or an arc; of a parabola on its chord.
+    pub fn at(&self, t: f64) -> Point2<f64> {
+        match self {
+            _ if t <= 0.0 => self.start(),
+            _ if t >= 1.0 => self.end(),
+            Self::Arc(arc) => arc.center + Rotation2::new(arc.turn * t) * (arc.start - arc.center),
+            line => line.start() + (line.end() - line.start()) * t,
+        }
+    }
+
+    /// The unit tangent at the fraction `t` of the length of a line or an arc; along x where there is no
+    /// length. For a parabola it is that of its chord.
+    pub fn direction(&self, t: f64) -> Vector2<f64> {
+        let along = match self {
+            Self::Arc(arc) => {
+                let spoke = Rotation2::new(arc.turn * t) * (arc.start - arc.center);
+                Vector2::new(-spoke.y, spoke.x) * arc.turn.signum()
+            }
+            line => line.end() - line.start(),
+        };
+        along.try_normalize(0.0).unwrap_or_else(Vector2::x)
+    }
+
+    /// The part of a line or an arc between two fractions of its length; of a parabola of its chord.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        let (start, end) = (self.at(from), self.at(to));
+        match self {
+            Self::Arc(arc) => Self::Arc(PlaneArc { start, end, turn: arc.turn * (to - from), ..*arc }),
+            _ => Self::Line { start, end },
+        }
+    }
+
+    /// The same line or arc in the other direction.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        match self {
+            Self::Line { start, end } => Self::Line { start: *end, end: *start },
+            Self::Arc(arc) => Self::Arc(PlaneArc { start: arc.end, end: arc.start, turn: -arc.turn, ..*arc }),
+            Self::Parabola { start, control, end } => {
+                Self::Parabola { start: *end, control: *control, end: *start }
+            }
+        }
+    }
+
+    /// The same line or arc with x negated.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mirrored = |p: Point2<f64>| Point2::new(-p.x, p.y);
+        let [start, end] = [self.start(), self.end()].map(mirrored);
+        match self {
+            Self::Line { .. } => Self::Line { start, end },
+            Self::Arc(arc) => {
+                Self::Arc(PlaneArc { start, end, center: mirrored(arc.center), turn: -arc.turn, ..*arc })
+            }
+            Self::Parabola { control, .. } => Self::Parabola { start, control: mirrored(*control), end },
+        }
+    }
+
+    /// The middle of a line or an arc, and the radius of the disc about it that holds the element, mm.
+    pub fn disc(&self) -> (Point2<f64>, f64) {
+        let middle = self.at(0.5);
+        (middle, (middle - self.start()).norm().max((middle - self.end()).norm()))
     }
 
     /// The parabola through three points, with the middle point at the parameter 1/2.

@@ -33,6 +33,7 @@ pub(super) mod distance;
 mod link;
 mod mitre;
 pub(super) mod pieces;
+pub mod swept;
 pub(super) mod tree;
 
 use nalgebra::Point2;
@@ -172,9 +173,9 @@ pub fn unreached(
             budget.check()?;
         }
         let [least, most] = SAMPLES;
-        let count = (pieces::length(element) / distance_mm * SAMPLES_A_DISTANCE).ceil().clamp(least, most);
+        let count = (element.length() / distance_mm * SAMPLES_A_DISTANCE).ceil().clamp(least, most);
         for sample in 0..=count as usize {
-            let p = pieces::at(element, sample as f64 / count);
+            let p = element.at(sample as f64 / count);
             let bound = before.map_or(f64::INFINITY, |(q, distance)| distance + (p - q).norm() + JOINT_MM);
             let distance = offset.nearest(p, bound);
             before = Some((p, distance));
@@ -213,7 +214,7 @@ fn prove(
         if k % ELEMENTS_BETWEEN_CHECKS == 0 {
             budget.check()?;
         }
-        let (middle, reach) = pieces::disc(element);
+        let (middle, reach) = element.disc();
         let mut too_near = None;
         contours.near(middle, allowed + reach, |other, _| {
             let (least, at) = distance::between(element, &contours.elements()[other]);

@@ -1,5 +1,5 @@
-//! Regions of the plane that are bounded by lines and arcs: their union, intersection, difference, offset and
-//! area, and whether a place lies inside.
+//! Regions of the plane that are bounded by lines and arcs: their union, intersection, difference, offset
+//! and area, and whether a place lies inside.
 //!
 //! # Method
 //! 1. All outlines are cut where they meet. The parts are edges (`arrangement`).
@@ -38,14 +38,15 @@ use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::Element;
-use crate::geometry::offset::tree::Tree;
+use crate::geometry::offset::distance;
+use crate::geometry::offset::tree::{Bounds, Tree};
 use crate::geometry::offset::{OffsetError, Side, offset};
 use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
-pub use outline::{Outline, OutlineError};
+pub use outline::{Outline, OutlineError, area};
 use trace::Wedge;
 
-/// Where edges stay as near as the snap for a long way, rounding may put their sides the wrong way round, and
-/// the boundary does not close. The snap is then multiplied by `COARSER`, up to `LARGEST_SNAP_MM`, mm.
+/// Where edges stay as near as the snap for a long way, rounding may put their sides the wrong way round,
+/// and the boundary does not close. The snap is then multiplied by `COARSER`, up to `LARGEST_SNAP_MM`, mm.
 const COARSER: f64 = 4.0;
 const LARGEST_SNAP_MM: f64 = 16.0 * SNAP_MM;
 
@@ -89,8 +90,8 @@ pub enum RegionError {
 }
 
 impl Region {
-    /// The region inside any of the outlines and outside all islands. Outlines may overlap, touch and contain
-    /// each other, and so may islands.
+    /// The region inside any of the outlines and outside all islands. Outlines may overlap, touch and
+    /// contain each other, and so may islands.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -150,6 +151,64 @@ impl Region {
         self.offset(Side::Right, distance_mm, budget)
     }
 
+    /// The region with x negated.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mirrored = |outline: &Outline| outline.mirrored();
+        let face = |face: &Face| Face {
+            outer: mirrored(&face.outer),
+            islands: face.islands.iter().map(mirrored).collect(),
+        };
+        Self::of_faces(self.faces.iter().map(face).collect())
+    }
+
+    /// The connected parts.
+    pub fn parts(&self) -> Vec<Self> {
+        self.faces.iter().map(|face| Self::of_faces(vec![face.clone()])).collect()
+    }
+
+    /// The parts of a line or an arc in the region, as ranges of its length from 0 to 1. What is nearer to
+    /// the boundary than `tolerance_mm` is in the region.
+    pub fn ranges_inside(&self, element: &Element, tolerance_mm: f64) -> Vec<[f64; 2]> {
+        let mut cuts = vec![0.0, 1.0];
+        let length = element.length();
+        let mut met = Vec::new();
+        self.boundary.meeting(&Bounds::of(element), |_, other| {
+            met.clear();
+            contacts::append(element, other, SNAP_MM, &mut met);
+            met.extend([other.start(), other.end()]);
+            for p in &met {
+                let foot = element.foot(*p, 0.5);
+                if foot.distance.abs() <= SNAP_MM && foot.u > 0.0 && foot.u < 1.0 {
+                    cuts.push(foot.u);
+                }
+            }
+        });
+        cuts.sort_unstable_by(f64::total_cmp);
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        for pair in cuts.windows(2).filter(|pair| (pair[1] - pair[0]) * length > SNAP_MM) {
+            if self.place(element.at(0.5 * (pair[0] + pair[1])), tolerance_mm) == Place::Outside {
+                continue;
+            }
+            match ranges.last_mut() {
+                Some(last) if (pair[0] - last[1]) * length <= SNAP_MM => last[1] = pair[1],
+                _ => ranges.push([pair[0], pair[1]]),
+            }
+        }
+        ranges
+    }
+
+    /// Whether a line or an arc runs in the region, or nearer to its boundary than `tolerance_mm`.
+    pub fn contains(&self, element: &Element, tolerance_mm: f64) -> bool {
+        let inside = |t: f64| self.place(element.at(t), tolerance_mm) != Place::Outside;
+        let length = element.length();
+        inside(0.0)
+            && inside(1.0)
+            && (length <= SNAP_MM
+                || matches!(self.ranges_inside(element, tolerance_mm)[..], [[from, to]]
+                    if (from + 1.0 - to) * length <= SNAP_MM))
+    }
+
     pub fn faces(&self) -> &[Face] {
         &self.faces
     }
@@ -189,6 +248,18 @@ impl Region {
         self.boundary.nearest(p, f64::INFINITY)
     }
 
+    /// The least distance of a line or an arc from the boundary, mm, if it is less than `bound_mm`; else
+    /// `bound_mm`.
+    pub fn clearance(&self, element: &Element, bound_mm: f64) -> f64 {
+        let (middle, reach) = element.disc();
+        let mut least = bound_mm;
+        self.boundary.near(middle, bound_mm + reach, |k, _| {
+            least = least.min(distance::between(element, &self.boundary.elements()[k]).0);
+            true
+        });
+        least
+    }
+
     fn offset(&self, side: Side, distance_mm: f64, budget: &Budget) -> Result<Self, RegionError> {
         // Written so that NaN is refused.
         if !(distance_mm > 0.0 && distance_mm.is_finite()) {
@@ -222,13 +293,17 @@ impl Region {
                 faces => break faces?,
             }
         };
+        Ok(Self::of_faces(faces))
+    }
+
+    fn of_faces(faces: Vec<Face>) -> Self {
         let mut elements = Vec::new();
         for outline in faces.iter().flat_map(|face| [&face.outer].into_iter().chain(&face.islands)) {
             for element in outline.elements() {
                 arrangement::append_monotone(element, &mut elements);
             }
         }
-        Ok(Self { faces, boundary: Tree::new(elements) })
+        Self { faces, boundary: Tree::new(elements) }
     }
 }
 

@@ -36,6 +36,8 @@ pub struct CuttingRequest {
     pub lead_in_feed: Option<FeedRate>,
     pub link_feed: Option<FeedRate>,
     pub lead_out_feed: Option<FeedRate>,
+    /// The feed where the cutter is deeper in the material than its stepover. Default: the feed.
+    pub slot_feed: Option<FeedRate>,
     /// Default: 10,000 mm/min.
     pub rapid_feed: Option<FeedRate>,
     /// Default: 1,000 mm/s2.
@@ -61,6 +63,9 @@ pub enum HeightError {
     ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
 }
 
+/// No feed is chosen slower than this, mm/min: the slowest that a request may ask for.
+const SLOWEST_MM_PER_MIN: f64 = 0.001;
+
 impl CuttingRequest {
     /// Cutting at `feed` with the default of everything else: no spindle speed, no coolant.
     pub fn at_feed(feed: FeedRate) -> Self {
@@ -71,6 +76,7 @@ impl CuttingRequest {
             lead_in_feed: None,
             link_feed: None,
             lead_out_feed: None,
+            slot_feed: None,
             rapid_feed: None,
             acceleration: None,
             spindle_rpm: None,
@@ -111,7 +117,8 @@ impl CuttingRequest {
     pub fn at_heights(&self, clearance_z_mm: f64, retract_z_mm: f64) -> Cutting {
         let feed = self.feed;
         // Half of a positive feed is positive, unless the feed is the smallest positive number.
-        let half = FeedRate::from_mm_per_min(0.5 * feed.mm_per_min()).unwrap_or(feed);
+        let slower = (0.5 * feed.mm_per_min()).max(SLOWEST_MM_PER_MIN.min(feed.mm_per_min()));
+        let half = FeedRate::from_mm_per_min(slower).unwrap_or(feed);
         let plunge_feed = self.plunge_feed.unwrap_or(half);
         Cutting {
             feed,
@@ -120,6 +127,7 @@ impl CuttingRequest {
             lead_in_feed: self.lead_in_feed.unwrap_or(feed),
             link_feed: self.link_feed.unwrap_or(feed),
             lead_out_feed: self.lead_out_feed.unwrap_or(feed),
+            slot_feed: self.slot_feed.unwrap_or(feed),
             rapid_feed: self.rapid_feed.unwrap_or(FeedRate::DEFAULT_RAPID),
             acceleration: self.acceleration.unwrap_or(Acceleration::DEFAULT),
             spindle_rpm: self.spindle_rpm,
@@ -139,6 +147,8 @@ pub struct Cutting {
     pub lead_in_feed: FeedRate,
     pub link_feed: FeedRate,
     pub lead_out_feed: FeedRate,
+    /// The feed where the cutter is deeper in the material than its stepover.
+    pub slot_feed: FeedRate,
     /// The machine's traverse rate; used for times only.
     pub rapid_feed: FeedRate,
     /// The machine's acceleration; used for times only.

@@ -19,7 +19,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::distance::{self, circle_meets, circles_meet, left};
-use super::pieces::{self, Piece, SHORTEST_MM};
+use super::pieces::{Piece, SHORTEST_MM};
 use super::tree::Tree;
 use crate::geometry::element::{Element, PlaneArc};
 
@@ -29,6 +29,10 @@ pub(super) struct Clip<'a> {
     pub contour: &'a Tree,
     /// The offset's distance, mm.
     pub distance: f64,
+    /// How parts of a piece are judged that are exactly at the distance from another element, within this
+    /// many mm; zero if they all remain. Of coincident pieces with the contour on the same side the first
+    /// remains, and none of those with the contour on both sides.
+    pub tie: f64,
     /// Ranges that are too near by less than this are kept, mm.
     pub rounding: f64,
     /// The element that last forbade a whole piece: it is likely to forbid the next piece too.
@@ -39,31 +43,31 @@ pub(super) struct Clip<'a> {
 
 impl<'a> Clip<'a> {
     pub(super) fn new(contour: &'a Tree, distance: f64, rounding: f64) -> Self {
-        Self { contour, distance, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
+        Self { contour, distance, tie: 0.0, rounding, blocker: 0, blocked: Vec::new(), crossings: Vec::new() }
     }
 
     /// Appends the ranges of the piece that are left, in their order. Ranges run from 0 to 1 along the piece.
     pub(super) fn open(&mut self, piece: &Piece, open: &mut Vec<[f64; 2]>) {
-        let (middle, reach) = pieces::disc(&piece.element);
+        let (middle, reach) = piece.element.disc();
         let blocking = self.distance - reach - self.rounding;
-        if distance::to_point(&self.contour.elements()[self.blocker], middle) < blocking {
+        let blocker = &self.contour.elements()[self.blocker];
+        if distance::to_point(blocker, middle) < blocking {
             return;
         }
         self.blocked.clear();
         let mut is_blocked = false;
-        self.contour.near(middle, self.distance + reach, |k, apart| {
+        self.contour.near(middle, self.distance + self.tie + reach, |k, apart| {
             if apart < blocking {
                 (is_blocked, self.blocker) = (true, k);
-            } else if piece.beside != Some(k) {
+            } else if piece.is_corner || piece.element_index != k {
                 let element = &self.contour.elements()[k];
                 self.crossings.clear();
                 self.crossings.extend([0.0, 1.0]);
                 cross(&piece.element, element, self.distance, &mut self.crossings);
                 self.crossings.sort_unstable_by(f64::total_cmp);
                 for pair in self.crossings.windows(2) {
-                    let place = pieces::at(&piece.element, 0.5 * (pair[0] + pair[1]));
-                    if pair[0] < pair[1] && distance::to_point(element, place) < self.distance - self.rounding
-                    {
+                    let place = piece.element.at(0.5 * (pair[0] + pair[1]));
+                    if pair[0] < pair[1] && self.is_blocked(piece, k, place) {
                         self.blocked.push([pair[0], pair[1]]);
                     }
                 }
@@ -74,7 +78,7 @@ impl<'a> Clip<'a> {
             return;
         }
         self.blocked.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-        let shortest = SHORTEST_MM / pieces::length(&piece.element);
+        let shortest = SHORTEST_MM / piece.element.length();
         let mut from = 0.0;
         for [start, end] in self.blocked.iter().copied().chain([[1.0, 1.0]]) {
             if start - from >= shortest {
@@ -82,6 +86,25 @@ impl<'a> Clip<'a> {
             }
             from = end.max(from);
         }
+    }
+
+    /// Whether a place of the piece is too near to element `k`.
+    fn is_blocked(&self, piece: &Piece, k: usize, place: Point2<f64>) -> bool {
+        let element = &self.contour.elements()[k];
+        let distance = distance::to_point(element, place);
+        if distance < self.distance - self.rounding - self.tie || self.tie == 0.0 {
+            return distance < self.distance - self.rounding;
+        }
+        // Elements that follow each other have pieces that follow each other.
+        if distance > self.distance + self.tie || k.abs_diff(piece.element_index) <= 1 {
+            return false;
+        }
+        let own = match &piece.element {
+            Element::Arc(arc) if piece.is_corner => arc.center - place,
+            _ => distance::nearest(&self.contour.elements()[piece.element_index], place) - place,
+        };
+        let other = distance::nearest(element, place) - place;
+        k < piece.element_index || own.dot(&other) < 0.0
     }
 }
 

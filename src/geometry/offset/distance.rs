@@ -31,6 +31,23 @@ pub(in crate::geometry) fn covers(arc: &PlaneArc, spoke: Vector2<f64>) -> bool {
     }
 }
 
+/// The place of a line or an arc that is nearest to a point.
+pub(super) fn nearest(element: &Element, p: Point2<f64>) -> Point2<f64> {
+    match element {
+        Element::Arc(arc) => {
+            let spoke = p - arc.center;
+            if covers(arc, spoke) {
+                arc.center + spoke.try_normalize(0.0).unwrap_or_else(Vector2::x) * arc.radius
+            } else if (p - arc.start).norm_squared() < (p - arc.end).norm_squared() {
+                arc.start
+            } else {
+                arc.end
+            }
+        }
+        line => line.at(line.foot(p, 0.5).u.clamp(0.0, 1.0)),
+    }
+}
+
 /// The distance from a point to a line or an arc, mm.
 pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
     match element {
@@ -54,7 +71,7 @@ pub(in crate::geometry) fn to_point(element: &Element, p: Point2<f64>) -> f64 {
 /// The least distance between two elements, mm, with the place on the first element. No place can make it too
 /// small, because each place lies on an element. Two arcs with the same centre have infinitely many common
 /// normals; there, the ends of the arcs are enough.
-pub(super) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
+pub(in crate::geometry) fn between(first: &Element, second: &Element) -> (f64, Point2<f64>) {
     let mut least = (f64::INFINITY, first.start());
     let mut see = |distance: f64, at: Point2<f64>| {
         if distance < least.0 {
@@ -151,6 +168,11 @@ pub(in crate::geometry) fn circles_meet(
     apart: Vector2<f64>,
     other: f64,
 ) -> Option<[Vector2<f64>; 2]> {
+    // Seen from the smaller circle, the places lose no digits to the other's radius.
+    if other < radius {
+        let places = circles_meet(other, -apart, radius)?;
+        return Some([apart + places[1], apart + places[0]]);
+    }
     let distance = apart.norm();
     let toward = apart / distance;
     let along = 0.5 * (distance + (radius - other) * (radius + other) / distance);

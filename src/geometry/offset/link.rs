@@ -74,7 +74,7 @@ pub(super) fn chains(
             next = followers[k];
         }
         let chain = chain(pieces, ranges, &sequence, next.is_some());
-        if chain.iter().map(pieces::length).sum::<f64>() > joint_mm {
+        if chain.iter().map(Element::length).sum::<f64>() > joint_mm {
             chains.push((first, chain));
         }
     }
@@ -124,7 +124,7 @@ fn followers(
 }
 
 fn ends(pieces: &[Piece], range: &OpenRange) -> [Point2<f64>; 2] {
-    range.range.map(|t| pieces::at(&pieces[range.piece].element, t))
+    range.range.map(|t| pieces[range.piece].element.at(t))
 }
 
 fn chain(pieces: &[Piece], ranges: &[OpenRange], sequence: &[usize], is_closed: bool) -> Vec<Element> {
@@ -171,7 +171,7 @@ impl Way {
         match arc {
             None => chain.push(Element::Line { start, end }),
             Some(arc) if turn.abs() > LARGEST_TURN => {
-                let middle = pieces::at(&Element::Arc(arc), 0.5);
+                let middle = Element::Arc(arc).at(0.5);
                 for [start, end] in [[start, middle], [middle, end]] {
                     Self { start, end, turn: 0.5 * turn }.append_to(chain);
                 }

@@ -61,7 +61,7 @@ fn mitre(
     if !is_about_corner || distance * (1.0 / half.cos() - 1.0) > most {
         return None;
     }
-    let middle = pieces::at(&Element::Arc(*corner), 0.5);
+    let middle = Element::Arc(*corner).at(0.5);
     let first = corner.center + (middle - corner.center) / half.cos();
     let mut place = first;
     for _ in 0..STEPS {

@@ -13,7 +13,7 @@
 //! Every place on the chosen side at exactly the offset's distance from the contour lies on a piece. The ends
 //! of an open contour are an exception: no pieces run around them.
 
-use nalgebra::{Point2, Rotation2, Vector2};
+use nalgebra::{Point2, Vector2};
 
 use super::distance::left;
 use crate::geometry::element::{Element, PlaneArc};
@@ -34,9 +34,11 @@ const TURNED_BACK_BENT: f64 = 1e-6;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub element: Element,
-    /// The index of the contour element that the piece runs beside, counted over all contours; `None` for an
-    /// arc about a corner.
-    pub beside: Option<usize>,
+    /// The index of the contour element that the piece runs beside, or at whose end its corner is, counted
+    /// over all contours.
+    pub element_index: usize,
+    /// Whether the piece is an arc about a corner.
+    pub is_corner: bool,
 }
 
 /// Appends the pieces of a contour, in its order, at the distance `distance` mm to its left, or to its right
@@ -49,16 +51,16 @@ pub(super) fn append(
     pieces: &mut Vec<Piece>,
 ) {
     for (k, element) in contour.iter().enumerate() {
-        if let Some(element) = beside(element, distance).filter(|piece| length(piece) >= SHORTEST_MM) {
-            pieces.push(Piece { element, beside: Some(before + k) });
+        if let Some(element) = beside(element, distance).filter(|piece| piece.length() >= SHORTEST_MM) {
+            pieces.push(Piece { element, element_index: before + k, is_corner: false });
         }
         let next = match contour.get(k + 1) {
             Some(next) => next,
             None if is_closed => &contour[0],
             None => continue,
         };
-        if let Some(element) = about(element, next, distance).filter(|piece| length(piece) >= SHORTEST_MM) {
-            pieces.push(Piece { element, beside: None });
+        if let Some(element) = about(element, next, distance).filter(|piece| piece.length() >= SHORTEST_MM) {
+            pieces.push(Piece { element, element_index: before + k, is_corner: true });
         }
     }
 }
@@ -115,30 +117,6 @@ fn tangent(element: &Element, is_at_end: bool) -> Vector2<f64> {
     along.try_normalize(0.0).unwrap_or_else(Vector2::x)
 }
 
-/// The length of a line or an arc, mm.
-pub(in crate::geometry) fn length(element: &Element) -> f64 {
-    match element {
-        Element::Arc(arc) => arc.radius * arc.turn.abs(),
-        line => (line.end() - line.start()).norm(),
-    }
-}
-
-/// The place at the fraction `t` of the length.
-pub(in crate::geometry) fn at(element: &Element, t: f64) -> Point2<f64> {
-    match element {
-        _ if t <= 0.0 => element.start(),
-        _ if t >= 1.0 => element.end(),
-        Element::Arc(arc) => arc.center + Rotation2::new(arc.turn * t) * (arc.start - arc.center),
-        line => line.start() + (line.end() - line.start()) * t,
-    }
-}
-
-/// The middle of an element, and the radius of the disc about it that holds the element, mm.
-pub(super) fn disc(element: &Element) -> (Point2<f64>, f64) {
-    let middle = at(element, 0.5);
-    (middle, (middle - element.start()).norm().max((middle - element.end()).norm()))
-}
-
 /// The distance of a place from the line or circle that the element is a part of, mm.
 pub(super) fn from_carrier(element: &Element, p: Point2<f64>) -> f64 {
     match element {
@@ -157,7 +135,7 @@ pub(super) fn turn_between(
     match element {
         Element::Arc(arc) => {
             let angle = |t: f64, p: Point2<f64>| {
-                let (spoke, moved) = (at(element, t) - arc.center, p - arc.center);
+                let (spoke, moved) = (element.at(t) - arc.center, p - arc.center);
                 arc.turn * t + spoke.perp(&moved).atan2(spoke.dot(&moved))
             };
             let turn = angle(to, end) - angle(from, start);

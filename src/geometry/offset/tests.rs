@@ -86,7 +86,7 @@ fn small_angles_are_mitred_and_large_ones_rounded() {
         }
         for element in chain {
             for k in 0..=50 {
-                let apart = to_chain(&arc_and_lines, pieces::at(element, f64::from(k) / 50.0));
+                let apart = to_chain(&arc_and_lines, element.at(f64::from(k) / 50.0));
                 assert!((R - 1e-6..=R + mitre_mm + 1e-6).contains(&apart), "{mitre_mm} {apart}");
             }
         }
@@ -102,7 +102,7 @@ fn to_chain(elements: &[Element], p: Point2<f64>) -> f64 {
 }
 
 fn length(chain: &[Element]) -> f64 {
-    chain.iter().map(pieces::length).sum()
+    chain.iter().map(Element::length).sum()
 }
 
 /// The offset, after checks by samples: it is connected, nowhere too near, and misses no place beside the
@@ -119,14 +119,14 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Found {
     }
     for element in &chain {
         for k in 0..=20 {
-            let p = pieces::at(element, f64::from(k) / 20.0);
+            let p = element.at(f64::from(k) / 20.0);
             let apart = to_chain(contour, p);
             assert!((apart - radius).abs() < 1.1e-6, "{p} is {apart} mm from the contour");
         }
         if let Element::Arc(arc) = element {
             assert!(((arc.end - arc.center).norm() - arc.radius).abs() < 1e-9);
             assert!(((arc.start - arc.center).norm() - arc.radius).abs() < 1e-9);
-            let end = pieces::at(&Element::Arc(PlaneArc { turn: 2.0 * arc.turn, ..*arc }), 0.5);
+            let end = Element::Arc(PlaneArc { turn: 2.0 * arc.turn, ..*arc }).at(0.5);
             assert!((end - arc.end).norm() < 1e-9, "the turn of {arc:?} does not lead to its end");
         }
     }
@@ -134,8 +134,8 @@ fn run(contour: &[Element], side: Side, radius: f64) -> Found {
     let left = if side == Side::Left { radius } else { -radius };
     for piece in pieces_of(contour, is_closed, left) {
         for k in 1..6 {
-            let p = pieces::at(&piece.element, f64::from(k) / 6.0);
-            if to_chain(contour, p) > radius - 1e-12 && pieces::length(&piece.element) > 1e-3 {
+            let p = piece.element.at(f64::from(k) / 6.0);
+            if to_chain(contour, p) > radius - 1e-12 && piece.element.length() > 1e-3 {
                 assert!(to_chain(&chain, p) < 1e-6, "the offset misses {p}: {:?}", found.chains);
             }
         }

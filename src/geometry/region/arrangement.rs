@@ -25,7 +25,6 @@ use nalgebra::{Point2, Vector2};
 use super::contacts;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::{Element, PlaneArc};
-use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::{Bounds, Tree};
 
 /// The least distance from an arc's end at which the arc is divided, mm.
@@ -203,7 +202,7 @@ fn along(element: &Element, p: Point2<f64>) -> f64 {
 
 /// The angle from the middle of an arc to the spoke of a place, radians.
 fn from_middle(arc: &PlaneArc, p: Point2<f64>) -> f64 {
-    let middle = pieces::at(&Element::Arc(*arc), 0.5) - arc.center;
+    let middle = Element::Arc(*arc).at(0.5) - arc.center;
     let spoke = p - arc.center;
     middle.perp(&spoke).atan2(middle.dot(&spoke))
 }
@@ -234,12 +233,12 @@ fn merged(edges: Vec<Edge>, same_mm: f64) -> (Vec<Edge>, Option<Point2<f64>>) {
     let mut count: Vec<[i32; 2]> = edges.iter().map(|edge| edge.count).collect();
     let mut overlap = None;
     for (place, &k) in order.iter().enumerate() {
-        let middle = pieces::at(&edges[k].element, 0.5);
+        let middle = edges[k].element.at(0.5);
         let same_ends = |other: &&usize| (key(**other).0, key(**other).1) == (key(k).0, key(k).1);
         let before = order[..place].iter().rev().take_while(same_ends);
         // The first of equal edges replaces all of them.
         let first = before.copied().filter(|other| {
-            count[*other] != [0; 2] && (pieces::at(&edges[*other].element, 0.5) - middle).norm() <= same_mm
+            count[*other] != [0; 2] && (edges[*other].element.at(0.5) - middle).norm() <= same_mm
         });
         if let Some(first) = first.last() {
             let sense = if edges[first].from == edges[k].from { 1 } else { -1 };

@@ -1,13 +1,14 @@
 //! A closed loop of lines and arcs that does not cross itself.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use super::arrangement::{Arrangement, Loop, SNAP_MM};
 use super::winding::{self, Sides};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bounding_tree::Volume;
 use crate::geometry::element::{Element, PlaneArc};
-use crate::geometry::offset::tree::Bounds;
+use crate::geometry::offset::distance;
+use crate::geometry::offset::tree::{Bounds, Tree};
 
 /// The largest coordinate or radius, mm: its rounding is a hundredth of [`SNAP_MM`].
 const LARGEST_MM: f64 = 1e8;
@@ -87,6 +88,41 @@ impl Outline {
         area(&self.elements)
     }
 
+    /// The centroid of the area inside.
+    pub fn centroid(&self) -> Point2<f64> {
+        let origin = self.elements[0].start();
+        let (mut area, mut moment) = (0.0, Vector2::zeros());
+        for element in &self.elements {
+            let (start, end) = (element.start() - origin, element.end() - origin);
+            let triangle = 0.5 * start.perp(&end);
+            area += triangle;
+            moment += (start + end) * (triangle / 3.0);
+            if let Element::Arc(arc) = element {
+                // The segment between arc and chord.
+                let segment = 0.5 * arc.radius * arc.radius * turn_less_sine(arc.turn);
+                let outward = (element.at(0.5) - arc.center) / arc.radius;
+                let lever = (arc.radius * (0.5 * arc.turn).sin()).powi(3) * (2.0 / 3.0);
+                area += segment;
+                moment += (arc.center - origin) * segment + outward * lever;
+            }
+        }
+        origin + moment / area
+    }
+
+    /// The least distance between the lines of two outlines, mm.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let tree = Tree::new(other.elements.clone());
+        let mut least = tree.nearest(self.elements[0].start(), f64::INFINITY);
+        for element in &self.elements {
+            let (middle, reach) = element.disc();
+            tree.near(middle, least + reach, |k, _| {
+                least = least.min(distance::between(element, &other.elements[k]).0);
+                true
+            });
+        }
+        least
+    }
+
     /// The lowest and the highest coordinates, mm.
     pub fn bounding_box(&self) -> [Point2<f64>; 2] {
         let bounds = self.elements.iter().map(Bounds::of);
@@ -97,17 +133,14 @@ impl Outline {
     /// The same loop in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        Self { elements: self.elements.iter().rev().map(back).collect() }
+        Self { elements: self.elements.iter().rev().map(Element::reversed).collect() }
     }
-}
 
-/// The element in the other direction.
-pub(super) fn back(element: &Element) -> Element {
-    match element {
-        Element::Arc(arc) => {
-            Element::Arc(PlaneArc { start: arc.end, end: arc.start, turn: -arc.turn, ..*arc })
-        }
-        line => Element::Line { start: line.end(), end: line.start() },
+    /// The loop with x negated, in the direction that keeps the same side on its left.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mirrored = |element: &Element| element.mirrored().reversed();
+        Self { elements: self.elements.iter().rev().map(mirrored).collect() }
     }
 }
 
@@ -151,9 +184,9 @@ fn is_small(element: &Element) -> bool {
     is_finite && turns && element.magnitude() <= LARGEST_MM
 }
 
-/// The area to the left of a closed chain, mm²: that of the polygon of its chords, with the segments between
-/// arcs and chords.
-pub(super) fn area(chain: &[Element]) -> f64 {
+/// The area to the left of closed chains, mm², whose elements may come in any order: that of the polygons of
+/// the chords, with the segments between arcs and chords.
+pub fn area(chain: &[Element]) -> f64 {
     let Some(origin) = chain.first().map(Element::start) else { return 0.0 };
     let twice = |element: &Element| {
         let chord = (element.start() - origin).perp(&(element.end() - origin));
@@ -175,5 +208,5 @@ fn turn_less_sine(turn: f64) -> f64 {
 
 /// The length of a chain, mm.
 pub(super) fn length(chain: &[Element]) -> f64 {
-    chain.iter().map(crate::geometry::offset::pieces::length).sum()
+    chain.iter().map(Element::length).sum()
 }

@@ -23,7 +23,6 @@ use super::winding::{self, Sides};
 use super::{Face, RegionError};
 use crate::budget::Budget;
 use crate::geometry::element::{Element, PlaneArc};
-use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::Tree;
 
 /// Lines and circles that differ by less are the same, mm: the difference is rounding.
@@ -82,7 +81,7 @@ pub(super) fn faces(
         let area = outline::area(&elements);
         // Loops narrower than the snap are dropped.
         if area.abs() > SNAP_MM * outline::length(&elements) {
-            let on_it = pieces::at(&sides[0].element, 0.5);
+            let on_it = sides[0].element.at(0.5);
             found.push((Outline::unchecked(elements), area, on_it));
         }
     }
@@ -103,7 +102,7 @@ fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) ->
     let Edge { element, from, to, origin, .. } = *edge;
     match (is_inside(sides.left), is_inside(sides.right)) {
         (true, false) => Some(Side { element, from, to, origin }),
-        (false, true) => Some(Side { element: outline::back(&element), from: to, to: from, origin }),
+        (false, true) => Some(Side { element: element.reversed(), from: to, to: from, origin }),
         _ => None,
     }
 }
@@ -199,13 +198,13 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
     }
     // Sides may be tangent to each other at the vertex. So directions are measured as far from the vertex as
     // the shortest side allows.
-    let arrived = outline::back(&boundary[k].element);
+    let arrived = boundary[k].element.reversed();
     let chord = |element: &Element| (element.end() - element.start()).norm();
     let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
     let reach = 0.5 * elements().map(chord).fold(f64::INFINITY, f64::min);
     let direction = |element: &Element| {
-        let t = (reach / pieces::length(element)).min(1.0);
-        pieces::at(element, t) - element.start()
+        let t = (reach / element.length()).min(1.0);
+        element.at(t) - element.start()
     };
     let from = direction(&arrived);
     let turn = |other: &usize| {

@@ -18,7 +18,6 @@ use nalgebra::Point2;
 use super::arrangement::{Arrangement, Edge};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::Element;
-use crate::geometry::offset::pieces;
 use crate::geometry::offset::tree::{Bounds, Tree};
 
 /// Edges between two checks of the budget.
@@ -108,7 +107,7 @@ pub(super) fn sides(arrangement: &Arrangement, budget: &Budget) -> Result<Vec<Si
 
 fn by_ray(edges: &[Edge], tree: &Tree, k: usize) -> Sides {
     let Edge { element, count, .. } = &edges[k];
-    let middle = pieces::at(element, 0.5);
+    let middle = element.at(0.5);
     let mut ahead = [0; 2];
     along_ray(tree, middle, |other, sense| {
         if other != k {

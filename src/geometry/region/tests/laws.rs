@@ -8,7 +8,6 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::offset::distance::to_point;
-use crate::geometry::offset::pieces;
 
 /// A star: a loop about a place that sees its corners one after the other, with arcs that cannot cross their
 /// neighbours.
@@ -35,7 +34,7 @@ fn is_inside(region: &Region, p: Point2<f64>) -> bool {
             _ => 1.0,
         };
         let chords = chords.ceil();
-        let at = |k: usize| pieces::at(element, k as f64 / chords) - p;
+        let at = |k: usize| element.at(k as f64 / chords) - p;
         turned +=
             (0..chords as usize).map(|k| at(k).perp(&at(k + 1)).atan2(at(k).dot(&at(k + 1)))).sum::<f64>();
     }
@@ -132,7 +131,7 @@ fn offsets_agree(region: &Region, distance: f64, places: &[[f64; 2]]) -> Result<
     for offset in [&inner, &outer] {
         for element in offset.outlines().flat_map(Outline::elements) {
             for k in 0..=8 {
-                let p = pieces::at(element, f64::from(k) / 8.0);
+                let p = element.at(f64::from(k) / 8.0);
                 let apart = from_boundary(region, p);
                 prop_assert!((apart - distance).abs() < 4e-6, "{} is {} from the boundary", p, apart);
             }

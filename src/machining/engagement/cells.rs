@@ -1,0 +1,60 @@
+//! Square cells of the plane with the segments in them, for searches while segments are added.
+
+use std::collections::HashMap;
+
+use nalgebra::Point2;
+
+use crate::geometry::element::Element;
+
+/// Cells and the indices of the segments that may pass through them.
+#[derive(Debug, Clone)]
+pub(super) struct Cells {
+    size_mm: f64,
+    cells: HashMap<[i64; 2], Vec<u32>>,
+}
+
+impl Cells {
+    pub(super) fn new(size_mm: f64) -> Self {
+        Self { size_mm, cells: HashMap::new() }
+    }
+
+    /// Adds a segment. A long one goes into the cells around places along it that are a cell apart.
+    pub(super) fn add(&mut self, start: Point2<f64>, end: Point2<f64>, index: u32) {
+        let count = ((end - start).norm() / self.size_mm).ceil().max(1.0) as usize;
+        let mut before = None;
+        for k in 0..count {
+            let [a, b] = [k, k + 1].map(|k| start + (end - start) * (k as f64 / count as f64));
+            let cell = self.cell(a + (b - a) * 0.5);
+            if before != Some(cell) {
+                self.cells.entry(cell).or_default().push(index);
+                before = Some(cell);
+            }
+        }
+    }
+
+    /// The segments that may be nearer to an element than `within` mm, each once, in their order.
+    pub(super) fn near(&self, element: &Element, within: f64, found: &mut Vec<u32>) {
+        let (middle, reach) = element.disc();
+        self.about(middle, reach + within, found);
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    /// The segments that may be nearer to a place than `within` mm, some of them more than once.
+    pub(super) fn about(&self, middle: Point2<f64>, within: f64, found: &mut Vec<u32>) {
+        found.clear();
+        // A segment is up to half a cell from a place in its cell.
+        let reach = within + 0.5 * self.size_mm;
+        let corner = |side: f64| self.cell(middle + nalgebra::Vector2::new(side, side) * reach);
+        let ([x0, y0], [x1, y1]) = (corner(-1.0), corner(1.0));
+        for x in x0..=x1 {
+            for y in y0..=y1 {
+                found.extend(self.cells.get(&[x, y]).into_iter().flatten());
+            }
+        }
+    }
+
+    fn cell(&self, p: Point2<f64>) -> [i64; 2] {
+        [p.x, p.y].map(|x| (x / self.size_mm).floor() as i64)
+    }
+}

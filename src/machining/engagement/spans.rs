@@ -1,0 +1,180 @@
+//! Ranges on the leading half of the unit circle. A point of this half circle is given by its y, from -1 to
+//! 1, where x is the direction of motion.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector2;
+
+/// Points nearer than this to the boundary of a stadium count as outside.
+const ROUNDING: f64 = 1e-12;
+
+/// A segment frees at most this many ranges: the boundary of its stadium meets a circle in at most eight
+/// places.
+const MOST: usize = 5;
+
+/// The ranges of one segment, in order.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Few {
+    count: usize,
+    ranges: [[f64; 2]; MOST],
+}
+
+impl Few {
+    fn push(&mut self, range: [f64; 2]) {
+        if self.count > 0 && self.ranges[self.count - 1][1] == range[0] {
+            self.ranges[self.count - 1][1] = range[1];
+        } else if self.count < MOST {
+            self.ranges[self.count] = range;
+            self.count += 1;
+        }
+    }
+
+    pub(super) fn ranges(&self) -> &[[f64; 2]] {
+        &self.ranges[..self.count]
+    }
+}
+
+/// Any number of ranges, which may overlap.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Spans {
+    ranges: Vec<[f64; 2]>,
+}
+
+impl Spans {
+    pub(super) fn add(&mut self, few: &Few) {
+        self.ranges.extend_from_slice(few.ranges());
+    }
+
+    /// Adds what two lists of ranges have in common.
+    pub(super) fn add_common(&mut self, one: &Few, other: &Few) {
+        for a in one.ranges() {
+            for b in other.ranges() {
+                let range = [a[0].max(b[0]), a[1].min(b[1])];
+                if range[0] < range[1] {
+                    self.ranges.push(range);
+                }
+            }
+        }
+    }
+
+    /// A disc around all that is outside the ranges; none if nothing is.
+    pub(super) fn disc_of_left(&mut self) -> Option<(Vector2<f64>, f64)> {
+        self.sort();
+        let (mut from, mut to, mut covered) = (f64::INFINITY, f64::NEG_INFINITY, -1.0);
+        for [start, end] in self.ranges.iter().copied().chain([[1.0, 1.0]]) {
+            if start > covered {
+                from = f64::min(from, covered);
+                to = start;
+            }
+            covered = f64::max(covered, end);
+        }
+        let [from, to] = [from, to].map(|y| Vector2::new(((1.0 - y) * (1.0 + y)).max(0.0).sqrt(), y));
+        (from.y < to.y).then(|| {
+            let half = 0.5 * (to - from).norm();
+            // Less than half a circle is within the disc over its chord.
+            (0.5 * (from + to), half + ROUNDING.sqrt())
+        })
+    }
+
+    fn sort(&mut self) {
+        self.ranges.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    }
+
+    /// What is outside all ranges.
+    pub(super) fn left(mut self) -> Left {
+        self.sort();
+        let (mut covered, mut width, mut to) = (0.0, 0.0, -1.0);
+        for [from, end] in self.ranges {
+            if end > to {
+                let from = from.max(to);
+                covered += end.asin() - from.asin();
+                width += end - from;
+                to = end;
+            }
+        }
+        Left { angle: (PI - covered).max(0.0), width: (2.0 - width).max(0.0) }
+    }
+}
+
+/// A part of the half circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Left {
+    /// Radians.
+    pub angle: f64,
+    /// Across the motion.
+    pub width: f64,
+}
+
+/// Whether the segment from `a` to `b` is nearer to the origin than `within`.
+pub(super) fn is_near(a: Vector2<f64>, b: Vector2<f64>, within: f64) -> bool {
+    let chord = b - a;
+    let square = chord.norm_squared();
+    let u = if square > 0.0 { (-a.dot(&chord) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (a + chord * u).norm_squared() < within * within
+}
+
+/// The points of the half circle inside the stadium of the segment from `a` to `b` with the given reach.
+pub(super) fn freed(a: Vector2<f64>, b: Vector2<f64>, reach: f64) -> Few {
+    let mut few = Few::default();
+    let chord = b - a;
+    let length = chord.norm();
+    // The crossings of the circle with the boundary of the stadium, by their y.
+    let mut crossings = [0.0; 10];
+    let mut count = 0;
+    let mut see = |u: Vector2<f64>| {
+        if u.x > 0.0 && count < 8 {
+            crossings[count] = u.y;
+            count += 1;
+        }
+    };
+    let along = if length > 0.0 { chord / length } else { Vector2::x() };
+    let normal = Vector2::new(-along.y, along.x);
+    if length > 0.0 {
+        let beside = normal.dot(&a);
+        for side in [beside - reach, beside + reach] {
+            if side.abs() < 1.0 {
+                let half = ((1.0 - side) * (1.0 + side)).sqrt();
+                for ahead in [-half, half] {
+                    let foot = ahead - along.dot(&a);
+                    if (0.0..=length).contains(&foot) {
+                        see(normal * side + along * ahead);
+                    }
+                }
+            }
+        }
+    }
+    for (end, sense) in [(a, -1.0), (b, 1.0)] {
+        let distance = end.norm();
+        if distance > 0.0 && distance < 1.0 + reach {
+            let toward = end / distance;
+            let ahead = (1.0 + distance * distance - reach * reach) / (2.0 * distance);
+            if ahead.abs() < 1.0 {
+                let half = ((1.0 - ahead) * (1.0 + ahead)).sqrt();
+                for aside in [-half, half] {
+                    let u = toward * ahead + Vector2::new(-toward.y, toward.x) * aside;
+                    if sense * (u - end).dot(&along) >= 0.0 || length == 0.0 {
+                        see(u);
+                    }
+                }
+            }
+        }
+    }
+    let square = reach * reach - ROUNDING;
+    let is_inside = |y: f64| {
+        let from = Vector2::new(((1.0 - y) * (1.0 + y)).max(0.0).sqrt(), y) - a;
+        let u = from.dot(&along).clamp(0.0, length);
+        (from - along * u).norm_squared() < square
+    };
+    let crossings = &mut crossings[..count];
+    crossings.sort_unstable_by(f64::total_cmp);
+    let mut from = -1.0;
+    for to in crossings.iter().copied().chain([1.0]) {
+        if to > from {
+            if is_inside(0.5 * (from + to)) {
+                few.push([from, to]);
+            }
+            from = to;
+        }
+    }
+    few
+}

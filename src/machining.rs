@@ -4,6 +4,7 @@
 
 pub mod cutter;
 pub mod drop_cutter;
+pub mod engagement;
 pub mod gouge;
 pub mod offset_section;
 pub mod regularity;

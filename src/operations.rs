@@ -4,5 +4,6 @@
 pub mod arc_fitting;
 pub mod cutter_location;
 pub mod interpolation;
+pub mod pocketing;
 pub mod surface_milling;
 pub mod surface_model;

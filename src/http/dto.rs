@@ -17,6 +17,8 @@ pub mod milling;
 pub mod modelling;
 pub mod moves;
 mod names;
+pub mod outline;
+pub mod pocketing;
 pub mod point;
 pub mod program;
 pub mod program_writing;

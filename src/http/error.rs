@@ -48,6 +48,9 @@ pub enum Code {
     ToleranceNotReached,
     SectionLost,
     NothingToCut,
+    ToolTooLarge,
+    NoEntry,
+    NoValidPattern,
     /// No block of the text moves the machine, so the text is not an NC program.
     NoMotion,
     BandInfeasible,
@@ -80,6 +83,9 @@ impl Code {
             | Code::ToleranceNotReached
             | Code::SectionLost
             | Code::NothingToCut
+            | Code::ToolTooLarge
+            | Code::NoEntry
+            | Code::NoValidPattern
             | Code::NoMotion
             | Code::BandInfeasible => StatusCode::UNPROCESSABLE_ENTITY,
             Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
@@ -114,6 +120,9 @@ impl Code {
             Code::ToleranceNotReached => "The tolerance was not reached",
             Code::SectionLost => "A section of the surface could not be followed",
             Code::NothingToCut => "There is nothing to cut",
+            Code::ToolTooLarge => "The tool fits nowhere",
+            Code::NoEntry => "The cutter cannot come down into the material",
+            Code::NoValidPattern => "No pattern clears the pocket",
             Code::NoMotion => "The program moves nothing",
             Code::BandInfeasible => "The band leaves no room for an element",
             Code::InternalError => "The server failed",
@@ -236,8 +245,8 @@ pub struct Problem {
     /// place of the body is to blame.
     errors: Vec<FieldError>,
     /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `section_lost`,
-    /// `band_infeasible` and `tolerance_not_reached`, and with `not_smooth` unless `boundary: past` is to
-    /// blame.
+    /// `band_infeasible`, `tolerance_not_reached`, `tool_too_large` and `no_entry`, with `invalid_request`
+    /// where outlines cross, and with `not_smooth` unless `boundary: past` is to blame.
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<Place>,
     /// The media types that the endpoint can answer. Present with `not_acceptable`.
@@ -356,8 +365,8 @@ fn first_pointer(errors: &[FieldError]) -> &str {
     errors.first().map_or("#", |error| &error.pointer)
 }
 
-/// Puts the error into the extensions of the response. `envelope::wrap` knows the request's id and writes the
-/// body.
+/// Puts the error into the extensions of the response. `envelope::wrap` knows the request's id and writes
+/// the body.
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut response = self.status.into_response();

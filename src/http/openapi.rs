@@ -32,12 +32,14 @@ use super::{App, health, metrics, v1};
     tags(
         (name = "curves", description = "Curves in the plane, and points"),
         (name = "surfaces", description = "Sculptured surfaces"),
+        (name = "pockets", description = "Pockets and islands"),
         (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts, and its contract"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
     components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
-        super::dto::point::Position))
+        super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline,
+        super::dto::pocketing::Pattern))
 )]
 struct Document;
 
@@ -49,6 +51,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::surfaces_drop::drop_cutter))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
+        .routes(routes!(v1::pockets_plan::plan_pocket))
         .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))

@@ -4,6 +4,7 @@ pub mod arcs_fit;
 pub mod curves_interpolate;
 pub mod dialects;
 pub mod limits;
+pub mod pockets_plan;
 pub mod programs_write;
 pub mod surfaces_drop;
 pub mod surfaces_mill;

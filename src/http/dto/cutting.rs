@@ -19,7 +19,9 @@ pub struct Cutting {
     /// Feed straight down to the start of a pass, in mm/min. Default: half of `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     plunge_feed_mm_per_min: Option<f64>,
-    /// Feed down a ramp, in mm/min. Default: `plunge_feed_mm_per_min`.
+    /// Feed down a ramp, in mm/min. Default: `plunge_feed_mm_per_min`. For `/v1/pockets/plan`, whose ramps
+    /// and helices are gentle, the default is `slot_feed_mm_per_min`, or less where the cutter would come
+    /// down faster than `plunge_feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     ramp_feed_mm_per_min: Option<f64>,
     /// Feed of lead-ins, in mm/min. Default: `feed_mm_per_min`.
@@ -32,6 +34,10 @@ pub struct Cutting {
     /// Feed of lead-outs, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     lead_out_feed_mm_per_min: Option<f64>,
+    /// Feed where the cutter is deeper in the material than on a straight pass with the stepover, as in a
+    /// slot or an inside corner, in mm/min. Only `/v1/pockets/plan` uses it. Default: `feed_mm_per_min`.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    slot_feed_mm_per_min: Option<f64>,
     /// The machine's traverse rate, in mm/min. Only times depend on the traverse rate.
     #[schema(minimum = 0.001, maximum = 1_000_000, default = 10_000)]
     rapid_feed_mm_per_min: Option<f64>,
@@ -47,7 +53,8 @@ pub struct Cutting {
     coolant: Coolant,
     /// Absolute height of the clearance plane, in mm: the height of rapids before the first pass and after
     /// the last pass. `wire_union` also crosses from pass to pass at this height. Default: 20 mm above the
-    /// top of the part and its stock; for `/v1/programs/write` 20 mm above everything that the toolpath cuts.
+    /// top of the part and its stock; for `/v1/programs/write` 20 mm above everything that the toolpath
+    /// cuts.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     clearance_z_mm: Option<f64>,
     /// Absolute height of the retract plane, in mm: the height to which the tool is lifted between passes.
@@ -80,6 +87,7 @@ impl Cutting {
             lead_in_feed_mm_per_min,
             link_feed_mm_per_min,
             lead_out_feed_mm_per_min,
+            slot_feed_mm_per_min,
             rapid_feed_mm_per_min,
             acceleration_mm_per_s2,
             spindle_rpm,
@@ -97,6 +105,7 @@ impl Cutting {
         let lead_in_feed = feed("lead_in_feed_mm_per_min", lead_in_feed_mm_per_min);
         let link_feed = feed("link_feed_mm_per_min", link_feed_mm_per_min);
         let lead_out_feed = feed("lead_out_feed_mm_per_min", lead_out_feed_mm_per_min);
+        let slot_feed = feed("slot_feed_mm_per_min", slot_feed_mm_per_min);
         let rapid_feed = feed("rapid_feed_mm_per_min", rapid_feed_mm_per_min);
         let at_acceleration = at.field("acceleration_mm_per_s2");
         violations.optional(&at_acceleration, acceleration_mm_per_s2, Range::POSITIVE, "mm/s2");
@@ -111,6 +120,7 @@ impl Cutting {
             lead_in_feed,
             link_feed,
             lead_out_feed,
+            slot_feed,
             rapid_feed,
             acceleration: acceleration_mm_per_s2.and_then(Acceleration::from_mm_per_s2),
             spindle_rpm,

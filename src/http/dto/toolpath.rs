@@ -55,6 +55,10 @@ pub enum WarningCode {
     EntryNotClear,
     /// The roughing path cuts into the surface; the report bounds the depth.
     RoughingPathGouges,
+    /// The tool is too large for some places of the pocket.
+    PlacesNotReached,
+    /// The stepover is larger than the cutter's radius.
+    StepoverNarrowed,
     /// Rounding to the program's decimals may leave the band.
     RoundingLeavesBand,
     /// Rounding to the program's decimals may exceed the tolerance.

@@ -22,6 +22,10 @@ type Texts = &'static [(&'static str, &'static str, &'static str)];
 const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
+    "pockets-plan": [
+        "arcs", "circle", "comb", "corner-island", "dumbbell", "fillets-above-radius", "fillets-below-radius",
+        "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
+    ],
     "programs-write": ["contour", "inch-fanuc", "one-line", "parabolas"],
     "surfaces-drop": ["bowl", "bull-nose"],
     "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "one-pass", "wire-union"],
@@ -32,6 +36,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
 const ANSWERS: Texts = texts!("answers", "json", {
     "arcs-fit": ["contour"],
     "curves-interpolate": ["nurbs"],
+    "pockets-plan": ["circle"],
     "programs-write": ["one-line"],
     "surfaces-drop": ["bull-nose"],
     "surfaces-mill": ["one-pass"],
@@ -42,6 +47,7 @@ const ANSWERS: Texts = texts!("answers", "json", {
 const PROGRAMS: Texts = texts!("answers", "ngc", {
     "arcs-fit": ["contour"],
     "curves-interpolate": ["nurbs"],
+    "pockets-plan": ["circle"],
     "programs-write": ["one-line"],
     "surfaces-mill": ["one-pass"],
 });

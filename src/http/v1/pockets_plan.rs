@@ -1,0 +1,105 @@
+//! `POST /v1/pockets/plan`: plans the clearing of a pocket, and answers a toolpath, an NC program or a
+//! picture.
+
+mod failure;
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+use nalgebra::Point3;
+
+use crate::budget::Budget;
+use crate::geometry::element::Element;
+use crate::http::App;
+use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::pocketing::PocketRequest;
+use crate::http::dto::pocketing::report::PocketReport;
+use crate::http::dto::setup::JobWithSetup;
+use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::ApiError;
+use crate::http::extract::JobBody;
+use crate::http::negotiation::{Toolpaths, Wanted};
+use crate::operations::pocketing::{self, Job, Plan};
+use crate::plot::Drawing;
+use crate::toolpath::units::rounded_up_mm;
+
+/// The answer in JSON.
+type PocketAnswer = Answer<PocketReport>;
+
+/// Plan the clearing of a pocket.
+///
+/// The answer is the toolpath with the figures of every pattern on every level, the NC program, or a picture.
+#[utoipa::path(post, path = "/v1/pockets/plan", operation_id = "planPocket", tag = "pockets",
+    params(Wanted<Toolpaths>), request_body = PocketRequest,
+    responses((status = 200, description = "The toolpath, the program or a picture.", body = PocketAnswer)))]
+pub async fn plan_pocket(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Toolpaths>,
+    body: JobBody<PocketRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, plan).await
+}
+
+fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
+    let Plan { toolpath, report, cutting, warnings } = pocketing::plan(&job, budget)?;
+    Ok(Outcome {
+        meta,
+        warnings: warnings.iter().map(Warning::from).collect(),
+        product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+        report: PocketReport::from(&report),
+        drawing: Box::new(move || drawing(&job)),
+    })
+}
+
+/// The wall and the islands, at the top and at the floor.
+fn drawing(job: &Job) -> Drawing {
+    let outlines = || std::iter::once(&job.area.boundary).chain(&job.area.islands);
+    let at = |z: f64| outlines().map(move |outline| polyline(outline, z));
+    Drawing { curve: at(job.top_z_mm).chain(at(job.floor_z_mm)).collect(), ..Drawing::default() }
+}
+
+/// Largest turn of an arc that is drawn as a chord, radians.
+const LARGEST_TURN: f64 = 0.1;
+
+fn polyline(outline: &[Element], z: f64) -> Vec<Point3<f64>> {
+    let mut points = Vec::with_capacity(outline.len() + 1);
+    for element in outline {
+        let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
+        points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
+    }
+    points.extend(points.first().copied());
+    points.into_iter().map(|p| Point3::new(p.x, p.y, z)).collect()
+}
+
+/// The line with the proved figures for the program's header. The gouge is rounded up.
+fn proved(report: &pocketing::Report) -> String {
+    let n_levels = report.levels.len();
+    format!(
+        "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}",
+        rounded_up_mm(report.gouge_max_mm),
+        report.uncut_area_mm2,
+        if n_levels == 1 { "" } else { "S" }
+    )
+}
+
+impl From<&pocketing::Warning> for Warning {
+    fn from(warning: &pocketing::Warning) -> Self {
+        match warning {
+            pocketing::Warning::PlacesNotReached { count, largest } => Self {
+                code: WarningCode::PlacesNotReached,
+                detail: format!(
+                    "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
+                    largest.area_mm2, largest.at.x, largest.at.y
+                ),
+            },
+            pocketing::Warning::StepoverNarrowed => Self {
+                code: WarningCode::StepoverNarrowed,
+                detail: "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material"
+                    .into(),
+            },
+        }
+    }
+}

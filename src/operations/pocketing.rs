@@ -1,0 +1,254 @@
+//! Clears a pocket level by level, each with the pattern that takes the least time (Ryu, Kang, Jeon).
+//!
+//! # Method
+//! 1. The pocket is divided into levels (`level`). On each level the region is computed in which the
+//!    cutter's centre may be: the pocket, offset inward by the radius.
+//! 2. Each pattern makes chains of lines and arcs (`rings`, `islands`, `rows`, `strips`), or follows what is
+//!    left of the material (`engagement`). The `router` joins the chains: it chooses where loops begin, links
+//!    them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
+//!    material all along ([`engagement`](crate::machining::engagement)).
+//! 3. Each route is checked for what it leaves, for gouges and for links through material (`check`).
+//! 4. On each level the route with the least time among those that pass the check is taken.
+//!
+//! # Guarantees
+//! * The cutter is never nearer to a wall than its radius, except for rounding; `gouge_max_mm` bounds this
+//!   after rounding to the program's decimals.
+//! * Links and rapids never run through material. Below the top of the material rapids go straight up, or
+//!   straight down where the floor is cleared. Nothing is cut deeper than the stepdown.
+//! * The paths of `island_stock_offset`, `zigzag_stock_offset` and the rows free all that the tool can
+//!   reach. Whatever a path leaves is in the report.
+//!
+//! # Degenerate input
+//! Islands may overlap, touch the wall or lie closer to each other than the tool. A tool that fits nowhere
+//! is refused with the largest that fits; so is a tool that cannot enter where plunging is not allowed.
+//!
+//! # Differences from the paper
+//! * The paper's time has no plunges and no slower slots. It is reported, and may be chosen by; the default
+//!   is the time with both.
+//! * Patterns without a pass along the walls leave material there and then win by not doing the work. Every
+//!   pattern here ends with such a pass.
+//!
+//! # Reference
+//! J. Ryu, S. Kang, Y. Jeon, *The minimum time pocketing cycle for the workshop oriented programming*.
+
+mod candidate;
+mod chain;
+mod check;
+mod conditions;
+mod crossings;
+mod depth;
+mod engagement;
+mod entry;
+mod feeds;
+mod growth;
+mod islands;
+mod job;
+mod level;
+mod path;
+mod report;
+mod rings;
+mod router;
+mod rows;
+mod strips;
+
+use nalgebra::{Point2, Point3};
+
+use crate::budget::{Budget, Stopped};
+use crate::geometry::region::{OutlineError, RegionError};
+use crate::toolpath::Toolpath;
+use crate::toolpath::cutting::{Cutting, HeightError};
+use crate::toolpath::path::{Builder, PathError};
+use crate::toolpath::quantize::QuantizeError;
+use candidate::{Route, routes};
+pub use check::Exception;
+use conditions::Conditions;
+pub use job::{ChooseBy, EntryLimits, Job, Milling, Outlines, Pattern};
+pub use level::{Island, Uncut};
+use level::{Level, Shape, levels};
+use report::Times;
+pub use report::{Candidate, LevelReport, Report};
+
+/// A planned pocket.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub toolpath: Toolpath,
+    pub report: Report,
+    pub cutting: Cutting,
+    pub warnings: Vec<Warning>,
+}
+
+/// Something about the plan that the operator should know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Warning {
+    /// Places of the pocket that the tool cannot reach stay uncut, besides corners.
+    PlacesNotReached { count: usize, largest: Uncut },
+    /// The stepover is larger than the radius: rings lie closer where they would leave material.
+    StepoverNarrowed,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PocketError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error(transparent)]
+    Heights(#[from] HeightError),
+    #[error(transparent)]
+    Region(RegionError),
+    #[error(transparent)]
+    Quantize(#[from] QuantizeError),
+    #[error(transparent)]
+    Path(#[from] PathError),
+    #[error("{}{error}", island.map_or_else(String::new, |k| format!("island {k}: ")))]
+    Outline { island: Option<usize>, error: OutlineError },
+    #[error("the islands fill the pocket: nothing is left to cut")]
+    NothingToCut,
+    #[error(
+        "the tool of {diameter_mm} mm fits nowhere in the pocket; the largest that fits has {largest_mm:.3} mm, near {at}"
+    )]
+    ToolTooLarge { diameter_mm: f64, largest_mm: f64, at: Point2<f64> },
+    #[error(
+        "near {at} neither a helix of {least_mm} mm nor a ramp fits, and `entry.plunge` is `false`; allow the plunge, or send a tool of at most {largest_mm:.3} mm"
+    )]
+    NoEntry { at: Point2<f64>, least_mm: f64, largest_mm: f64 },
+    #[error("the pocket needs more than {limit} {what}")]
+    TooMuchWork { what: &'static str, limit: usize },
+    #[error("none of the patterns is valid: {because}")]
+    NoneValid { because: String },
+}
+
+impl From<RegionError> for PocketError {
+    fn from(error: RegionError) -> Self {
+        match error {
+            RegionError::Stopped(stopped) => Self::Stopped(stopped),
+            other => Self::Region(other),
+        }
+    }
+}
+
+/// Plans the pocket.
+///
+/// # Errors
+/// One of [`PocketError`].
+pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
+    let cutting = job.cutting.above(job.top_z_mm)?;
+    let (shapes, levels) = levels(job, budget)?;
+    let found = routes_of_shapes(job, &cutting, &shapes, &levels, budget)?;
+    let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, cutting.clearance_z_mm));
+    let mut report = Report::default();
+    for (k, level) in levels.iter().enumerate() {
+        let conditions = Conditions::new(job, &cutting, level);
+        let (level_report, chosen) =
+            choose(job, &shapes[level.shape], &found[level.shape], &conditions, budget)?;
+        if k == 0
+            && let Some(run) = chosen.runs.first()
+        {
+            builder = Toolpath::builder(Point3::new(run.start.x, run.start.y, cutting.clearance_z_mm));
+        }
+        append_level(&mut builder, k, chosen, &conditions)?;
+        report.levels.push(level_report);
+    }
+    builder.rapid_to_height(cutting.clearance_z_mm)?;
+    let toolpath = builder.finish()?;
+    report.finish(&toolpath, &shapes, &levels, job, &cutting)?;
+    let warnings = warnings(job, &report);
+    Ok(Plan { toolpath, report, cutting, warnings })
+}
+
+/// The routes of one pattern, or why it has none.
+type Found = (Pattern, Result<Vec<Route>, PocketError>);
+
+/// For each shape the routes of all patterns.
+fn routes_of_shapes(
+    job: &Job,
+    cutting: &Cutting,
+    shapes: &[Shape],
+    levels: &[Level],
+    budget: &Budget,
+) -> Result<Vec<Vec<Found>>, PocketError> {
+    let patterns = &job.patterns;
+    let find = |k: usize| {
+        let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
+        // Lifts take about as long on every level.
+        let level = levels.iter().find(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
+        let conditions = Conditions::new(job, cutting, level);
+        match routes(pattern, &shapes[shape], &conditions, budget) {
+            Err(PocketError::Stopped(stopped)) => Err(stopped),
+            found => Ok((pattern, found)),
+        }
+    };
+    let mut all = budget.in_order(shapes.len() * patterns.len(), find)?.into_iter();
+    Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
+}
+
+/// The report of a level and its chosen route.
+fn choose<'a>(
+    job: &Job,
+    shape: &Shape,
+    found: &'a [Found],
+    conditions: &Conditions,
+    budget: &Budget,
+) -> Result<(LevelReport, &'a Route), PocketError> {
+    let mut candidates = Vec::new();
+    let mut best: Option<(f64, Pattern, &Route)> = None;
+    let mut failure = None;
+    for (pattern, routes) in found {
+        let routes = match routes {
+            Ok(routes) => routes,
+            Err(error) => {
+                candidates.push(Candidate::failed(*pattern, error.to_string()));
+                failure.get_or_insert(error);
+                continue;
+            }
+        };
+        let mut fastest: Option<(f64, Candidate, &Route)> = None;
+        for route in routes {
+            let times = Times::of(route, conditions)?;
+            let figure = times.figure(job.choose_by);
+            let candidate = Candidate::new(*pattern, route, &times);
+            let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
+                (candidate.is_valid(), -figure) > (other.is_valid(), -*least)
+            };
+            if fastest.as_ref().is_none_or(is_better) {
+                fastest = Some((figure, candidate, route));
+            }
+        }
+        let Some((figure, candidate, route)) = fastest else { continue };
+        if candidate.is_valid() && best.is_none_or(|(least, ..)| figure < least) {
+            best = Some((figure, *pattern, route));
+        }
+        candidates.push(candidate);
+    }
+    match best {
+        Some((_, pattern, route)) => {
+            let report = LevelReport::new(shape, conditions, pattern, candidates, budget)?;
+            Ok((report, route))
+        }
+        None => Err(failure.cloned().unwrap_or_else(|| PocketError::NoneValid {
+            because: candidates
+                .iter()
+                .find_map(|candidate| candidate.invalid_because.clone())
+                .unwrap_or_default(),
+        })),
+    }
+}
+
+fn append_level(
+    builder: &mut Builder,
+    k: usize,
+    route: &Route,
+    conditions: &Conditions,
+) -> Result<(), PathError> {
+    path::append(builder, u32::try_from(k).unwrap_or(u32::MAX), &route.runs, conditions)
+}
+
+fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let places = || report.levels.iter().flat_map(|level| &level.not_reached);
+    if let Some(largest) = places().copied().reduce(|a, b| if b.area_mm2 > a.area_mm2 { b } else { a }) {
+        warnings.push(Warning::PlacesNotReached { count: places().count(), largest });
+    }
+    if job.stepover_mm > job.tool.radius_mm {
+        warnings.push(Warning::StepoverNarrowed);
+    }
+    warnings
+}

@@ -1,0 +1,47 @@
+//! Places on chains of elements.
+
+use nalgebra::Point2;
+
+use crate::geometry::element::Element;
+
+/// The distance of a place from an element, and the place on the element.
+pub fn foot(element: &Element, p: Point2<f64>) -> (f64, Point2<f64>) {
+    let u = element.foot(p, 0.5).u.clamp(0.0, 1.0);
+    [u, 0.0, 1.0]
+        .map(|u| element.at(u))
+        .map(|place| ((place - p).norm(), place))
+        .into_iter()
+        .fold((f64::INFINITY, p), |a, b| if b.0 < a.0 { b } else { a })
+}
+
+/// The element nearest to a place, and the fraction of its length.
+pub fn nearest(elements: &[Element], p: Point2<f64>) -> (usize, f64) {
+    let mut best = (f64::INFINITY, 0, 0.0);
+    for (k, element) in elements.iter().enumerate() {
+        for t in [element.foot(p, 0.5).u.clamp(0.0, 1.0), 0.0, 1.0] {
+            let distance = (element.at(t) - p).norm();
+            if distance < best.0 {
+                best = (distance, k, t);
+            }
+        }
+    }
+    (best.1, best.2)
+}
+
+/// The loop from the fraction `t` of element `k` on.
+pub fn begun_at(elements: &[Element], k: usize, t: f64) -> Vec<Element> {
+    let (before, after) = elements.split_at(k);
+    let mut begun: Vec<Element> = Vec::with_capacity(elements.len() + 1);
+    let Some((first, rest)) = after.split_first() else { return begun };
+    let length = first.length();
+    if t * length < 1e-6 {
+        begun.extend(after.iter().chain(before));
+    } else if (1.0 - t) * length < 1e-6 {
+        begun.extend(rest.iter().chain(before).chain([first]));
+    } else {
+        begun.push(first.part(t, 1.0));
+        begun.extend(rest.iter().chain(before));
+        begun.push(first.part(0.0, t));
+    }
+    begun
+}

@@ -1,0 +1,254 @@
+//! Where level lines meet the outlines of a region, in the order along the lines and along the outlines.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use nalgebra::{Matrix2, Rotation2, Vector2};
+
+use super::PocketError;
+use crate::budget::Budget;
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::region::{self, Outline, Region};
+
+/// The most lines, and the most places where they meet outlines.
+const MOST: usize = 1_000_000;
+
+/// A frame that is turned against the workpiece, so that rows run along its x.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// From the frame to the workpiece.
+    pub rotation: Rotation2<f64>,
+}
+
+/// A place where a line meets an outline.
+#[derive(Debug, Clone, Copy)]
+pub struct Crossing {
+    pub outline: usize,
+    pub element: usize,
+    /// The fraction of the element's length.
+    pub t: f64,
+    pub x: f64,
+    /// The index of the line.
+    pub row: usize,
+    /// Whether the outline goes up here.
+    pub is_up: bool,
+    /// The other end of the part of the line that is in the region.
+    pub other: usize,
+    /// The crossings before and after this one along the outline.
+    pub before: usize,
+    pub after: usize,
+}
+
+#[derive(Debug, Clone, Default)]
+pub struct Crossings {
+    pub all: Vec<Crossing>,
+    /// The left ends of the parts of lines in the region.
+    pub lefts: Vec<usize>,
+}
+
+impl Frame {
+    /// Rows along the direction `angle`, radians. Right angles are turned without rounding.
+    pub fn new(angle: f64) -> Self {
+        let rotation = if angle == FRAC_PI_2 {
+            Rotation2::from_matrix_unchecked(Matrix2::new(0.0, -1.0, 1.0, 0.0))
+        } else {
+            Rotation2::new(angle)
+        };
+        Self { rotation }
+    }
+
+    /// The frame turned by half a turn.
+    pub fn reversed(self) -> Self {
+        let [[a, b], [c, d]]: [[f64; 2]; 2] = self.rotation.into_inner().into();
+        // Columns, without rounding.
+        Self { rotation: Rotation2::from_matrix_unchecked(Matrix2::new(-a, -c, -b, -d)) }
+    }
+
+    /// The directions of x and y, and those along and across the longest line of the boundary.
+    pub fn candidates(region: &Region) -> Vec<Self> {
+        let mut angles = vec![0.0, FRAC_PI_2];
+        let lines = region.outlines().flat_map(Outline::elements).filter(|element| element.turn() == 0.0);
+        if let Some(longest) = lines.max_by(|a, b| a.length().total_cmp(&b.length())) {
+            let along = longest.end() - longest.start();
+            let angle = along.y.atan2(along.x).rem_euclid(FRAC_PI_2);
+            if angle.min(FRAC_PI_2 - angle) > 1e-6 {
+                angles.extend([angle, angle + FRAC_PI_2]);
+            }
+        }
+        angles.into_iter().map(Self::new).collect()
+    }
+
+    /// The outlines of a region in this frame.
+    pub fn outlines(&self, region: &Region) -> Vec<Vec<Element>> {
+        let back = self.rotation.inverse();
+        let turned =
+            |outline: &Outline| outline.elements().iter().map(|element| rotated(element, &back)).collect();
+        region.outlines().map(turned).collect()
+    }
+
+    /// Elements of this frame in the workpiece.
+    pub fn in_workpiece(&self, elements: &[Element]) -> Vec<Element> {
+        elements.iter().map(|element| rotated(element, &self.rotation)).collect()
+    }
+}
+
+impl Crossings {
+    /// The crossings of the outlines of a region with the lines at these heights, which rise. A line that
+    /// runs along an edge counts as just above it.
+    pub fn new(outlines: &[Vec<Element>], ys: &[f64], budget: &Budget) -> Result<Self, PocketError> {
+        let mut all: Vec<Crossing> = Vec::new();
+        for (j, outline) in outlines.iter().enumerate() {
+            budget.check()?;
+            let first = all.len();
+            for (k, element) in outline.iter().enumerate() {
+                let begin = all.len();
+                for range in monotone(element) {
+                    let [a, b] = range.map(|t| element.at(t).y);
+                    let (low, high) = (a.min(b), a.max(b));
+                    let start = ys.partition_point(|y| *y < low);
+                    for (row, y) in ys.iter().enumerate().skip(start).take_while(|(_, y)| **y < high) {
+                        let t = meets(element, range, *y);
+                        let x = element.at(t).x;
+                        let is_up = a < b;
+                        all.push(Crossing {
+                            outline: j,
+                            element: k,
+                            t,
+                            x,
+                            row,
+                            is_up,
+                            other: 0,
+                            before: 0,
+                            after: 0,
+                        });
+                    }
+                }
+                all[begin..].sort_by(|a, b| a.t.total_cmp(&b.t));
+                Self::checked(all.len() as f64)?;
+            }
+            let last = all.len();
+            for (k, crossing) in all.iter_mut().enumerate().skip(first) {
+                crossing.before = if k == first { last - 1 } else { k - 1 };
+                crossing.after = if k + 1 == last { first } else { k + 1 };
+            }
+        }
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|a, b| {
+            let (a, b) = (&all[*a], &all[*b]);
+            a.row.cmp(&b.row).then(a.x.total_cmp(&b.x))
+        });
+        let mut lefts = Vec::with_capacity(all.len() / 2);
+        for pair in order.chunks_exact(2) {
+            all[pair[0]].other = pair[1];
+            all[pair[1]].other = pair[0];
+            lefts.push(pair[0]);
+        }
+        Ok(Self { all, lefts })
+    }
+
+    /// A number of lines or crossings that is not too large.
+    pub fn checked(count: f64) -> Result<usize, PocketError> {
+        if count <= MOST as f64 {
+            Ok(count as usize)
+        } else {
+            Err(PocketError::TooMuchWork { what: "rows", limit: MOST })
+        }
+    }
+
+    /// The elements of the outline from one crossing on to another, without specks.
+    pub fn between(&self, outlines: &[Vec<Element>], from: usize, to: usize) -> Vec<Element> {
+        let (a, b) = (self.all[from], self.all[to]);
+        let outline = &outlines[a.outline];
+        let mut way = Vec::new();
+        if a.element == b.element && a.t < b.t {
+            way.push(outline[a.element].part(a.t, b.t));
+        } else {
+            way.push(outline[a.element].part(a.t, 1.0));
+            let mut k = (a.element + 1) % outline.len();
+            while k != b.element {
+                way.push(outline[k]);
+                k = (k + 1) % outline.len();
+            }
+            way.push(outline[b.element].part(0.0, b.t));
+        }
+        way.retain(|element| element.length() > 1e-9);
+        way
+    }
+
+    /// The lowest and the highest y of outlines.
+    pub fn range(outlines: &[Vec<Element>]) -> Option<[f64; 2]> {
+        let ys = outlines
+            .iter()
+            .flatten()
+            .flat_map(|element| monotone(element).into_iter().flatten().map(|t| element.at(t).y));
+        ys.fold(None, |range, y| {
+            Some(range.map_or([y, y], |[low, high]: [f64; 2]| [low.min(y), high.max(y)]))
+        })
+    }
+
+    /// The least and the largest x of an element.
+    pub fn width(element: &Element) -> [f64; 2] {
+        let xs = between_poles(element, Vector2::x()).into_iter().flatten().map(|t| element.at(t).x);
+        xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    }
+
+    /// Whether no line meets this outline.
+    pub fn is_untouched(&self, outlines: &[Vec<Element>], outline: &[Element]) -> bool {
+        !self.all.iter().any(|crossing| std::ptr::eq(outlines[crossing.outline].as_slice(), outline))
+    }
+
+    /// Whether a loop runs counterclockwise.
+    pub fn turns_left(outline: &[Element]) -> bool {
+        region::area(outline) > 0.0
+    }
+}
+
+fn rotated(element: &Element, rotation: &Rotation2<f64>) -> Element {
+    match element {
+        Element::Arc(arc) => Element::Arc(PlaneArc {
+            start: rotation * arc.start,
+            end: rotation * arc.end,
+            center: rotation * arc.center,
+            ..*arc
+        }),
+        line => Element::Line { start: rotation * line.start(), end: rotation * line.end() },
+    }
+}
+
+/// The ranges of an element along which y only rises or only falls.
+fn monotone(element: &Element) -> Vec<[f64; 2]> {
+    between_poles(element, Vector2::y())
+}
+
+/// The ranges of an element between the places that are farthest along an axis and against it.
+fn between_poles(element: &Element, axis: Vector2<f64>) -> Vec<[f64; 2]> {
+    let mut cuts = vec![0.0];
+    if let Element::Arc(arc) = element {
+        let from = arc.start - arc.center;
+        let at_pole = |pole: Vector2<f64>| {
+            let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
+            angle.rem_euclid(TAU) / arc.turn.abs()
+        };
+        let mut poles = [axis, -axis].map(at_pole);
+        poles.sort_by(f64::total_cmp);
+        cuts.extend(poles.into_iter().filter(|t| *t > 1e-12 && *t < 1.0 - 1e-12));
+    }
+    cuts.push(1.0);
+    cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// Where a monotone part of an element has the height `y`.
+fn meets(element: &Element, [from, to]: [f64; 2], y: f64) -> f64 {
+    match element {
+        Element::Arc(arc) => {
+            let up = ((y - arc.center.y) / arc.radius).clamp(-1.0, 1.0);
+            let middle = element.at(0.5 * (from + to)) - arc.center;
+            let spoke = Vector2::new((1.0 - up * up).sqrt().copysign(middle.x), up) * arc.radius;
+            let angle = arc.turn.signum() * middle.perp(&spoke).atan2(middle.dot(&spoke));
+            (0.5 * (from + to) + angle / arc.turn.abs()).clamp(from, to)
+        }
+        line => {
+            let (a, b) = (line.start().y, line.end().y);
+            ((y - a) / (b - a)).clamp(from, to)
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Entries: how the cutter comes down into the material at the start of a run.
+
+use nalgebra::{Point2, Vector2};
+
+use super::conditions::Conditions;
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::region::{Place, Region};
+
+/// How near the largest radius of a helix is found, mm.
+const RADIUS_ACCURACY_MM: f64 = 1e-3;
+
+/// The shortest way on which a ramp goes to and fro, as a part of the cutter's radius.
+const SHORTEST_RAMP: f64 = 0.5;
+
+/// How a run begins at its start.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    /// Straight down where the level is already cleared.
+    Open,
+    /// Turns about `center`, which end at the start of the run; to the left if `is_left`.
+    Helix {
+        center: Point2<f64>,
+        is_left: bool,
+    },
+    /// To and fro along the first elements of the run, down to its start.
+    Ramp {
+        along: Vec<Element>,
+        strokes: usize,
+    },
+    Plunge,
+}
+
+/// The largest helix that ends at `p` in the direction `along`.
+pub fn helix(
+    p: Point2<f64>,
+    along: Vector2<f64>,
+    centers: &Region,
+    conditions: &Conditions,
+) -> Option<(f64, Entry)> {
+    let least = 0.5 * conditions.entry.min_diameter_mm;
+    let most = 0.5 * conditions.entry.max_diameter_mm;
+    let aside = Vector2::new(-along.y, along.x);
+    let fits = |center: Point2<f64>, radius: f64| {
+        centers.place(center, 1e-9) == Place::Inside && centers.distance_to_boundary(center) >= radius - 1e-9
+    };
+    let largest = |sense: f64| {
+        let fits = |radius: f64| fits(p + aside * (sense * radius), radius);
+        if !fits(least) {
+            return None;
+        }
+        if fits(most) {
+            return Some(most);
+        }
+        let (mut low, mut high) = (least, most);
+        while high - low > RADIUS_ACCURACY_MM {
+            let middle = 0.5 * (low + high);
+            if fits(middle) { low = middle } else { high = middle }
+        }
+        Some(low)
+    };
+    let both = [(largest(1.0), 1.0), (largest(-1.0), -1.0)];
+    let best = both.into_iter().filter_map(|(radius, sense)| radius.map(|radius| (radius, sense)));
+    let (radius, sense) = best.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    Some((radius, Entry::Helix { center: p + aside * (sense * radius), is_left: sense > 0.0 }))
+}
+
+/// A ramp along the run, or a plunge where the run is too short or no plunge is allowed.
+pub fn ramp(elements: &[Element], conditions: &Conditions) -> Option<Entry> {
+    let needed = conditions.depth_mm() / conditions.entry.ramp_angle.tan();
+    let whole: f64 = elements.iter().map(Element::length).sum();
+    let stroke = whole.min(0.5 * needed);
+    if stroke < SHORTEST_RAMP * conditions.radius_mm {
+        return conditions.entry.plunge.then_some(Entry::Plunge);
+    }
+    let strokes = 2 * (needed / (2.0 * stroke) - 1e-9).ceil().max(1.0) as usize;
+    Some(Entry::Ramp { along: first_part(elements, needed / strokes as f64), strokes })
+}
+
+/// The elements up to this length.
+fn first_part(elements: &[Element], length_mm: f64) -> Vec<Element> {
+    let mut left = length_mm;
+    let mut part = Vec::new();
+    for element in elements {
+        let length = element.length();
+        if left <= 0.0 || length == 0.0 {
+            break;
+        }
+        part.push(if length <= left { *element } else { element.part(0.0, left / length) });
+        left -= length;
+    }
+    part
+}
+
+impl Entry {
+    /// The entry with x negated.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        match self {
+            Self::Open => Self::Open,
+            Self::Plunge => Self::Plunge,
+            Self::Helix { center, is_left } => {
+                Self::Helix { center: Point2::new(-center.x, center.y), is_left: !is_left }
+            }
+            Self::Ramp { along, strokes } => {
+                Self::Ramp { along: along.iter().map(Element::mirrored).collect(), strokes: *strokes }
+            }
+        }
+    }
+
+    /// What the entry sweeps at the floor of the level.
+    pub fn footprint(&self, start: Point2<f64>) -> Vec<Element> {
+        match self {
+            Self::Open | Self::Plunge => vec![Element::Line { start, end: start }],
+            Self::Ramp { along, .. } => along[..1].iter().map(|first| first.part(0.0, 0.0)).collect(),
+            Self::Helix { center, is_left } => circle(start, *center, *is_left).to_vec(),
+        }
+    }
+}
+
+/// The circle through `start` as two halves.
+pub fn circle(start: Point2<f64>, center: Point2<f64>, is_left: bool) -> [Element; 2] {
+    let radius = (start - center).norm();
+    let opposite = center + (center - start);
+    let turn = if is_left { std::f64::consts::PI } else { -std::f64::consts::PI };
+    [
+        Element::Arc(PlaneArc { start, end: opposite, center, radius, turn }),
+        Element::Arc(PlaneArc { start: opposite, end: start, center, radius, turn }),
+    ]
+}

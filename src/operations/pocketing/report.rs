@@ -1,0 +1,206 @@
+//! The report of a pocket: each level with all candidates, and bounds over the whole toolpath.
+
+use nalgebra::Point3;
+
+use super::PocketError;
+use super::candidate::Route;
+use super::check::Exception;
+use super::conditions::Conditions;
+use super::job::{ChooseBy, Job, Pattern};
+use super::level::{Island, Level, Shape, Uncut};
+use super::path;
+use crate::budget::Budget;
+use crate::geometry::curve::{Curve, Direction};
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::region::Region;
+use crate::toolpath::cutting::Cutting;
+use crate::toolpath::measure::measure;
+use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::quantize::{self, Parabolas};
+use crate::toolpath::{Move, Toolpath};
+
+/// The paper's time, and the times of the actual moves, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Times {
+    pub paper_time_s: f64,
+    pub time_s: f64,
+    pub time_with_acceleration_s: f64,
+    pub non_cutting_time_s: f64,
+    pub cutting_length_mm: f64,
+    pub rapid_length_mm: f64,
+}
+
+/// The figures of a pattern on a level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    pub pattern: Pattern,
+    /// None if the pattern has no path.
+    pub times: Option<Times>,
+    pub n_retracts: usize,
+    pub uncut_area_mm2: f64,
+    /// The largest angle in material, radians.
+    pub engagement_max: f64,
+    pub engagement_over_length_mm: f64,
+    /// Where the angle exceeds 1.1 of that of a straight pass; for the pattern `engagement` alone.
+    pub exceptions: Vec<Exception>,
+    pub air_length_mm: f64,
+    pub invalid_because: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelReport {
+    pub z_mm: f64,
+    pub islands: Vec<Island>,
+    pub chosen: Pattern,
+    pub candidates: Vec<Candidate>,
+    /// The area that the tool cannot reach, mm², and its places larger than corners.
+    pub not_reached_mm2: f64,
+    pub not_reached: Vec<Uncut>,
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Report {
+    pub levels: Vec<LevelReport>,
+    pub total_time_s: f64,
+    /// What stays uncut on all levels, in reach or not, mm².
+    pub uncut_area_mm2: f64,
+    /// Bound of the depth to which the cutter may cut into walls and islands, after rounding, mm.
+    pub gouge_max_mm: f64,
+}
+
+impl Times {
+    /// The times of a route on a level.
+    pub fn of(route: &Route, conditions: &Conditions) -> Result<Self, PocketError> {
+        let retract = conditions.cutting.retract_z_mm;
+        let start =
+            route.runs.first().map_or(Point3::origin(), |run| Point3::new(run.start.x, run.start.y, retract));
+        let mut builder = Toolpath::builder(start);
+        path::append(&mut builder, 0, &route.runs, conditions)?;
+        let toolpath = builder.finish()?;
+        let cutting = &conditions.cutting;
+        let measures = measure(&toolpath, cutting.rapid_feed);
+        let ramps = motion_time(&toolpath, cutting.rapid_feed, cutting.acceleration);
+        let time_s = measures.total_time_s.unwrap_or(f64::INFINITY);
+        Ok(Self {
+            paper_time_s: measures.cutting_length_mm / cutting.feed.mm_per_s() + measures.rapid_time_s,
+            time_s,
+            time_with_acceleration_s: ramps.unwrap_or(f64::INFINITY),
+            non_cutting_time_s: measures.rapid_time_s + route.check.air_length_mm / cutting.feed.mm_per_s(),
+            cutting_length_mm: measures.cutting_length_mm,
+            rapid_length_mm: measures.rapid_length_mm,
+        })
+    }
+
+    pub fn figure(&self, choose_by: ChooseBy) -> f64 {
+        match choose_by {
+            ChooseBy::Time => self.time_s,
+            ChooseBy::PaperTime => self.paper_time_s,
+            ChooseBy::TimeWithAcceleration => self.time_with_acceleration_s,
+        }
+    }
+}
+
+impl Candidate {
+    pub fn new(pattern: Pattern, route: &Route, times: &Times) -> Self {
+        let check = &route.check;
+        Self {
+            pattern,
+            times: Some(*times),
+            n_retracts: route.runs.len().saturating_sub(1),
+            uncut_area_mm2: check.uncut_area_mm2,
+            engagement_max: check.engagement_max,
+            engagement_over_length_mm: check.engagement_over_length_mm,
+            exceptions: match pattern {
+                Pattern::Engagement => check.exceptions.clone(),
+                _ => Vec::new(),
+            },
+            air_length_mm: check.air_length_mm,
+            invalid_because: check.invalid_because.clone(),
+        }
+    }
+
+    /// A pattern without a path.
+    pub fn failed(pattern: Pattern, because: String) -> Self {
+        Self {
+            pattern,
+            times: None,
+            n_retracts: 0,
+            uncut_area_mm2: 0.0,
+            engagement_max: 0.0,
+            engagement_over_length_mm: 0.0,
+            exceptions: Vec::new(),
+            air_length_mm: 0.0,
+            invalid_because: Some(because),
+        }
+    }
+
+    pub fn is_valid(&self) -> bool {
+        self.invalid_because.is_none()
+    }
+}
+
+impl LevelReport {
+    pub fn new(
+        shape: &Shape,
+        conditions: &Conditions,
+        chosen: Pattern,
+        candidates: Vec<Candidate>,
+        budget: &Budget,
+    ) -> Result<Self, PocketError> {
+        let (not_reached_mm2, not_reached) = shape.unreachable(conditions.radius_mm, budget)?;
+        let islands = shape.islands();
+        Ok(Self { z_mm: conditions.z_mm, islands, chosen, candidates, not_reached_mm2, not_reached })
+    }
+
+    fn uncut_mm2(&self) -> f64 {
+        let chosen = self.candidates.iter().find(|candidate| candidate.pattern == self.chosen);
+        self.not_reached_mm2 + chosen.map_or(0.0, |candidate| candidate.uncut_area_mm2)
+    }
+}
+
+impl Report {
+    /// Fills in the figures of the whole toolpath.
+    pub fn finish(
+        &mut self,
+        toolpath: &Toolpath,
+        shapes: &[Shape],
+        levels: &[Level],
+        job: &Job,
+        cutting: &Cutting,
+    ) -> Result<(), PocketError> {
+        self.total_time_s = measure(toolpath, cutting.rapid_feed).total_time_s.unwrap_or(0.0);
+        self.uncut_area_mm2 = self.levels.iter().map(LevelReport::uncut_mm2).sum();
+        for pass in toolpath.passes() {
+            let Some(level) = pass.level().and_then(|k| levels.get(k as usize)) else { continue };
+            for step in pass.moves() {
+                if let Move::Feed { along, .. } = step {
+                    let depth = gouge(along, &shapes[level.shape].pocket, job)?;
+                    self.gouge_max_mm = self.gouge_max_mm.max(depth);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Bound of the depth to which the cutter cuts into the walls along a curve as it is written, mm.
+fn gouge(along: &Curve, pocket: &Region, job: &Job) -> Result<f64, PocketError> {
+    let rounded = quantize::round(along, job.resolution, Parabolas::AsLines)?;
+    let radius = job.tool.radius_mm;
+    // A curve that is not near any wall may be left out.
+    let bound = radius + rounded.displacement_mm;
+    Ok((bound - pocket.clearance(&plan(along), bound)).max(0.0))
+}
+
+/// The curve seen from above.
+fn plan(along: &Curve) -> Element {
+    let (start, end) = (along.start().xy(), along.end().xy());
+    match along {
+        Curve::Arc(arc) => {
+            let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
+            let turn = sense * arc.sweep();
+            Element::Arc(PlaneArc { start, end, center: arc.center().xy(), radius: arc.radius(), turn })
+        }
+        _ => Element::Line { start, end },
+    }
+}

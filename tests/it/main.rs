@@ -7,4 +7,5 @@ mod interpolation;
 mod laws;
 mod nurbs;
 mod openapi;
+mod pocketing;
 mod surface_milling;

@@ -48,6 +48,15 @@ export const mill: Body<"millSurface"> = {
   cutting: { feed_mm_per_min: 500 },
 };
 
+export const plan: Body<"planPocket"> = {
+  region: { boundary: [[0, 0], [50, 0], [50, 30, 0.5], [0, 30]] },
+  floor_z_mm: -3,
+  stepdown_max_mm: 3,
+  tool: { shape: "flat", diameter_mm: 8 },
+  stepover_mm: 3,
+  cutting: { feed_mm_per_min: 800 },
+};
+
 export const model: Body<"modelSurface"> = { surface };
 
 export const write: Body<"writeProgram"> = {
@@ -73,7 +82,7 @@ export function length(move: components["schemas"]["Move"]): number {
 }
 
 // Does not compile when an operation with a body is missing above.
-type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "writeProgram";
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;
 

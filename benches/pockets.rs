@@ -1,0 +1,99 @@
+//! Times to plan one level of a pocket over growing sizes, each pattern alone; all on one thread.
+//!
+//! `cargo bench --bench pockets`
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use nalgebra::Point2;
+use toolpathd::budget::Budget;
+use toolpathd::geometry::element::Element;
+use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, Job, Milling, Outlines, Pattern, plan};
+use toolpathd::toolpath::cutting::CuttingRequest;
+use toolpathd::toolpath::program::{Resolution, Units};
+use toolpathd::toolpath::tool::{Shape, Tool};
+use toolpathd::toolpath::units::FeedRate;
+
+fn outline(corners: &[[f64; 2]]) -> Vec<Element> {
+    let at = |k: usize| Point2::from(corners[k % corners.len()]);
+    (0..corners.len()).map(|k| Element::Line { start: at(k), end: at(k + 1) }).collect()
+}
+
+fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Vec<Element> {
+    outline(&[[x, y], [x + width, y], [x + width, y + height], [x, y + height]])
+}
+
+/// A job for a cutter of 10 mm with a stepover of 3 mm.
+fn job(area: Outlines, pattern: Pattern) -> Job {
+    let feed = FeedRate::from_mm_per_min(800.0).unwrap();
+    Job {
+        area,
+        top_z_mm: 0.0,
+        floor_z_mm: -5.0,
+        stepdown_max_mm: 5.0,
+        tool: Tool { shape: Shape::Flat, ..Tool::ball(5.0) },
+        stepover_mm: 3.0,
+        patterns: vec![pattern],
+        choose_by: ChooseBy::Time,
+        entry: EntryLimits {
+            max_diameter_mm: 9.0,
+            min_diameter_mm: 2.5,
+            ramp_angle: 5f64.to_radians(),
+            plunge: true,
+        },
+        milling: Milling::Climb,
+        cutting: CuttingRequest::at_feed(feed),
+        resolution: Resolution { units: Units::Mm, decimals: 3 },
+    }
+}
+
+fn run(c: &mut Criterion, group: &str, sizes: &[usize], area: impl Fn(usize) -> Outlines) {
+    let mut group = c.benchmark_group(group);
+    group.sample_size(10);
+    for pattern in Pattern::ALL {
+        for size in sizes {
+            let job = job(area(*size), pattern);
+            group.bench_with_input(BenchmarkId::new(format!("{pattern:?}"), size), &job, |b, job| {
+                b.iter(|| plan(black_box(job), &Budget::unlimited()).unwrap().report.total_time_s);
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Squares of growing side, mm.
+fn squares(c: &mut Criterion) {
+    run(c, "square", &[50, 100, 200], |side| Outlines {
+        boundary: rectangle(0.0, 0.0, side as f64, side as f64),
+        islands: Vec::new(),
+    });
+}
+
+/// A wavy outline of some 100 mm with a growing number of vertices.
+fn vertices(c: &mut Criterion) {
+    run(c, "vertices", &[10, 100, 1_000], |n| {
+        let corner = |k: usize| {
+            let angle = TAU * k as f64 / n as f64;
+            let radius = 50.0 * (1.0 + 0.1 * (5.0 * angle).sin());
+            [radius * angle.cos(), radius * angle.sin()]
+        };
+        Outlines { boundary: outline(&(0..n).map(corner).collect::<Vec<_>>()), islands: Vec::new() }
+    });
+}
+
+/// Plates with a growing number of square islands 20 mm apart.
+fn islands(c: &mut Criterion) {
+    run(c, "islands", &[1, 4, 16], |n| {
+        let side = (n as f64).sqrt().ceil() as usize;
+        let place = |k: usize| 20.0 + 30.0 * k as f64;
+        let extent = 20.0 + 30.0 * side as f64;
+        Outlines {
+            boundary: rectangle(0.0, 0.0, extent, extent),
+            islands: (0..n).map(|k| rectangle(place(k % side), place(k / side), 10.0, 10.0)).collect(),
+        }
+    });
+}
+
+criterion_group!(benches, squares, vertices, islands);
+criterion_main!(benches);

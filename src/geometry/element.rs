@@ -103,7 +103,7 @@ impl Element {
         }
     }
 
-    /// The length of a line or an arc, mm; of a parabola that of its chord.
+    /// The length of the element, mm. A parabola is measured along its chord.
     pub fn length(&self) -> f64 {
         match self {
             Self::Arc(arc) => arc.radius * arc.turn.abs(),
@@ -116,7 +116,7 @@ impl Element {
         if let Self::Arc(arc) = self { arc.turn } else { 0.0 }
     }
 
-    /// The place at the fraction `t` of the length of a line or an arc; of a parabola on its chord.
+    /// The place at the fraction `t` of the element's length. For a parabola, the place lies on the chord.
     pub fn at(&self, t: f64) -> Point2<f64> {
         match self {
             _ if t <= 0.0 => self.start(),
@@ -126,8 +126,8 @@ impl Element {
         }
     }
 
-    /// The unit tangent at the fraction `t` of the length of a line or an arc; along x where there is no
-    /// length. For a parabola it is that of its chord.
+    /// The unit tangent at the fraction `t` of the element's length. For a parabola, the result is the
+    /// direction of the chord. If the line, the chord or the arc's radius is zero, the result points along x.
     pub fn direction(&self, t: f64) -> Vector2<f64> {
         let along = match self {
             Self::Arc(arc) => {
@@ -139,7 +139,8 @@ impl Element {
         along.try_normalize(0.0).unwrap_or_else(Vector2::x)
     }
 
-    /// The part of a line or an arc between two fractions of its length; of a parabola of its chord.
+    /// The part of the element between two fractions of its length. For a parabola, the result is a line: a
+    /// part of the chord.
     #[must_use]
     pub fn part(&self, from: f64, to: f64) -> Self {
         let (start, end) = (self.at(from), self.at(to));

@@ -2,23 +2,31 @@
 //! cutter's circle touches material that nothing has removed yet.
 //!
 //! # Method
-//! 1. The path so far is kept as segments ([`Swept`]). Whatever is nearer to a segment than the cutter's
-//!    radius is removed. Arcs are kept as chords, which count with a radius that is smaller by the height of
-//!    the arc over the chord: as few long chords, and as many short ones for what the long ones leave.
+//! 1. The path so far is kept as segments ([`Swept`]). The stadium of a segment is the set of places that are
+//!    nearer to the segment than the cutter's radius. The cutter has removed all material in the stadiums. An
+//!    arc is kept as a few long chords, and also as many short chords. The stadium of a chord has a smaller
+//!    radius: the cutter's radius less the height of the arc over the chord. The short chords are used only
+//!    where the long chords leave material.
 //! 2. At a place of the path, the leading half of the circle consists of the points whose direction from the
 //!    centre makes at most a right angle with the motion. A segment frees the points of this half circle that
-//!    lie inside its stadium, which are ranges in closed form (`spans`).
-//! 3. While the cutter moves along a line, each point of its circle does too. A stadium is convex, so a point
-//!    that is inside at both ends of a stretch is inside all along it. Points of a cutter on an arc move on
-//!    arcs about the same centre. They stay within a known height of their chords, so the radius of the
-//!    stadium is made smaller by this height.
-//! 4. What is in no stadium at both ends of a stretch bounds the angle all along the stretch. Stretches are
-//!    halved until the bound is near the angles at the ends, or below the angle that matters.
+//!    lie inside its stadium. These points form ranges, which have a closed form (`spans`).
+//! 3. A stretch is a part of a motion. On a straight stretch, each point of the circle moves along a line. A
+//!    stadium is convex, so a point that is inside a stadium at both ends of the stretch is inside this
+//!    stadium all along the stretch. On a stretch of an arc, the points of the circle move on arcs about the
+//!    same centre. These arcs stay within a known height of their chords, so the radius of the stadium is
+//!    made smaller by this height.
+//! 4. A point that no single stadium contains at both ends of the stretch counts as a point in material. The
+//!    angle of all these points is the bound of the stretch. A stretch is halved until its bound is low
+//!    enough for the caller ([`Enough`]), or at most a degree above the larger angle at its ends, or until
+//!    the stretch is no longer than a hundredth of the radius.
 //!
 //! # Guarantees
-//! The angle of a stretch is never below the true angle at any of its places, except for rounding. It exceeds
-//! the largest angle of the stretch by about a degree, and where material begins or ends by as much as
-//! the angle grows along a hundredth of the radius.
+//! The bound of a stretch is never below the true angle at any place of the stretch, except for rounding. A
+//! bound that is low enough for the caller is not made exact. Any other bound exceeds the largest true angle
+//! of the stretch by about a degree. The excess is larger in two cases:
+//! * Where material begins or ends, the excess is up to the change of the angle along a hundredth of the
+//!   radius.
+//! * Beside thin slivers, the excess is several degrees, because chords stand for arcs.
 //!
 //! # Cost
 //! O(m) for each stretch, where m is the number of segments within a diameter of the stretch.
@@ -64,14 +72,15 @@ pub struct Swept {
     steps: usize,
 }
 
-/// A part of the path. What is nearer to it than the radius less `slack` is free.
+/// A line of the path, or a chord of an arc of the path. All places that are nearer to the segment than the
+/// radius less `slack_mm` are free.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
     start: Point2<f64>,
     end: Point2<f64>,
-    /// mm.
+    /// The height of the arc over the chord, mm; zero for a line.
     slack_mm: f64,
-    /// Whether it is a line, or one of the few long chords of an arc.
+    /// Whether the segment is a line, or one of the few long chords of an arc.
     is_coarse: bool,
 }
 

@@ -30,7 +30,8 @@ use crate::geometry::element::{Element, PlaneArc};
 /// far below what matters.
 const TIE_MM: f64 = 1e-9;
 
-/// The boundary of what a disc sweeps, in no order. What is swept is to the left of each element.
+/// The boundary of the area that a disc sweeps while its centre follows the chains. The elements come in no
+/// particular order. Each element has the swept area on its left.
 ///
 /// # Errors
 /// When the budget ends.

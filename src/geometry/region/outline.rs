@@ -184,8 +184,11 @@ fn is_small(element: &Element) -> bool {
     is_finite && turns && element.magnitude() <= LARGEST_MM
 }
 
-/// The area to the left of closed chains, mm², whose elements may come in any order: that of the polygons of
-/// the chords, with the segments between arcs and chords.
+/// The area that closed chains of lines and arcs enclose, mm². Counterclockwise chains count as positive,
+/// clockwise chains as negative. The elements may come in any order.
+///
+/// The result is the signed area of the polygons that the chords form, plus the signed area between each arc
+/// and its chord.
 pub fn area(chain: &[Element]) -> f64 {
     let Some(origin) = chain.first().map(Element::start) else { return 0.0 };
     let twice = |element: &Element| {

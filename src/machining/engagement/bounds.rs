@@ -11,23 +11,26 @@ const CLOSE_DEG: f64 = 1.0;
 /// The shortest stretch, as a part of the radius.
 const SHORTEST: f64 = 0.01;
 
-/// Along stretches of arcs whose bound is final, points move this straight, as a part of the radius.
+/// On a stretch of an arc, the points of the circle stay this near to their chords, as a part of the radius.
 const STRAIGHT: f64 = 0.001;
 
-/// Where the angle passes the one that matters, stretches are at most this part of the radius.
+/// The longest stretch whose bound does not meet [`Enough`] although one of its ends does, as a part of the
+/// radius.
 const MIXED: f64 = 0.1;
 
 /// Stretches between two checks of the budget.
 const STRETCHES_BETWEEN_CHECKS: usize = 256;
 
-/// What segments free of the half circle at a place.
+/// The points of the half circle that segments free at a place.
 pub(super) struct Freed {
-    /// By the indices of the segments, in order: the coarse ones and the fine ones.
+    /// The index of each segment with the ranges that the segment frees: first the list of the coarse
+    /// segments, then the list of the fine segments.
     of_segments: [Vec<(u32, Few)>; 2],
     pub left: Left,
 }
 
-/// What is outside all that segments free at two places.
+/// The part of the half circle that no single segment frees at both places. The indices of the segments have
+/// to be in ascending order.
 fn common(first: &Freed, last: &Freed) -> Left {
     let mut both = Spans::default();
     for (first, last) in first.of_segments.iter().zip(&last.of_segments) {
@@ -145,13 +148,14 @@ impl Swept {
         }
     }
 
-    /// What each segment frees at a place of a motion, if points of the circle come up to `height_mm` from
-    /// their chords.
+    /// The points that segments free at a place of a motion, where points of the circle move up to
+    /// `height_mm` away from their chords.
     fn freed(&self, motion: &Element, t: f64, height_mm: f64, near: &[u32]) -> Freed {
         self.freed_in(&Frame::at(motion, t), height_mm, near)
     }
 
-    /// The fine chords are looked at only where the coarse ones leave something.
+    /// The points that segments free in a frame. The fine chords are used only where the coarse segments
+    /// leave material.
     pub(super) fn freed_in(&self, frame: &Frame, height_mm: f64, near: &[u32]) -> Freed {
         let mut all = Spans::default();
         let mut of_segments = [Vec::new(), Vec::new()];

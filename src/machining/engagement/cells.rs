@@ -1,4 +1,4 @@
-//! Square cells of the plane with the segments in them, for searches while segments are added.
+//! A grid of square cells that finds the segments near a place. Segments may be added between searches.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use nalgebra::Point2;
 
 use crate::geometry::element::Element;
 
-/// Cells and the indices of the segments that may pass through them.
+/// The cells that list segments, each with the indices of its segments.
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
     size_mm: f64,
@@ -18,7 +18,8 @@ impl Cells {
         Self { size_mm, cells: HashMap::new() }
     }
 
-    /// Adds a segment. A long one goes into the cells around places along it that are a cell apart.
+    /// Adds a segment. The segment is divided into pieces that are at most as long as a cell. The cell with
+    /// the middle of a piece lists the segment.
     pub(super) fn add(&mut self, start: Point2<f64>, end: Point2<f64>, index: u32) {
         let count = ((end - start).norm() / self.size_mm).ceil().max(1.0) as usize;
         let mut before = None;
@@ -32,7 +33,7 @@ impl Cells {
         }
     }
 
-    /// The segments that may be nearer to an element than `within` mm, each once, in their order.
+    /// Finds the segments that may be nearer to an element than `within` mm, each once, in ascending order.
     pub(super) fn near(&self, element: &Element, within: f64, found: &mut Vec<u32>) {
         let (middle, reach) = element.disc();
         self.about(middle, reach + within, found);
@@ -40,10 +41,11 @@ impl Cells {
         found.dedup();
     }
 
-    /// The segments that may be nearer to a place than `within` mm, some of them more than once.
+    /// Finds the segments that may be nearer to a place than `within` mm. A segment may be found more than
+    /// once.
     pub(super) fn about(&self, middle: Point2<f64>, within: f64, found: &mut Vec<u32>) {
         found.clear();
-        // A segment is up to half a cell from a place in its cell.
+        // Every point of a piece is at most half a cell away from the middle of the piece.
         let reach = within + 0.5 * self.size_mm;
         let corner = |side: f64| self.cell(middle + nalgebra::Vector2::new(side, side) * reach);
         let ([x0, y0], [x1, y1]) = (corner(-1.0), corner(1.0));

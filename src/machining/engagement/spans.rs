@@ -8,11 +8,11 @@ use nalgebra::Vector2;
 /// Points nearer than this to the boundary of a stadium count as outside.
 const ROUNDING: f64 = 1e-12;
 
-/// A segment frees at most this many ranges: the boundary of its stadium meets a circle in at most eight
-/// places.
+/// The most ranges that one segment frees. The boundary of the segment's stadium crosses the circle at most
+/// eight times. Between these crossings the half circle has at most five ranges inside the stadium.
 const MOST: usize = 5;
 
-/// The ranges of one segment, in order.
+/// The ranges that one segment frees, in ascending order.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Few {
     count: usize,
@@ -45,7 +45,7 @@ impl Spans {
         self.ranges.extend_from_slice(few.ranges());
     }
 
-    /// Adds what two lists of ranges have in common.
+    /// Adds the ranges that two lists of ranges have in common.
     pub(super) fn add_common(&mut self, one: &Few, other: &Few) {
         for a in one.ranges() {
             for b in other.ranges() {
@@ -57,7 +57,8 @@ impl Spans {
         }
     }
 
-    /// A disc around all that is outside the ranges; none if nothing is.
+    /// The centre and the radius of a disc that contains every point of the half circle outside the ranges;
+    /// `None` if the ranges cover the half circle.
     pub(super) fn disc_of_left(&mut self) -> Option<(Vector2<f64>, f64)> {
         self.sort();
         let (mut from, mut to, mut covered) = (f64::INFINITY, f64::NEG_INFINITY, -1.0);
@@ -71,7 +72,7 @@ impl Spans {
         let [from, to] = [from, to].map(|y| Vector2::new(((1.0 - y) * (1.0 + y)).max(0.0).sqrt(), y));
         (from.y < to.y).then(|| {
             let half = 0.5 * (to - from).norm();
-            // Less than half a circle is within the disc over its chord.
+            // An arc of at most half a circle lies in the disc that has the arc's chord as its diameter.
             (0.5 * (from + to), half + ROUNDING.sqrt())
         })
     }
@@ -80,7 +81,7 @@ impl Spans {
         self.ranges.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     }
 
-    /// What is outside all ranges.
+    /// The size of the part of the half circle that is outside all ranges.
     pub(super) fn left(mut self) -> Left {
         self.sort();
         let (mut covered, mut width, mut to) = (0.0, 0.0, -1.0);
@@ -96,12 +97,12 @@ impl Spans {
     }
 }
 
-/// A part of the half circle.
+/// The size of a part of the half circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Left {
-    /// Radians.
+    /// The angle of the part at the centre of the circle, radians.
     pub angle: f64,
-    /// Across the motion.
+    /// The width of the part across the motion, as a part of the radius.
     pub width: f64,
 }
 
@@ -113,7 +114,7 @@ pub(super) fn is_near(a: Vector2<f64>, b: Vector2<f64>, within: f64) -> bool {
     (a + chord * u).norm_squared() < within * within
 }
 
-/// The points of the half circle inside the stadium of the segment from `a` to `b` with the given reach.
+/// The ranges of the half circle that are nearer than `reach` to the segment from `a` to `b`.
 pub(super) fn freed(a: Vector2<f64>, b: Vector2<f64>, reach: f64) -> Few {
     let mut few = Few::default();
     let chord = b - a;

@@ -10,6 +10,7 @@ pub mod curve;
 pub mod deviation;
 pub mod element;
 pub mod following;
+pub mod height_field;
 pub mod interval;
 pub mod mesh;
 pub mod offset;

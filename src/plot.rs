@@ -71,6 +71,8 @@ pub struct Drawing {
     pub surface: Vec<Vec<Point3<f64>>>,
     /// Designed curves.
     pub curve: Vec<Vec<Point3<f64>>>,
+    /// The edges of places that stay uncut.
+    pub uncut: Vec<Vec<Point3<f64>>>,
     /// The edges of the band in which elements have to stay.
     pub band: Vec<Vec<Point3<f64>>>,
     /// The places where elements meet.
@@ -89,7 +91,7 @@ impl Drawing {
 
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         let shaded = self.relief.iter().flat_map(Mesh::points);
-        let lines = self.surface.iter().chain(&self.curve).chain(&self.band).flatten();
+        let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band).flatten();
         lines.chain(&self.joints).chain(shaded)
     }
 }
@@ -162,8 +164,10 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    let Drawing { relief: _, surface, curve, band, joints } = scene.drawing;
-    for (class, wires) in [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve)] {
+    let Drawing { relief: _, surface, curve, uncut, band, joints } = scene.drawing;
+    let polylines =
+        [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve), (Class::Uncut, uncut)];
+    for (class, wires) in polylines {
         for wire in wires {
             for (view, pens) in layout.views.iter().zip(&mut pens) {
                 trace_wire(view, wire, &mut pens[class as usize]);

@@ -108,6 +108,20 @@ impl Region {
         Self::of(loops(outlines, 0).collect(), |[winding, _]| winding % 2 != 0, budget)
     }
 
+    /// The region without any place.
+    pub fn empty() -> Self {
+        Self::of_faces(Vec::new())
+    }
+
+    /// The places to the left of closed chains of lines and arcs, which may touch each other and themselves.
+    ///
+    /// # Errors
+    /// One of [`RegionError`].
+    pub fn on_the_left(chains: &[Vec<Element>], budget: &Budget) -> Result<Self, RegionError> {
+        let loops = chains.iter().map(|elements| Loop { group: 0, elements }).collect();
+        Self::of(loops, |[winding, _]| winding > 0, budget)
+    }
+
     /// The places that are in any of the regions.
     ///
     /// # Errors
@@ -167,8 +181,11 @@ impl Region {
         self.faces.iter().map(|face| Self::of_faces(vec![face.clone()])).collect()
     }
 
-    /// The parts of a line or an arc in the region, as ranges of its length from 0 to 1. What is nearer to
-    /// the boundary than `tolerance_mm` is in the region.
+    /// The parts of a line or an arc that lie in the region, in order. Each part is a range of the element's
+    /// length, where 0 is the start of the element and 1 its end.
+    ///
+    /// The element is divided where it meets the boundary. A piece counts as inside if its middle is in the
+    /// region or nearer to the boundary than `tolerance_mm`. Adjacent pieces inside become one part.
     pub fn ranges_inside(&self, element: &Element, tolerance_mm: f64) -> Vec<[f64; 2]> {
         let mut cuts = vec![0.0, 1.0];
         let length = element.length();
@@ -276,8 +293,7 @@ impl Region {
                 return Err(RegionError::Tangled { at: first.start() });
             }
         }
-        let loops = chains.iter().map(|elements| Loop { group: 0, elements }).collect();
-        Self::of(loops, |[winding, _]| winding > 0, budget)
+        Self::on_the_left(&chains, budget)
     }
 
     fn of(

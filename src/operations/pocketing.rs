@@ -34,6 +34,7 @@
 mod candidate;
 mod chain;
 mod check;
+mod cleared;
 mod conditions;
 mod crossings;
 mod depth;
@@ -43,8 +44,11 @@ mod feeds;
 mod growth;
 mod islands;
 mod job;
+mod labelling;
 mod level;
+mod part;
 mod path;
+mod pieces;
 mod report;
 mod rings;
 mod router;
@@ -54,7 +58,9 @@ mod strips;
 use nalgebra::{Point2, Point3};
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::height_field::HeightFieldError;
 use crate::geometry::region::{OutlineError, RegionError};
+use crate::geometry::surface::source::SourceError;
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::path::{Builder, PathError};
@@ -62,7 +68,7 @@ use crate::toolpath::quantize::QuantizeError;
 use candidate::{Route, routes};
 pub use check::Exception;
 use conditions::Conditions;
-pub use job::{ChooseBy, EntryLimits, Job, Milling, Outlines, Pattern};
+pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief};
 pub use level::{Island, Uncut};
 use level::{Level, Shape, levels};
 use report::Times;
@@ -84,6 +90,8 @@ pub enum Warning {
     PlacesNotReached { count: usize, largest: Uncut },
     /// The stepover is larger than the radius: rings lie closer where they would leave material.
     StepoverNarrowed,
+    /// Islands are as coarse as the cells of a grid: the path cuts this deep into the part, mm.
+    IslandsByLabelling { gouge_mm: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -100,8 +108,20 @@ pub enum PocketError {
     Path(#[from] PathError),
     #[error("{}{error}", island.map_or_else(String::new, |k| format!("island {k}: ")))]
     Outline { island: Option<usize>, error: OutlineError },
-    #[error("the islands fill the pocket: nothing is left to cut")]
+    #[error("nothing is left to cut: islands, the part or earlier tools leave no material in the pocket")]
     NothingToCut,
+    #[error("the floor at {floor_mm} mm is not below the top at {top_mm} mm")]
+    FloorNotBelowTop { floor_mm: f64, top_mm: f64 },
+    #[error(transparent)]
+    Surface(SourceError),
+    #[error(transparent)]
+    Relief(HeightFieldError),
+    #[error("`cleared` {index}{}: {error}", island.map_or_else(String::new, |k| format!(", island {k}")))]
+    Cleared { index: usize, island: Option<usize>, error: OutlineError },
+    #[error("`cleared` {index} is empty: its islands fill it")]
+    ClearedEmpty { index: usize },
+    #[error("labelling needs more than {limit} cells")]
+    TooManyCells { limit: usize },
     #[error(
         "the tool of {diameter_mm} mm fits nowhere in the pocket; the largest that fits has {largest_mm:.3} mm, near {at}"
     )]
@@ -130,26 +150,32 @@ impl From<RegionError> for PocketError {
 /// # Errors
 /// One of [`PocketError`].
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
-    let cutting = job.cutting.above(job.top_z_mm)?;
-    let (shapes, levels) = levels(job, budget)?;
-    let found = routes_of_shapes(job, &cutting, &shapes, &levels, budget)?;
+    let (heights, shapes, levels) = levels(job, budget)?;
+    let cutting = job.cutting.above(heights.highest_mm)?;
+    let conditions: Vec<Conditions> =
+        levels.iter().map(|level| Conditions::new(job, &heights, &cutting, level)).collect();
+    let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
     let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, cutting.clearance_z_mm));
     let mut report = Report::default();
-    for (k, level) in levels.iter().enumerate() {
-        let conditions = Conditions::new(job, &cutting, level);
-        let (level_report, chosen) =
-            choose(job, &shapes[level.shape], &found[level.shape], &conditions, budget)?;
-        if k == 0
-            && let Some(run) = chosen.runs.first()
+    let mut is_begun = false;
+    for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
+        let shape = &shapes[level.shape];
+        let (candidates, chosen) = choose(job, &found[level.shape], conditions)?;
+        report.levels.push(LevelReport::new(shape, level, conditions, chosen, candidates, budget)?);
+        let Some((_, route)) = chosen else { continue };
+        if let Some(run) = route.runs.first()
+            && !std::mem::replace(&mut is_begun, true)
         {
             builder = Toolpath::builder(Point3::new(run.start.x, run.start.y, cutting.clearance_z_mm));
         }
-        append_level(&mut builder, k, chosen, &conditions)?;
-        report.levels.push(level_report);
+        append_level(&mut builder, k, route, conditions)?;
+    }
+    if !is_begun {
+        return Err(PocketError::NothingToCut);
     }
     builder.rapid_to_height(cutting.clearance_z_mm)?;
     let toolpath = builder.finish()?;
-    report.finish(&toolpath, &shapes, &levels, job, &cutting)?;
+    report.finish(&toolpath, &shapes, &levels, &heights, job, &cutting)?;
     let warnings = warnings(job, &report);
     Ok(Plan { toolpath, report, cutting, warnings })
 }
@@ -157,21 +183,23 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
 /// The routes of one pattern, or why it has none.
 type Found = (Pattern, Result<Vec<Route>, PocketError>);
 
-/// For each shape the routes of all patterns.
+/// For each shape the routes of all patterns; none where the tool fits nowhere.
 fn routes_of_shapes(
     job: &Job,
-    cutting: &Cutting,
     shapes: &[Shape],
     levels: &[Level],
+    conditions: &[Conditions],
     budget: &Budget,
 ) -> Result<Vec<Vec<Found>>, PocketError> {
     let patterns = &job.patterns;
     let find = |k: usize| {
         let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
         // Lifts take about as long on every level.
-        let level = levels.iter().find(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
-        let conditions = Conditions::new(job, cutting, level);
-        match routes(pattern, &shapes[shape], &conditions, budget) {
+        let level = levels.iter().position(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
+        if shapes[shape].centers.is_empty() {
+            return Ok((pattern, Ok(Vec::new())));
+        }
+        match routes(pattern, &shapes[shape], &conditions[level], budget) {
             Err(PocketError::Stopped(stopped)) => Err(stopped),
             found => Ok((pattern, found)),
         }
@@ -180,14 +208,12 @@ fn routes_of_shapes(
     Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
 }
 
-/// The report of a level and its chosen route.
+/// The candidates of a level, and the pattern with the least figure among the valid ones.
 fn choose<'a>(
     job: &Job,
-    shape: &Shape,
     found: &'a [Found],
     conditions: &Conditions,
-    budget: &Budget,
-) -> Result<(LevelReport, &'a Route), PocketError> {
+) -> Result<(Vec<Candidate>, Option<(Pattern, &'a Route)>), PocketError> {
     let mut candidates = Vec::new();
     let mut best: Option<(f64, Pattern, &Route)> = None;
     let mut failure = None;
@@ -218,18 +244,17 @@ fn choose<'a>(
         }
         candidates.push(candidate);
     }
-    match best {
-        Some((_, pattern, route)) => {
-            let report = LevelReport::new(shape, conditions, pattern, candidates, budget)?;
-            Ok((report, route))
-        }
-        None => Err(failure.cloned().unwrap_or_else(|| PocketError::NoneValid {
-            because: candidates
-                .iter()
-                .find_map(|candidate| candidate.invalid_because.clone())
-                .unwrap_or_default(),
-        })),
+    if let Some((_, pattern, route)) = best {
+        return Ok((candidates, Some((pattern, route))));
     }
+    // Where the tool fits nowhere there are no routes at all.
+    if failure.is_none() && candidates.is_empty() {
+        return Ok((candidates, None));
+    }
+    let reason = |candidate: &Candidate| candidate.invalid_because.clone();
+    Err(failure.cloned().unwrap_or_else(|| PocketError::NoneValid {
+        because: candidates.iter().find_map(reason).unwrap_or_default(),
+    }))
 }
 
 fn append_level(
@@ -249,6 +274,9 @@ fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
     }
     if job.stepover_mm > job.tool.radius_mm {
         warnings.push(Warning::StepoverNarrowed);
+    }
+    if job.relief.is_some() && matches!(job.islands_by, IslandsBy::Labelling { .. }) {
+        warnings.push(Warning::IslandsByLabelling { gouge_mm: report.gouge_max_mm });
     }
     warnings
 }

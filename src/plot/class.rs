@@ -10,6 +10,7 @@ pub enum Class {
     Band,
     Wire,
     Curve,
+    Uncut,
     Rapid,
     Link,
     CutLine,
@@ -20,10 +21,11 @@ pub enum Class {
 }
 
 impl Class {
-    pub const ALL: [Class; 10] = [
+    pub const ALL: [Class; 11] = [
         Class::Band,
         Class::Wire,
         Class::Curve,
+        Class::Uncut,
         Class::Rapid,
         Class::Link,
         Class::CutLine,
@@ -39,6 +41,7 @@ impl Class {
             Class::Band => "band",
             Class::Wire => "wire",
             Class::Curve => "curve",
+            Class::Uncut => "uncut",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut",
@@ -55,6 +58,7 @@ impl Class {
             Class::Band => "band",
             Class::Wire => "surface",
             Class::Curve => "curve",
+            Class::Uncut => "uncut",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut, line",
@@ -72,6 +76,7 @@ impl Class {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
             Class::Curve => "stroke:#000;stroke-width:.13",
+            Class::Uncut => "stroke:#c00000;stroke-width:.45",
             Class::Rapid => "stroke:#d55e00;stroke-width:.18;stroke-dasharray:1.8 1.2;stroke-linecap:butt",
             Class::Link => "stroke:#b0508a;stroke-width:.3;stroke-dasharray:2.4 .7 .5 .7;stroke-linecap:butt",
             Class::CutLine => "stroke:#0072b2;stroke-width:.18",

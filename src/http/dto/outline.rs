@@ -50,6 +50,10 @@ schema_of!(Outline, "Vertices `[x, y]` or `[x, y, bulge]` of a closed outline.",
 schema_of!(Islands, "Closed outlines.", { array_of(Ref::from_schema_name("Outline"), 0, MAX_ISLANDS) });
 
 impl Region {
+    pub fn new(boundary: Vec<Vertex>, islands: Option<Vec<Vec<Vertex>>>) -> Self {
+        Self { boundary, islands }
+    }
+
     /// The outlines in the core's terms. Adds violations to `violations`.
     pub fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Outlines {
         let Self { boundary, islands } = self;

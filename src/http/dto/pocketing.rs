@@ -1,5 +1,7 @@
 //! The request to plan a pocket, and its conversion to a job.
 
+mod cleared;
+mod relief;
 pub mod report;
 
 use serde::Deserialize;
@@ -13,23 +15,43 @@ use super::outline::Region;
 use super::program::Program;
 use super::schema::{array_of, schema_of};
 use super::setup::{JobWithSetup, SentSetup};
+use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::pocketing as core;
+use cleared::Cleared;
+use relief::{Heights, IslandsBy, SentRelief};
 use utoipa::openapi::Ref;
 
 /// A pocket to be cleared.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PocketRequest {
-    /// The wall of the pocket and its islands.
-    #[serde(deserialize_with = "object::required")]
-    region: Region,
-    /// Height of the stock's top, in mm. Default: 0.
-    #[schema(minimum = -1_000_000, maximum = 1_000_000, default = 0)]
+    /// The wall of the pocket and its islands. Required without `heights` and `surface`. With one of them, what
+    /// is outside the region stays; default: the rectangle of the heights, or the surface's outline.
+    #[serde(default, deserialize_with = "object::optional")]
+    region: Option<Region>,
+    /// Measured heights of the part. On each level, what is higher than the level stays.
+    #[serde(default, deserialize_with = "object::optional")]
+    heights: Option<Heights>,
+    /// The surface of the part, without overhangs. On each level, what is higher than the level stays.
+    surface: Option<Surface>,
+    /// How islands are found in `heights` or `surface`.
+    #[serde(default)]
+    #[schema(default = "slicing")]
+    islands_by: IslandsBy,
+    /// Spacing of the grid on which `islands_by: labelling` samples a surface, in mm. Default: a tenth of the
+    /// cutter's diameter.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    cell_mm: Option<f64>,
+    /// What earlier tools have emptied. Only the rest is cut.
+    #[schema(value_type = Option<ClearedList>)]
+    cleared: Option<Vec<Cleared>>,
+    /// Height of the stock's top, in mm. Default: 0; with `heights` or `surface` their highest point.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     top_z_mm: Option<f64>,
     /// Height of the pocket's floor, in mm; below `top_z_mm`.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
@@ -37,6 +59,11 @@ pub struct PocketRequest {
     /// Largest depth of a level, in mm. Every level but the last is this deep; the last ends on the floor.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepdown_max_mm: f64,
+    /// Thickest material that a level may leave on slopes of `heights` or `surface`, in mm, at a right angle to
+    /// them. Levels are then as deep as this and `stepdown_max_mm` allow, and end on level planes of the part.
+    /// Default: no limit.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    roughing_allowance_mm: Option<f64>,
     /// The cutter: `flat`.
     #[serde(deserialize_with = "object::required")]
     tool: Tool,
@@ -70,7 +97,7 @@ pub struct PocketRequest {
     meta: Option<Meta>,
 }
 
-/// A way to clear a level. Every pattern ends with a pass along walls and islands.
+/// A way to clear a level. All but `engagement` have a pass along walls and islands of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pattern {
@@ -91,6 +118,10 @@ pub enum Pattern {
 }
 
 schema_of!(Patterns, "Patterns, each once.", { array_of(Ref::from_schema_name("Pattern"), 1, 7) });
+
+schema_of!(ClearedList, "Emptied places.", {
+    array_of(Ref::from_schema_name("ClearedPlaces"), 0, MOST_CLEARED)
+});
 
 /// The figure by which a pattern is chosen.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
@@ -152,6 +183,9 @@ from_core!(core::Pattern => Pattern, [
 into_core!(ChooseBy => core::ChooseBy, [Time, PaperTime, TimeWithAcceleration]);
 into_core!(Direction => core::Milling, [Climb, Conventional]);
 
+/// The most emptied places.
+const MOST_CLEARED: usize = 1000;
+
 /// Legal angles of ramps, degrees.
 const RAMP: Range = Range { min: 0.1, max: 89.0 };
 
@@ -192,9 +226,15 @@ impl IntoJob for PocketRequest {
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {
             region,
+            heights,
+            surface,
+            islands_by,
+            cell_mm,
+            cleared,
             top_z_mm,
             floor_z_mm,
             stepdown_max_mm,
+            roughing_allowance_mm,
             tool,
             stepover_mm,
             patterns,
@@ -207,16 +247,27 @@ impl IntoJob for PocketRequest {
         } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
-        let area = region.convert(&root.field("region"), limits, &mut violations);
+        let sent = SentRelief {
+            surface,
+            heights,
+            islands_by,
+            cell_mm,
+            roughing_allowance_mm,
+            has_region: region.is_some(),
+        };
+        let (relief, islands_by) = sent.convert(tool.diameter_mm(), limits, &mut violations);
+        let area = region.map(|region| region.convert(&root.field("region"), limits, &mut violations));
+        let cleared = emptied(cleared.unwrap_or_default(), limits, &mut violations);
         let checked_tool = tool.convert(&root.field("tool"), &mut violations);
         if !tool.is_flat() {
             let detail = "a pocket has a flat floor: send a tool of `shape: flat`";
             violations.add(&root.field("tool").field("shape"), FieldCode::Unsupported, detail);
         }
-        let top = top_z_mm.unwrap_or(0.0);
-        violations.number(&root.field("top_z_mm"), top, Range::COORDINATE, "mm");
+        violations.optional(&root.field("top_z_mm"), top_z_mm, Range::COORDINATE, "mm");
         violations.number(&root.field("floor_z_mm"), floor_z_mm, Range::COORDINATE, "mm");
-        if floor_z_mm >= top {
+        // The top of a relief is known when it is computed.
+        let top = top_z_mm.or(relief.is_none().then_some(0.0));
+        if let Some(top) = top.filter(|top| floor_z_mm >= *top) {
             let detail = format!("the floor at {floor_z_mm} mm is not below the top at {top} mm");
             violations.add(&root.field("floor_z_mm"), FieldCode::OutOfRange, detail);
         }
@@ -232,9 +283,13 @@ impl IntoJob for PocketRequest {
         violations.result()?;
         let job = core::Job {
             area,
-            top_z_mm: top,
+            relief,
+            islands_by,
+            cleared,
+            top_z_mm,
             floor_z_mm,
             stepdown_max_mm,
+            roughing_allowance_mm,
             tool: checked_tool,
             stepover_mm,
             patterns: patterns.unwrap_or_else(|| core::Pattern::ALL.to_vec()),
@@ -246,6 +301,17 @@ impl IntoJob for PocketRequest {
         };
         Ok(JobWithSetup { job, setup, meta })
     }
+}
+
+fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {
+    let at = Pointer::root().field("cleared");
+    if cleared.len() > MOST_CLEARED {
+        let detail = format!("there are {} emptied places; send at most {MOST_CLEARED}", cleared.len());
+        violations.add(&at, FieldCode::LimitExceeded, detail);
+        return Vec::new();
+    }
+    let convert = |(k, cleared): (usize, Cleared)| cleared.convert(&at.index(k), limits, violations);
+    cleared.into_iter().enumerate().filter_map(convert).collect()
 }
 
 fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Violations) -> Vec<core::Pattern> {

@@ -50,27 +50,32 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport,
         warnings: warnings.iter().map(Warning::from).collect(),
         product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
         report: PocketReport::from(&report),
-        drawing: Box::new(move || drawing(&job)),
+        drawing: Box::new(move || drawing(&report)),
     })
 }
 
-/// The wall and the islands, at the top and at the floor.
-fn drawing(job: &Job) -> Drawing {
-    let outlines = || std::iter::once(&job.area.boundary).chain(&job.area.islands);
-    let at = |z: f64| outlines().map(move |outline| polyline(outline, z));
-    Drawing { curve: at(job.top_z_mm).chain(at(job.floor_z_mm)).collect(), ..Drawing::default() }
+/// The walls and the islands at the top and at the floor of each level, and what stays uncut on it.
+fn drawing(report: &pocketing::Report) -> Drawing {
+    let mut drawing = Drawing::default();
+    for level in &report.levels {
+        let at_floor = |outline: &Vec<Element>| polyline(outline, level.z_mm);
+        drawing.curve.extend(level.outlines.iter().map(|outline| polyline(outline, level.top_z_mm)));
+        drawing.curve.extend(level.outlines.iter().map(at_floor));
+        drawing.uncut.extend(level.uncut.iter().map(at_floor));
+    }
+    drawing
 }
 
 /// Largest turn of an arc that is drawn as a chord, radians.
 const LARGEST_TURN: f64 = 0.1;
 
-fn polyline(outline: &[Element], z: f64) -> Vec<Point3<f64>> {
-    let mut points = Vec::with_capacity(outline.len() + 1);
-    for element in outline {
+fn polyline(chain: &[Element], z: f64) -> Vec<Point3<f64>> {
+    let mut points = Vec::with_capacity(chain.len() + 1);
+    for element in chain {
         let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
         points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
     }
-    points.extend(points.first().copied());
+    points.extend(chain.last().map(Element::end));
     points.into_iter().map(|p| Point3::new(p.x, p.y, z)).collect()
 }
 
@@ -93,6 +98,13 @@ impl From<&pocketing::Warning> for Warning {
                 detail: format!(
                     "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
                     largest.area_mm2, largest.at.x, largest.at.y
+                ),
+            },
+            pocketing::Warning::IslandsByLabelling { gouge_mm } => Self {
+                code: WarningCode::RoughingPathGouges,
+                detail: format!(
+                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part",
+                    rounded_up_mm(*gouge_mm)
                 ),
             },
             pocketing::Warning::StepoverNarrowed => Self {

@@ -37,7 +37,7 @@ pub fn routes(
     budget: &Budget,
 ) -> Result<Vec<Route>, PocketError> {
     let centers = &shape.centers;
-    let begin = || Router::new(conditions, centers, budget);
+    let begin = || Router::new(conditions, centers, &shape.emptied, budget);
     let ways = match pattern {
         Pattern::IslandOffset => {
             let mut router = begin();
@@ -61,7 +61,7 @@ pub fn routes(
             vec![rows(centers, AtIsland::Around, inset, begin(), budget)?]
         }
         Pattern::ZigzagStockOffset => short_rows(centers, conditions, begin, budget)?,
-        Pattern::Engagement => vec![bounded(centers, conditions, budget)?],
+        Pattern::Engagement => vec![bounded(shape, conditions, budget)?],
     };
     let checked = |runs: Vec<Run>| Ok(Route { check: check(&runs, shape, conditions, budget)?, runs });
     ways.into_iter().map(checked).collect()
@@ -69,14 +69,17 @@ pub fn routes(
 
 /// Passes whose angle is bounded. They keep the material on their right; for conventional milling those of
 /// the mirrored region are mirrored.
-fn bounded(centers: &Region, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
+fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
+    let Shape { centers, emptied, .. } = shape;
     if conditions.milling == Milling::Climb {
-        let mut router = Router::new(conditions, centers, budget);
+        let mut router = Router::new(conditions, centers, emptied, budget);
         engagement::cut(&mut router, centers, budget)?;
         return Ok(router.finish());
     }
     let mirrored = centers.mirrored();
-    let mut router = Router::new(conditions, &mirrored, budget);
+    let emptied: Vec<Vec<Element>> =
+        emptied.iter().map(|path| path.iter().map(Element::mirrored).collect()).collect();
+    let mut router = Router::new(conditions, &mirrored, &emptied, budget);
     engagement::cut(&mut router, &mirrored, budget)?;
     Ok(router.finish().iter().map(Run::mirrored).collect())
 }

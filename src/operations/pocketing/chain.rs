@@ -2,7 +2,9 @@
 
 use nalgebra::Point2;
 
-use crate::geometry::element::Element;
+use crate::geometry::curve::{Curve, Direction};
+use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::plane::Plane;
 
 /// The distance of a place from an element, and the place on the element.
 pub fn foot(element: &Element, p: Point2<f64>) -> (f64, Point2<f64>) {
@@ -44,4 +46,17 @@ pub fn begun_at(elements: &[Element], k: usize, t: f64) -> Vec<Element> {
         begun.push(first.part(0.0, t));
     }
     begun
+}
+
+/// The curve seen from above.
+pub fn from_above(along: &Curve) -> Element {
+    let (start, end) = (along.start().xy(), along.end().xy());
+    match along {
+        Curve::Arc(arc) if arc.plane() == Plane::Xy => {
+            let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
+            let turn = sense * arc.sweep();
+            Element::Arc(PlaneArc { start, end, center: arc.center().xy(), radius: arc.radius(), turn })
+        }
+        _ => Element::Line { start, end },
+    }
 }

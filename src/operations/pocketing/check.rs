@@ -66,8 +66,8 @@ pub fn check(
     let mut check = Check::default();
     angles(runs, conditions, &mut check);
     let chains: Vec<Vec<Element>> = runs.iter().map(Run::chain).collect();
-    let chains: Vec<&[Element]> = chains.iter().map(Vec::as_slice).collect();
-    let boundary = swept::boundary(&chains, conditions.radius_mm, budget)?;
+    let all: Vec<&[Element]> = chains.iter().chain(&shape.emptied).map(Vec::as_slice).collect();
+    let boundary = swept::boundary(&all, conditions.radius_mm, budget)?;
     let is_inside = |element: &&Element| {
         element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > SLIVER_MM
     };
@@ -80,7 +80,7 @@ pub fn check(
         check.invalid_because = Some(format!("it leaves {:.3} mm2 uncut", check.uncut_area_mm2));
     }
     let limit = conditions.radius_mm - GOUGE_MM;
-    for element in chains.iter().copied().flatten() {
+    for element in chains.iter().flatten() {
         let clearance = shape.pocket.clearance(element, conditions.radius_mm);
         if clearance < limit {
             let gouge = conditions.radius_mm - clearance;

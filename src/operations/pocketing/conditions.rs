@@ -1,7 +1,7 @@
 //! The cutting conditions of one level, with what follows from them.
 
 use super::job::{EntryLimits, Job, Milling};
-use super::level::Level;
+use super::level::{Heights, Level};
 use crate::machining::engagement::straight_angle;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::path::Role;
@@ -32,7 +32,7 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    pub fn new(job: &Job, cutting: &Cutting, level: &Level) -> Self {
+    pub fn new(job: &Job, heights: &Heights, cutting: &Cutting, level: &Level) -> Self {
         let radius_mm = job.tool.radius_mm;
         let straight = straight_angle(radius_mm, job.stepover_mm);
         let slot_feed = cutting.slot_feed;
@@ -53,7 +53,7 @@ impl Conditions {
             entry_feed: job.cutting.ramp_feed.unwrap_or(gentle),
             top_z_mm: level.top_z_mm,
             z_mm: level.z_mm,
-            clearance_mm: cutting.retract_z_mm - job.top_z_mm,
+            clearance_mm: cutting.retract_z_mm - heights.highest_mm,
         }
     }
 

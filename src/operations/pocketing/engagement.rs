@@ -10,7 +10,8 @@
 //! 4. Where a pass left the wall, material begins, and a later pass begins there, on the wall. Passes follow
 //!    each other nearest first, by a straight link with arcs on both ends, or by a lift. In a channel these
 //!    passes are trochoids.
-//! 5. At the end, rings are followed where they meet material: inner corners, and what no pass came to.
+//! 5. At the end, rings are followed where they meet material: inner corners, and what no pass came to. Where
+//!    earlier tools have emptied some of the pocket, this step is the only one.
 //!
 //! # Guarantees
 //! The angle is bounded along every pass as for all patterns. Where it exceeds 1.1 of that of the stepover is
@@ -25,6 +26,7 @@ use super::PocketError;
 use super::conditions::Conditions;
 use super::depth::deepest;
 use super::entry::Entry;
+use super::pieces::{Pieces, pieces};
 use super::rings;
 use super::router::{Purpose, Router};
 use crate::budget::Budget;
@@ -37,18 +39,11 @@ use wall::Wall;
 /// The radius of the tightest turn to the left, in stepovers, and its limit in cutter radii.
 const TIGHTEST: [f64; 2] = [0.5, 0.25];
 
-/// Pieces of rings with smaller angles are not followed again, radians: what they leave is thinner than a
-/// hundredth of the radius.
-const SLIVER: f64 = 0.1;
-
-/// Pieces of a ring that are nearer to each other are cut as one, in cutter radii.
-const JOINED: f64 = 1.0;
-
 pub fn cut(router: &mut Router, centers: &Region, budget: &Budget) -> Result<(), PocketError> {
     let conditions = router.conditions;
     let tight = tightest(conditions);
     let turning = centers.offset_inward(tight, budget)?;
-    if !turning.is_empty() {
+    if !turning.is_empty() && !router.is_rest() {
         let rounded = turning.offset_outward(tight, budget)?;
         for part in rounded.parts() {
             let place = deepest(&part, conditions.radius_mm, budget)?;
@@ -83,12 +78,14 @@ fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) 
         centers.outlines().map(|outline| outline.elements().to_vec()).collect()
     };
     for outline in outlines {
-        let pieces = pieces(router, &outline)?;
-        let is_loop = outline[0].start() == outline[outline.len() - 1].end();
-        if is_loop && pieces.len() == 1 && pieces[0].len() >= outline.len() {
-            router.cut_loop(&outline)?;
-            continue;
-        }
+        let pieces = match pieces(router, &outline, 0.0)? {
+            Pieces::Whole if outline[0].start() == outline[outline.len() - 1].end() => {
+                router.cut_loop(&outline)?;
+                continue;
+            }
+            Pieces::Whole => vec![outline],
+            Pieces::Some(pieces) => pieces,
+        };
         for piece in pieces {
             let (first, last) = (piece[0], piece[piece.len() - 1]);
             let left = |v: Vector2<f64>| Vector2::new(-v.y, v.x) * tight;
@@ -100,32 +97,4 @@ fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) 
         }
     }
     Ok(())
-}
-
-/// The pieces of a loop along which there is material; the loop itself where there is material all along.
-fn pieces(router: &mut Router, outline: &[Element]) -> Result<Vec<Vec<Element>>, PocketError> {
-    let mut pieces: Vec<Vec<Element>> = Vec::new();
-    let mut gap = f64::INFINITY;
-    let mut skipped: Vec<Element> = Vec::new();
-    for element in outline {
-        let length = element.length();
-        for stretch in router.survey(element, SLIVER)? {
-            let part = element.part(stretch.from, stretch.to);
-            if stretch.angle <= SLIVER {
-                gap += (stretch.to - stretch.from) * length;
-                skipped.push(part);
-                continue;
-            }
-            match pieces.last_mut() {
-                Some(piece) if gap < JOINED * router.conditions.radius_mm => {
-                    piece.append(&mut skipped);
-                    piece.push(part);
-                }
-                _ => pieces.push(vec![part]),
-            }
-            skipped.clear();
-            gap = 0.0;
-        }
-    }
-    Ok(pieces)
 }

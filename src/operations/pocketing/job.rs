@@ -1,11 +1,14 @@
 //! The pocketing job: the area, the heights, the tool, and what is left to choose.
 
+use crate::geometry::curve::Curve;
 use crate::geometry::element::Element;
+use crate::geometry::height_field::HeightGrid;
+use crate::geometry::surface::source::Source;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::Resolution;
 use crate::toolpath::tool::Tool;
 
-/// A way to clear a level. The first six are those of Ryu et al.
+/// A way to clear a level. All but `Engagement` are from the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Pattern {
     /// Rings about the islands, outward.
@@ -76,12 +79,46 @@ pub struct Outlines {
     pub islands: Vec<Vec<Element>>,
 }
 
+/// The heights of a part whose pocket has more than a flat floor and vertical walls.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Relief {
+    Grid(HeightGrid),
+    Surface(Source),
+}
+
+/// How the islands of a level are found in a relief.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum IslandsBy {
+    /// From the level curves of the height field.
+    #[default]
+    Slicing,
+    /// From the cells of a grid that are high, as in the paper. A surface is sampled with this spacing, mm;
+    /// heights are taken as they are.
+    Labelling { cell_mm: f64 },
+}
+
+/// What an earlier tool has emptied.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Emptied {
+    /// Down to the floor of the pocket.
+    Region(Outlines),
+    /// All that a flat cutter sweeps on a path.
+    Path { along: Vec<Curve>, radius_mm: f64 },
+}
+
 #[derive(Debug, Clone)]
 pub struct Job {
-    pub area: Outlines,
-    pub top_z_mm: f64,
+    /// The wall and the islands of the pocket; with a relief none means the edge of the relief.
+    pub area: Option<Outlines>,
+    pub relief: Option<Relief>,
+    pub islands_by: IslandsBy,
+    pub cleared: Vec<Emptied>,
+    /// Where the stock begins, mm. Without it, a relief begins at its highest point.
+    pub top_z_mm: Option<f64>,
     pub floor_z_mm: f64,
     pub stepdown_max_mm: f64,
+    /// The thickest material that a level may leave on a relief, mm.
+    pub roughing_allowance_mm: Option<f64>,
     pub tool: Tool,
     pub stepover_mm: f64,
     pub patterns: Vec<Pattern>,

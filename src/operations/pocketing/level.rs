@@ -3,11 +3,13 @@
 use nalgebra::Point2;
 
 use super::PocketError;
+use super::cleared::{Cleared, paths_over};
 use super::depth::deepest;
-use super::job::{Job, Outlines};
+use super::job::Job;
+use super::part::Part;
 use crate::budget::Budget;
 use crate::geometry::element::Element;
-use crate::geometry::region::{Outline, OutlineError, Region};
+use crate::geometry::region::{Outline, Region};
 
 /// The most levels.
 const MOST_LEVELS: usize = 1000;
@@ -27,10 +29,16 @@ const LISTED: f64 = 0.25;
 pub struct Shape {
     /// All that is to be cleared.
     pub pocket: Region,
+    /// The part at the level's floor: what the cutter must not touch is outside.
+    pub walls: Region,
     /// Where the cutter's centre may be.
     pub centers: Region,
     /// What the cutter can reach.
     pub reach: Region,
+    /// The cutter stays this much farther from the walls than its radius, because they may be wrong by it, mm.
+    pub deviation_mm: f64,
+    /// Paths of the cutter over what earlier tools have emptied.
+    pub emptied: Vec<Vec<Element>>,
 }
 
 /// One level.
@@ -42,6 +50,8 @@ pub struct Level {
     pub z_mm: f64,
     /// The index of its shape.
     pub shape: usize,
+    /// The thickest material that it leaves on the slopes of a relief, mm, where that is limited.
+    pub leftover_mm: Option<f64>,
 }
 
 /// A place that stays uncut.
@@ -62,48 +72,104 @@ pub struct Island {
     pub wall_mm: f64,
 }
 
-/// The levels of a job from the top down, and their shapes. Each level but the last is the largest stepdown
-/// deep; the last ends on the floor.
-///
-/// # Errors
-/// When a region cannot be computed, or there are too many levels.
-pub fn levels(job: &Job, budget: &Budget) -> Result<(Vec<Shape>, Vec<Level>), PocketError> {
-    let depth = job.top_z_mm - job.floor_z_mm;
-    let count = (depth / job.stepdown_max_mm - ROUNDING).ceil().max(1.0);
-    if count > MOST_LEVELS as f64 {
-        return Err(PocketError::TooMuchWork { what: "levels", limit: MOST_LEVELS });
-    }
-    let count = count as usize;
-    let z =
-        |k: usize| if k == count { job.floor_z_mm } else { job.top_z_mm - k as f64 * job.stepdown_max_mm };
-    let shape = Shape::new(region(&job.area, budget)?, job.tool.radius_mm, budget)?;
-    shape.check_work(job)?;
-    let level = |k: usize| Level { top_z_mm: z(k), z_mm: z(k + 1), shape: 0 };
-    Ok((vec![shape], (0..count).map(level).collect()))
+/// The heights of a job.
+#[derive(Debug, Clone, Copy)]
+pub struct Heights {
+    /// Top of the stock, mm.
+    pub top_z_mm: f64,
+    /// The higher one of the stock's top and the part's highest point, mm.
+    pub highest_mm: f64,
+    /// By how much the part may differ from the relief that stands for it, mm.
+    pub deviation_mm: f64,
+    /// By how much the part may be higher than a level whose floor it is, mm.
+    pub overlap_mm: f64,
 }
 
-/// The region inside the wall and outside all islands.
-fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
-    let outline = |elements: &[Element], island: Option<usize>| {
-        Outline::new(elements, budget).map_err(|error| match error {
-            OutlineError::Stopped(stopped) => PocketError::Stopped(stopped),
-            error => PocketError::Outline { island, error },
-        })
+/// The levels of a job from the top down, and their shapes. Each level but the last is as deep as the
+/// stepdown and the allowance permit; the last ends on the floor.
+///
+/// # Errors
+/// When a region cannot be computed, there are too many levels, or nothing can be cut on any level.
+pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Level>), PocketError> {
+    let part = Part::new(job, budget)?;
+    let highest = part.highest_mm();
+    let top_z_mm = job.top_z_mm.or(highest).unwrap_or(0.0);
+    if job.floor_z_mm >= top_z_mm {
+        return Err(PocketError::FloorNotBelowTop { floor_mm: job.floor_z_mm, top_mm: top_z_mm });
+    }
+    let heights = Heights {
+        top_z_mm,
+        highest_mm: highest.map_or(top_z_mm, |highest| highest.max(top_z_mm)),
+        deviation_mm: part.deviation_mm(),
+        overlap_mm: part.overlap_mm(),
     };
-    let boundary = outline(&area.boundary, None)?;
-    let islands = area.islands.iter().enumerate().map(|(k, island)| outline(island, Some(k)));
-    let region = Region::new(&[boundary], &islands.collect::<Result<Vec<_>, _>>()?, budget)?;
-    if region.is_empty() { Err(PocketError::NothingToCut) } else { Ok(region) }
+    let cleared = Cleared::new(&job.cleared, budget)?;
+    let mut shapes: Vec<Shape> = Vec::new();
+    let mut levels = Vec::new();
+    for [top_z_mm, z_mm] in floors(job, &part, top_z_mm)? {
+        let walls = part.region_at(z_mm, budget)?;
+        let is_known = |shape: &Shape| shape.walls.faces() == walls.faces();
+        // With labels, even equal walls may have other cells.
+        let labelled = part.labelled_at(z_mm, budget)?;
+        if labelled.is_some() || !cleared.is_empty() || !shapes.last().is_some_and(is_known) {
+            let pocket = labelled.unwrap_or_else(|| walls.clone());
+            let radius = job.tool.radius_mm;
+            let mut shape = Shape::new(pocket, walls, radius, heights.deviation_mm, budget)?;
+            shape.check_work(job)?;
+            if !cleared.is_empty() {
+                let emptied = cleared.at(z_mm, budget)?.intersection(&shape.reach, budget)?;
+                shape.emptied = paths_over(&emptied, radius, budget)?;
+            }
+            shapes.push(shape);
+        }
+        let leftover_mm = job.roughing_allowance_mm.map(|_| part.leftover_mm(top_z_mm, z_mm));
+        levels.push(Level { top_z_mm, z_mm, shape: shapes.len() - 1, leftover_mm });
+    }
+    if shapes.iter().all(|shape| shape.centers.is_empty()) {
+        let Some(pocket) = shapes.iter().map(|shape| &shape.pocket).find(|pocket| !pocket.is_empty()) else {
+            return Err(PocketError::NothingToCut);
+        };
+        return Err(too_large(pocket, job.tool.radius_mm, budget)?);
+    }
+    Ok((heights, shapes, levels))
+}
+
+/// The top and the floor of each level, mm.
+fn floors(job: &Job, part: &Part, top_z_mm: f64) -> Result<Vec<[f64; 2]>, PocketError> {
+    let mut floors = Vec::new();
+    let mut z = top_z_mm;
+    while z > job.floor_z_mm {
+        if floors.len() >= MOST_LEVELS {
+            return Err(PocketError::TooMuchWork { what: "levels", limit: MOST_LEVELS });
+        }
+        let most = job.stepdown_max_mm;
+        let depth = job.roughing_allowance_mm.map_or(most, |allowance| part.depth_mm(z, most, allowance));
+        // Counted from the top where every level is as deep as the first, so that nothing adds up.
+        let next = if depth == most && floors.len() as f64 * most == top_z_mm - z {
+            top_z_mm - (floors.len() + 1) as f64 * most
+        } else {
+            z - depth
+        };
+        let is_last = next <= job.floor_z_mm + ROUNDING * most;
+        let next = if is_last { job.floor_z_mm } else { next };
+        floors.push([z, next]);
+        z = next;
+    }
+    Ok(floors)
 }
 
 impl Shape {
-    pub fn new(pocket: Region, radius_mm: f64, budget: &Budget) -> Result<Self, PocketError> {
-        let centers = pocket.offset_inward(radius_mm, budget)?;
-        if centers.is_empty() {
-            return Err(too_large(&pocket, radius_mm, budget)?);
-        }
+    /// The shape of a level that clears `pocket` between `walls`, which may be wrong by `deviation_mm`.
+    fn new(
+        pocket: Region,
+        walls: Region,
+        radius_mm: f64,
+        deviation_mm: f64,
+        budget: &Budget,
+    ) -> Result<Self, PocketError> {
+        let centers = pocket.offset_inward(radius_mm + deviation_mm, budget)?;
         let reach = centers.offset_outward(radius_mm, budget)?;
-        Ok(Self { pocket, centers, reach })
+        Ok(Self { pocket, walls, centers, reach, deviation_mm, emptied: Vec::new() })
     }
 
     /// Refuses a pocket whose path would be very long in terms of the cutter.
@@ -117,16 +183,13 @@ impl Shape {
         Ok(())
     }
 
-    /// The area that the tool cannot reach, mm², and its largest places.
-    pub fn unreachable(&self, radius_mm: f64, budget: &Budget) -> Result<(f64, Vec<Uncut>), PocketError> {
-        let area_mm2 = (self.pocket.area() - self.reach.area()).max(0.0);
-        let left = self.pocket.difference(&self.reach, budget)?;
-        let uncut = |part: &Region| Uncut { area_mm2: part.area(), at: centroid(part.outlines()) };
-        let parts = left.parts();
-        let mut places: Vec<Uncut> =
-            parts.iter().map(uncut).filter(|uncut| uncut.area_mm2 > LISTED * radius_mm * radius_mm).collect();
-        places.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2));
-        Ok((area_mm2, places))
+    /// What the tool cannot reach.
+    pub fn not_reached(&self, budget: &Budget) -> Result<Region, PocketError> {
+        if self.deviation_mm == 0.0 {
+            return Ok(self.pocket.difference(&self.reach, budget)?);
+        }
+        let reach = self.reach.offset_outward(self.deviation_mm, budget)?;
+        Ok(self.pocket.difference(&reach, budget)?)
     }
 
     pub fn islands(&self) -> Vec<Island> {
@@ -150,6 +213,16 @@ impl Shape {
         };
         (0..islands.len()).map(figures).collect()
     }
+}
+
+/// The places of a region that is not reached that are larger than corners, the largest first.
+pub fn largest_places(not_reached: &Region, radius_mm: f64) -> Vec<Uncut> {
+    let uncut = |part: &Region| Uncut { area_mm2: part.area(), at: centroid(part.outlines()) };
+    let parts = not_reached.parts();
+    let mut places: Vec<Uncut> =
+        parts.iter().map(uncut).filter(|uncut| uncut.area_mm2 > LISTED * radius_mm * radius_mm).collect();
+    places.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2));
+    places
 }
 
 /// The error of a tool that fits nowhere.

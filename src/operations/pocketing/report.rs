@@ -4,14 +4,15 @@ use nalgebra::Point3;
 
 use super::PocketError;
 use super::candidate::Route;
+use super::chain::from_above;
 use super::check::Exception;
 use super::conditions::Conditions;
 use super::job::{ChooseBy, Job, Pattern};
-use super::level::{Island, Level, Shape, Uncut};
+use super::level::{Heights, Island, Level, Shape, Uncut, largest_places};
 use super::path;
 use crate::budget::Budget;
-use crate::geometry::curve::{Curve, Direction};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::curve::Curve;
+use crate::geometry::element::Element;
 use crate::geometry::region::Region;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::measure::measure;
@@ -49,13 +50,20 @@ pub struct Candidate {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelReport {
+    pub top_z_mm: f64,
     pub z_mm: f64,
+    /// The thickest material that the level leaves on the slopes of a relief, mm, where that is limited.
+    pub leftover_mm: Option<f64>,
     pub islands: Vec<Island>,
-    pub chosen: Pattern,
+    /// None where the tool fits nowhere.
+    pub chosen: Option<Pattern>,
     pub candidates: Vec<Candidate>,
     /// The area that the tool cannot reach, mm², and its places larger than corners.
     pub not_reached_mm2: f64,
     pub not_reached: Vec<Uncut>,
+    /// The outlines of the pocket and of all that stays uncut, for pictures.
+    pub outlines: Vec<Vec<Element>>,
+    pub uncut: Vec<Vec<Element>>,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -142,18 +150,33 @@ impl Candidate {
 impl LevelReport {
     pub fn new(
         shape: &Shape,
+        level: &Level,
         conditions: &Conditions,
-        chosen: Pattern,
+        chosen: Option<(Pattern, &Route)>,
         candidates: Vec<Candidate>,
         budget: &Budget,
     ) -> Result<Self, PocketError> {
-        let (not_reached_mm2, not_reached) = shape.unreachable(conditions.radius_mm, budget)?;
-        let islands = shape.islands();
-        Ok(Self { z_mm: conditions.z_mm, islands, chosen, candidates, not_reached_mm2, not_reached })
+        let not_reached = shape.not_reached(budget)?;
+        let elements =
+            |region: &Region| region.outlines().map(|outline| outline.elements().to_vec()).collect();
+        let mut uncut: Vec<Vec<Element>> = elements(&not_reached);
+        uncut.extend(chosen.iter().flat_map(|(_, route)| &route.check.uncut).map(|element| vec![*element]));
+        Ok(Self {
+            top_z_mm: level.top_z_mm,
+            z_mm: level.z_mm,
+            leftover_mm: level.leftover_mm,
+            islands: shape.islands(),
+            chosen: chosen.map(|(pattern, _)| pattern),
+            candidates,
+            not_reached_mm2: not_reached.area(),
+            not_reached: largest_places(&not_reached, conditions.radius_mm),
+            outlines: elements(&shape.pocket),
+            uncut,
+        })
     }
 
     fn uncut_mm2(&self) -> f64 {
-        let chosen = self.candidates.iter().find(|candidate| candidate.pattern == self.chosen);
+        let chosen = self.candidates.iter().find(|candidate| Some(candidate.pattern) == self.chosen);
         self.not_reached_mm2 + chosen.map_or(0.0, |candidate| candidate.uncut_area_mm2)
     }
 }
@@ -165,16 +188,19 @@ impl Report {
         toolpath: &Toolpath,
         shapes: &[Shape],
         levels: &[Level],
+        heights: &Heights,
         job: &Job,
         cutting: &Cutting,
     ) -> Result<(), PocketError> {
         self.total_time_s = measure(toolpath, cutting.rapid_feed).total_time_s.unwrap_or(0.0);
         self.uncut_area_mm2 = self.levels.iter().map(LevelReport::uncut_mm2).sum();
+        // Above the places of a relief that are not higher than the level.
+        self.gouge_max_mm = heights.overlap_mm;
         for pass in toolpath.passes() {
             let Some(level) = pass.level().and_then(|k| levels.get(k as usize)) else { continue };
             for step in pass.moves() {
                 if let Move::Feed { along, .. } = step {
-                    let depth = gouge(along, &shapes[level.shape].pocket, job)?;
+                    let depth = gouge(along, &shapes[level.shape].walls, heights.deviation_mm, job)?;
                     self.gouge_max_mm = self.gouge_max_mm.max(depth);
                 }
             }
@@ -183,24 +209,11 @@ impl Report {
     }
 }
 
-/// Bound of the depth to which the cutter cuts into the walls along a curve as it is written, mm.
-fn gouge(along: &Curve, pocket: &Region, job: &Job) -> Result<f64, PocketError> {
+/// Bound of the depth to which the cutter cuts into walls along a curve as it is written, mm. The walls may be
+/// wrong by `deviation_mm`.
+fn gouge(along: &Curve, walls: &Region, deviation_mm: f64, job: &Job) -> Result<f64, PocketError> {
     let rounded = quantize::round(along, job.resolution, Parabolas::AsLines)?;
-    let radius = job.tool.radius_mm;
     // A curve that is not near any wall may be left out.
-    let bound = radius + rounded.displacement_mm;
-    Ok((bound - pocket.clearance(&plan(along), bound)).max(0.0))
-}
-
-/// The curve seen from above.
-fn plan(along: &Curve) -> Element {
-    let (start, end) = (along.start().xy(), along.end().xy());
-    match along {
-        Curve::Arc(arc) => {
-            let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
-            let turn = sense * arc.sweep();
-            Element::Arc(PlaneArc { start, end, center: arc.center().xy(), radius: arc.radius(), turn })
-        }
-        _ => Element::Line { start, end },
-    }
+    let bound = job.tool.radius_mm + deviation_mm + rounded.displacement_mm;
+    Ok((bound - walls.clearance(&from_above(along), bound)).max(0.0))
 }

@@ -8,6 +8,7 @@ use super::chain::{begun_at, foot, nearest};
 use super::conditions::Conditions;
 use super::depth::deepest;
 use super::entry::{self, Entry};
+use super::pieces::{Pieces, pieces};
 use crate::budget::Budget;
 use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::region::Region;
@@ -18,6 +19,9 @@ const OPEN_MARGIN_MM: f64 = 0.05;
 
 /// How near the wall a cutter's centre may come to its limit, mm: above the rounding of offsets.
 const BESIDE_MM: f64 = 2e-6;
+
+/// How far before the rest of the material a stroke begins, in radii of the cutter.
+const LEAD: f64 = 0.25;
 
 /// Places at which a closed stroke may begin.
 const STARTS: usize = 24;
@@ -68,6 +72,8 @@ pub struct Router<'a> {
     pub conditions: &'a Conditions,
     centers: &'a Region,
     swept: Swept,
+    /// Whether earlier tools have emptied some of the pocket: then only the rest is cut.
+    is_rest: bool,
     runs: Vec<Run>,
     /// The centre of the circle on which the cutter may leave the last cut.
     leaving: Option<Point2<f64>>,
@@ -75,11 +81,20 @@ pub struct Router<'a> {
 }
 
 impl<'a> Router<'a> {
-    pub fn new(conditions: &'a Conditions, centers: &'a Region, budget: &'a Budget) -> Self {
+    /// `emptied` are paths over what earlier tools have emptied.
+    pub fn new(
+        conditions: &'a Conditions,
+        centers: &'a Region,
+        emptied: &[Vec<Element>],
+        budget: &'a Budget,
+    ) -> Self {
+        let mut swept = Swept::new(conditions.radius_mm);
+        emptied.iter().flatten().for_each(|element| swept.push(element));
         Self {
             conditions,
             centers,
-            swept: Swept::new(conditions.radius_mm),
+            swept,
+            is_rest: !emptied.is_empty(),
             runs: Vec::new(),
             leaving: None,
             budget,
@@ -100,8 +115,17 @@ impl<'a> Router<'a> {
         Some(run.steps.last().map_or(run.start, |step| step.element.end()))
     }
 
+    pub fn is_rest(&self) -> bool {
+        self.is_rest
+    }
+
     /// Cuts along a loop, from the place on it that is best to get to.
     pub fn cut_loop(&mut self, elements: &[Element]) -> Result<(), PocketError> {
+        if self.is_rest
+            && let Pieces::Some(pieces) = self.pieces(elements)?
+        {
+            return self.cut_all(&pieces);
+        }
         if let Some(at) = self.at() {
             let (k, t) = nearest(elements, at);
             let begun = begun_at(elements, k, t);
@@ -132,10 +156,26 @@ impl<'a> Router<'a> {
         if elements.is_empty() {
             return Ok(());
         }
-        if !self.approach(elements)? {
-            self.enter(elements)?;
+        if self.is_rest
+            && let Pieces::Some(pieces) = self.pieces(elements)?
+        {
+            return self.cut_all(&pieces);
         }
-        self.follow(elements, Purpose::Cut)
+        self.cut_all(&[elements.to_vec()])
+    }
+
+    fn pieces(&mut self, elements: &[Element]) -> Result<Pieces, PocketError> {
+        pieces(self, elements, LEAD * self.conditions.radius_mm)
+    }
+
+    fn cut_all(&mut self, chains: &[Vec<Element>]) -> Result<(), PocketError> {
+        for chain in chains {
+            if !self.approach(chain)? {
+                self.enter(chain)?;
+            }
+            self.follow(chain, Purpose::Cut)?;
+        }
+        Ok(())
     }
 
     /// Cuts along chains, each of which may be closed, the nearest first.
@@ -282,6 +322,9 @@ impl<'a> Router<'a> {
             }
         }
         let Some((distance, place)) = nearest else {
+            if self.is_rest && self.swept.is_free(start, OPEN_MARGIN_MM) {
+                return Ok(false);
+            }
             let seconds = length / conditions.slot_feed.mm_per_s();
             let is_fast = seconds <= conditions.lift_seconds(length) + conditions.entry_seconds();
             if is_allowed && is_fast {
@@ -310,6 +353,10 @@ impl<'a> Router<'a> {
     /// Comes down into the material at the start of a stroke.
     fn enter(&mut self, stroke: &[Element]) -> Result<(), PocketError> {
         let start = stroke[0].start();
+        if self.is_rest && self.swept.is_free(start, OPEN_MARGIN_MM) {
+            self.begin(start, Entry::Open);
+            return Ok(());
+        }
         let helix = entry::helix(start, stroke[0].direction(0.0), self.centers, self.conditions);
         let entry = match helix {
             Some((_, entry)) => entry,

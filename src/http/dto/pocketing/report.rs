@@ -26,13 +26,17 @@ pub struct PocketReport {
 pub struct PocketLevel {
     /// Height of the level's floor, in mm.
     z_mm: f64,
+    /// Thickest material that the level leaves on slopes of the part, in mm, at a right angle to them, where
+    /// the tool reaches. Absent without `roughing_allowance_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leftover_max_mm: Option<f64>,
     /// Number of islands.
     n_islands: usize,
     /// The islands.
     islands: Vec<PocketIsland>,
-    /// The pattern that the program uses.
-    chosen: Pattern,
-    /// All patterns that were asked for.
+    /// The pattern that the program uses; `null` where the tool fits nowhere on the level.
+    chosen: Option<Pattern>,
+    /// All patterns that were asked for; none where the tool fits nowhere.
     candidates: Vec<PocketCandidate>,
     /// Area that the tool cannot reach, in mm2.
     not_reached_area_mm2: f64,
@@ -126,7 +130,18 @@ impl From<&core::Report> for PocketReport {
 
 impl From<&core::LevelReport> for PocketLevel {
     fn from(level: &core::LevelReport) -> Self {
-        let core::LevelReport { z_mm, islands, chosen, candidates, not_reached_mm2, not_reached } = level;
+        let core::LevelReport {
+            top_z_mm: _,
+            z_mm,
+            leftover_mm,
+            islands,
+            chosen,
+            candidates,
+            not_reached_mm2,
+            not_reached,
+            outlines: _,
+            uncut: _,
+        } = level;
         let island = |island: &core::Island| {
             let &core::Island { area_mm2, centroid, nearest_island_mm, wall_mm } = island;
             PocketIsland { area_mm2, centroid: centroid.into(), nearest_island_mm, wall_mm }
@@ -134,9 +149,10 @@ impl From<&core::LevelReport> for PocketLevel {
         let place = |uncut: &core::Uncut| UncutPlace { area_mm2: uncut.area_mm2, at: uncut.at.into() };
         Self {
             z_mm: *z_mm,
+            leftover_max_mm: *leftover_mm,
             n_islands: islands.len(),
             islands: islands.iter().map(island).collect(),
-            chosen: (*chosen).into(),
+            chosen: chosen.map(Pattern::from),
             candidates: candidates.iter().map(PocketCandidate::from).collect(),
             not_reached_area_mm2: *not_reached_mm2,
             not_reached: not_reached.iter().map(place).collect(),

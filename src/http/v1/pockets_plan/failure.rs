@@ -2,6 +2,7 @@
 
 use nalgebra::Point2;
 
+use crate::geometry::height_field::HeightFieldError;
 use crate::geometry::region::{OutlineError, RegionError};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
@@ -37,6 +38,28 @@ impl From<PocketError> for ApiError {
                 let failed = Self::new(Code::InvalidRequest, detail).blaming(&at, FieldCode::OutOfRange);
                 if let OutlineError::Crosses { at } = error { failed.at(place(at)) } else { failed }
             }
+            PocketError::Cleared { index, island, error } => {
+                let at = root.field("cleared").index(index);
+                let at = match island {
+                    None => at.field("boundary"),
+                    Some(k) => at.field("islands").index(k),
+                };
+                let failed = Self::new(Code::InvalidRequest, detail).blaming(&at, FieldCode::OutOfRange);
+                if let OutlineError::Crosses { at } = error { failed.at(place(at)) } else { failed }
+            }
+            PocketError::ClearedEmpty { index } => Self::new(Code::InvalidRequest, detail)
+                .blaming(&root.field("cleared").index(index), FieldCode::OutOfRange),
+            PocketError::FloorNotBelowTop { .. } => Self::new(Code::InvalidRequest, detail)
+                .blaming(&root.field("floor_z_mm"), FieldCode::OutOfRange),
+            PocketError::Surface(source) => source.into(),
+            PocketError::Relief(error) => match error {
+                HeightFieldError::Stopped(stopped) => stopped.into(),
+                HeightFieldError::Overhang { at } => Self::new(Code::Overhang, detail).at(at.into()),
+                HeightFieldError::TooMany { .. } => Self::new(Code::LimitExceeded, detail)
+                    .blaming(&root.field("surface"), FieldCode::LimitExceeded),
+            },
+            PocketError::TooManyCells { .. } => Self::new(Code::LimitExceeded, detail)
+                .blaming(&root.field("cell_mm"), FieldCode::LimitExceeded),
             PocketError::NothingToCut => Self::new(Code::NothingToCut, detail),
             PocketError::ToolTooLarge { at, .. } => Self::new(Code::ToolTooLarge, detail)
                 .blaming(&root.field("tool").field("diameter_mm"), FieldCode::OutOfRange)

@@ -1,0 +1,90 @@
+//! What earlier tools have emptied, and the parts of a stroke that still meet material.
+
+use super::PocketError;
+use super::chain::from_above;
+use super::job::Emptied;
+use super::part::region;
+use super::rings;
+use crate::budget::Budget;
+use crate::geometry::element::Element;
+use crate::geometry::offset::swept;
+use crate::geometry::region::Region;
+
+/// Heights that differ by less are the same, mm.
+const SAME_HEIGHT_MM: f64 = 1e-6;
+
+/// How far the paths lie apart that stand for what is emptied, in radii of the cutter.
+const APART: f64 = 1.0;
+
+/// Emptied places.
+pub struct Cleared {
+    /// Emptied down to the floor of the pocket.
+    regions: Vec<Region>,
+    /// Paths of earlier tools.
+    paths: Vec<Path>,
+}
+
+struct Path {
+    radius_mm: f64,
+    /// Elements seen from above, with the height of their higher end, mm.
+    elements: Vec<(Element, f64)>,
+}
+
+impl Cleared {
+    pub fn new(emptied: &[Emptied], budget: &Budget) -> Result<Self, PocketError> {
+        let (mut regions, mut paths) = (Vec::new(), Vec::new());
+        for (k, emptied) in emptied.iter().enumerate() {
+            match emptied {
+                Emptied::Region(area) => regions.push(region(area, budget).map_err(|error| match error {
+                    PocketError::Outline { island, error } => {
+                        PocketError::Cleared { index: k, island, error }
+                    }
+                    PocketError::NothingToCut => PocketError::ClearedEmpty { index: k },
+                    other => other,
+                })?),
+                Emptied::Path { along, radius_mm } => {
+                    let elements = along
+                        .iter()
+                        .map(|curve| (from_above(curve), curve.start().z.max(curve.end().z)))
+                        .filter(|(element, _)| element.length() > 0.0);
+                    paths.push(Path { radius_mm: *radius_mm, elements: elements.collect() });
+                }
+            }
+        }
+        Ok(Self { regions, paths })
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.regions.is_empty() && self.paths.is_empty()
+    }
+
+    /// The emptied places down to the height `z_mm`.
+    pub fn at(&self, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
+        let mut all = self.regions.clone();
+        for path in &self.paths {
+            let mut chains: Vec<Vec<Element>> = Vec::new();
+            for (element, _) in path.elements.iter().filter(|(_, z)| *z <= z_mm + SAME_HEIGHT_MM) {
+                match chains.last_mut() {
+                    Some(chain) if chain.last().is_some_and(|last| last.end() == element.start()) => {
+                        chain.push(*element);
+                    }
+                    _ => chains.push(vec![*element]),
+                }
+            }
+            let chains: Vec<&[Element]> = chains.iter().map(Vec::as_slice).collect();
+            let boundary = swept::boundary(&chains, path.radius_mm, budget)?;
+            all.push(Region::on_the_left(&[boundary], budget)?);
+        }
+        Ok(Region::union(&all.iter().collect::<Vec<_>>(), budget)?)
+    }
+}
+
+/// Paths of a cutter that would have emptied what it can reach of a region.
+pub fn paths_over(
+    emptied: &Region,
+    radius_mm: f64,
+    budget: &Budget,
+) -> Result<Vec<Vec<Element>>, PocketError> {
+    let centers = emptied.offset_inward(radius_mm, budget)?;
+    Ok(rings::inside_out(&rings::rings(&centers, radius_mm, APART * radius_mm, budget)?))
+}

@@ -1,0 +1,129 @@
+//! Islands by sequential labelling and edge detection on a grid of heights: the way of the paper.
+//!
+//! # Method
+//! A point of the grid is 1 where the part is higher than the level, else 0. Points that are 1 and have a 0 to
+//! the left, to the right, above or below are edges. Each point stands for the square cell about it. The
+//! boundary of the islands consists of the sides that edge cells have in common with cells that are 0.
+//! Joining these sides divides the cells into islands like sequential labelling does.
+//!
+//! # Differences from the paper
+//! The paper joins the edge points themselves. An island of a single row of points would then have no area.
+//!
+//! # Guarantees
+//! None about the part between the points: a boundary is wrong by up to a cell. The report states how far
+//! the path cuts into the part.
+
+use std::collections::HashMap;
+
+use nalgebra::Point2;
+
+use super::PocketError;
+use crate::budget::Budget;
+use crate::geometry::element::Element;
+use crate::geometry::height_field::{HeightField, HeightGrid, SAME_HEIGHT_MM};
+use crate::geometry::region::Region;
+
+/// The largest number of cells.
+const MOST_CELLS: usize = 1_000_000;
+
+/// The heights of a field over the points of a grid; minus infinity beside the field.
+pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<HeightGrid, PocketError> {
+    let (mut low, mut high) = (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2]));
+    field.for_each_facet(budget, |facet| {
+        for corner in facet.corners {
+            (low, high) = (low.inf(&corner.xy()), high.sup(&corner.xy()));
+        }
+    })?;
+    let counts = [high.x - low.x, high.y - low.y].map(|extent| (extent / cell_mm + 1e-9).floor() + 1.0);
+    if !(counts[0] * counts[1] <= MOST_CELLS as f64) {
+        return Err(PocketError::TooManyCells { limit: MOST_CELLS });
+    }
+    let [columns, n_rows] = counts.map(|count| count as usize);
+    let mut rows = vec![vec![f64::NEG_INFINITY; columns]; n_rows];
+    let index = |x: f64, most: usize| (x.max(0.0) as usize).min(most - 1);
+    field.for_each_facet(budget, |facet| {
+        let [a, b, c] = facet.corners;
+        let (from, to) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+        let first = (from.xy() - low) / cell_mm;
+        let last = (to.xy() - low) / cell_mm;
+        let double = (b.xy() - a.xy()).perp(&(c.xy() - a.xy()));
+        for j in index((first.y - 1e-9).ceil(), n_rows)..=index(last.y + 1e-9, n_rows) {
+            for i in index((first.x - 1e-9).ceil(), columns)..=index(last.x + 1e-9, columns) {
+                let p = Point2::new(low.x + cell_mm * i as f64, low.y + cell_mm * j as f64);
+                let weight = |q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p)) / double;
+                let weights = [weight(b.xy(), c.xy()), weight(c.xy(), a.xy()), weight(a.xy(), b.xy())];
+                if double > 0.0 && weights.iter().all(|weight| *weight >= -1e-9) {
+                    let z = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
+                    rows[j][i] = rows[j][i].max(z);
+                }
+            }
+        }
+    })?;
+    Ok(HeightGrid { origin: low, spacing_mm: cell_mm, rows })
+}
+
+/// The cells about the points that are not above a level.
+pub fn low_cells(grid: &HeightGrid, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
+    let (columns, n_rows) = (grid.rows.first().map_or(0, Vec::len), grid.rows.len());
+    let is_low = |i: usize, j: usize| {
+        // Beside the grid there is nothing to be cleared.
+        (1..=columns).contains(&i)
+            && (1..=n_rows).contains(&j)
+            && grid.rows[j - 1][i - 1] <= z_mm + SAME_HEIGHT_MM
+    };
+    // Sides with a low cell on the left, from corner to corner. Where four sides meet, the two of each low
+    // cell are joined.
+    let mut next: HashMap<(usize, usize), Vec<(usize, usize)>> = HashMap::new();
+    let mut add = |from: (usize, usize), to: (usize, usize)| next.entry(from).or_default().push(to);
+    for j in 1..=n_rows {
+        budget.check()?;
+        for i in (1..=columns).filter(|i| is_low(*i, j)) {
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            let beside = [(i, j - 1), (i + 1, j), (i, j + 1), (i - 1, j)];
+            for k in (0..4).filter(|k| !is_low(beside[*k].0, beside[*k].1)) {
+                add(corners[k], corners[(k + 1) % 4]);
+            }
+        }
+    }
+    let place = |(i, j): (usize, usize)| {
+        // The outermost cells end on the edge of the grid.
+        let inside = |k: usize, most: usize| (k as f64 - 1.5).clamp(0.0, most as f64 - 1.0);
+        grid.origin + nalgebra::Vector2::new(inside(i, columns), inside(j, n_rows)) * grid.spacing_mm
+    };
+    let mut starts: Vec<(usize, usize)> = next.keys().copied().collect();
+    starts.sort_unstable();
+    let mut chains = Vec::new();
+    for start in starts {
+        while next.contains_key(&start) {
+            let (mut chain, mut at, mut before) = (Vec::new(), start, None);
+            while let Some(ways) = next.get_mut(&at) {
+                let k = leftmost(at, before, ways);
+                let to = ways.swap_remove(k);
+                if ways.is_empty() {
+                    next.remove(&at);
+                }
+                let line = Element::Line { start: place(at), end: place(to) };
+                if line.length() > 0.0 {
+                    chain.push(line);
+                }
+                (before, at) = (Some(at), to);
+                if at == start {
+                    break;
+                }
+            }
+            if !chain.is_empty() {
+                chains.push(chain);
+            }
+        }
+    }
+    Ok(Region::on_the_left(&chains, budget)?)
+}
+
+/// The side that goes on to the left, so that cells that meet at a corner only stay apart.
+fn leftmost(at: (usize, usize), before: Option<(usize, usize)>, ways: &[(usize, usize)]) -> usize {
+    let Some(before) = before else { return 0 };
+    let step =
+        |from: (usize, usize), to: (usize, usize)| (to.0 as i64 - from.0 as i64, to.1 as i64 - from.1 as i64);
+    let (x, y) = step(before, at);
+    ways.iter().position(|way| step(at, *way) == (-y, x)).unwrap_or(0)
+}

@@ -9,7 +9,9 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::element::Element;
-use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, Job, Milling, Outlines, Pattern, plan};
+use toolpathd::operations::pocketing::{
+    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, plan,
+};
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::program::{Resolution, Units};
 use toolpathd::toolpath::tool::{Shape, Tool};
@@ -28,10 +30,14 @@ fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Vec<Element> {
 fn job(area: Outlines, pattern: Pattern) -> Job {
     let feed = FeedRate::from_mm_per_min(800.0).unwrap();
     Job {
-        area,
-        top_z_mm: 0.0,
+        area: Some(area),
+        relief: None,
+        islands_by: IslandsBy::Slicing,
+        cleared: Vec::new(),
+        top_z_mm: Some(0.0),
         floor_z_mm: -5.0,
         stepdown_max_mm: 5.0,
+        roughing_allowance_mm: None,
         tool: Tool { shape: Shape::Flat, ..Tool::ball(5.0) },
         stepover_mm: 3.0,
         patterns: vec![pattern],

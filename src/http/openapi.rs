@@ -38,7 +38,7 @@ use super::{App, health, metrics, v1};
         (name = "operation", description = "For supervisors and load balancers")
     ),
     components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
-        super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline,
+        super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline, super::dto::pocketing::Cleared,
         super::dto::pocketing::Pattern))
 )]
 struct Document;

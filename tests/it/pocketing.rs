@@ -7,9 +7,14 @@ mod corruption;
 mod engagement;
 mod grid;
 mod hard;
+mod heights;
 mod invariance;
 mod motion;
 mod plane;
+mod relief;
+mod rest;
+mod samples;
+mod service;
 mod sweep;
 
 use toolpathd::budget::Budget;

@@ -84,7 +84,10 @@ fn the_triangles_of_a_surface_lie_within_the_deviation() {
             let region = field.region_below(z, &Budget::unlimited()).unwrap();
             let found = region.area() / 20.0;
             let slope = width / 40.0;
-            assert!(found <= width + 2.1e-3 && found >= width - (2.0 * 1e-3 / slope + 2.0 * 1e-3), "{z}: {found} {width}");
+            assert!(
+                found <= width + 2.1e-3 && found >= width - (2.0 * 1e-3 / slope + 2.0 * 1e-3),
+                "{z}: {found} {width}"
+            );
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::pocketing as core;
-use cleared::Cleared;
+pub use cleared::Cleared;
 use relief::{Heights, IslandsBy, SentRelief};
 use utoipa::openapi::Ref;
 

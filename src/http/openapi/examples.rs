@@ -23,8 +23,9 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
     "pockets-plan": [
-        "arcs", "circle", "comb", "corner-island", "dumbbell", "fillets-above-radius", "fillets-below-radius",
+        "arcs", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
+        "rest", "three-bumps",
     ],
     "programs-write": ["contour", "inch-fanuc", "one-line", "parabolas"],
     "surfaces-drop": ["bowl", "bull-nose"],

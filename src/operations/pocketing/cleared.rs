@@ -13,6 +13,10 @@ use crate::geometry::region::Region;
 /// Heights that differ by less are the same, mm.
 const SAME_HEIGHT_MM: f64 = 1e-6;
 
+/// Material that is thinner beside emptied places counts as emptied, mm: an inner corner that a cutter of the
+/// same radius has left would be cut again because of rounding.
+const SKIN_MM: f64 = 0.005;
+
 /// How far the paths lie apart that stand for what is emptied, in radii of the cutter.
 const APART: f64 = 1.0;
 
@@ -79,12 +83,17 @@ impl Cleared {
     }
 }
 
-/// Paths of a cutter that would have emptied what it can reach of a region.
+/// Paths of a cutter that would have emptied what it can reach of the emptied places in a pocket.
 pub fn paths_over(
     emptied: &Region,
+    pocket: &Region,
     radius_mm: f64,
     budget: &Budget,
 ) -> Result<Vec<Vec<Element>>, PocketError> {
-    let centers = emptied.offset_inward(radius_mm, budget)?;
+    if emptied.is_empty() {
+        return Ok(Vec::new());
+    }
+    let in_pocket = emptied.offset_outward(SKIN_MM, budget)?.intersection(pocket, budget)?;
+    let centers = in_pocket.offset_inward(radius_mm, budget)?;
     Ok(rings::inside_out(&rings::rings(&centers, radius_mm, APART * radius_mm, budget)?))
 }

@@ -63,16 +63,20 @@ fn tightest(conditions: &Conditions) -> f64 {
     (TIGHTEST[0] * conditions.stepover_mm).min(TIGHTEST[1] * conditions.radius_mm)
 }
 
-/// Follows rings where material is left.
-fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) -> Result<(), PocketError> {
-    let (radius, stepover) = (router.conditions.radius_mm, router.conditions.stepover_mm);
+/// Whether the path so far leaves material farther from walls than a pass along them cuts.
+fn is_left_inside(router: &Router, centers: &Region, budget: &Budget) -> Result<bool, PocketError> {
+    let radius = router.conditions.radius_mm;
     let chains = router.chains();
     let chains: Vec<&[Element]> = chains.iter().map(Vec::as_slice).collect();
     let inside = centers.offset_inward(radius, budget)?;
-    let is_left_inside = swept::boundary(&chains, radius, budget)?
-        .iter()
-        .any(|element| !inside.ranges_inside(element, 0.0).is_empty());
-    let outlines = if is_left_inside {
+    let boundary = swept::boundary(&chains, radius, budget)?;
+    Ok(boundary.iter().any(|element| !inside.ranges_inside(element, 0.0).is_empty()))
+}
+
+/// Follows rings where material is left.
+fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) -> Result<(), PocketError> {
+    let (radius, stepover) = (router.conditions.radius_mm, router.conditions.stepover_mm);
+    let outlines = if router.is_rest() || is_left_inside(router, centers, budget)? {
         rings::inside_out(&rings::rings(centers, radius, stepover, budget)?)
     } else {
         centers.outlines().map(|outline| outline.elements().to_vec()).collect()

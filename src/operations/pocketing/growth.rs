@@ -6,6 +6,7 @@
 //! on a front or on the edge.
 
 use super::PocketError;
+use super::depth::{deepest, disc};
 use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::region::Region;
@@ -17,6 +18,15 @@ const MOST_ELEMENTS: usize = 300_000;
 /// Parts of the boundary that are nearer to the edge of the centres' region belong to the edge, mm.
 const ON_EDGE_MM: f64 = 1e-5;
 
+/// A region that grows by less has filled all that it can, mm².
+const STANDSTILL_MM2: f64 = 1e-7;
+
+/// What is left beyond a channel grows on if its area is larger than this part of the square of a step.
+const LEAST_PART: f64 = 0.01;
+
+/// The radius of a seed, in steps.
+const SEED: f64 = 0.05;
+
 /// The fronts after each step, as chains with the grown region on their left.
 pub fn waves(
     seed: &Region,
@@ -25,15 +35,29 @@ pub fn waves(
     budget: &Budget,
 ) -> Result<Vec<Vec<Vec<Element>>>, PocketError> {
     let mut grown = seed.clone();
+    let mut area = 0.0;
     let mut waves = Vec::new();
     let mut n_elements = 0;
-    while waves.len() < MOST_STEPS && n_elements <= MOST_ELEMENTS {
+    for _ in 0..MOST_STEPS {
         grown = grown.offset_outward(step_mm, budget)?.intersection(centers, budget)?;
+        let before = std::mem::replace(&mut area, grown.area());
         let fronts = fronts(&grown, centers);
-        if fronts.is_empty() {
-            return Ok(waves);
+        if fronts.is_empty() && area - before <= STANDSTILL_MM2 {
+            // Nothing grows through a channel that is hardly wider than the cutter: what is beyond it has a
+            // seed of its own.
+            let left = centers.difference(&grown, budget)?;
+            let parts = left.parts();
+            let Some(beyond) = parts.iter().find(|part| part.area() > LEAST_PART * step_mm * step_mm) else {
+                return Ok(waves);
+            };
+            let seed = disc(deepest(beyond, step_mm, budget)?, SEED * step_mm, budget)?;
+            grown = Region::union(&[&grown, &seed], budget)?;
+            continue;
         }
         n_elements += fronts.iter().map(Vec::len).sum::<usize>();
+        if n_elements > MOST_ELEMENTS {
+            break;
+        }
         waves.push(fronts);
     }
     Err(PocketError::TooMuchWork { what: "rings", limit: MOST_STEPS })

@@ -117,8 +117,8 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
             let mut shape = Shape::new(pocket, walls, radius, heights.deviation_mm, budget)?;
             shape.check_work(job)?;
             if !cleared.is_empty() {
-                let emptied = cleared.at(z_mm, budget)?.intersection(&shape.reach, budget)?;
-                shape.emptied = paths_over(&emptied, radius, budget)?;
+                let emptied = cleared.at(z_mm, budget)?;
+                shape.emptied = paths_over(&emptied, &shape.pocket, radius, budget)?;
             }
             shapes.push(shape);
         }

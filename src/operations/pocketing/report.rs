@@ -168,7 +168,8 @@ impl LevelReport {
             islands: shape.islands(),
             chosen: chosen.map(|(pattern, _)| pattern),
             candidates,
-            not_reached_mm2: not_reached.area(),
+            // The sum over no outlines is minus zero.
+            not_reached_mm2: not_reached.area() + 0.0,
             not_reached: largest_places(&not_reached, conditions.radius_mm),
             outlines: elements(&shape.pocket),
             uncut,

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
 use toolpathd::geometry::element::{Element, PlaneArc};
-use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, Job, Milling, Outlines, Pattern};
+use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern};
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::program::{Resolution, Units};
 use toolpathd::toolpath::tool::{Shape, Tool};
@@ -195,18 +195,25 @@ pub fn elements(outline: &[Vertex]) -> Vec<Element> {
     outline.iter().zip(outline.iter().cycle().skip(1)).map(element).collect()
 }
 
+/// The top of the stock of every case.
+pub const TOP_MM: f64 = 0.0;
+
 /// The job of a case. Without a slot feed, slots are cut at the feed.
 pub fn job(case: &Case, patterns: &[Pattern], slot_feed: Option<f64>) -> Job {
     let feed = |mm_per_min: f64| FeedRate::from_mm_per_min(mm_per_min).unwrap();
     let radius_mm = 0.5 * case.diameter_mm;
     Job {
-        area: Outlines {
+        area: Some(Outlines {
             boundary: elements(&case.boundary),
             islands: case.islands.iter().map(|island| elements(island)).collect(),
-        },
-        top_z_mm: 0.0,
+        }),
+        relief: None,
+        islands_by: IslandsBy::Slicing,
+        cleared: Vec::new(),
+        top_z_mm: Some(TOP_MM),
         floor_z_mm: case.floor_mm,
         stepdown_max_mm: case.stepdown_mm,
+        roughing_allowance_mm: None,
         tool: Tool { shape: Shape::Flat, ..Tool::ball(radius_mm) },
         stepover_mm: case.stepover_mm,
         patterns: patterns.to_vec(),

@@ -28,7 +28,7 @@ fn sound(case: &Case, area: &Area) -> Plan {
 /// The time of the chosen pattern on the first level, s.
 fn chosen_time(plan: &Plan) -> f64 {
     let level = &plan.report.levels[0];
-    let chosen = level.candidates.iter().find(|candidate| candidate.pattern == level.chosen);
+    let chosen = level.candidates.iter().find(|candidate| Some(candidate.pattern) == level.chosen);
     chosen.and_then(|candidate| candidate.times).unwrap().time_s
 }
 
@@ -62,7 +62,7 @@ fn with_each(case: &Case, change: &impl Fn(&[Vertex]) -> Vec<Vertex>) -> Case {
 /// The time of the chosen pattern of a pocket that is cleared soundly, and the pattern.
 fn time_and_pattern(case: &Case) -> (f64, Pattern) {
     let plan = sound(case, &Area::new(case));
-    (chosen_time(&plan), plan.report.levels[0].chosen)
+    (chosen_time(&plan), plan.report.levels[0].chosen.unwrap())
 }
 
 /// Asserts that the changed pockets are cleared in the same time.

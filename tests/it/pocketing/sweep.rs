@@ -8,7 +8,7 @@ use toolpathd::operations::pocketing::{Job, Plan};
 use toolpathd::toolpath::Role;
 
 use super::area::Area;
-use super::cases::Case;
+use super::cases::{Case, TOP_MM};
 use super::engagement::angles;
 use super::motion::{Kind, Motion, motions};
 use super::plane::apart;
@@ -92,7 +92,7 @@ pub fn judge(case: &Case, area: &Area, job: &Job, plan: &Plan) -> Verdict {
 /// too much misses nothing.
 fn check_walls(area: &Area, job: &Job, plan: &Plan, motions: &[Motion], verdict: &mut Verdict) {
     let radius = job.tool.radius_mm;
-    let below = motions.iter().filter(|motion| motion.low() < job.top_z_mm - 1e-9);
+    let below = motions.iter().filter(|motion| motion.low() < TOP_MM - 1e-9);
     for motion in below {
         let length = motion.piece.length();
         let mut way = 0.0f64;
@@ -126,7 +126,7 @@ fn check_walls(area: &Area, job: &Job, plan: &Plan, motions: &[Motion], verdict:
 fn check_heights(job: &Job, plan: &Plan, motions: &[Motion], verdict: &mut Verdict) {
     let cutting = &plan.cutting;
     let retract = cutting.retract_z_mm;
-    if retract < job.top_z_mm {
+    if retract < TOP_MM {
         verdict.add(Fault::Rapid, 0.0, || "the retract plane is below the top".into());
     }
     for (k, motion) in motions.iter().enumerate() {
@@ -244,7 +244,7 @@ fn check_angles(case: &Case, job: &Job, plan: &Plan, motions: &[Motion], verdict
     }
     verdict.angle_deg = most.to_degrees();
     let level = &plan.report.levels[0];
-    let chosen = level.candidates.iter().find(|candidate| candidate.pattern == level.chosen).unwrap();
+    let chosen = level.candidates.iter().find(|candidate| Some(candidate.pattern) == level.chosen).unwrap();
     let reported = chosen.engagement_max.to_degrees();
     if verdict.angle_deg > reported + REPORT_ALLOWANCE_DEG {
         let found = verdict.angle_deg;

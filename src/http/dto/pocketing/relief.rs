@@ -105,7 +105,7 @@ impl SentRelief {
                 None
             }
         };
-        if cell_mm.is_some() && (is_grid || islands_by == IslandsBy::Slicing) {
+        if cell_mm.is_some() && (is_grid || relief.is_some() && islands_by == IslandsBy::Slicing) {
             let detail = "`cell_mm` belongs to `islands_by: labelling` of a surface; leave it out";
             violations.add(&root.field("cell_mm"), FieldCode::Conflict, detail);
         }

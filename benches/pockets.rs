@@ -9,8 +9,9 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use toolpathd::budget::Budget;
 use toolpathd::geometry::element::Element;
+use toolpathd::geometry::height_field::HeightGrid;
 use toolpathd::operations::pocketing::{
-    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, plan,
+    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief, plan,
 };
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::program::{Resolution, Units};
@@ -101,5 +102,28 @@ fn islands(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, squares, vertices, islands);
+/// Two levels of a wavy relief of 100 by 100 mm with a growing number of heights in a row.
+fn heights(c: &mut Criterion) {
+    let mut group = c.benchmark_group("heights");
+    group.sample_size(10);
+    for n in [25, 50, 100] {
+        let spacing_mm = 100.0 / n as f64;
+        let height = |k: usize, step: f64| (k as f64 * spacing_mm * step).sin();
+        let row = |j: usize| (0..=n).map(|i| -6.0 + 5.0 * height(i, 0.1) * height(j, 0.13)).collect();
+        let grid = HeightGrid { origin: Point2::origin(), spacing_mm, rows: (0..=n).map(row).collect() };
+        let flat = Outlines { boundary: Vec::new(), islands: Vec::new() };
+        let job = Job {
+            area: None,
+            relief: Some(Relief::Grid(grid)),
+            floor_z_mm: -10.0,
+            ..job(flat, Pattern::ZigzagStockOffset)
+        };
+        group.bench_with_input(BenchmarkId::from_parameter(n), &job, |b, job| {
+            b.iter(|| plan(black_box(job), &Budget::unlimited()).unwrap().report.total_time_s);
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, squares, vertices, islands, heights);
 criterion_main!(benches);

@@ -16,6 +16,7 @@ pub mod mesh;
 pub mod offset;
 pub mod plane;
 pub mod plane_curve;
+pub mod polyline;
 pub mod profile;
 pub mod region;
 pub mod solve;

@@ -9,16 +9,18 @@
 //!   triangles on straight lines, and by the edge of the field (`level_curves`).
 //!
 //! # Guarantees
-//! * Between a surface and the triangles the distance is at most `deviation_mm`.
-//! * The region below a height of a grid is exact for the triangles, except for [`SAME_HEIGHT_MM`] and the
-//!   rounding of regions. That of a surface has arcs, which lie within another `deviation_mm` of the triangles.
+//! * The distance between a surface and its triangles is at most `deviation_mm`.
+//! * For a grid, the region below a height is exact for the triangles, except for [`SAME_HEIGHT_MM`] and the
+//!   rounding of regions.
+//! * For a surface, arcs and lines bound the region below a height. They lie within another `deviation_mm` of
+//!   the level curves of the triangles.
 //!
 //! # Degenerate input
 //! A field may have vertical walls. A surface that overhangs is refused.
 //!
 //! # Cost
-//! O(n) for n triangles, for the field and for each height; and the cost of a region of the elements that the
-//! level curves have.
+//! O(n) for the field and for each height, with n triangles. In addition, the level curves of each height
+//! cost as much as a region with as many elements.
 
 mod level_curves;
 #[cfg(test)]
@@ -31,13 +33,15 @@ use crate::geometry::region::{Region, RegionError};
 use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 
-/// Heights that differ by less are the same, mm: a level that ends on a plane of the part clears this plane.
+/// Heights that differ by less count as the same, mm. So a level that ends on a plane of the part clears this
+/// plane in spite of rounding.
 pub const SAME_HEIGHT_MM: f64 = 1e-6;
 
-/// The largest number of triangles: about a hundred megabytes.
+/// The most triangles of a surface. While the field is made, they take about a hundred megabytes.
 pub const MOST_TRIANGLES: usize = 2_000_000;
 
-/// A triangle overhangs if its area, seen from above, is negative by more than this part of its area.
+/// A triangle overhangs if it faces down: the z component of its unit normal is below minus this value. A
+/// smaller value would refuse vertical walls because of rounding.
 const OVERHANG: f64 = 1e-9;
 
 /// Triangles between two checks of the budget.
@@ -49,10 +53,12 @@ pub struct HeightGrid {
     /// The place of the first height.
     pub origin: Point2<f64>,
     pub spacing_mm: f64,
-    /// `rows[j][i]` is the height at `origin + spacing_mm (i, j)`, mm. At least two rows of at least two.
+    /// `rows[j][i]` is the height at `origin + spacing_mm (i, j)`, mm. At least two rows of at least two
+    /// heights; all rows are equally long.
     pub rows: Vec<Vec<f64>>,
 }
 
+/// Triangles over a region of the plane.
 #[derive(Debug, Clone)]
 pub struct HeightField {
     points: Vec<Point3<f64>>,
@@ -67,13 +73,14 @@ pub struct HeightField {
 pub enum HeightFieldError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("near {at} the surface overhangs: a cutter cannot come to it from above")]
+    #[error("near {at} the surface overhangs: a cutter cannot reach this place from above")]
     Overhang { at: Point3<f64> },
-    #[error("the surface needs more than {limit} triangles")]
+    #[error("the surface needs more than {limit} triangles; send a smaller part of it")]
     TooMany { limit: usize },
 }
 
 impl HeightField {
+    /// The field of a grid: four triangles for each cell.
     pub fn of_grid(grid: &HeightGrid) -> Self {
         let HeightGrid { origin, spacing_mm, rows } = grid;
         let columns = rows.first().map_or(0, Vec::len);
@@ -137,7 +144,10 @@ impl HeightField {
         Ok(field)
     }
 
-    /// Turns all triangles counterclockwise.
+    /// Turns all triangles counterclockwise, seen from above.
+    ///
+    /// # Errors
+    /// `Overhang` if some triangles face up and some face down.
     fn face_up(&mut self) -> Result<(), HeightFieldError> {
         let normals: Vec<Vector3<f64>> = self.triangles.iter().map(|own| self.normal(own)).collect();
         let is_down = normals.iter().map(|normal| normal.z).sum::<f64>() < 0.0;
@@ -163,8 +173,8 @@ impl HeightField {
         self.points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The part of the plane where the field is at most `z_mm` high. On a surface its boundary consists of
-    /// arcs and lines within `deviation_mm` of those of the triangles.
+    /// The part of the plane where the field is not higher than `z_mm`. For a surface, arcs and lines bound
+    /// this part; they lie within `deviation_mm` of the level curves of the triangles.
     ///
     /// # Errors
     /// One of [`RegionError`].
@@ -173,7 +183,7 @@ impl HeightField {
         Region::on_the_left(&chains, budget)
     }
 
-    /// The triangles as facets. The visitor is shown each of them.
+    /// Calls `visit` with each triangle as a facet.
     ///
     /// # Errors
     /// When the budget ends.
@@ -212,7 +222,8 @@ impl Facet {
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// The middle seen from above, and the distance of the farthest corner from it.
+    /// A disc around the facet, seen from above: the centroid of the corners, and the distance of the
+    /// farthest corner from the centroid.
     pub fn disc(&self) -> (Point2<f64>, f64) {
         let [a, b, c] = self.corners.map(|p| p.xy());
         let middle = Point2::from((a.coords + b.coords + c.coords) / 3.0);
@@ -220,7 +231,8 @@ impl Facet {
     }
 }
 
-/// The edges around a grid of points, in the direction in which the first index comes before the second.
+/// The edges around a grid of n by m points: along the first index of the points, then along the second
+/// index, then back along both.
 fn rim([n, m]: [usize; 2], index: impl Fn(usize, usize) -> usize) -> Vec<[u32; 2]> {
     let around = (0..n - 1)
         .map(|a| (a, 0))
@@ -231,13 +243,14 @@ fn rim([n, m]: [usize; 2], index: impl Fn(usize, usize) -> usize) -> Vec<[u32; 2
     (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]).collect()
 }
 
-/// Into how many parts each row of patches is divided along u, and each column along v, so that triangles
-/// between the points lie within `deviation_mm` of the surface. A linear interpolation over a triangle with
-/// sides du and dv differs from the surface by at most `(|Suu| du² + 2 |Suv| du dv + |Svv| dv²) / 8`.
+/// For each row of patches the number of parts along u, and for each column the number of parts along v. With
+/// these numbers, the triangles between the points lie within `deviation_mm` of the surface. A triangle whose
+/// right angle has sides du and dv in the parameters differs from the surface by at most
+/// `(|Suu| du² + 2 |Suv| du dv + |Svv| dv²) / 8`.
 fn divisions<P: Patch>(surface: &BezierSurface<P>, deviation_mm: f64) -> [Vec<f64>; 2] {
     let [nu, nv] = surface.spans();
     let mut counts = [vec![1.0f64; nu], vec![1.0f64; nv]];
-    // Each of the three terms has a third of the distance.
+    // Each of the three terms may take a third of the distance.
     let term = deviation_mm / 3.0;
     for i in 0..nu {
         for j in 0..nv {
@@ -245,7 +258,7 @@ fn divisions<P: Patch>(surface: &BezierSurface<P>, deviation_mm: f64) -> [Vec<f6
             let [uu, uv, vv] =
                 [bounds.duu, bounds.duv, bounds.dvv].map(|ball| ball.center.norm() + ball.radius);
             let along = |second: f64| (second / (8.0 * term)).sqrt();
-            // The mixed term needs the product of both counts to be at least this.
+            // The mixed term is small enough if the product of both counts is at least this.
             let product = uv / (4.0 * term);
             let [u, v] = [along(uu).max(1.0), along(vv).max(1.0)];
             let more = (product / (u * v)).max(1.0).sqrt();

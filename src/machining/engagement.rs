@@ -54,6 +54,10 @@ const LARGEST_TURN: f64 = 0.5;
 /// that show its edge, and over the few that are enough elsewhere.
 const CHORD_HEIGHTS: [f64; 2] = [0.001, 0.02];
 
+/// Segments at a larger distance from the cutter's centre free no point of the cutter's circle, in radii. The
+/// short chords may be nearer than their segment by the height of the arc.
+const REACH: f64 = 2.0 + CHORD_HEIGHTS[1];
+
 /// Material that is narrower across the motion does not count as such where the motion must be clear, as a
 /// part of the radius. It is above what the heights of arcs leave beside the cutter.
 const CLEAR_WIDTH: f64 = 0.008;
@@ -66,22 +70,29 @@ const STRAIGHT_ON_MM: f64 = 1e-9;
 pub struct Swept {
     radius_mm: f64,
     segments: Vec<Segment>,
+    /// The short chords of all arcs, in the order of the path.
+    chords: Vec<Chord>,
     cells: Cells,
     /// Buffers that are used again.
     near: Vec<u32>,
     steps: usize,
 }
 
-/// A line of the path, or a chord of an arc of the path. All places that are nearer to the segment than the
-/// radius less `slack_mm` are free.
+/// A chord. All places that are nearer to the chord than the radius less `slack_mm` are free.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
+struct Chord {
     start: Point2<f64>,
     end: Point2<f64>,
     /// The height of the arc over the chord, mm; zero for a line.
     slack_mm: f64,
-    /// Whether the segment is a line, or one of the few long chords of an arc.
-    is_coarse: bool,
+}
+
+/// A line of the path, or one of the few long chords of an arc of the path.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    chord: Chord,
+    /// The range of the short chords that show the same part of the arc more exactly; empty for a line.
+    short: [u32; 2],
 }
 
 /// A part of a motion, between two fractions of its length.
@@ -134,45 +145,34 @@ impl Swept {
     /// Nothing is swept yet.
     pub fn new(radius_mm: f64) -> Self {
         let cells = Cells::new(2.0 * radius_mm);
-        Self { radius_mm, segments: Vec::new(), cells, near: Vec::new(), steps: 0 }
+        Self { radius_mm, segments: Vec::new(), chords: Vec::new(), cells, near: Vec::new(), steps: 0 }
     }
 
     /// Sweeps along an element.
     pub fn push(&mut self, element: &Element) {
-        match element {
-            Element::Arc(arc) => {
-                let [fine, coarse] = CHORD_HEIGHTS.map(|height| chords(arc, height * self.radius_mm));
-                self.push_chords(element, arc, coarse, true);
-                if fine > coarse {
-                    self.push_chords(element, arc, fine, false);
-                }
+        let Element::Arc(arc) = element else {
+            let (start, end) = (element.start(), element.end());
+            return self.push_line(Chord { start, end, slack_mm: 0.0 });
+        };
+        let [fine, coarse] = CHORD_HEIGHTS.map(|height| chords(arc, height * self.radius_mm));
+        let each = fine.div_ceil(coarse);
+        for k in 0..coarse {
+            let from = self.chords.len() as u32;
+            if each > 1 {
+                let own = (k * each..(k + 1) * each).map(|k| chord(element, arc, k, coarse * each));
+                self.chords.extend(own);
             }
-            line => {
-                self.push_segment(Segment {
-                    start: line.start(),
-                    end: line.end(),
-                    slack_mm: 0.0,
-                    is_coarse: true,
-                });
-            }
+            let short = [from, self.chords.len() as u32];
+            self.push_segment(Segment { chord: chord(element, arc, k, coarse), short });
         }
     }
 
-    fn push_chords(&mut self, element: &Element, arc: &PlaneArc, count: usize, is_coarse: bool) {
-        let half = 0.5 * arc.turn.abs() / count as f64;
-        let slack_mm = arc.radius * (1.0 - half.cos());
-        let at = |k: usize| element.at(k as f64 / count as f64);
-        for k in 0..count {
-            self.push_segment(Segment { start: at(k), end: at(k + 1), slack_mm, is_coarse });
-        }
-    }
-
-    fn push_segment(&mut self, segment: Segment) {
-        let Segment { start, end, slack_mm, .. } = segment;
+    fn push_line(&mut self, line: Chord) {
+        let Chord { start, end, .. } = line;
         let own = end - start;
         // A line that goes on in its direction stays one segment.
-        if let Some(last) = self.segments.last_mut()
-            && (last.slack_mm, slack_mm) == (0.0, 0.0)
+        if let Some(Segment { chord: last, .. }) = self.segments.last_mut()
+            && last.slack_mm == 0.0
             && last.end == start
             && own.perp(&(end - last.start)).abs() <= STRAIGHT_ON_MM * own.norm()
             && own.dot(&(start - last.start)) >= 0.0
@@ -181,7 +181,11 @@ impl Swept {
             self.cells.add(start, end, self.segments.len() as u32 - 1);
             return;
         }
-        self.cells.add(start, end, self.segments.len() as u32);
+        self.push_segment(Segment { chord: line, short: [0, 0] });
+    }
+
+    fn push_segment(&mut self, segment: Segment) {
+        self.cells.add(segment.chord.start, segment.chord.end, self.segments.len() as u32);
         self.segments.push(segment);
     }
 
@@ -240,8 +244,8 @@ impl Swept {
     /// The angle at a place, in a direction of motion, radians.
     pub fn angle_at(&mut self, p: Point2<f64>, along: Vector2<f64>) -> f64 {
         let mut near = std::mem::take(&mut self.near);
-        self.cells.about(p, 2.0 * self.radius_mm, &mut near);
-        let angle = self.freed_in(&Frame { origin: p, along }, 0.0, &near).left.angle;
+        self.cells.about(p, REACH * self.radius_mm, &mut near);
+        let angle = self.left_in(&Frame { origin: p, along }, &mut near).angle;
         self.near = near;
         angle
     }
@@ -249,10 +253,10 @@ impl Swept {
     /// Whether the disc of the cutter about `p`, less a rim of `margin_mm`, is swept.
     pub fn is_free(&mut self, p: Point2<f64>, margin_mm: f64) -> bool {
         let mut near = std::mem::take(&mut self.near);
-        self.cells.about(p, 2.0 * self.radius_mm, &mut near);
+        self.cells.about(p, REACH * self.radius_mm, &mut near);
         near.retain(|k| {
-            let Segment { start, end, .. } = self.segments[*k as usize];
-            distance_to_segment(p, start, end) < 2.0 * self.radius_mm
+            let Chord { start, end, .. } = self.segments[*k as usize].chord;
+            distance_to_segment(p, start, end) < REACH * self.radius_mm
         });
         let is_free =
             self.is_square_free(p, self.radius_mm, (p, self.radius_mm - margin_mm), margin_mm, &near);
@@ -270,9 +274,12 @@ impl Swept {
         near: &[u32],
     ) -> bool {
         let to_corner = half_mm * std::f64::consts::SQRT_2;
+        let contains = |Chord { start, end, slack_mm }: &Chord| {
+            distance_to_segment(middle, *start, *end) + to_corner < self.radius_mm - slack_mm
+        };
         let is_swept = |k: &u32| {
-            let Segment { start, end, slack_mm, .. } = self.segments[*k as usize];
-            distance_to_segment(middle, start, end) + to_corner < self.radius_mm - slack_mm
+            let segment = &self.segments[*k as usize];
+            contains(&segment.chord) || self.short(segment).iter().any(contains)
         };
         if (middle - disc.0).norm() - to_corner >= disc.1 || near.iter().any(is_swept) {
             return true;
@@ -286,11 +293,24 @@ impl Swept {
             })
     }
 
+    /// The short chords of a segment.
+    fn short(&self, segment: &Segment) -> &[Chord] {
+        let [from, to] = segment.short;
+        &self.chords[from as usize..to as usize]
+    }
+
     /// How many parts a motion is examined in.
     fn parts(&self, motion: &Element) -> usize {
         let by_length = motion.length() / (LONGEST * self.radius_mm);
         by_length.max(motion.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize
     }
+}
+
+/// One of `count` equal chords of an arc.
+fn chord(element: &Element, arc: &PlaneArc, k: usize, count: usize) -> Chord {
+    let half = 0.5 * arc.turn.abs() / count as f64;
+    let [start, end] = [k, k + 1].map(|k| element.at(k as f64 / count as f64));
+    Chord { start, end, slack_mm: arc.radius * (1.0 - half.cos()) }
 }
 
 /// How many chords no farther from an arc than this stand for it.

@@ -1,18 +1,22 @@
 //! Clears a pocket level by level, each with the pattern that takes the least time (Ryu, Kang, Jeon).
 //!
 //! # Method
-//! 1. The pocket is divided into levels (`level`). On each level the region is computed in which the
-//!    cutter's centre may be: the pocket, offset inward by the radius.
+//! 1. The pocket is divided into levels (`level`). The pocket of a level comes from outlines, from measured
+//!    heights or from a surface (`part`, `labelling`). The cutter's centre may be in the pocket, offset
+//!    inward by the radius.
 //! 2. Each pattern makes chains of lines and arcs (`rings`, `islands`, `rows`, `strips`), or follows what is
 //!    left of the material (`engagement`). The `router` joins the chains: it chooses where loops begin, links
 //!    them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
-//!    material all along ([`engagement`](crate::machining::engagement)).
+//!    material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
+//!    counts as cut before the first move (`cleared`); then only the parts of chains that meet material are
+//!    cut (`pieces`).
 //! 3. Each route is checked for what it leaves, for gouges and for links through material (`check`).
 //! 4. On each level the route with the least time among those that pass the check is taken.
 //!
 //! # Guarantees
 //! * The cutter is never nearer to a wall than its radius, except for rounding; `gouge_max_mm` bounds this
-//!   after rounding to the program's decimals.
+//!   after rounding to the program's decimals. With `labelling` this holds for the walls of the cells, and
+//!   the path may cut into the part.
 //! * Links and rapids never run through material. Below the top of the material rapids go straight up, or
 //!   straight down where the floor is cleared. Nothing is cut deeper than the stepdown.
 //! * The paths of `island_stock_offset`, `zigzag_stock_offset` and the rows free all that the tool can
@@ -45,6 +49,7 @@ mod growth;
 mod islands;
 mod job;
 mod labelling;
+mod leads;
 mod level;
 mod part;
 mod path;
@@ -90,7 +95,7 @@ pub enum Warning {
     PlacesNotReached { count: usize, largest: Uncut },
     /// The stepover is larger than the radius: rings lie closer where they would leave material.
     StepoverNarrowed,
-    /// Islands are as coarse as the cells of a grid: the path cuts this deep into the part, mm.
+    /// Islands are as coarse as the cells of a grid, and the path cuts into the part up to this depth, mm.
     IslandsByLabelling { gouge_mm: f64 },
 }
 
@@ -108,7 +113,9 @@ pub enum PocketError {
     Path(#[from] PathError),
     #[error("{}{error}", island.map_or_else(String::new, |k| format!("island {k}: ")))]
     Outline { island: Option<usize>, error: OutlineError },
-    #[error("nothing is left to cut: islands, the part or earlier tools leave no material in the pocket")]
+    #[error(
+        "nothing is left to cut: islands fill the pocket, earlier tools have emptied it, or on every level the part is higher than the level's floor"
+    )]
     NothingToCut,
     #[error("the floor at {floor_mm} mm is not below the top at {top_mm} mm")]
     FloorNotBelowTop { floor_mm: f64, top_mm: f64 },
@@ -118,9 +125,13 @@ pub enum PocketError {
     Relief(HeightFieldError),
     #[error("`cleared` {index}{}: {error}", island.map_or_else(String::new, |k| format!(", island {k}")))]
     Cleared { index: usize, island: Option<usize>, error: OutlineError },
-    #[error("`cleared` {index} is empty: its islands fill it")]
+    #[error("`cleared` {index} is empty: its islands fill it; leave it out")]
     ClearedEmpty { index: usize },
-    #[error("labelling needs more than {limit} cells")]
+    #[error(
+        "the outlines need more than {limit} lines and arcs within {within_mm} mm; send fewer vertices, or fit arcs to them with `/v1/arcs/fit`"
+    )]
+    OutlinesTooFine { limit: usize, within_mm: f64 },
+    #[error("labelling needs more than {limit} cells; send a larger `cell_mm`")]
     TooManyCells { limit: usize },
     #[error(
         "the tool of {diameter_mm} mm fits nowhere in the pocket; the largest that fits has {largest_mm:.3} mm, near {at}"
@@ -132,7 +143,7 @@ pub enum PocketError {
     NoEntry { at: Point2<f64>, least_mm: f64, largest_mm: f64 },
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
-    #[error("none of the patterns is valid: {because}")]
+    #[error("no pattern passes the check; the first one fails because {because}")]
     NoneValid { because: String },
 }
 
@@ -152,8 +163,10 @@ impl From<RegionError> for PocketError {
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let (heights, shapes, levels) = levels(job, budget)?;
     let cutting = job.cutting.above(heights.highest_mm)?;
-    let conditions: Vec<Conditions> =
-        levels.iter().map(|level| Conditions::new(job, &heights, &cutting, level)).collect();
+    let conditions: Vec<Conditions> = levels
+        .iter()
+        .map(|level| Conditions::new(job, &cutting, heights.highest_mm, [level.top_z_mm, level.z_mm]))
+        .collect();
     let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
     let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, cutting.clearance_z_mm));
     let mut report = Report::default();
@@ -183,6 +196,9 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
 /// The routes of one pattern, or why it has none.
 type Found = (Pattern, Result<Vec<Route>, PocketError>);
 
+/// The pattern of a level with its route; none where the tool fits nowhere.
+type Chosen<'a> = Option<(Pattern, &'a Route)>;
+
 /// For each shape the routes of all patterns; none where the tool fits nowhere.
 fn routes_of_shapes(
     job: &Job,
@@ -194,7 +210,7 @@ fn routes_of_shapes(
     let patterns = &job.patterns;
     let find = |k: usize| {
         let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
-        // Lifts take about as long on every level.
+        // The conditions of the shape's first level do for all its levels: lifts take about as long on each.
         let level = levels.iter().position(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
         if shapes[shape].centers.is_empty() {
             return Ok((pattern, Ok(Vec::new())));
@@ -213,7 +229,7 @@ fn choose<'a>(
     job: &Job,
     found: &'a [Found],
     conditions: &Conditions,
-) -> Result<(Vec<Candidate>, Option<(Pattern, &'a Route)>), PocketError> {
+) -> Result<(Vec<Candidate>, Chosen<'a>), PocketError> {
     let mut candidates = Vec::new();
     let mut best: Option<(f64, Pattern, &Route)> = None;
     let mut failure = None;

@@ -1,19 +1,20 @@
-//! The boundary of the low part of a height field.
+//! The boundary of the low part of a height field: of the places that are not higher than a given height.
 //!
 //! # Method
 //! In each triangle the boundary of the low part is at most one straight line, from one edge of the triangle
-//! to another. Where the low part reaches the edge of the field, it runs along that edge. Neighbouring
-//! triangles cross their common edge at the same place. So the lines are joined by the corners and edges on
-//! which they end, and no distances are compared. On a curved surface, arcs then replace runs of these lines.
+//! to another. Where the low part reaches the edge of the field, the boundary runs along that edge. On the
+//! common edge of two triangles, the lines of both triangles end at the same place. So lines are joined if
+//! they end on the same edge or at the same corner, and no distances are compared. On a surface, arcs and
+//! longer lines then replace runs of these lines.
 
 use std::collections::HashMap;
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 
 use super::HeightField;
 use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{self, Fit, Joints, Measure, Method, Points, Shape};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::element::Element;
+use crate::geometry::polyline;
 
 /// Where a line ends: at a corner, or on the edge between two corners, the smaller index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -22,8 +23,8 @@ enum Node {
     Edge(u32, u32),
 }
 
-/// Closed chains that have the places with heights of at most `z_mm` on their left. Where `fit_mm` is above
-/// zero, arcs within this distance replace the lines of level curves.
+/// Closed chains with the places that are not higher than `z_mm` on their left. If `fit_mm` is above zero,
+/// arcs and longer lines within this distance replace the lines of level curves.
 ///
 /// # Errors
 /// When the budget ends.
@@ -63,8 +64,8 @@ pub fn around_low(
 
 /// The line across a triangle with its low part on the left.
 fn across(triangle: &[u32; 3], low: [bool; 3]) -> Option<(Node, Node)> {
-    // Edge k runs from corner k to the next. The low part is on the left of a line that comes from the edge on
-    // which the triangle's boundary rises and goes to the edge on which it falls.
+    // Edge k runs from corner k to the next corner. The line starts on the edge from a low corner to a high
+    // corner, and ends on the edge from a high corner to a low corner. So the low part is on its left.
     let rises = (0..3).find(|k| low[*k] && !low[(k + 1) % 3])?;
     let falls = (0..3).find(|k| !low[*k] && low[(k + 1) % 3])?;
     let on = |k: usize| edge(triangle[k], triangle[(k + 1) % 3]);
@@ -78,7 +79,8 @@ fn edge(a: u32, b: u32) -> Node {
 /// The closed chains of nodes.
 fn chains(mut next: HashMap<Node, Node>) -> Vec<Vec<Node>> {
     let mut starts: Vec<Node> = next.keys().copied().collect();
-    // Corners come first: a chain along the edge of the field begins there.
+    // Corners come first. So a chain that touches the edge of the field begins at a corner, and its beginning
+    // divides no level curve.
     starts.sort_unstable();
     let mut chains = Vec::new();
     for start in starts {
@@ -95,63 +97,31 @@ fn chains(mut next: HashMap<Node, Node>) -> Vec<Vec<Node>> {
     chains
 }
 
-/// A chain of nodes as lines, or, where they are on a curved surface, as arcs within `fit_mm` of these lines.
+/// The elements of a closed chain of nodes: lines along the edge of the field; elsewhere lines if `fit_mm` is
+/// zero, else arcs and lines within `fit_mm` of the lines between the nodes.
 fn elements(places: &[(Node, Point2<f64>)], fit_mm: f64, budget: &Budget) -> Result<Vec<Element>, Stopped> {
     let mut chain = Vec::new();
-    let mut curve: Vec<Vector2<f64>> = Vec::new();
+    let mut curve: Vec<Point2<f64>> = Vec::new();
     let following = places.iter().cycle().skip(1);
     for ((node, from), (next, to)) in places.iter().zip(following) {
         let is_on_rim = matches!(node, Node::Corner(_)) || matches!(next, Node::Corner(_));
         if is_on_rim || fit_mm == 0.0 {
-            append_fitted(&mut chain, &mut curve, fit_mm, budget)?;
+            chain.extend(polyline::as_arcs(&std::mem::take(&mut curve), fit_mm, budget)?);
             if from != to {
                 chain.push(Element::Line { start: *from, end: *to });
             }
             continue;
         }
         if curve.is_empty() {
-            curve.push(from.coords);
+            curve.push(*from);
         }
-        if to.coords != curve[curve.len() - 1] {
-            curve.push(to.coords);
-        }
+        curve.push(*to);
     }
-    append_fitted(&mut chain, &mut curve, fit_mm, budget)?;
+    chain.extend(polyline::as_arcs(&curve, fit_mm, budget)?);
     Ok(chain)
 }
 
-/// Appends elements along a level curve, which is empty afterwards.
-fn append_fitted(
-    chain: &mut Vec<Element>,
-    curve: &mut Vec<Vector2<f64>>,
-    fit_mm: f64,
-    budget: &Budget,
-) -> Result<(), Stopped> {
-    let flat = std::mem::take(curve);
-    if flat.len() < 2 {
-        return Ok(());
-    }
-    let request = Fit {
-        method: Method::Greedy,
-        joints: Joints::OnPoints,
-        measure: Measure::Polyline,
-        ..Fit::within(fit_mm)
-    };
-    let fitted = arc_fit::fit(Points { flat: &flat, heights: &[] }, &request, budget)?;
-    let mut start = Point2::from(fitted.start);
-    for element in fitted.elements {
-        let end = Point2::from(element.to);
-        let arc = match element.shape {
-            Shape::Arc { bulge } => PlaneArc::with_bulge(start, end, bulge),
-            // An open curve has no full circles.
-            Shape::Line | Shape::FullCircle { .. } => None,
-        };
-        chain.push(arc.map_or(Element::Line { start, end }, Element::Arc));
-        start = end;
-    }
-    Ok(())
-}
-
+/// Where a node lies on the level curve at `z_mm`.
 fn place(field: &HeightField, z_mm: f64, node: Node) -> Point2<f64> {
     match node {
         Node::Corner(corner) => field.points[corner as usize].xy(),

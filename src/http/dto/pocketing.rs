@@ -30,14 +30,15 @@ use utoipa::openapi::Ref;
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PocketRequest {
-    /// The wall of the pocket and its islands. Required without `heights` and `surface`. With one of them, what
-    /// is outside the region stays; default: the rectangle of the heights, or the surface's outline.
+    /// The wall of the pocket and its islands. Required without `heights` and `surface`. With one of them,
+    /// everything outside the region stays. Default: the rectangle of `heights`, or the outline of `surface`.
     #[serde(default, deserialize_with = "object::optional")]
     region: Option<Region>,
-    /// Measured heights of the part. On each level, what is higher than the level stays.
+    /// Measured heights of the part. On each level, places that are higher than the level's floor stay.
     #[serde(default, deserialize_with = "object::optional")]
     heights: Option<Heights>,
-    /// The surface of the part, without overhangs. On each level, what is higher than the level stays.
+    /// The surface of the part, without overhangs. On each level, places that are higher than the level's
+    /// floor stay.
     surface: Option<Surface>,
     /// How islands are found in `heights` or `surface`.
     #[serde(default)]
@@ -47,7 +48,7 @@ pub struct PocketRequest {
     /// cutter's diameter.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     cell_mm: Option<f64>,
-    /// What earlier tools have emptied. Only the rest is cut.
+    /// What earlier tools have emptied. Only the material that is left is cut.
     #[schema(value_type = Option<ClearedList>)]
     cleared: Option<Vec<Cleared>>,
     /// Height of the stock's top, in mm. Default: 0; with `heights` or `surface` their highest point.
@@ -56,12 +57,13 @@ pub struct PocketRequest {
     /// Height of the pocket's floor, in mm; below `top_z_mm`.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     floor_z_mm: f64,
-    /// Largest depth of a level, in mm. Every level but the last is this deep; the last ends on the floor.
+    /// Largest depth of a level, in mm. Every level but the last is this deep, unless `roughing_allowance_mm`
+    /// makes it less deep; the last level ends on the floor.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepdown_max_mm: f64,
-    /// Thickest material that a level may leave on slopes of `heights` or `surface`, in mm, at a right angle to
-    /// them. Levels are then as deep as this and `stepdown_max_mm` allow, and end on level planes of the part.
-    /// Default: no limit.
+    /// Thickest material that a level may leave on slopes of `heights` or `surface`, in mm, at a right angle
+    /// to the slope. Levels are then as deep as this limit and `stepdown_max_mm` allow. A level ends on a
+    /// horizontal plane of the part if more than this limit would stay on the plane. Default: no limit.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     roughing_allowance_mm: Option<f64>,
     /// The cutter: `flat`.
@@ -265,7 +267,7 @@ impl IntoJob for PocketRequest {
         }
         violations.optional(&root.field("top_z_mm"), top_z_mm, Range::COORDINATE, "mm");
         violations.number(&root.field("floor_z_mm"), floor_z_mm, Range::COORDINATE, "mm");
-        // The top of a relief is known when it is computed.
+        // The default top of a relief is not known before the relief is computed.
         let top = top_z_mm.or(relief.is_none().then_some(0.0));
         if let Some(top) = top.filter(|top| floor_z_mm >= *top) {
             let detail = format!("the floor at {floor_z_mm} mm is not below the top at {top} mm");

@@ -54,7 +54,7 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport,
     })
 }
 
-/// The walls and the islands at the top and at the floor of each level, and what stays uncut on it.
+/// The walls and the islands of each level, at the level's top and floor, and the edges of what stays uncut.
 fn drawing(report: &pocketing::Report) -> Drawing {
     let mut drawing = Drawing::default();
     for level in &report.levels {
@@ -66,7 +66,7 @@ fn drawing(report: &pocketing::Report) -> Drawing {
     drawing
 }
 
-/// Largest turn of an arc that is drawn as a chord, radians.
+/// Largest turn of the part of an arc that is drawn as one straight line, radians.
 const LARGEST_TURN: f64 = 0.1;
 
 fn polyline(chain: &[Element], z: f64) -> Vec<Point3<f64>> {
@@ -103,7 +103,7 @@ impl From<&pocketing::Warning> for Warning {
             pocketing::Warning::IslandsByLabelling { gouge_mm } => Self {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(
-                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part",
+                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
                     rounded_up_mm(*gouge_mm)
                 ),
             },

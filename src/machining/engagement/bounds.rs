@@ -1,7 +1,9 @@
 //! Bounds of the angle along a motion.
 
+use nalgebra::Vector2;
+
 use super::spans::{self, Few, Left, Spans};
-use super::{Enough, Frame, Segment, Stretch, Swept, distance_to_segment};
+use super::{Chord, Enough, Frame, REACH, Segment, Stretch, Swept, distance_to_segment};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::element::Element;
 
@@ -23,8 +25,7 @@ const STRETCHES_BETWEEN_CHECKS: usize = 256;
 
 /// The points of the half circle that segments free at a place.
 pub(super) struct Freed {
-    /// The index of each segment with the ranges that the segment frees: first the list of the coarse
-    /// segments, then the list of the fine segments.
+    /// The index of each segment with the ranges that the segment frees, and the same of the short chords.
     of_segments: [Vec<(u32, Few)>; 2],
     pub left: Left,
 }
@@ -57,11 +58,11 @@ impl Swept {
     ) -> Result<(), Stopped> {
         let part = motion.part(from, to);
         let mut near = std::mem::take(&mut self.near);
-        self.cells.near(&part, 2.0 * self.radius_mm, &mut near);
+        self.cells.near(&part, REACH * self.radius_mm, &mut near);
         let (middle, reach) = part.disc();
-        let within = 2.0 * self.radius_mm + reach;
+        let within = REACH * self.radius_mm + reach;
         near.retain(|k| {
-            let Segment { start, end, .. } = self.segments[*k as usize];
+            let Chord { start, end, .. } = self.segments[*k as usize].chord;
             distance_to_segment(middle, start, end) < within
         });
         let count = self.straight_parts(&part);
@@ -154,28 +155,88 @@ impl Swept {
         self.freed_in(&Frame::at(motion, t), height_mm, near)
     }
 
-    /// The points that segments free in a frame. The fine chords are used only where the coarse segments
-    /// leave material.
-    pub(super) fn freed_in(&self, frame: &Frame, height_mm: f64, near: &[u32]) -> Freed {
+    /// The points that segments free in a frame. The short chords are used only where the segments leave
+    /// material.
+    fn freed_in(&self, frame: &Frame, height_mm: f64, near: &[u32]) -> Freed {
         let mut all = Spans::default();
-        let mut of_segments = [Vec::new(), Vec::new()];
-        for (is_fine, of_segments) in of_segments.iter_mut().enumerate() {
-            let Some((middle, within)) = all.disc_of_left() else { break };
+        let mut of_segments = Vec::with_capacity(near.len());
+        let mut of_chords = Vec::new();
+        let half_circle = all.disc_of_left().unwrap_or_default();
+        for k in near {
+            let segment = &self.segments[*k as usize];
+            if let Some(own) = self.freed_by(&segment.chord, frame, height_mm, half_circle) {
+                all.add(&own);
+                of_segments.push((*k, own));
+            }
+        }
+        if let Some(disc) = all.disc_of_left() {
             for k in near {
                 let segment = &self.segments[*k as usize];
-                let reach = 1.0 - (segment.slack_mm + height_mm) / self.radius_mm;
-                if segment.is_coarse != (is_fine == 0) || reach <= 0.0 {
+                if !self.may_free_more(segment, frame, disc) {
                     continue;
                 }
-                let [a, b] = [segment.start, segment.end].map(|p| frame.local(p) / self.radius_mm);
-                if spans::is_near(a - middle, b - middle, reach + within) {
-                    let own = spans::freed(a, b, reach);
-                    all.add(&own);
-                    of_segments.push((*k, own));
+                for (chord, k) in self.short(segment).iter().zip(segment.short[0]..) {
+                    if let Some(own) = self.freed_by(chord, frame, height_mm, disc) {
+                        all.add(&own);
+                        of_chords.push((k, own));
+                    }
                 }
             }
         }
-        Freed { of_segments, left: all.left() }
+        Freed { of_segments: [of_segments, of_chords], left: all.left() }
+    }
+
+    /// The part of the half circle that no segment frees in a frame. The last segments come first: they lie
+    /// beside the cutter, and most others add nothing to what they free.
+    pub(super) fn left_in(&self, frame: &Frame, near: &mut Vec<u32>) -> Left {
+        near.sort_unstable_by(|a, b| b.cmp(a));
+        near.dedup();
+        let mut all = Spans::default();
+        let mut disc = all.disc_of_left().unwrap_or_default();
+        for short in [false, true] {
+            for k in near.iter() {
+                let segment = &self.segments[*k as usize];
+                let chords = if short { self.short(segment) } else { std::slice::from_ref(&segment.chord) };
+                if short && !self.may_free_more(segment, frame, disc) {
+                    continue;
+                }
+                for chord in chords {
+                    if let Some(own) = self.freed_by(chord, frame, 0.0, disc)
+                        && !own.ranges().is_empty()
+                    {
+                        all.add(&own);
+                        let Some(left) = all.disc_of_left() else { return all.left() };
+                        disc = left;
+                    }
+                }
+            }
+        }
+        all.left()
+    }
+
+    /// Whether the short chords of a segment may free a point of a disc, in radii of the cutter.
+    fn may_free_more(&self, segment: &Segment, frame: &Frame, (middle, within): (Vector2<f64>, f64)) -> bool {
+        let Chord { start, end, slack_mm } = segment.chord;
+        let [a, b] = [start, end].map(|p| frame.local(p) / self.radius_mm);
+        segment.short[0] < segment.short[1]
+            && spans::is_near(a - middle, b - middle, 1.0 + slack_mm / self.radius_mm + within)
+    }
+
+    /// The points of the half circle that a chord frees in a frame; `None` if all of them are outside a disc,
+    /// which is in radii of the cutter.
+    fn freed_by(
+        &self,
+        chord: &Chord,
+        frame: &Frame,
+        height_mm: f64,
+        (middle, within): (Vector2<f64>, f64),
+    ) -> Option<Few> {
+        let reach = 1.0 - (chord.slack_mm + height_mm) / self.radius_mm;
+        let [a, b] = [chord.start, chord.end].map(|p| frame.local(p) / self.radius_mm);
+        // The half circle lies ahead.
+        let is_behind = a.x.max(b.x) < -reach;
+        (reach > 0.0 && !is_behind && spans::is_near(a - middle, b - middle, reach + within))
+            .then(|| spans::freed(a, b, reach))
     }
 
     /// How far points of the circle come from their chords along a part of a motion, mm. They are at most the

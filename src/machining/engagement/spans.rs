@@ -34,7 +34,7 @@ impl Few {
     }
 }
 
-/// Any number of ranges, which may overlap.
+/// Any number of ranges, in ascending order and apart from each other.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Spans {
     ranges: Vec<[f64; 2]>,
@@ -42,7 +42,7 @@ pub(super) struct Spans {
 
 impl Spans {
     pub(super) fn add(&mut self, few: &Few) {
-        self.ranges.extend_from_slice(few.ranges());
+        few.ranges().iter().for_each(|range| self.insert(*range));
     }
 
     /// Adds the ranges that two lists of ranges have in common.
@@ -51,23 +51,32 @@ impl Spans {
             for b in other.ranges() {
                 let range = [a[0].max(b[0]), a[1].min(b[1])];
                 if range[0] < range[1] {
-                    self.ranges.push(range);
+                    self.insert(range);
                 }
             }
         }
     }
 
+    /// Adds a range, and makes one range of all that it touches.
+    fn insert(&mut self, [from, to]: [f64; 2]) {
+        let first = self.ranges.partition_point(|range| range[1] < from);
+        let touched = self.ranges[first..].iter().take_while(|range| range[0] <= to).count();
+        if touched == 0 {
+            self.ranges.insert(first, [from, to]);
+            return;
+        }
+        let last = first + touched - 1;
+        self.ranges[first] = [self.ranges[first][0].min(from), self.ranges[last][1].max(to)];
+        self.ranges.drain(first + 1..=last);
+    }
+
     /// The centre and the radius of a disc that contains every point of the half circle outside the ranges;
     /// `None` if the ranges cover the half circle.
-    pub(super) fn disc_of_left(&mut self) -> Option<(Vector2<f64>, f64)> {
-        self.sort();
-        let (mut from, mut to, mut covered) = (f64::INFINITY, f64::NEG_INFINITY, -1.0);
-        for [start, end] in self.ranges.iter().copied().chain([[1.0, 1.0]]) {
-            if start > covered {
-                from = f64::min(from, covered);
-                to = start;
-            }
-            covered = f64::max(covered, end);
+    pub(super) fn disc_of_left(&self) -> Option<(Vector2<f64>, f64)> {
+        let (mut from, mut to) = (-1.0, 1.0);
+        if let (Some(first), Some(last)) = (self.ranges.first(), self.ranges.last()) {
+            from = if first[0] <= from { first[1] } else { from };
+            to = if last[1] >= to { last[0] } else { to };
         }
         let [from, to] = [from, to].map(|y| Vector2::new(((1.0 - y) * (1.0 + y)).max(0.0).sqrt(), y));
         (from.y < to.y).then(|| {
@@ -77,21 +86,12 @@ impl Spans {
         })
     }
 
-    fn sort(&mut self) {
-        self.ranges.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-    }
-
     /// The size of the part of the half circle that is outside all ranges.
-    pub(super) fn left(mut self) -> Left {
-        self.sort();
-        let (mut covered, mut width, mut to) = (0.0, 0.0, -1.0);
-        for [from, end] in self.ranges {
-            if end > to {
-                let from = from.max(to);
-                covered += end.asin() - from.asin();
-                width += end - from;
-                to = end;
-            }
+    pub(super) fn left(&self) -> Left {
+        let (mut covered, mut width) = (0.0, 0.0);
+        for [from, to] in &self.ranges {
+            covered += to.asin() - from.asin();
+            width += to - from;
         }
         Left { angle: (PI - covered).max(0.0), width: (2.0 - width).max(0.0) }
     }

@@ -10,7 +10,7 @@ use super::router::{Purpose, Run};
 use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::offset::swept;
-use crate::geometry::region;
+use crate::geometry::region::{self, Region};
 
 /// Uncut slivers that are thinner are forgiven, mm: a hundredth of a finishing allowance.
 const SLIVER_MM: f64 = 0.02;
@@ -73,7 +73,13 @@ pub fn check(
     };
     check.uncut = boundary.iter().filter(is_inside).copied().collect();
     if !check.uncut.is_empty() {
-        check.uncut_area_mm2 = (shape.reach.area() - region::area(&boundary)).max(0.0);
+        check.uncut_area_mm2 = if shape.emptied.is_empty() {
+            (shape.reach.area() - region::area(&boundary)).max(0.0)
+        } else {
+            // Emptied places may be outside the reach.
+            let swept = Region::on_the_left(&[boundary], budget)?;
+            shape.reach.difference(&swept, budget)?.area()
+        };
     }
     let allowed = UNCUT_PART * shape.reach.area();
     if check.uncut_area_mm2 > allowed {

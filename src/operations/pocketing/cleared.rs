@@ -1,4 +1,4 @@
-//! What earlier tools have emptied, and the parts of a stroke that still meet material.
+//! What earlier tools have emptied: the places at each height, and paths of the cutter over these places.
 
 use super::PocketError;
 use super::chain::from_above;
@@ -13,11 +13,12 @@ use crate::geometry::region::Region;
 /// Heights that differ by less are the same, mm.
 const SAME_HEIGHT_MM: f64 = 1e-6;
 
-/// Material that is thinner beside emptied places counts as emptied, mm: an inner corner that a cutter of the
-/// same radius has left would be cut again because of rounding.
+/// A layer of this thickness beside emptied places counts as emptied, mm. Without this skin, a cutter that
+/// follows the edge of an emptied place would meet material of no thickness.
 const SKIN_MM: f64 = 0.005;
 
-/// How far the paths lie apart that stand for what is emptied, in radii of the cutter.
+/// The distance between neighbouring paths over an emptied place, in radii of the cutter. At a larger
+/// distance rings may leave gaps at corners.
 const APART: f64 = 1.0;
 
 /// Emptied places.
@@ -62,7 +63,7 @@ impl Cleared {
         self.regions.is_empty() && self.paths.is_empty()
     }
 
-    /// The emptied places down to the height `z_mm`.
+    /// The places that are emptied down to the height `z_mm`, or deeper.
     pub fn at(&self, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
         let mut all = self.regions.clone();
         for path in &self.paths {
@@ -83,7 +84,8 @@ impl Cleared {
     }
 }
 
-/// Paths of a cutter that would have emptied what it can reach of the emptied places in a pocket.
+/// Paths on which a cutter sweeps the emptied places of a pocket, as far as the cutter reaches them. A path
+/// may be nearer to the pocket's walls than the radius, by the skin.
 pub fn paths_over(
     emptied: &Region,
     pocket: &Region,
@@ -93,7 +95,8 @@ pub fn paths_over(
     if emptied.is_empty() {
         return Ok(Vec::new());
     }
-    let in_pocket = emptied.offset_outward(SKIN_MM, budget)?.intersection(pocket, budget)?;
-    let centers = in_pocket.offset_inward(radius_mm, budget)?;
+    let emptied = emptied.offset_outward(SKIN_MM, budget)?;
+    let pocket = pocket.offset_outward(SKIN_MM, budget)?;
+    let centers = emptied.intersection(&pocket, budget)?.offset_inward(radius_mm, budget)?;
     Ok(rings::inside_out(&rings::rings(&centers, radius_mm, APART * radius_mm, budget)?))
 }

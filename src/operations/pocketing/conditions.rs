@@ -1,7 +1,6 @@
 //! The cutting conditions of one level, with what follows from them.
 
 use super::job::{EntryLimits, Job, Milling};
-use super::level::{Heights, Level};
 use crate::machining::engagement::straight_angle;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::path::Role;
@@ -32,7 +31,9 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    pub fn new(job: &Job, heights: &Heights, cutting: &Cutting, level: &Level) -> Self {
+    /// The conditions on a level between the heights `top_z_mm` and `z_mm`. The highest point of the part is
+    /// at `highest_mm`.
+    pub fn new(job: &Job, cutting: &Cutting, highest_mm: f64, [top_z_mm, z_mm]: [f64; 2]) -> Self {
         let radius_mm = job.tool.radius_mm;
         let straight = straight_angle(radius_mm, job.stepover_mm);
         let slot_feed = cutting.slot_feed;
@@ -51,9 +52,9 @@ impl Conditions {
             cutting: *cutting,
             slot_feed,
             entry_feed: job.cutting.ramp_feed.unwrap_or(gentle),
-            top_z_mm: level.top_z_mm,
-            z_mm: level.z_mm,
-            clearance_mm: cutting.retract_z_mm - heights.highest_mm,
+            top_z_mm,
+            z_mm,
+            clearance_mm: cutting.retract_z_mm - highest_mm,
         }
     }
 

@@ -26,7 +26,7 @@ use super::PocketError;
 use super::conditions::Conditions;
 use super::depth::deepest;
 use super::entry::Entry;
-use super::pieces::{Pieces, pieces};
+use super::pieces::Pieces;
 use super::rings;
 use super::router::{Purpose, Router};
 use crate::budget::Budget;
@@ -82,7 +82,7 @@ fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) 
         centers.outlines().map(|outline| outline.elements().to_vec()).collect()
     };
     for outline in outlines {
-        let pieces = match pieces(router, &outline, 0.0)? {
+        let pieces = match router.pieces(&outline, 0.0)? {
             Pieces::Whole if outline[0].start() == outline[outline.len() - 1].end() => {
                 router.cut_loop(&outline)?;
                 continue;

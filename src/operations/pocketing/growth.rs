@@ -18,13 +18,14 @@ const MOST_ELEMENTS: usize = 300_000;
 /// Parts of the boundary that are nearer to the edge of the centres' region belong to the edge, mm.
 const ON_EDGE_MM: f64 = 1e-5;
 
-/// A region that grows by less has filled all that it can, mm².
+/// A region that grows by less in one step has filled all that it can come to, mm².
 const STANDSTILL_MM2: f64 = 1e-7;
 
-/// What is left beyond a channel grows on if its area is larger than this part of the square of a step.
+/// A place beyond a channel gets a seed of its own if its area is larger than this part of the square of a
+/// step. Smaller places are rounding.
 const LEAST_PART: f64 = 0.01;
 
-/// The radius of a seed, in steps.
+/// The radius of such a seed, in steps.
 const SEED: f64 = 0.05;
 
 /// The fronts after each step, as chains with the grown region on their left.
@@ -43,8 +44,8 @@ pub fn waves(
         let before = std::mem::replace(&mut area, grown.area());
         let fronts = fronts(&grown, centers);
         if fronts.is_empty() && area - before <= STANDSTILL_MM2 {
-            // Nothing grows through a channel that is hardly wider than the cutter: what is beyond it has a
-            // seed of its own.
+            // The region does not grow through a channel that is hardly wider than the cutter. A place beyond
+            // the channel gets a seed of its own.
             let left = centers.difference(&grown, budget)?;
             let parts = left.parts();
             let Some(beyond) = parts.iter().find(|part| part.area() > LEAST_PART * step_mm * step_mm) else {

@@ -79,7 +79,7 @@ pub struct Outlines {
     pub islands: Vec<Vec<Element>>,
 }
 
-/// The heights of a part whose pocket has more than a flat floor and vertical walls.
+/// The heights of a part that has more than a flat floor and upright walls.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Relief {
     Grid(HeightGrid),
@@ -92,8 +92,8 @@ pub enum IslandsBy {
     /// From the level curves of the height field.
     #[default]
     Slicing,
-    /// From the cells of a grid that are high, as in the paper. A surface is sampled with this spacing, mm;
-    /// heights are taken as they are.
+    /// From the cells of a grid that are higher than the level, as in the paper. For a surface, the cells
+    /// have this size, mm. For measured heights, the cells are those of their own grid.
     Labelling { cell_mm: f64 },
 }
 
@@ -102,18 +102,19 @@ pub enum IslandsBy {
 pub enum Emptied {
     /// Down to the floor of the pocket.
     Region(Outlines),
-    /// All that a flat cutter sweeps on a path.
+    /// All that a flat cutter has swept along a path.
     Path { along: Vec<Curve>, radius_mm: f64 },
 }
 
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// The wall and the islands of the pocket; with a relief none means the edge of the relief.
+    /// The wall and the islands of the pocket. None, with a relief only, stands for the edge of the relief.
     pub area: Option<Outlines>,
     pub relief: Option<Relief>,
     pub islands_by: IslandsBy,
     pub cleared: Vec<Emptied>,
-    /// Where the stock begins, mm. Without it, a relief begins at its highest point.
+    /// The height of the stock's top, mm. None stands for the highest point of the relief, or for 0 without a
+    /// relief.
     pub top_z_mm: Option<f64>,
     pub floor_z_mm: f64,
     pub stepdown_max_mm: f64,

@@ -1,16 +1,16 @@
 //! Islands by sequential labelling and edge detection on a grid of heights: the way of the paper.
 //!
 //! # Method
-//! A point of the grid is 1 where the part is higher than the level, else 0. Points that are 1 and have a 0 to
-//! the left, to the right, above or below are edges. Each point stands for the square cell about it. The
-//! boundary of the islands consists of the sides that edge cells have in common with cells that are 0.
-//! Joining these sides divides the cells into islands like sequential labelling does.
+//! A point of the grid is 1 where the part is higher than the level's floor, else 0. A point that is 1 and
+//! has a 0 to the left, to the right, above or below is an edge. Each point stands for the square cell about
+//! it. The boundary of the islands consists of the sides between edge cells and cells that are 0. The sides
+//! are joined into closed chains. The chains separate the islands, so the cells need no labels of their own.
 //!
 //! # Differences from the paper
 //! The paper joins the edge points themselves. An island of a single row of points would then have no area.
 //!
 //! # Guarantees
-//! None about the part between the points: a boundary is wrong by up to a cell. The report states how far
+//! None about the part between the points: a boundary is wrong by up to a cell. The report states how deep
 //! the path cuts into the part.
 
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ use crate::geometry::region::Region;
 /// The largest number of cells.
 const MOST_CELLS: usize = 1_000_000;
 
-/// The heights of a field over the points of a grid; minus infinity beside the field.
+/// The heights of a field at the points of a grid; minus infinity at points outside the field.
 pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<HeightGrid, PocketError> {
     let (mut low, mut high) = (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2]));
     field.for_each_facet(budget, |facet| {
@@ -35,7 +35,9 @@ pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<Hei
         }
     })?;
     let counts = [high.x - low.x, high.y - low.y].map(|extent| (extent / cell_mm + 1e-9).floor() + 1.0);
-    if !(counts[0] * counts[1] <= MOST_CELLS as f64) {
+    // Written so that NaN is refused.
+    let is_small = counts[0] * counts[1] <= MOST_CELLS as f64;
+    if !is_small {
         return Err(PocketError::TooManyCells { limit: MOST_CELLS });
     }
     let [columns, n_rows] = counts.map(|count| count as usize);
@@ -47,14 +49,15 @@ pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<Hei
         let first = (from.xy() - low) / cell_mm;
         let last = (to.xy() - low) / cell_mm;
         let double = (b.xy() - a.xy()).perp(&(c.xy() - a.xy()));
-        for j in index((first.y - 1e-9).ceil(), n_rows)..=index(last.y + 1e-9, n_rows) {
-            for i in index((first.x - 1e-9).ceil(), columns)..=index(last.x + 1e-9, columns) {
+        let columns = index((first.x - 1e-9).ceil(), columns)..=index(last.x + 1e-9, columns);
+        let rows_about = index((first.y - 1e-9).ceil(), n_rows)..=index(last.y + 1e-9, n_rows);
+        for (j, row) in rows.iter_mut().enumerate().take(rows_about.end() + 1).skip(*rows_about.start()) {
+            for (i, height) in row.iter_mut().enumerate().take(columns.end() + 1).skip(*columns.start()) {
                 let p = Point2::new(low.x + cell_mm * i as f64, low.y + cell_mm * j as f64);
                 let weight = |q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p)) / double;
                 let weights = [weight(b.xy(), c.xy()), weight(c.xy(), a.xy()), weight(a.xy(), b.xy())];
                 if double > 0.0 && weights.iter().all(|weight| *weight >= -1e-9) {
-                    let z = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
-                    rows[j][i] = rows[j][i].max(z);
+                    *height = height.max(weights[0] * a.z + weights[1] * b.z + weights[2] * c.z);
                 }
             }
         }
@@ -62,17 +65,17 @@ pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<Hei
     Ok(HeightGrid { origin: low, spacing_mm: cell_mm, rows })
 }
 
-/// The cells about the points that are not above a level.
+/// The region of the cells whose points are not higher than `z_mm`.
 pub fn low_cells(grid: &HeightGrid, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
     let (columns, n_rows) = (grid.rows.first().map_or(0, Vec::len), grid.rows.len());
     let is_low = |i: usize, j: usize| {
-        // Beside the grid there is nothing to be cleared.
+        // Nothing is cleared outside the grid.
         (1..=columns).contains(&i)
             && (1..=n_rows).contains(&j)
             && grid.rows[j - 1][i - 1] <= z_mm + SAME_HEIGHT_MM
     };
-    // Sides with a low cell on the left, from corner to corner. Where four sides meet, the two of each low
-    // cell are joined.
+    // The sides between a low cell and a cell that is not low, from corner to corner, with the low cell on
+    // the left. Where four sides meet, the two sides of the same low cell are joined.
     let mut next: HashMap<(usize, usize), Vec<(usize, usize)>> = HashMap::new();
     let mut add = |from: (usize, usize), to: (usize, usize)| next.entry(from).or_default().push(to);
     for j in 1..=n_rows {
@@ -119,7 +122,7 @@ pub fn low_cells(grid: &HeightGrid, z_mm: f64, budget: &Budget) -> Result<Region
     Ok(Region::on_the_left(&chains, budget)?)
 }
 
-/// The side that goes on to the left, so that cells that meet at a corner only stay apart.
+/// The index of the side that turns left. So cells that meet only at a corner stay apart.
 fn leftmost(at: (usize, usize), before: Option<(usize, usize)>, ways: &[(usize, usize)]) -> usize {
     let Some(before) = before else { return 0 };
     let step =

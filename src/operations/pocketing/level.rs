@@ -17,7 +17,8 @@ const MOST_LEVELS: usize = 1000;
 /// The longest path of a level, in radii of the cutter.
 const MOST_RADII: usize = 200_000;
 
-/// A depth may exceed a multiple of the stepdown by this part of a stepdown: it is rounding.
+/// A level that would end less than this part of a stepdown above the pocket's floor ends on the floor: the
+/// difference is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Places that the tool does not reach and that are smaller than this part of the square of its radius are
@@ -27,15 +28,16 @@ const LISTED: f64 = 0.25;
 /// What is cleared on a level.
 #[derive(Debug, Clone)]
 pub struct Shape {
-    /// All that is to be cleared.
+    /// All that is to be cleared. It differs from `walls` only with labelling.
     pub pocket: Region,
-    /// The part at the level's floor: what the cutter must not touch is outside.
+    /// The places that the part leaves free at the level's floor. The cutter must not touch what is outside.
     pub walls: Region,
     /// Where the cutter's centre may be.
     pub centers: Region,
     /// What the cutter can reach.
     pub reach: Region,
-    /// The cutter stays this much farther from the walls than its radius, because they may be wrong by it, mm.
+    /// Bound of the error of the walls, mm. The cutter's centre stays this much farther away from the walls
+    /// than the radius.
     pub deviation_mm: f64,
     /// Paths of the cutter over what earlier tools have emptied.
     pub emptied: Vec<Vec<Element>>,
@@ -50,7 +52,8 @@ pub struct Level {
     pub z_mm: f64,
     /// The index of its shape.
     pub shape: usize,
-    /// The thickest material that it leaves on the slopes of a relief, mm, where that is limited.
+    /// The thickest material that the level leaves on slopes of a relief, mm; none without a roughing
+    /// allowance.
     pub leftover_mm: Option<f64>,
 }
 
@@ -77,11 +80,11 @@ pub struct Island {
 pub struct Heights {
     /// Top of the stock, mm.
     pub top_z_mm: f64,
-    /// The higher one of the stock's top and the part's highest point, mm.
+    /// The height of the stock's top or of the part's highest point, whichever is higher, mm.
     pub highest_mm: f64,
-    /// By how much the part may differ from the relief that stands for it, mm.
+    /// Bound of the error of the walls of all levels, mm.
     pub deviation_mm: f64,
-    /// By how much the part may be higher than a level whose floor it is, mm.
+    /// By how much the part may be higher than a level's floor in places that the level clears, mm.
     pub overlap_mm: f64,
 }
 
@@ -109,7 +112,7 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
     for [top_z_mm, z_mm] in floors(job, &part, top_z_mm)? {
         let walls = part.region_at(z_mm, budget)?;
         let is_known = |shape: &Shape| shape.walls.faces() == walls.faces();
-        // With labels, even equal walls may have other cells.
+        // With labelling, levels with equal walls may have different cells.
         let labelled = part.labelled_at(z_mm, budget)?;
         if labelled.is_some() || !cleared.is_empty() || !shapes.last().is_some_and(is_known) {
             let pocket = labelled.unwrap_or_else(|| walls.clone());
@@ -144,7 +147,8 @@ fn floors(job: &Job, part: &Part, top_z_mm: f64) -> Result<Vec<[f64; 2]>, Pocket
         }
         let most = job.stepdown_max_mm;
         let depth = job.roughing_allowance_mm.map_or(most, |allowance| part.depth_mm(z, most, allowance));
-        // Counted from the top where every level is as deep as the first, so that nothing adds up.
+        // As long as all levels are as deep as the stepdown, floors are counted from the top, so that
+        // rounding does not add up.
         let next = if depth == most && floors.len() as f64 * most == top_z_mm - z {
             top_z_mm - (floors.len() + 1) as f64 * most
         } else {
@@ -177,7 +181,7 @@ impl Shape {
         let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Element::length).sum();
         let length = edge + self.reach.area() / job.stepover_mm;
         if length > MOST_RADII as f64 * job.tool.radius_mm {
-            let what = "times the cutter's radius as length of a path";
+            let what = "cutter radii of path on a level";
             return Err(PocketError::TooMuchWork { what, limit: MOST_RADII });
         }
         Ok(())
@@ -215,7 +219,7 @@ impl Shape {
     }
 }
 
-/// The places of a region that is not reached that are larger than corners, the largest first.
+/// The connected parts of what is not reached that are larger than corners, the largest first.
 pub fn largest_places(not_reached: &Region, radius_mm: f64) -> Vec<Uncut> {
     let uncut = |part: &Region| Uncut { area_mm2: part.area(), at: centroid(part.outlines()) };
     let parts = not_reached.parts();

@@ -1,16 +1,19 @@
-//! The part: what of it stands at each height, and how deep a level may go.
+//! The part: which places it leaves free at each height, and how deep a level may be.
 //!
 //! # Depth of a level
 //! Between its top and its floor a level leaves material on the slopes of a relief. Above a place of the
 //! relief that is `h` mm below the level's top and has the slope s, this material is `h cos(s)` thick, at a
-//! right angle to the relief. A facet that reaches from `low` to `high` therefore limits the depth d of a
-//! level in closed form: either the floor is at or below the whole facet, `d <= top - high`, or
-//! `d cos(s) <= allowance`. Facets on which the whole of the rest is thin enough do not limit it. So a level
-//! ends on a plane of the part where that leaves less.
+//! right angle to the relief. So a facet that reaches from the height `low` to the height `high` limits the
+//! depth d of a level in closed form. The level is allowed if its floor is not below any place of the facet,
+//! `d <= top - high`, or if what it leaves is thin, `d cos(s) <= allowance`. A facet does not limit the level
+//! if even all the material between the facet and the level's top is thin enough. For a horizontal facet
+//! `low` equals `high`, so a level ends on a plane of the part rather than leave too much on it.
 //!
 //! # Differences from the paper
 //! The paper makes the depth smaller in steps until the largest difference is allowed, and does not say how
 //! the difference is measured. Here the largest depth is found at once.
+
+use nalgebra::Point2;
 
 use super::PocketError;
 use super::job::{IslandsBy, Job, Outlines, Relief};
@@ -18,20 +21,30 @@ use super::labelling;
 use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::height_field::{Facet, HeightField, HeightFieldError, HeightGrid, SAME_HEIGHT_MM};
+use crate::geometry::polyline;
 use crate::geometry::region::{Outline, OutlineError, Place, Region};
 
 /// The largest distance between a surface and the triangles that stand for it, mm.
 const DEVIATION_MM: f64 = 0.001;
+
+/// Outlines with more elements get arcs in place of lines. The arcs stay within `FITTED_MM` of the lines, mm.
+const MOST_EXACT: usize = 2_000;
+const FITTED_MM: f64 = 5e-4;
+
+/// The most elements of a region.
+const MOST_ELEMENTS: usize = 20_000;
 
 /// The part of the allowance that is kept for rounding.
 const ROUNDING: f64 = 1e-9;
 
 pub struct Part {
     walls: Option<Region>,
+    /// Whether arcs replace the lines of the walls.
+    is_fitted: bool,
     field: Option<HeightField>,
     /// The grid whose cells are labelled, if islands are found that way.
     cells: Option<HeightGrid>,
-    /// The facets that the walls surround.
+    /// The facets that may be inside the walls; none without a roughing allowance.
     facets: Vec<Facet>,
 }
 
@@ -60,7 +73,8 @@ impl Part {
                 }
             })?;
         }
-        Ok(Self { walls, field, cells, facets })
+        let is_fitted = job.area.as_ref().is_some_and(is_fitted);
+        Ok(Self { walls, is_fitted, field, cells, facets })
     }
 
     /// The height of the highest point of the relief, mm.
@@ -68,24 +82,26 @@ impl Part {
         self.field.as_ref().map(HeightField::highest_mm)
     }
 
-    /// By how much the boundary of a region may differ from the part, mm: triangles differ from the surface, and
-    /// arcs from the triangles.
+    /// The largest distance between the boundary of a region and the part, mm: the distance of the triangles
+    /// from the surface, and that of the fitted arcs from the triangles.
     pub fn deviation_mm(&self) -> f64 {
-        self.field.as_ref().map_or(0.0, |field| 2.0 * field.deviation_mm())
+        let relief = self.field.as_ref().map_or(0.0, |field| 2.0 * field.deviation_mm());
+        if self.is_fitted { relief.max(FITTED_MM) } else { relief }
     }
 
-    /// By how much the part may be higher than a level whose floor it is, mm.
+    /// By how much the part may be higher than a level's floor in places that the level clears, mm.
     pub fn overlap_mm(&self) -> f64 {
         self.field.as_ref().map_or(0.0, |field| field.deviation_mm() + SAME_HEIGHT_MM)
     }
 
-    /// Where the part is not higher than `z_mm`.
+    /// The region inside the walls where the part is not higher than `z_mm`.
     pub fn region_at(&self, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
         let Some(field) = &self.field else { return Ok(self.walls.clone().unwrap_or_else(Region::empty)) };
         self.within_walls(field.region_below(z_mm, budget)?, budget)
     }
 
-    /// What is cleared at a height where islands are found by labelling; none where they are not.
+    /// The region that is cleared down to a height, made of cells. None if islands are not found by
+    /// labelling.
     pub fn labelled_at(&self, z_mm: f64, budget: &Budget) -> Result<Option<Region>, PocketError> {
         let Some(cells) = &self.cells else { return Ok(None) };
         let low = labelling::low_cells(cells, z_mm, budget)?;
@@ -99,7 +115,8 @@ impl Part {
         }
     }
 
-    /// The largest depth below `top_z_mm` of a level that leaves at most `allowance_mm` on the relief, mm.
+    /// The largest depth of a level below `top_z_mm`, at most `most_mm`, that leaves at most `allowance_mm`
+    /// on the relief, mm.
     pub fn depth_mm(&self, top_z_mm: f64, most_mm: f64, allowance_mm: f64) -> f64 {
         let allowance_mm = allowance_mm * (1.0 - ROUNDING);
         let limit = |facet: &Facet| {
@@ -113,7 +130,8 @@ impl Part {
         self.facets.iter().map(limit).fold(most_mm, f64::min)
     }
 
-    /// The thickest material that a level leaves on the relief, at a right angle to it, mm.
+    /// The thickest material that a level from `top_z_mm` down to `z_mm` leaves on the relief, at a right
+    /// angle to the relief, mm.
     pub fn leftover_mm(&self, top_z_mm: f64, z_mm: f64) -> f64 {
         let left = |facet: &Facet| {
             let [low, high] = facet.heights();
@@ -129,8 +147,18 @@ impl Part {
 
 /// The region inside the wall and outside all islands.
 pub fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
+    let is_fitted = is_fitted(area);
     let outline = |elements: &[Element], island: Option<usize>| {
-        Outline::new(elements, budget).map_err(|error| match error {
+        let outline = if is_fitted {
+            // Arcs may cross each other where the lines only come near.
+            match Outline::new(&with_arcs(elements, budget)?, budget) {
+                Err(OutlineError::Crosses { .. }) => Outline::new(elements, budget),
+                outline => outline,
+            }
+        } else {
+            Outline::new(elements, budget)
+        };
+        outline.map_err(|error| match error {
             OutlineError::Stopped(stopped) => PocketError::Stopped(stopped),
             error => PocketError::Outline { island, error },
         })
@@ -138,7 +166,34 @@ pub fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
     let boundary = outline(&area.boundary, None)?;
     let islands = area.islands.iter().enumerate().map(|(k, island)| outline(island, Some(k)));
     let region = Region::new(&[boundary], &islands.collect::<Result<Vec<_>, _>>()?, budget)?;
+    if region.outlines().map(|outline| outline.elements().len()).sum::<usize>() > MOST_ELEMENTS {
+        return Err(PocketError::OutlinesTooFine { limit: MOST_ELEMENTS, within_mm: FITTED_MM });
+    }
     if region.is_empty() { Err(PocketError::NothingToCut) } else { Ok(region) }
+}
+
+/// Whether arcs replace the lines of outlines: of those with very many.
+fn is_fitted(area: &Outlines) -> bool {
+    area.boundary.len() + area.islands.iter().map(Vec::len).sum::<usize>() > MOST_EXACT
+}
+
+/// The elements of an outline with arcs in place of runs of lines.
+fn with_arcs(elements: &[Element], budget: &Budget) -> Result<Vec<Element>, PocketError> {
+    let mut fitted = Vec::new();
+    let mut run: Vec<Point2<f64>> = Vec::new();
+    for element in elements {
+        if let Element::Line { start, end } = element {
+            if run.is_empty() {
+                run.push(*start);
+            }
+            run.push(*end);
+        } else {
+            fitted.extend(polyline::as_arcs(&std::mem::take(&mut run), FITTED_MM, budget)?);
+            fitted.push(*element);
+        }
+    }
+    fitted.extend(polyline::as_arcs(&run, FITTED_MM, budget)?);
+    Ok(fitted)
 }
 
 fn field(relief: &Relief, budget: &Budget) -> Result<HeightField, PocketError> {

@@ -1,30 +1,36 @@
 //! The pieces of a stroke that meet material.
 
-use super::PocketError;
-use super::router::Router;
+use crate::budget::Stopped;
 use crate::geometry::element::Element;
+use crate::machining::engagement::Stretch;
 
-/// Pieces with smaller angles are not followed, radians: what they leave is thinner than a hundredth of the
-/// radius.
+/// Where the angle in the material is smaller, a stroke is not followed, radians. The material that stays
+/// there is thinner than a hundredth of the radius.
 const SLIVER: f64 = 0.1;
 
-/// Pieces that are nearer to each other are cut as one, in cutter radii.
+/// Two pieces with a shorter way between them are cut as one piece, in cutter radii.
 const JOINED: f64 = 1.0;
 
 /// How a stroke meets material.
 pub enum Pieces {
-    /// All along.
+    /// Everywhere.
     Whole,
-    /// In these pieces.
+    /// Only along these pieces.
     Some(Vec<Vec<Element>>),
 }
 
-/// The pieces of a stroke along which there is material. Each begins `lead_mm` before its material, as far as
-/// the stroke does.
-pub fn pieces(router: &mut Router, stroke: &[Element], lead_mm: f64) -> Result<Pieces, PocketError> {
+/// The pieces of a stroke along which there is material. Each piece begins `lead` radii before its material,
+/// or later if the stroke has less way without material there. `survey` finds the angles along an element,
+/// and need not be exact below the angle that it is given.
+pub fn pieces(
+    stroke: &[Element],
+    radius_mm: f64,
+    lead: f64,
+    mut survey: impl FnMut(&Element, f64) -> Result<Vec<Stretch>, Stopped>,
+) -> Result<Pieces, Stopped> {
     let mut parts: Vec<(Element, bool)> = Vec::new();
     for element in stroke {
-        for stretch in router.survey(element, SLIVER)? {
+        for stretch in survey(element, SLIVER)? {
             let part = element.part(stretch.from, stretch.to);
             if part.length() > 0.0 {
                 parts.push((part, stretch.angle > SLIVER));
@@ -36,11 +42,11 @@ pub fn pieces(router: &mut Router, stroke: &[Element], lead_mm: f64) -> Result<P
     }
     let is_loop = stroke[0].start() == stroke[stroke.len() - 1].end();
     if is_loop && let Some(k) = parts.iter().position(|(_, meets)| !meets) {
-        // No piece of a loop is divided where the loop begins.
+        // The loop begins at a place without material, so that its beginning divides no piece.
         let after = parts[k..].iter().position(|(_, meets)| *meets).map_or(k, |n| k + n);
         parts.rotate_left(after.saturating_sub(1).max(k));
     }
-    Ok(Pieces::Some(joined(&parts, JOINED * router.conditions.radius_mm, lead_mm)))
+    Ok(Pieces::Some(joined(&parts, JOINED * radius_mm, lead * radius_mm)))
 }
 
 fn joined(parts: &[(Element, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Element>> {

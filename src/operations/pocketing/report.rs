@@ -210,8 +210,8 @@ impl Report {
     }
 }
 
-/// Bound of the depth to which the cutter cuts into walls along a curve as it is written, mm. The walls may be
-/// wrong by `deviation_mm`.
+/// Bound of the depth to which the cutter cuts into walls along a curve as it is written, mm. The walls may
+/// be wrong by `deviation_mm`.
 fn gouge(along: &Curve, walls: &Region, deviation_mm: f64, job: &Job) -> Result<f64, PocketError> {
     let rounded = quantize::round(along, job.resolution, Parabolas::AsLines)?;
     // A curve that is not near any wall may be left out.

@@ -8,9 +8,10 @@ use super::chain::{begun_at, foot, nearest};
 use super::conditions::Conditions;
 use super::depth::deepest;
 use super::entry::{self, Entry};
+use super::leads::{belt, lead_to};
 use super::pieces::{Pieces, pieces};
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::element::Element;
 use crate::geometry::region::Region;
 use crate::machining::engagement::{Enough, Stretch, Swept};
 
@@ -122,7 +123,7 @@ impl<'a> Router<'a> {
     /// Cuts along a loop, from the place on it that is best to get to.
     pub fn cut_loop(&mut self, elements: &[Element]) -> Result<(), PocketError> {
         if self.is_rest
-            && let Pieces::Some(pieces) = self.pieces(elements)?
+            && let Pieces::Some(pieces) = self.pieces(elements, LEAD)?
         {
             return self.cut_all(&pieces);
         }
@@ -157,15 +158,19 @@ impl<'a> Router<'a> {
             return Ok(());
         }
         if self.is_rest
-            && let Pieces::Some(pieces) = self.pieces(elements)?
+            && let Pieces::Some(pieces) = self.pieces(elements, LEAD)?
         {
             return self.cut_all(&pieces);
         }
         self.cut_all(&[elements.to_vec()])
     }
 
-    fn pieces(&mut self, elements: &[Element]) -> Result<Pieces, PocketError> {
-        pieces(self, elements, LEAD * self.conditions.radius_mm)
+    /// The pieces of a stroke along which there is material. Each begins `lead` radii of the cutter before
+    /// its material.
+    pub fn pieces(&mut self, stroke: &[Element], lead: f64) -> Result<Pieces, PocketError> {
+        let (swept, budget) = (&mut self.swept, self.budget);
+        let survey = |element: &Element, enough| swept.survey(element, Enough::Angle(enough), budget);
+        Ok(pieces(stroke, self.conditions.radius_mm, lead, survey)?)
     }
 
     fn cut_all(&mut self, chains: &[Vec<Element>]) -> Result<(), PocketError> {
@@ -263,11 +268,6 @@ impl<'a> Router<'a> {
             return self.follow(&[lead], Purpose::Cut);
         }
         self.cut_chain(&[Element::Line { start, end: start }])
-    }
-
-    /// The angles in material along an element that is not followed yet, exact above `enough` radians.
-    pub fn survey(&mut self, element: &Element, enough: f64) -> Result<Vec<Stretch>, PocketError> {
-        Ok(self.swept.survey(element, Enough::Angle(enough), self.budget)?)
     }
 
     /// The angle in material at a place, in a direction of motion.
@@ -403,31 +403,4 @@ impl<'a> Router<'a> {
         }
         Ok(())
     }
-}
-
-/// The way from one place to another on circles to the left about two centres and the line that touches both.
-fn belt([from, to]: [Point2<f64>; 2], [first, second]: [Point2<f64>; 2]) -> Vec<Element> {
-    let left = |v: Vector2<f64>| Vector2::new(-v.y, v.x);
-    let Some(along) = (second - first).try_normalize(1e-9) else { return Vec::new() };
-    let (out, back) = ((from - first).norm(), (to - second).norm());
-    // For equal radii the line runs parallel to that between the centres.
-    let aside = (out - back) / (second - first).norm();
-    let spoke = -left(along) * (1.0 - aside * aside).max(0.0).sqrt() + along * aside;
-    let (leave, meet) = (first + spoke * out, second + spoke * back);
-    let arc = |start: Point2<f64>, end: Point2<f64>, center: Point2<f64>, radius: f64| {
-        let (a, b) = (start - center, end - center);
-        let turn = a.perp(&b).atan2(a.dot(&b)).rem_euclid(std::f64::consts::TAU);
-        Element::Arc(PlaneArc { start, end, center, radius, turn })
-    };
-    vec![arc(from, leave, first, out), Element::Line { start: leave, end: meet }, arc(meet, to, second, back)]
-        .into_iter()
-        .filter(|element| element.length() > 1e-9)
-        .collect()
-}
-
-/// The quarter circle to the left about a centre that ends at a place.
-fn lead_to(end: Point2<f64>, center: Point2<f64>) -> Element {
-    let spoke = end - center;
-    let start = center + Vector2::new(spoke.y, -spoke.x);
-    Element::Arc(PlaneArc { start, end, center, radius: spoke.norm(), turn: std::f64::consts::FRAC_PI_2 })
 }

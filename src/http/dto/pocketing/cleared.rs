@@ -14,23 +14,24 @@ use crate::operations::pocketing as core;
 use crate::post::Dialect;
 use crate::post::read::{Reader, Step};
 
-/// By how much the radii of an arc may differ in a program that has run, mm.
+/// By how much the distances of an arc's ends from its centre may differ in a program, mm. Rounding to the
+/// program's decimals makes a few thousandths.
 const RADII_MM: f64 = 0.01;
 
-/// What an earlier tool has emptied: either a region, emptied down to the floor of the pocket, or the NC program
-/// that has run with a flat cutter.
+/// What an earlier tool has emptied: either a region, which is empty down to the floor of the pocket, or what
+/// an NC program has swept with a flat cutter.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = ClearedPlaces)]
 pub struct Cleared {
-    /// The outer outline of the region. Required without `nc`.
+    /// The outer outline of the region, in mm. Required without `nc`.
     #[schema(value_type = Option<Outline>)]
     boundary: Option<Vec<Vertex>>,
-    /// Outlines of what was left inside `boundary`. Default: none.
+    /// Outlines of what was left inside `boundary`, in mm. Default: none.
     #[schema(value_type = Option<Islands>)]
     islands: Option<Vec<Vec<Vertex>>>,
-    /// Text of a program that this service has written, in the coordinates of the pocket. What its feed moves
-    /// at the floor of a level, or lower, have swept is empty on this level.
+    /// Text of a program that this service has written, in the coordinates of the pocket. A level counts as
+    /// empty where the program's feed moves have swept at the height of the level's floor, or lower.
     #[schema(max_length = 16_777_216)]
     nc: Option<String>,
     /// Dialect of `nc`. Default: the default of `/v1/dialects`.
@@ -58,13 +59,21 @@ impl Cleared {
         let Some(nc) = nc else {
             let program = [("dialect", dialect.is_some()), ("tool_diameter_mm", tool_diameter_mm.is_some())];
             for (field, _) in program.into_iter().filter(|(_, is_sent)| *is_sent) {
-                violations.add(&at.field(field), FieldCode::Conflict, "this member belongs to `nc`");
+                violations.add(
+                    &at.field(field),
+                    FieldCode::Conflict,
+                    "this member belongs to `nc`; leave it out",
+                );
             }
             let region = Region::new(boundary?, islands);
             return Some(core::Emptied::Region(region.convert(at, limits, violations)));
         };
         if islands.is_some() {
-            violations.add(&at.field("islands"), FieldCode::Conflict, "this member belongs to `boundary`");
+            violations.add(
+                &at.field("islands"),
+                FieldCode::Conflict,
+                "this member belongs to `boundary`; leave it out",
+            );
         }
         let diameter = at.field("tool_diameter_mm");
         let Some(diameter_mm) = tool_diameter_mm else {

@@ -1,5 +1,4 @@
-//! Parts with heights of their own in requests for pockets: measured heights, surfaces, and how their islands
-//! are found.
+//! Reliefs in requests for pockets: measured heights or a surface, and how islands are found in them.
 
 use nalgebra::Point2;
 use serde::Deserialize;
@@ -14,11 +13,12 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::operations::pocketing as core;
 
-/// The cells of labelling on a surface, in diameters of the cutter.
+/// The default size of the cells of labelling on a surface, in diameters of the cutter.
 const DEFAULT_CELL: f64 = 0.1;
 
-/// Measured heights over a grid that is parallel to x and y. Inside a cell, four triangles join its corners
-/// and its middle, which has the mean height of the corners.
+/// Measured heights at the points of a grid with rows parallel to x and columns parallel to y. Between four
+/// neighbouring points, the part is taken to be four triangles. They meet in the middle, at the mean of the
+/// four heights.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Heights {
@@ -46,12 +46,12 @@ pub enum IslandsBy {
     /// Exactly, from the level curves.
     #[default]
     Slicing,
-    /// From the grid points that are higher than the level, as in the paper. Islands are then as coarse as
-    /// the grid, and the path may cut into them.
+    /// From the grid points that are higher than the level's floor, as in the paper. Islands are then as
+    /// coarse as the grid, and the path may cut into the part.
     Labelling,
 }
 
-/// The members of a request that give the part heights.
+/// The members of a request that describe a relief, and whether there is a region.
 pub struct SentRelief {
     pub surface: Option<Surface>,
     pub heights: Option<Heights>,
@@ -99,14 +99,15 @@ impl SentRelief {
                     ("islands_by", islands_by == IslandsBy::Labelling),
                 ];
                 for (field, _) in without.into_iter().filter(|(_, is_sent)| *is_sent) {
-                    let detail = "this member belongs to `heights` or `surface`, which are absent";
+                    let detail =
+                        "this member belongs to `heights` or `surface`: send one of them, or leave this out";
                     violations.add(&root.field(field), FieldCode::Conflict, detail);
                 }
                 None
             }
         };
         if cell_mm.is_some() && (is_grid || relief.is_some() && islands_by == IslandsBy::Slicing) {
-            let detail = "`cell_mm` belongs to `islands_by: labelling` of a surface; leave it out";
+            let detail = "`cell_mm` belongs to a `surface` with `islands_by: labelling`; leave it out";
             violations.add(&root.field("cell_mm"), FieldCode::Conflict, detail);
         }
         let islands_by = match islands_by {
@@ -143,7 +144,8 @@ impl Heights {
                 let detail = format!("the row has {} heights; send at least 2", row.len());
                 violations.add(&rows.index(j), FieldCode::TooFewPoints, detail);
             } else if row.len() != columns {
-                let detail = format!("the row has {} heights and row 0 has {columns}", row.len());
+                let detail =
+                    format!("the row has {} heights and row 0 has {columns}; send equally many", row.len());
                 violations.add(&rows.index(j), FieldCode::RaggedGrid, detail);
             }
             for (i, value) in row.iter().enumerate().filter(|(_, value)| !Range::COORDINATE.holds(**value)) {

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::Pattern;
 use crate::operations::pocketing as core;
 
-/// What each level is like, all patterns that could clear it, and bounds over the whole program.
+/// The levels with the figures of all patterns, and figures of the whole program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct PocketReport {
     /// The levels, from the top down.
@@ -26,8 +26,8 @@ pub struct PocketReport {
 pub struct PocketLevel {
     /// Height of the level's floor, in mm.
     z_mm: f64,
-    /// Thickest material that the level leaves on slopes of the part, in mm, at a right angle to them, where
-    /// the tool reaches. Absent without `roughing_allowance_mm`.
+    /// Thickest material that the level leaves on slopes of the part, in mm, at a right angle to the slope.
+    /// Places that the tool cannot reach do not count. Absent without `roughing_allowance_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     leftover_max_mm: Option<f64>,
     /// Number of islands.
@@ -73,7 +73,7 @@ pub struct PocketCandidate {
     pattern: Pattern,
     /// Whether the pattern passes the service's check of coverage, walls and links.
     valid: bool,
-    /// Why it does not. Absent for a valid pattern.
+    /// Why the pattern does not pass the check. Absent for a valid pattern.
     #[serde(skip_serializing_if = "Option::is_none")]
     invalid_because: Option<String>,
     /// The paper's time, in s: cutting length by feed, and rapid length by traverse rate. `null`, like the
@@ -99,8 +99,8 @@ pub struct PocketCandidate {
     engagement_max_deg: f64,
     /// Length on which this angle is larger than on a straight pass with the stepover, in mm.
     engagement_over_length_mm: f64,
-    /// Where the pattern `engagement` exceeds 1.1 of the angle on a straight pass, in the order of the path.
-    /// Absent for other patterns.
+    /// Where the pattern `engagement` exceeds 1.1 times the angle on a straight pass, in the order of the
+    /// path. Absent for other patterns.
     #[serde(skip_serializing_if = "Option::is_none")]
     engagement_exceptions: Option<Vec<EngagementException>>,
 }

@@ -58,6 +58,9 @@ impl From<PocketError> for ApiError {
                 HeightFieldError::TooMany { .. } => Self::new(Code::LimitExceeded, detail)
                     .blaming(&root.field("surface"), FieldCode::LimitExceeded),
             },
+            PocketError::OutlinesTooFine { .. } => {
+                Self::new(Code::LimitExceeded, detail).blaming(&region, FieldCode::LimitExceeded)
+            }
             PocketError::TooManyCells { .. } => Self::new(Code::LimitExceeded, detail)
                 .blaming(&root.field("cell_mm"), FieldCode::LimitExceeded),
             PocketError::NothingToCut => Self::new(Code::NothingToCut, detail),

@@ -124,16 +124,35 @@ impl<'a, 'b> Tracker<'a, 'b> {
             self.curvature = 0.0;
             self.pass(State { at, along })?;
         }
+        let radius = self.router.conditions.radius_mm;
         while let Some(start) = self.next_start()? {
-            let first = self.wall.part(start, 1.0);
-            let state = State { at: first.start(), along: first.direction(0.0) };
-            self.router.lead_to(state.at, state.turn_center(self.tight_mm))?;
-            match self.slide(start, false)? {
-                End::Inside => self.pass_on()?,
-                _ => self.leave(),
+            let (arcs, begins) = (self.arcs, self.begins.len());
+            if self.has_material_on_wall(start, AHEAD * radius) {
+                self.pass_from(start)?;
+            }
+            if self.arcs == arcs {
+                // The material is narrower than the places looked at are apart. It is left to the end.
+                self.count_arc()?;
+                self.begins.truncate(begins);
+                self.passed.push(start);
+                self.begins.push(self.wall.onward(start, LENGTHS[0] * radius));
             }
         }
         Ok(())
+    }
+
+    /// Cuts from a place on the wall on.
+    fn pass_from(&mut self, start: OnWall) -> Result<(), PocketError> {
+        let first = self.wall.part(start, 1.0);
+        let state = State { at: first.start(), along: first.direction(0.0) };
+        self.router.lead_to(state.at, state.turn_center(self.tight_mm))?;
+        match self.slide(start, false)? {
+            End::Inside => self.pass_on(),
+            _ => {
+                self.leave();
+                Ok(())
+            }
+        }
     }
 
     fn pass_on(&mut self) -> Result<(), PocketError> {
@@ -172,12 +191,16 @@ impl<'a, 'b> Tracker<'a, 'b> {
     }
 
     fn cut(&mut self, element: Element) -> Result<(), PocketError> {
+        self.count_arc()?;
+        self.router.follow(&[element], Purpose::Cut)
+    }
+
+    fn count_arc(&mut self) -> Result<(), PocketError> {
         self.arcs += 1;
         if self.arcs > MOST_ARCS {
             return Err(PocketError::TooMuchWork { what: "arcs", limit: MOST_ARCS });
         }
-        self.budget.check()?;
-        self.router.follow(&[element], Purpose::Cut)
+        Ok(self.budget.check()?)
     }
 
     /// Follows arcs at the target angle, to the wall or into the air.
@@ -319,7 +342,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
         let step = LOOKED_AT * self.router.conditions.radius_mm;
         let mut gone = 0.0;
         while gone < limit {
-            let part = self.wall.part(self.wall.onward(from, gone), step);
+            let part = self.wall.part(self.wall.onward(from, gone), step.min(limit - gone));
             if self.is_material(&part, 1.0) {
                 let (mut low, mut high) = (0.0, 1.0);
                 for _ in 0..8 {

@@ -6,6 +6,7 @@ pub mod config;
 pub mod geometry;
 pub mod http;
 pub mod language;
+pub mod machine;
 pub mod machining;
 pub mod operations;
 pub mod parallel;

@@ -3,6 +3,7 @@
 
 pub mod arc_fitting;
 pub mod cutter_location;
+pub mod five_axis;
 pub mod interpolation;
 pub mod pocketing;
 pub mod surface_milling;

@@ -16,6 +16,7 @@ pub mod measure;
 pub mod motion_time;
 pub mod near_arc;
 pub mod path;
+pub mod pose;
 pub mod program;
 pub mod quantize;
 pub mod tool;

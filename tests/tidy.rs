@@ -14,7 +14,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("language", &["budget", "geometry"]),
     ("machining", &["budget", "geometry"]),
     ("toolpath", &["budget", "geometry", "machining"]),
-    ("operations", &["budget", "geometry", "language", "machining", "toolpath"]),
+    ("machine", &["toolpath"]),
+    ("operations", &["budget", "geometry", "language", "machine", "machining", "toolpath"]),
     ("post", &["budget", "geometry", "machining", "toolpath"]),
     ("plot", &["budget", "geometry", "machining", "toolpath"]),
     (
@@ -23,6 +24,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "budget",
             "geometry",
             "language",
+            "machine",
             "machining",
             "toolpath",
             "operations",

@@ -11,6 +11,7 @@ pub mod curve;
 pub mod cutting;
 pub mod dialect;
 pub mod dropping;
+pub mod five_axis;
 pub mod interpolation;
 pub mod meta;
 pub mod milling;

@@ -50,6 +50,12 @@ pub enum Code {
     NothingToCut,
     ToolTooLarge,
     NoEntry,
+    /// The machine cannot tilt the tool to an axis.
+    AxisUnreachable,
+    /// An axis of the machine would leave its travel.
+    OutOfTravel,
+    /// The tool axis rests on the pole of the machine while it turns.
+    AxisOnPole,
     NoValidPattern,
     /// No block of the text moves the machine, so the text is not an NC program.
     NoMotion,
@@ -85,6 +91,9 @@ impl Code {
             | Code::NothingToCut
             | Code::ToolTooLarge
             | Code::NoEntry
+            | Code::AxisUnreachable
+            | Code::OutOfTravel
+            | Code::AxisOnPole
             | Code::NoValidPattern
             | Code::NoMotion
             | Code::BandInfeasible => StatusCode::UNPROCESSABLE_ENTITY,
@@ -122,6 +131,9 @@ impl Code {
             Code::NothingToCut => "There is nothing to cut",
             Code::ToolTooLarge => "The tool fits nowhere",
             Code::NoEntry => "The cutter cannot come down into the material",
+            Code::AxisUnreachable => "The machine cannot tilt the tool as far as the path does",
+            Code::OutOfTravel => "An axis of the machine reaches the end of its travel",
+            Code::AxisOnPole => "The tool axis meets the pole of the machine",
             Code::NoValidPattern => "No pattern clears the pocket",
             Code::NoMotion => "The program moves nothing",
             Code::BandInfeasible => "The band leaves no room for an element",

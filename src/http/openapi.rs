@@ -33,13 +33,14 @@ use super::{App, health, metrics, v1};
         (name = "curves", description = "Curves in the plane, and points"),
         (name = "surfaces", description = "Sculptured surfaces"),
         (name = "pockets", description = "Pockets and islands"),
+        (name = "five-axis", description = "Tips and tool axes"),
         (name = "programs", description = "NC programs"),
         (name = "service", description = "What this server accepts, and its contract"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
     components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
         super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline, super::dto::pocketing::Cleared,
-        super::dto::pocketing::Pattern))
+        super::dto::pocketing::Pattern, super::dto::five_axis::SentPose, super::dto::five_axis::SentRotary))
 )]
 struct Document;
 
@@ -48,6 +49,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
     OpenApiRouter::with_openapi(Document::openapi())
         .routes(routes!(v1::arcs_fit::fit_arcs, v1::arcs_fit::put_arcs))
         .routes(routes!(v1::curves_interpolate::interpolate_curve))
+        .routes(routes!(v1::five_axis_smooth::smooth_path))
         .routes(routes!(v1::surfaces_drop::drop_cutter))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
@@ -55,6 +57,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
+        .routes(routes!(v1::machines::list_machines))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))
         .routes(routes!(metrics::get_metrics))

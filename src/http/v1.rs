@@ -3,7 +3,9 @@
 pub mod arcs_fit;
 pub mod curves_interpolate;
 pub mod dialects;
+pub mod five_axis_smooth;
 pub mod limits;
+pub mod machines;
 pub mod pockets_plan;
 pub mod programs_write;
 pub mod surfaces_drop;

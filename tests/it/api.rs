@@ -9,6 +9,7 @@ mod determinism;
 mod drops;
 mod events;
 mod examples;
+mod five_axis;
 mod models;
 mod negotiation;
 mod operation;

@@ -37,9 +37,14 @@ impl<const N: usize> Coordinates<N> {
 
     /// Checks every coordinate of this point, which is element `k` of the array at `at`.
     pub fn check_in(&self, at: &Pointer, k: usize, violations: &mut Violations) {
+        self.check(&at.index(k), violations);
+    }
+
+    /// Checks every coordinate of the point at `at`.
+    pub fn check(&self, at: &Pointer, violations: &mut Violations) {
         // Only illegal coordinates get a pointer, because a surface has very many points.
         for (axis, value) in self.0.into_iter().enumerate().filter(|(_, x)| x.abs() > MAX_MAGNITUDE_MM) {
-            violations.number(&at.index(k).index(axis), value, Range::COORDINATE, "mm");
+            violations.number(&at.index(axis), value, Range::COORDINATE, "mm");
         }
     }
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::http::output::{GCODE, JSON};
 
 /// The texts of files in a folder of `openapi/`, each with its name. The folder `surfaces-mill` belongs to
-/// `/v1/surfaces/mill`.
+/// `/v1/surfaces/mill`, and `five-axis-smooth` to `/v1/five-axis/smooth`.
 macro_rules! texts {
     ($root:literal, $extension:literal, { $($folder:literal: [$($name:literal),+ $(,)?]),+ $(,)? }) => {
         &[$($((
@@ -22,6 +22,7 @@ type Texts = &'static [(&'static str, &'static str, &'static str)];
 const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
+    "five-axis-smooth": ["corner", "rotation", "table", "wave"],
     "pockets-plan": [
         "arcs", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
@@ -37,6 +38,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
 const ANSWERS: Texts = texts!("answers", "json", {
     "arcs-fit": ["contour"],
     "curves-interpolate": ["nurbs"],
+    "five-axis-smooth": ["corner"],
     "pockets-plan": ["circle"],
     "programs-write": ["one-line"],
     "surfaces-drop": ["bull-nose"],
@@ -54,8 +56,9 @@ const PROGRAMS: Texts = texts!("answers", "ngc", {
 });
 
 /// Answers to requests without a body: the path and the answer.
-const SERVICE: [(&str, &str); 2] = [
+const SERVICE: [(&str, &str); 3] = [
     ("/v1/dialects", include_str!("../../../openapi/answers/service/dialects.json")),
+    ("/v1/machines", include_str!("../../../openapi/answers/service/machines.json")),
     ("/v1/limits", include_str!("../../../openapi/answers/service/limits.json")),
 ];
 
@@ -83,5 +86,6 @@ pub fn add(document: &mut Value) {
 }
 
 fn path(folder: &str) -> String {
-    format!("/v1/{}", folder.replacen('-', "/", 1))
+    let (noun, verb) = folder.rsplit_once('-').unwrap_or((folder, ""));
+    format!("/v1/{noun}/{verb}")
 }

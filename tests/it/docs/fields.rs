@@ -139,8 +139,13 @@ fn the_table_of_answers_has_every_member_of_every_answer() {
     let answers: Vec<_> = answers.iter().filter(|(name, _)| name.starts_with(ANSWER)).collect();
     assert!(answers.len() >= 6, "only {} schemas of answers were found", answers.len());
     let in_table = members(&document["components"]["schemas"]["Answer_MillReport"]);
+    let page = read(PAGE);
     for (name, schema) in &answers {
         for (member, meaning) in members(schema) {
+            // A list that one operation alone answers has a table in the section of the operation.
+            if page.contains(&format!(" at {member}[] -->")) && !in_table.contains_key(&member) {
+                continue;
+            }
             assert_eq!(
                 Some(&meaning),
                 in_table.get(&member),

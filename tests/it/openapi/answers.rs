@@ -47,7 +47,8 @@ async fn the_answers_that_the_contract_shows_equal_those_of_the_service() {
                 Some("ngc") => ("ngc", "gcode"),
                 _ => ("json", "json"),
             };
-            let path = format!("/v1/{}?format={format}", endpoint.replacen('-', "/", 1));
+            let (noun, verb) = endpoint.rsplit_once('-').expect("a noun and a verb");
+            let path = format!("/v1/{noun}/{verb}?format={format}");
             let answer = post(&app, &path, body.expect("a request"), &[id]).await;
             assert_eq!(answer.status, 200, "{path} refuses the example {name}");
             compare(&format!("{endpoint}/{name}.{extension}"), &answer);
@@ -56,6 +57,7 @@ async fn the_answers_that_the_contract_shows_equal_those_of_the_service() {
     }
     assert!(n_answers >= 10, "only {n_answers} answers were found");
     compare("service/dialects.json", &get(&app, "/v1/dialects").await);
+    compare("service/machines.json", &get(&app, "/v1/machines").await);
     compare("service/limits.json", &get(&app, "/v1/limits").await);
     let path = openapi().join("examples/surfaces-mill/one-pass.json");
     let mut body: Value = serde_json::from_slice(&fs::read(path).expect("a request")).expect("JSON");

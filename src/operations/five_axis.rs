@@ -1,0 +1,253 @@
+//! Smooths a path of five axes: tips and tool axes on rails, within tolerances (Ahn, Jee).
+//!
+//! # Method
+//! 1. Poses that repeat the one before are left out (`path`).
+//! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
+//!    (`smooth`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
+//! 3. Each span is proved against the blocks that it replaces (`deviation`).
+//! 4. The motion along the rails is sampled (`motion`).
+//!
+//! # Guarantees
+//! * The tip of the default method is within the tolerance of the given path everywhere, and the given path
+//!   within the tolerance of the tip. The axis is within its tolerance of the great circle between the given
+//!   axes, at the nearest place of the given path. The report states proved bounds.
+//! * The first and the last pose are hit exactly.
+//!
+//! # Degenerate input
+//! A path of one pose is refused, and so are neighbouring axes that are opposite. Where the path turns back,
+//! and where the axis turns about a resting tip, the motion stops.
+//!
+//! # Differences from the paper
+//! The paper's own method is `paper`, with its differences. The default interpolates the stations with shared
+//! parameters that grow by the chord length, and splits the path at corners, at which the paper's clamp does
+//! not hold the tolerance.
+//!
+//! # Reference
+//! K. Ahn, S. Jee, *Five-Axis Tool Path Smoothing based on Cubic B-Spline Curves*, 2020.
+
+mod blend;
+mod deviation;
+mod drive;
+mod linear;
+mod motion;
+mod paper;
+mod path;
+mod rail;
+mod rotation;
+pub mod schedule;
+mod smooth;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::budget::{Budget, Stopped};
+use crate::machine::{FollowError, Joints, Machine};
+use crate::toolpath::pose::Pose;
+use crate::toolpath::units::FeedRate;
+use deviation::Deviation;
+pub use drive::MotionLimits;
+use drive::{Drive, DrivenSample, pose};
+pub use motion::Peak;
+use motion::{ConstantFeed, peaks};
+use path::stations;
+use rail::Rail;
+use schedule::ScheduleError;
+
+/// How rails are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Rails through all poses, with blends at corners.
+    #[default]
+    Interpolating,
+    /// The method of the paper, as printed but for its misprints.
+    Paper,
+    /// The blocks as they are.
+    Linear,
+}
+
+#[derive(Debug, Clone)]
+pub struct Job {
+    pub poses: Vec<Pose>,
+    pub feed: FeedRate,
+    pub tolerance_mm: f64,
+    /// Radians.
+    pub tolerance_axis: f64,
+    /// The distance from the tip to the top, mm: the second rail.
+    pub top_mm: f64,
+    pub method: Method,
+    /// The machine whose axes are to move; none for the tool alone.
+    pub machine: Option<Machine>,
+    /// The limits of the axes. Without limits the feed is constant, and nothing accelerates.
+    pub limits: Option<MotionLimits>,
+    pub period_s: f64,
+    /// The most samples.
+    pub sample_limit: usize,
+}
+
+/// The tool at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedPose {
+    pub t_s: f64,
+    pub pose: Pose,
+    /// The positions of the axes, if there is a machine.
+    pub joints: Option<Joints>,
+}
+
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub report: Report,
+    pub samples: Vec<TimedPose>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Poses without those that repeat the one before.
+    pub n_poses: usize,
+    pub n_spans: usize,
+    /// Corners that are blended.
+    pub n_blends: usize,
+    /// Places inside the path where the motion stops.
+    pub n_stops: usize,
+    /// Bounds of the deviation of tip and axis; whether both are within their tolerances.
+    pub deviation_mm: f64,
+    pub deviation_axis: f64,
+    pub is_within_tolerance: bool,
+    /// The number of continuous derivatives between stops.
+    pub continuity: usize,
+    pub length_mm: f64,
+    pub cycle_time_s: f64,
+    /// Of the tip, by differences of the samples: mm/s, mm/s2 and mm/s3.
+    pub speed: Peak,
+    pub acceleration: Peak,
+    pub jerk: Peak,
+    /// The largest speed, acceleration and jerk of each axis of the machine, by differences of the samples:
+    /// mm or radians by s, s2 and s3.
+    pub axis_peaks: Vec<(char, [f64; 3])>,
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FiveAxisError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("all poses are the same; send at least two different poses")]
+    NoMotion,
+    #[error(
+        "the axis of pose {index} points against that of the pose before it; send a pose between the two, so that the way of the axis is certain"
+    )]
+    OppositeAxes { index: usize },
+    #[error(
+        "the motion takes {duration_s:.3} s, which is more than {limit} samples; send a larger `sample_period_ms`"
+    )]
+    TooManySamples { duration_s: f64, limit: usize },
+    #[error("near {at}: {error}")]
+    NotFollowed { error: FollowError, at: Point3<f64> },
+    #[error(
+        "near {at} the tool axis passes through the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"
+    )]
+    OnPole { at: Point3<f64> },
+    #[error("the piece that begins at {at} has no schedule: {error}")]
+    NotScheduled { error: ScheduleError, at: Point3<f64> },
+}
+
+/// What a method makes.
+struct Rails {
+    rail: Rail,
+    deviation: Deviation,
+    n_blends: usize,
+    continuity: usize,
+}
+
+/// Smooths the path.
+///
+/// # Errors
+/// One of [`FiveAxisError`].
+pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
+    let stations = stations(&job.poses, job.top_mm)?;
+    let tolerance = Deviation { tip_mm: job.tolerance_mm, axis: job.tolerance_axis };
+    let rails = match job.method {
+        Method::Interpolating => smooth::smooth(&stations, tolerance, budget)?,
+        Method::Paper => paper::rails(&stations, tolerance, budget)?,
+        Method::Linear => linear::rails(&stations),
+    };
+    let motion = ConstantFeed::new(&rails.rail, job.feed.mm_per_s());
+    let samples = sampled(job, &rails.rail, &motion, budget)?;
+    let cycle_time_s = samples[samples.len() - 1].t_s;
+    // The last step may be shorter.
+    let even = &samples[..samples.len() - 1];
+    let tips: Vec<Vector3<f64>> = even.iter().map(|sample| sample.pose.tip.coords).collect();
+    let [speed, acceleration, jerk] = peaks(&tips, job.period_s);
+    let report = Report {
+        n_poses: stations.len(),
+        n_spans: rails.rail.spans().count(),
+        n_blends: rails.n_blends,
+        n_stops: rails.rail.pieces.len() - 1,
+        deviation_mm: rails.deviation.tip_mm,
+        deviation_axis: rails.deviation.axis,
+        is_within_tolerance: rails.deviation.of(tolerance) <= 1.0,
+        continuity: rails.continuity,
+        length_mm: motion.length_mm(),
+        cycle_time_s,
+        speed,
+        acceleration,
+        jerk,
+        axis_peaks: axis_peaks(job, even),
+    };
+    Ok(Plan { report, samples })
+}
+
+/// The motion at times that are a period apart, and its end.
+fn sampled(
+    job: &Job,
+    rail: &Rail,
+    motion: &ConstantFeed,
+    budget: &Budget,
+) -> Result<Vec<TimedPose>, FiveAxisError> {
+    let checked = |duration_s: f64| {
+        if duration_s / job.period_s > job.sample_limit as f64 {
+            return Err(FiveAxisError::TooManySamples { duration_s, limit: job.sample_limit });
+        }
+        Ok(())
+    };
+    // No motion within limits is faster.
+    checked(motion.duration_s())?;
+    let machine = job.machine.as_ref();
+    if let Some(limits) = &job.limits {
+        let drive = Drive::new(rail, job.feed.mm_per_s(), machine, limits, budget)?;
+        checked(drive.duration_s())?;
+        let timed = |DrivenSample { sample, joints }: DrivenSample| TimedPose {
+            t_s: sample.t_s,
+            pose: pose(&sample.at),
+            joints,
+        };
+        return Ok(drive.samples(job.period_s, budget)?.into_iter().map(timed).collect());
+    }
+    let samples = motion.samples(job.period_s, budget)?;
+    let poses: Vec<Pose> = samples.iter().map(|sample| pose(&sample.at)).collect();
+    let joints = machine.map(|machine| followed(machine, &poses)).transpose()?;
+    let timed = |k: usize| TimedPose {
+        t_s: samples[k].t_s,
+        pose: poses[k],
+        joints: joints.as_ref().map(|joints| joints[k]),
+    };
+    Ok((0..samples.len()).map(timed).collect())
+}
+
+/// The positions of the axes at poses.
+fn followed(machine: &Machine, poses: &[Pose]) -> Result<Vec<Joints>, FiveAxisError> {
+    machine.follow(poses, [0.0; 2]).map_err(|error| {
+        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
+        FiveAxisError::NotFollowed { error, at }
+    })
+}
+
+fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<(char, [f64; 3])> {
+    let Some(machine) = &job.machine else { return Vec::new() };
+    let position = |joints: Joints, k: usize| if k < 3 { joints.linear_mm[k] } else { joints.rotary[k - 3] };
+    let of = |(k, name): (usize, char)| {
+        let along = even.iter().filter_map(|sample| sample.joints);
+        let row: Vec<Vector3<f64>> = along.map(|joints| Vector3::x() * position(joints, k)).collect();
+        (name, peaks(&row, job.period_s).map(|peak| peak.max))
+    };
+    machine.axis_names().into_iter().enumerate().map(of).collect()
+}

@@ -1,0 +1,106 @@
+//! A quintic around a corner, from the rails before it to the rails after it.
+
+use super::deviation::{Deviation, of_line, of_span, part_of};
+use super::path::{Block, angle_between};
+use super::rail::{Fitted, Span, tip};
+
+/// The part of a block that a blend may take: the corner at its other end needs room too.
+const ROOM: f64 = 0.45;
+
+/// Trials for the distance of a blend from its corner, and the largest and the smallest factor between two.
+const TRIALS: usize = 24;
+const SHORTER: [f64; 2] = [0.3, 0.9];
+
+/// The part of the tolerance that a blend is to take.
+const WANTED: f64 = 0.999;
+
+/// The distance at which a blend between two lines at a right angle is one unit away from the corner, by the
+/// sine of half the turn: a quintic over the same parameter as the lines leaves 3/16 of the difference of
+/// both directions.
+const FIRST: f64 = 1.0 / 0.375;
+
+/// Blends that are shorter gain nothing over a stop, mm.
+const SHORTEST_MM: f64 = 1e-5;
+
+pub struct Blend {
+    pub span: Span,
+    /// The parameters at which it leaves the run before and meets the run after.
+    pub leaves: f64,
+    pub meets: f64,
+    pub deviation: Deviation,
+}
+
+/// The longest blend within the tolerance between a run and the run after it, which meet at the corner of the
+/// two blocks; none if only a tiny one would be.
+pub fn blend(
+    before: &[Fitted],
+    after: &[Fitted],
+    blocks: &[Block; 2],
+    tolerance: Deviation,
+) -> Option<Blend> {
+    let ends = [before.last()?.span.to, after.first()?.span.from];
+    let turn = angle_between(&blocks[0].direction(), &blocks[1].direction());
+    let room = ROOM * blocks[0].length.min(blocks[1].length);
+    let mut distance = room.min(FIRST * WANTED * tolerance.tip_mm / (0.5 * turn).sin().max(1e-9));
+    for _ in 0..TRIALS {
+        if distance < SHORTEST_MM {
+            break;
+        }
+        let (leaves, meets) = (ends[0] - distance, ends[1] + distance);
+        let start = before.iter().rev().find(|fitted| fitted.span.from < leaves)?.span.jet(leaves);
+        let end = after.iter().find(|fitted| fitted.span.to > meets)?.span.jet(meets);
+        let span =
+            Span::quintic([0.0, 2.0 * distance], [start[0], start[1], start[2]], [end[0], end[1], end[2]]);
+        let parts = [part_of(&blocks[0], &tip(&start[0])), part_of(&blocks[1], &tip(&end[0]))];
+        if let Some(deviation) = proved(&span, blocks, parts, tolerance) {
+            return Some(Blend { span, leaves, meets, deviation });
+        }
+        // The distance from the corner grows with that of the blend's ends.
+        let middle = tip(&span.jet(distance)[0]) - tip(&blocks[0].end);
+        let [least, most] = SHORTER;
+        distance *= (WANTED * tolerance.tip_mm / middle.norm()).clamp(least, most);
+    }
+    None
+}
+
+/// The bound of a blend's deviation, both ways; none if it leaves the tolerance.
+fn proved(around: &Span, blocks: &[Block; 2], parts: [f64; 2], tolerance: Deviation) -> Option<Deviation> {
+    // What is seen at one place is enough to refuse.
+    let corner = tip(&blocks[0].end);
+    let middle = tip(&around.jet(0.5 * (around.from + around.to))[0]);
+    if (middle - corner).norm() > tolerance.tip_mm {
+        return None;
+    }
+    let there = of_span(around, blocks, tolerance);
+    if there.of(tolerance) > 1.0 {
+        return None;
+    }
+    let back = of_line(around, &blocks[0], [parts[0], 1.0]).max(of_line(around, &blocks[1], [0.0, parts[1]]));
+    let both = Deviation { tip_mm: there.tip_mm.max(back), ..there };
+    (both.of(tolerance) <= 1.0).then_some(both)
+}
+
+/// Ends a run at a parameter.
+pub fn end_at(spans: &mut Vec<Fitted>, to: f64) {
+    while spans.last().is_some_and(|last| last.span.from >= to) {
+        spans.pop();
+    }
+    if let Some(last) = spans.last_mut()
+        && last.span.to > to
+    {
+        let [first, _] = last.span.split(to);
+        last.span = first;
+    }
+}
+
+/// Begins a run at a parameter.
+pub fn begin_at(spans: &mut Vec<Fitted>, from: f64) {
+    let gone = spans.iter().take_while(|fitted| fitted.span.to <= from).count();
+    spans.drain(..gone);
+    if let Some(first) = spans.first_mut()
+        && first.span.from < from
+    {
+        let [_, second] = first.span.split(from);
+        first.span = second;
+    }
+}

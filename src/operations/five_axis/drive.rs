@@ -1,0 +1,375 @@
+//! The motion along rails within the limits of the axes of a machine.
+//!
+//! # Method
+//! 1. Stations are placed along each piece of the rails, more where spans are few.
+//! 2. The machine follows the poses of all stations ([`Machine::follow`]): the branch is chosen over the
+//!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
+//! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
+//!    to rest within all limits and the feed (`schedule`).
+//! 4. Speed, acceleration and jerk are computed again in the middle between stations. Where one exceeds its
+//!    limit, the piece is slowed.
+//!
+//! # Cost
+//! O(n) for n stations: some 20 microseconds each.
+
+use nalgebra::{Point3, Unit};
+
+use super::FiveAxisError;
+use super::motion::Sample;
+use super::rail::{Jet, Point6, Rail, Span, tip, top};
+use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
+use crate::budget::Budget;
+use crate::machine::{Inverse, Joints, Machine};
+use crate::toolpath::pose::Pose;
+
+/// The most and the least stations of a span. With more, the time hardly shrinks.
+const PER_SPAN: [usize; 2] = [8, 1];
+
+/// The stations of a piece that the number of stations of a span aims at.
+const WANTED: usize = 1000;
+
+/// How far beside the pole derivatives are taken, as a part of the span there.
+const BESIDE: f64 = 1e-4;
+
+/// Where the axis turns by less by the parameter, it does not turn, radians by mm.
+const STILL: f64 = 1e-12;
+
+/// Samples between two checks of the budget.
+const BETWEEN_CHECKS: usize = 1024;
+
+/// The limits of a motion.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MotionLimits {
+    /// Of axes by their names: mm or radians, by s, s2 and s3.
+    pub axes: Vec<(char, Limits)>,
+    /// Of the tip, mm by s2 and s3.
+    pub tip: Option<TipLimits>,
+}
+
+/// The motion along one piece.
+struct Driven<'a> {
+    spans: &'a [Span],
+    /// The positions of the axes at the stations, with their parameters.
+    stations: Vec<(f64, Option<Joints>)>,
+    schedule: Schedule,
+    begins_s: f64,
+}
+
+/// The motion along all pieces.
+pub struct Drive<'a> {
+    pieces: Vec<Driven<'a>>,
+    machine: Option<&'a Machine>,
+    duration_s: f64,
+}
+
+/// A place on the rails, with the positions of the axes.
+pub struct DrivenSample {
+    pub sample: Sample,
+    pub joints: Option<Joints>,
+}
+
+impl<'a> Drive<'a> {
+    /// # Errors
+    /// Where the machine cannot follow the rails.
+    pub fn new(
+        rail: &'a Rail,
+        feed_mm_per_s: f64,
+        machine: Option<&'a Machine>,
+        limits: &MotionLimits,
+        budget: &Budget,
+    ) -> Result<Self, FiveAxisError> {
+        let places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| places(piece)).collect();
+        let mut joints = followed(rail, &places, machine)?.into_iter();
+        let limits = Axes::new(machine, limits);
+        let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0 };
+        for (spans, places) in rail.pieces.iter().zip(places) {
+            let own: Vec<Option<Joints>> = joints.by_ref().take(places.len()).collect();
+            let path = Path { spans, places: &places, joints: &own, machine, feed_mm_per_s };
+            let schedule = path.scheduled(&limits, budget)?;
+            let begins_s = drive.duration_s;
+            drive.duration_s += schedule.duration_s();
+            drive.pieces.push(Driven {
+                spans,
+                stations: places.into_iter().zip(own).collect(),
+                schedule,
+                begins_s,
+            });
+        }
+        Ok(drive)
+    }
+
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// Places at times that are `period_s` apart, and the end. The last step may be shorter.
+    ///
+    /// # Errors
+    /// When the budget ends.
+    pub fn samples(&self, period_s: f64, budget: &Budget) -> Result<Vec<DrivenSample>, FiveAxisError> {
+        let count = (self.duration_s / period_s * (1.0 - 1e-12)).floor() as usize;
+        let mut samples = Vec::with_capacity(count + 2);
+        let mut k = 0;
+        for n in 0..=count + 1 {
+            if n.is_multiple_of(BETWEEN_CHECKS) {
+                budget.check()?;
+            }
+            let t_s = if n > count { self.duration_s } else { n as f64 * period_s };
+            while k + 1 < self.pieces.len() && self.pieces[k + 1].begins_s <= t_s {
+                k += 1;
+            }
+            samples.push(self.pieces[k].at(t_s, self.machine));
+        }
+        Ok(samples)
+    }
+}
+
+impl Driven<'_> {
+    fn at(&self, t_s: f64, machine: Option<&Machine>) -> DrivenSample {
+        let own = t_s - self.begins_s;
+        let is_end = own >= self.schedule.duration_s();
+        let ends = [self.stations[0].0, self.stations[self.stations.len() - 1].0];
+        let u = if is_end { ends[1] } else { self.schedule.at(own).u.clamp(ends[0], ends[1]) };
+        let at = span_at(self.spans, u).jet(u)[0];
+        let joints = machine.and_then(|machine| {
+            let k = self.stations.partition_point(|(at, _)| *at <= u).clamp(1, self.stations.len() - 1);
+            let [(u0, before), (u1, after)] = [self.stations[k - 1], self.stations[k]];
+            let (before, after) = (before?, after?);
+            let part = (u - u0) / (u1 - u0);
+            let rotary = [0, 1].map(|k| before.rotary[k] + (after.rotary[k] - before.rotary[k]) * part);
+            Some(nearest(machine, &pose(&at), rotary))
+        });
+        DrivenSample { sample: Sample { t_s, at }, joints }
+    }
+}
+
+pub fn pose(at: &Point6) -> Pose {
+    Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
+}
+
+/// The positions for a pose whose angles are nearest to given ones.
+fn nearest(machine: &Machine, pose: &Pose, near: [f64; 2]) -> Joints {
+    let turned = |rotary: [f64; 2]| {
+        [0, 1].map(|k| {
+            rotary[k] + ((near[k] - rotary[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU
+        })
+    };
+    let distance = |rotary: &[f64; 2]| (rotary[0] - near[0]).abs() + (rotary[1] - near[1]).abs();
+    let rotary = match machine.inverse(pose) {
+        Inverse::Two(both) => {
+            let [first, second] = both.map(|joints| turned(joints.rotary));
+            if distance(&first) <= distance(&second) { first } else { second }
+        }
+        Inverse::Pole { fixed } => {
+            let mut rotary = near;
+            rotary[1 - machine.free_axis()] = fixed;
+            turned(rotary)
+        }
+        Inverse::Unreachable => near,
+    };
+    machine.at(&pose.tip, rotary)
+}
+
+/// The parameters of the stations of a piece.
+fn places(spans: &[Span]) -> Vec<f64> {
+    let [most, least] = PER_SPAN;
+    let each = (WANTED / spans.len()).clamp(least, most);
+    let mut places = vec![spans[0].from];
+    for span in spans {
+        places.extend((1..each).map(|k| span.from + span.length() * (k as f64 / each as f64)));
+        places.push(span.to);
+    }
+    places
+}
+
+fn span_at(spans: &[Span], u: f64) -> &Span {
+    let k = spans.partition_point(|span| span.to < u);
+    &spans[k.min(spans.len() - 1)]
+}
+
+/// The positions of the axes at all stations.
+fn followed(
+    rail: &Rail,
+    places: &[Vec<f64>],
+    machine: Option<&Machine>,
+) -> Result<Vec<Option<Joints>>, FiveAxisError> {
+    let Some(machine) = machine else {
+        return Ok(places.iter().flatten().map(|_| None).collect());
+    };
+    let mut poses = Vec::new();
+    for (spans, places) in rail.pieces.iter().zip(places) {
+        let mut k = 0;
+        for u in places {
+            while spans[k].to < *u && k + 1 < spans.len() {
+                k += 1;
+            }
+            poses.push(pose(&spans[k].jet(*u)[0]));
+        }
+    }
+    let joints = machine.follow(&poses, [0.0; 2]).map_err(|error| {
+        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
+        FiveAxisError::NotFollowed { error, at }
+    })?;
+    Ok(joints.into_iter().map(Some).collect())
+}
+
+/// The names of the axes with their limits.
+struct Axes {
+    limits: Vec<Limits>,
+    tip: Option<TipLimits>,
+}
+
+impl Axes {
+    fn new(machine: Option<&Machine>, limits: &MotionLimits) -> Self {
+        const UNLIMITED: Limits =
+            Limits { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY };
+        let names = machine.map_or(vec!['X', 'Y', 'Z'], |machine| machine.axis_names().to_vec());
+        let of =
+            |name: &char| limits.axes.iter().find(|(own, _)| own == name).map_or(UNLIMITED, |(_, own)| *own);
+        let mut all: Vec<Limits> = names.iter().map(of).collect();
+        // The first three coordinates of a schedule are those of the tip where the tip has limits.
+        if machine.is_some() && limits.tip.is_some() {
+            all.splice(0..0, [UNLIMITED; 3]);
+        }
+        Self { limits: all, tip: limits.tip }
+    }
+}
+
+/// One piece with its stations.
+struct Path<'a> {
+    spans: &'a [Span],
+    places: &'a [f64],
+    joints: &'a [Option<Joints>],
+    machine: Option<&'a Machine>,
+    feed_mm_per_s: f64,
+}
+
+impl Path<'_> {
+    fn scheduled(&self, axes: &Axes, budget: &Budget) -> Result<Schedule, FiveAxisError> {
+        let mut stations = Vec::with_capacity(self.places.len());
+        let mut k = 0;
+        for (n, u) in self.places.iter().enumerate() {
+            while self.spans[k].to < *u && k + 1 < self.spans.len() {
+                k += 1;
+            }
+            let next = if self.spans[k].to == *u && k + 1 < self.spans.len() { k + 1 } else { k };
+            let around = [&self.spans[k], &self.spans[next]];
+            stations.push(self.station(*u, around, self.joints[n], axes)?);
+        }
+        let found =
+            schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
+                ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
+                error => FiveAxisError::NotScheduled { error, at: tip(&self.spans[0].start()).into() },
+            })?;
+        let factor = self.excess(&found, axes);
+        Ok(if factor > 1.0 { found.slowed(factor) } else { found })
+    }
+
+    /// The derivatives at a station, by the spans before and after it. On the pole they are those beside it:
+    /// a path straight through the pole is smooth there, and any other path asks for very fast turns beside
+    /// it.
+    fn station(
+        &self,
+        u: f64,
+        around: [&Span; 2],
+        joints: Option<Joints>,
+        axes: &Axes,
+    ) -> Result<Station, FiveAxisError> {
+        let rows = |span: &Span| {
+            self.derivatives(&span.jet(u), joints, axes).or_else(|error| match error {
+                FiveAxisError::OnPole { .. } => {
+                    let beside = BESIDE * span.length();
+                    let inside = if u + beside < span.to { u + beside } else { u - beside };
+                    self.derivatives(&span.jet(inside), joints, axes)
+                }
+                error => Err(error),
+            })
+        };
+        let [before, after] = [rows(around[0])?, rows(around[1])?];
+        let coordinates = before.iter().zip(&after).map(|(before, after)| Derivatives {
+            first: before[0],
+            second: before[1],
+            third: [before[2], after[2]],
+        });
+        let speed_cap = self.speed_cap(&around[0].jet(u));
+        Ok(Station { u, speed_cap, coordinates: coordinates.collect() })
+    }
+
+    /// The most du/dt: the tip moves at the feed, or the top where the tip rests.
+    fn speed_cap(&self, jet: &Jet) -> f64 {
+        let moved = tip(&jet[1]).norm();
+        let is_rotation = tip(&self.spans[0].start()) == tip(&self.spans[0].end());
+        self.feed_mm_per_s / if is_rotation { top(&jet[1]).norm() } else { moved }
+    }
+
+    /// The first three derivatives of each coordinate.
+    fn derivatives(
+        &self,
+        jet: &Jet,
+        joints: Option<Joints>,
+        axes: &Axes,
+    ) -> Result<Vec<[f64; 3]>, FiveAxisError> {
+        let tips = jet.map(|p| tip(&p));
+        let tip_row = |k: usize| [tips[1][k], tips[2][k], tips[3][k]];
+        let (Some(machine), Some(joints)) = (self.machine, joints) else {
+            return Ok((0..3).map(tip_row).collect());
+        };
+        let mut rows: Vec<[f64; 3]> =
+            if axes.limits.len() > 5 { (0..3).map(tip_row).collect() } else { Vec::new() };
+        let tops = jet.map(|p| top(&p));
+        let turn = tops[0].cross(&tops[1]).norm() / tops[0].norm_squared();
+        if turn <= STILL && matches!(machine.inverse(&pose(&jet[0])), Inverse::Pole { .. }) {
+            // The axis rests on the pole: the linear axes are an affine function of the tip.
+            let at = |p| machine.at(&Point3::from(p), joints.rotary).linear_mm;
+            let origin = at(tips[0]);
+            let moved = [1, 2, 3].map(|order| at(tips[0] + tips[order]));
+            rows.extend((0..3).map(|k| moved.map(|linear| linear[k] - origin[k])));
+            rows.extend([[0.0; 3]; 2]);
+            return Ok(rows);
+        }
+        let found = machine.derivatives(&tips, &tops, &joints);
+        let all = found.ok_or(FiveAxisError::OnPole { at: Point3::from(tips[0]) })?;
+        rows.extend(all.map(|[_, first, second, third]| [first, second, third]));
+        Ok(rows)
+    }
+
+    /// The factor by which the piece has to be slowed for the limits in the middle between stations.
+    fn excess(&self, schedule: &Schedule, axes: &Axes) -> f64 {
+        let mut factor = 1.0_f64;
+        let mut k = 0;
+        for (n, pair) in self.places.windows(2).enumerate() {
+            let u = 0.5 * (pair[0] + pair[1]);
+            while self.spans[k].to < u && k + 1 < self.spans.len() {
+                k += 1;
+            }
+            let motion = schedule.at(schedule.time_at(u));
+            let jet = self.spans[k].jet(u);
+            let joints = self
+                .machine
+                .zip(self.joints[n])
+                .map(|(machine, joints)| nearest(machine, &pose(&jet[0]), joints.rotary));
+            // A middle on the pole counts as the stations beside it do.
+            let Ok(rows) = self.derivatives(&jet, joints, axes) else { continue };
+            let (mut tip_acceleration, mut tip_jerk) = (0.0, 0.0);
+            let (v, a, j) = (motion.speed, motion.acceleration, motion.jerk);
+            factor = factor.max(v / self.speed_cap(&jet));
+            for (k, ([first, second, third], limits)) in rows.iter().zip(&axes.limits).enumerate() {
+                let speed = first * v;
+                let acceleration = second * v * v + first * a;
+                let jerk = third * v * v * v + 3.0 * second * v * a + first * j;
+                factor = factor.max(speed.abs() / limits.speed);
+                factor = factor.max((acceleration.abs() / limits.acceleration).sqrt());
+                factor = factor.max((jerk.abs() / limits.jerk).cbrt());
+                if k < 3 {
+                    tip_acceleration += acceleration * acceleration;
+                    tip_jerk += jerk * jerk;
+                }
+            }
+            if let Some(tip) = axes.tip {
+                factor = factor.max((tip_acceleration.sqrt() / tip.acceleration).sqrt());
+                factor = factor.max((tip_jerk.sqrt() / tip.jerk).cbrt());
+            }
+        }
+        factor
+    }
+}

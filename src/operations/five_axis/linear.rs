@@ -1,0 +1,35 @@
+//! The blocks as they are: the motion stops between them.
+
+use super::deviation::{Deviation, of_span};
+use super::path::Block;
+use super::rail::{Point6, Rail, Span};
+use super::{Rails, rotation};
+
+/// Between two points of a block the axis turns by at most this angle, radians: there the mean of two axes
+/// stands for their great circle.
+const LARGEST_TURN: f64 = 0.05;
+
+pub fn rails(stations: &[Point6]) -> Rails {
+    let mut rail = Rail::default();
+    let mut deviation = Deviation::NONE;
+    let mut from = 0.0;
+    for pair in stations.windows(2) {
+        let block = Block::new(pair[0], pair[1]);
+        let mut piece = if block.is_rotation() { rotation::spans(&block) } else { spans(&block) };
+        for span in &mut piece {
+            *span = span.moved_to(from);
+            from = span.to;
+            let part = Block::new(span.start(), span.end());
+            deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
+        }
+        rail.pieces.push(piece);
+    }
+    Rails { rail, deviation, n_blends: 0, continuity: 0 }
+}
+
+fn spans(block: &Block) -> Vec<Span> {
+    let count = (block.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+    let at = |k: usize| if k == count { block.end } else { block.at(k as f64 / count as f64) };
+    let length = block.length / count as f64;
+    (0..count).map(|k| Span::line(k as f64 * length, (k + 1) as f64 * length, at(k), at(k + 1))).collect()
+}

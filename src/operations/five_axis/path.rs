@@ -1,0 +1,87 @@
+//! The path that is smoothed: poses without duplicates, and the blocks between them.
+
+use nalgebra::Vector3;
+
+use super::FiveAxisError;
+use super::rail::{Point6, join, tip, top};
+use crate::toolpath::pose::Pose;
+
+/// Two tips that are nearer to each other are the same, mm: far below what a program can say.
+const SAME_TIP_MM: f64 = 1e-7;
+
+/// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
+const SAME_AXIS: f64 = 1e-9;
+
+/// Axes at a larger angle are opposite, radians: the great circle between them is not certain any more.
+const OPPOSITE: f64 = std::f64::consts::PI - 1e-3;
+
+/// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
+/// with the tip.
+#[derive(Debug, Clone, Copy)]
+pub struct Block {
+    pub start: Point6,
+    pub end: Point6,
+    /// The length of the tip's line, mm, and the angle of the axes, radians.
+    pub length: f64,
+    pub angle: f64,
+}
+
+impl Block {
+    pub fn new(start: Point6, end: Point6) -> Self {
+        let length = (tip(&end) - tip(&start)).norm();
+        Self { start, end, length, angle: angle_between(&top(&start), &top(&end)) }
+    }
+
+    /// Whether the tip rests while the axis turns.
+    pub fn is_rotation(&self) -> bool {
+        self.length <= SAME_TIP_MM
+    }
+
+    pub fn direction(&self) -> Vector3<f64> {
+        (tip(&self.end) - tip(&self.start)) / self.length
+    }
+
+    /// The place at a part of the block, from 0 to 1.
+    pub fn at(&self, part: f64) -> Point6 {
+        let tip = tip(&self.start).lerp(&tip(&self.end), part);
+        join(tip, self.top_at(part))
+    }
+
+    /// The vector to the top at a part of the block, on the great circle.
+    pub fn top_at(&self, part: f64) -> Vector3<f64> {
+        let (a, b) = (top(&self.start), top(&self.end));
+        if self.angle <= SAME_AXIS {
+            return a.lerp(&b, part);
+        }
+        let sine = self.angle.sin();
+        a * (((1.0 - part) * self.angle).sin() / sine) + b * ((part * self.angle).sin() / sine)
+    }
+}
+
+/// The angle between two vectors, radians; accurate for small angles too.
+pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
+/// The poses as stations whose tops are `top_mm` away from the tips. Poses that repeat the one before are
+/// left out.
+///
+/// # Errors
+/// With fewer than two different poses, and where two neighbouring axes are opposite.
+pub fn stations(poses: &[Pose], top_mm: f64) -> Result<Vec<Point6>, FiveAxisError> {
+    let mut stations: Vec<Point6> = Vec::with_capacity(poses.len());
+    for (index, pose) in poses.iter().enumerate() {
+        let at = join(pose.tip.coords, pose.axis.into_inner() * top_mm);
+        if let Some(last) = stations.last() {
+            let block = Block::new(*last, at);
+            if block.length <= SAME_TIP_MM && block.angle <= SAME_AXIS {
+                continue;
+            }
+            if block.angle >= OPPOSITE {
+                return Err(FiveAxisError::OppositeAxes { index });
+            }
+        }
+        stations.push(at);
+    }
+    if stations.len() < 2 { Err(FiveAxisError::NoMotion) } else { Ok(stations) }
+}

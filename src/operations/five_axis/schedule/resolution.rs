@@ -1,0 +1,49 @@
+//! How many parts an interval between two stations needs, so that limits kept at nodes hold between them.
+//!
+//! # Method
+//! Acceleration and jerk are products of a derivative of the path and of the motion. Within an interval, the
+//! derivatives of the path leave the straight line between their values at the ends. This departure times the
+//! largest possible motion estimates the excess. Division into n parts makes the departure n^2 times smaller.
+
+use super::station::{Derivatives, Limits, Station};
+
+/// The estimated excess of a limit between nodes, as a part of the limit. The measured excess is smaller in
+/// most cases. A smaller part adds nodes: four times smaller, twice as many where the path bends sharply.
+const EXCESS: f64 = 0.01;
+
+/// The most parts of an interval. It bounds the cost for paths that the stations do not resolve.
+const MOST: f64 = 4.0;
+
+/// The number of parts; `middle` is halfway between the stations.
+pub fn parts(from: &Station, middle: &Station, to: &Station, limits: &[Limits]) -> usize {
+    let motion = [largest_motion(from, limits), largest_motion(to, limits)];
+    let square = motion[0][0].max(motion[1][0]);
+    let slope = motion[0][1].max(motion[1][1]);
+    let mut excess = 0.0f64;
+    for (k, l) in limits.iter().enumerate() {
+        let (a, m, b) = (&from.coordinates[k], &middle.coordinates[k], &to.coordinates[k]);
+        let away = |f: &dyn Fn(&Derivatives) -> f64| (f(m) - 0.5 * (f(a) + f(b))).abs();
+        let (first, second) = (away(&|d| d.first), away(&|d| d.second));
+        let third = (m.third[0] - 0.5 * (a.third[1] + b.third[0])).abs();
+        let acceleration = second * square + 0.5 * first * slope;
+        let jerk = third * square.powf(1.5) + 1.5 * second * slope * square.sqrt();
+        excess = excess.max(acceleration / l.acceleration).max(jerk / l.jerk);
+    }
+    (excess / EXCESS).sqrt().ceil().clamp(1.0, MOST) as usize
+}
+
+/// The largest b and b' that the limits may allow at a station: b at constant speed, b' at rest.
+fn largest_motion(at: &Station, limits: &[Limits]) -> [f64; 2] {
+    let mut square = at.speed_cap * at.speed_cap;
+    let mut slope = f64::INFINITY;
+    for (d, l) in at.coordinates.iter().zip(limits) {
+        let third = d.third[0].abs().max(d.third[1].abs());
+        let most = |limit: f64, by: f64| if by > 0.0 { limit / by } else { f64::INFINITY };
+        square = square
+            .min(most(l.speed, d.first.abs()).powi(2))
+            .min(most(l.acceleration, d.second.abs()))
+            .min(most(l.jerk, third).powf(2.0 / 3.0));
+        slope = slope.min(2.0 * most(l.acceleration, d.first.abs()));
+    }
+    [square, slope]
+}

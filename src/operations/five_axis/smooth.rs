@@ -1,0 +1,346 @@
+//! Smooth rails through the stations of a path, and blends around its corners: the default method.
+//!
+//! # Method
+//! 1. A station is a corner if the path turns so far there that a smooth curve through it would leave the
+//!    tolerance (`severity`). Between corners, a cubic spline runs through all stations, with shared
+//!    parameters that grow by the length of each block.
+//! 2. Each span is proved (`deviation`). A span that leaves the tolerance gets a point more: beside a much
+//!    longer block on this block, at distances that grow by a factor; otherwise in the middle, nearer to the
+//!    block. If that is not enough, the worse one of its ends becomes a corner, and the spline is made anew.
+//! 3. At a corner the rails leave the blocks a distance before it and come back to them a distance after it,
+//!    on a quintic that continues value, slope and second derivative. The largest distance within the
+//!    tolerance is taken. Where the path turns back, and beside a rotation about a resting tip, the motion
+//!    stops instead.
+//!
+//! # Guarantees
+//! All spans are proved to be within the tolerance. Ends are hit exactly. Inside a piece the second
+//! derivatives are continuous.
+
+use super::blend::{Blend, begin_at, blend, end_at};
+use super::deviation::{Deviation, of_span};
+use super::path::Block;
+use super::rail::{Fitted, Point6, Rail, Span, tip, top};
+use super::{Rails, rotation};
+use crate::budget::{Budget, Stopped};
+use crate::geometry::spline::{EndCondition, derivatives_over};
+
+/// Rounds of proof and repair. A path needs a few; each makes corners, so all end.
+const MOST_ROUNDS: usize = 40;
+
+/// A station is a corner at once if the estimate of its deviation is above this multiple of the tolerance.
+const CERTAIN: f64 = 1.5;
+
+/// A span whose deviation is at most this multiple of the tolerance is drawn nearer to its block.
+const NEARLY: f64 = 1.5;
+
+/// The part of the tolerance that such a span is drawn to.
+const DRAWN_TO: f64 = 0.995;
+
+/// A block is long if it has more than this multiple of the length of the block beside it.
+const LONG: f64 = 3.0;
+
+/// The distances of the points on a long block grow by this factor.
+const GROWTH: f64 = 2.5;
+
+/// Turns above this angle are reversals, radians.
+const REVERSAL: f64 = 2.6;
+
+/// Between two points of a block the axis turns by at most this angle, radians.
+const LARGEST_TURN: f64 = 0.2;
+
+/// A point of the spline between the ends of a block.
+#[derive(Debug, Clone, Copy)]
+struct Inner {
+    /// The part of the block, from 0 to 1.
+    part: f64,
+    at: Point6,
+}
+
+struct Smoother<'a> {
+    stations: &'a [Point6],
+    blocks: Vec<Block>,
+    is_corner: Vec<bool>,
+    inner: Vec<Vec<Inner>>,
+    repairs: Vec<u8>,
+    tolerance: Deviation,
+}
+
+/// What follows one corner and ends at the next.
+struct Run {
+    first: usize,
+    spans: Vec<Fitted>,
+    deviation: Deviation,
+}
+
+pub fn smooth(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Result<Rails, Stopped> {
+    let mut smoother = Smoother::new(stations, tolerance);
+    let runs = smoother.runs(budget)?;
+    smoother.join(runs, budget)
+}
+
+impl<'a> Smoother<'a> {
+    fn new(stations: &'a [Point6], tolerance: Deviation) -> Self {
+        let blocks: Vec<Block> = stations.windows(2).map(|pair| Block::new(pair[0], pair[1])).collect();
+        let inner = blocks.iter().map(turned).collect();
+        let mut smoother = Self {
+            stations,
+            is_corner: vec![false; stations.len()],
+            repairs: vec![0; blocks.len()],
+            inner,
+            blocks,
+            tolerance,
+        };
+        for k in 0..stations.len() {
+            let is_end = k == 0 || k == stations.len() - 1;
+            smoother.is_corner[k] = is_end || smoother.severity(k) > CERTAIN;
+        }
+        smoother
+    }
+
+    /// An estimate of the deviation of a smooth curve through a station, as a part of the tolerance: that of
+    /// a circle whose chords are as long as the shorter block.
+    fn severity(&self, k: usize) -> f64 {
+        let (before, after) = (&self.blocks[k - 1], &self.blocks[k]);
+        if before.is_rotation() || after.is_rotation() || self.turn(k) > REVERSAL {
+            return f64::INFINITY;
+        }
+        let shorter = before.length.min(after.length);
+        let slope = |block: &Block| (top(&block.end) - top(&block.start)) / block.length;
+        let swing = (slope(after) - slope(before)).norm() / top(&before.end).norm();
+        (self.turn(k) * shorter / (8.0 * self.tolerance.tip_mm))
+            .max(swing * shorter / (8.0 * self.tolerance.axis))
+    }
+
+    fn turn(&self, k: usize) -> f64 {
+        super::path::angle_between(&self.blocks[k - 1].direction(), &self.blocks[k].direction())
+    }
+
+    /// The runs between corners, each within the tolerance.
+    fn runs(&mut self, budget: &Budget) -> Result<Vec<Run>, Stopped> {
+        let mut done = Vec::new();
+        let mut open: Vec<[usize; 2]> = self.between_corners(0, self.stations.len() - 1);
+        for round in 0.. {
+            let mut again = Vec::new();
+            for [first, last] in open {
+                budget.check()?;
+                if self.blocks[first].is_rotation() {
+                    done.push(Run { first, spans: Vec::new(), deviation: Deviation::NONE });
+                    continue;
+                }
+                let spans = self.fit(first, last);
+                let (deviation, failed) = self.proved(&spans);
+                if failed.is_empty() {
+                    done.push(Run { first, spans, deviation });
+                    continue;
+                }
+                for (block, deviation, span) in failed {
+                    self.repair(block, deviation, &span, [first, last], round >= MOST_ROUNDS);
+                }
+                again.extend(self.between_corners(first, last));
+            }
+            if again.is_empty() {
+                break;
+            }
+            open = again;
+        }
+        done.sort_by_key(|run| run.first);
+        Ok(done)
+    }
+
+    fn between_corners(&self, first: usize, last: usize) -> Vec<[usize; 2]> {
+        let corners: Vec<usize> = (first..=last).filter(|k| self.is_corner[*k]).collect();
+        corners.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// The spline through the stations of a run. A run of one block is that block.
+    fn fit(&self, first: usize, last: usize) -> Vec<Fitted> {
+        let mut points = vec![self.stations[first]];
+        let (mut steps, mut of_block) = (Vec::new(), Vec::new());
+        for k in first..last {
+            let block = &self.blocks[k];
+            let mut before = 0.0;
+            let end = Inner { part: 1.0, at: block.end };
+            for inner in self.inner[k].iter().chain([&end]) {
+                steps.push((inner.part - before) * block.length);
+                points.push(inner.at);
+                of_block.push(k);
+                before = inner.part;
+            }
+        }
+        let spline = derivatives_over(&steps, &points, EndCondition::NotAKnot);
+        let mut from = 0.0;
+        let mut spans = Vec::with_capacity(steps.len());
+        for (k, step) in steps.iter().enumerate() {
+            let range = [from, from + step];
+            from += step;
+            let span = Span::cubic(range, [points[k], spline[k]], [points[k + 1], spline[k + 1]]);
+            spans.push(Fitted { span, block: of_block[k] });
+        }
+        spans
+    }
+
+    /// The bound of the deviation of all spans, and the blocks of those that leave the tolerance.
+    fn proved(&self, spans: &[Fitted]) -> (Deviation, Vec<(usize, Deviation, Span)>) {
+        let mut all = Deviation::NONE;
+        let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
+        for (k, Fitted { span, block }) in spans.iter().enumerate() {
+            let whole = &self.blocks[*block];
+            // The end points of a part of a block that turns far lie on the block.
+            let part = if whole.angle > LARGEST_TURN { Block::new(span.start(), span.end()) } else { *whole };
+            let mut deviation = of_span(span, &[part], Deviation::NONE);
+            if !runs_along(span, whole) {
+                deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
+            }
+            all = all.max(deviation);
+            let is_first =
+                k == 0 || spans[k - 1].block != *block || failed.last().is_none_or(|last| last.0 != *block);
+            if deviation.of(self.tolerance) > 1.0 && is_first {
+                failed.push((*block, deviation, span.clone()));
+            }
+        }
+        (all, failed)
+    }
+
+    fn repair(
+        &mut self,
+        block: usize,
+        deviation: Deviation,
+        span: &Span,
+        [first, last]: [usize; 2],
+        is_late: bool,
+    ) {
+        let tries = self.repairs[block];
+        self.repairs[block] += 1;
+        if !is_late && tries == 0 && self.divide(block, [first, last]) {
+            return;
+        }
+        let excess = deviation.of(self.tolerance);
+        let own = &self.blocks[block];
+        if !is_late && tries <= 1 && excess <= NEARLY && self.inner[block].is_empty() {
+            let middle = span.jet(0.5 * (span.from + span.to))[0];
+            let on_block = own.at(0.5);
+            let at = on_block + (middle - on_block) * (DRAWN_TO / excess);
+            self.inner[block].push(Inner { part: 0.5, at });
+            return;
+        }
+        let ends = [block, block + 1].into_iter().filter(|k| !self.is_corner[*k]);
+        let worst = ends.max_by(|a, b| self.severity(*a).total_cmp(&self.severity(*b)));
+        if let Some(k) = worst {
+            self.is_corner[k] = true;
+            // What was drawn to the smooth curve starts again.
+            for beside in [k - 1, k] {
+                self.inner[beside] = turned(&self.blocks[beside]);
+                self.repairs[beside] = 0;
+            }
+        }
+    }
+
+    /// Adds points to a block that is much longer than a block beside it. Says whether it did.
+    fn divide(&mut self, block: usize, [first, last]: [usize; 2]) -> bool {
+        let own = self.blocks[block];
+        let mut parts = Vec::new();
+        for (is_inside, beside, is_start) in
+            [(block > first, block.wrapping_sub(1), true), (block + 1 < last, block + 1, false)]
+        {
+            if !is_inside || self.blocks[beside].length * LONG >= own.length {
+                continue;
+            }
+            let mut distance = self.blocks[beside].length;
+            let mut sum = distance;
+            while sum < 0.45 * own.length {
+                let part = sum / own.length;
+                parts.push(if is_start { part } else { 1.0 - part });
+                distance *= GROWTH;
+                sum += distance;
+            }
+        }
+        if parts.is_empty() {
+            return false;
+        }
+        parts.extend(self.inner[block].iter().map(|inner| inner.part));
+        parts.sort_by(f64::total_cmp);
+        parts.dedup_by(|a, b| (*a - *b) * own.length < 1e-6);
+        self.inner[block] = parts.into_iter().map(|part| Inner { part, at: own.at(part) }).collect();
+        true
+    }
+
+    /// Joins the runs by blends and stops.
+    fn join(&self, runs: Vec<Run>, budget: &Budget) -> Result<Rails, Stopped> {
+        let mut rails =
+            Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: 2 };
+        let mut piece: Vec<Fitted> = Vec::new();
+        for Run { first, mut spans, deviation } in runs {
+            budget.check()?;
+            rails.deviation = rails.deviation.max(deviation);
+            let block = self.blocks[first];
+            if block.is_rotation() {
+                rails.end_piece(&mut piece);
+                rails.rail.pieces.push(rotation::spans(&block));
+                continue;
+            }
+            if !piece.is_empty() {
+                let blocks = [self.blocks[first - 1], block];
+                let is_turn = self.turn(first) <= REVERSAL;
+                let found = is_turn.then(|| blend(&piece, &spans, &blocks, self.tolerance)).flatten();
+                if let Some(Blend { span, leaves, meets, deviation }) = found {
+                    end_at(&mut piece, leaves);
+                    begin_at(&mut spans, meets);
+                    piece.push(Fitted { span, block: first });
+                    rails.deviation = rails.deviation.max(deviation);
+                    rails.n_blends += 1;
+                } else {
+                    rails.end_piece(&mut piece);
+                }
+            }
+            // The parameters of a run begin at zero; only those at the end of a piece matter.
+            let end = piece.last().map_or(0.0, |last| last.span.to) - spans[0].span.from;
+            piece.extend(spans.into_iter().map(|fitted| {
+                let span = fitted.span.moved_to(fitted.span.from + end);
+                Fitted { span, ..fitted }
+            }));
+        }
+        rails.end_piece(&mut piece);
+        rails.number();
+        Ok(rails)
+    }
+}
+
+impl Rails {
+    fn end_piece(&mut self, piece: &mut Vec<Fitted>) {
+        if !piece.is_empty() {
+            self.rail.pieces.push(std::mem::take(piece).into_iter().map(|fitted| fitted.span).collect());
+        }
+    }
+
+    /// Lets the parameter run on from span to span.
+    fn number(&mut self) {
+        let mut from = 0.0;
+        for span in self.rail.pieces.iter_mut().flatten() {
+            *span = span.moved_to(from);
+            from = span.to;
+        }
+    }
+}
+
+/// Points on a block whose axis turns far: between them the mean of two axes is near their great circle.
+fn turned(block: &Block) -> Vec<Inner> {
+    let count = (block.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+    (1..count).map(|k| k as f64 / count as f64).map(|part| Inner { part, at: block.at(part) }).collect()
+}
+
+/// Whether the tip never goes back along a block.
+fn runs_along(span: &Span, block: &Block) -> bool {
+    fn is_forward(span: &Span, direction: &nalgebra::Vector3<f64>, halvings: usize) -> bool {
+        let steps: Vec<f64> =
+            span.control.windows(2).map(|pair| (tip(&pair[1]) - tip(&pair[0])).dot(direction)).collect();
+        if steps.iter().all(|step| *step > 0.0) {
+            return true;
+        }
+        if halvings == 0 || steps[0] <= 0.0 || steps[4] <= 0.0 {
+            return false;
+        }
+        span.halves().iter().all(|half| is_forward(half, direction, halvings - 1))
+    }
+    const HALVINGS: usize = 3;
+    is_forward(span, &block.direction(), HALVINGS)
+}

@@ -1,0 +1,161 @@
+//! Tests of smoothing through the interface: figures, samples and refusals.
+
+use serde_json::{Value, json};
+
+use super::support::{app, post};
+
+const SMOOTH: &str = "/v1/five-axis/smooth";
+
+fn corner() -> Value {
+    json!({
+        "path": [
+            { "tip": [0, 0, 0], "axis": [0, 0, 1] },
+            { "tip": [20, 0, 0], "axis": [0, 0, 2] },
+            { "tip": [20, 20, 0], "axis": [0, 0, 1] },
+        ],
+        "feed_mm_per_min": 1200, "tolerance_mm": 0.01, "tolerance_deg": 0.5, "sample_period_ms": 0.25,
+    })
+}
+
+fn with(body: &Value, field: &str, value: Value) -> Value {
+    let mut body = body.clone();
+    body[field] = value;
+    body
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+#[tokio::test]
+async fn samples_are_evenly_spaced_in_time_and_stay_within_the_tolerance() {
+    let app = app(&["--workers", "1"]);
+    let answer = post(&app, &format!("{SMOOTH}?samples=true"), corner().to_string(), &[]).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let answer = answer.json();
+    let report = &answer["report"];
+    assert_eq!((&report["n_blends"], &report["n_stops"]), (&json!(1), &json!(0)));
+    assert_eq!((&report["continuity"], &report["within_tolerance"]), (&json!("C2"), &json!(true)));
+    let samples = answer["samples"].as_array().expect("samples");
+    for (k, sample) in samples.iter().enumerate() {
+        let t = sample["t_s"].as_f64().expect("a time");
+        assert!(k + 1 == samples.len() || (t - k as f64 * 0.00025).abs() < 1e-12);
+        let tip = numbers(&sample["tip"]);
+        let distance = f64::min(tip[1].abs(), (tip[0] - 20.0).abs());
+        assert!(distance <= 0.01, "{sample}");
+        assert_eq!(sample["axis"], json!([0.0, 0.0, 1.0]));
+    }
+    let last = &samples[samples.len() - 1];
+    assert_eq!(last["tip"], json!([20.0, 20.0, 0.0]));
+    assert_eq!(last["t_s"], report["cycle_time_s"]);
+}
+
+#[tokio::test]
+async fn without_the_query_an_answer_has_no_samples() {
+    let answer = post(&app(&[]), SMOOTH, corner().to_string(), &[]).await.json();
+    assert_eq!(answer.get("samples"), None);
+}
+
+#[tokio::test]
+async fn the_method_of_the_paper_warns_where_it_leaves_the_tolerance() {
+    let app = app(&[]);
+    let paper = with(&corner(), "method", json!("paper"));
+    let answer = post(&app, SMOOTH, paper.to_string(), &[]).await.json();
+    assert_eq!(answer["warnings"][0]["code"], "tolerance_exceeded");
+    assert_eq!(answer["report"]["within_tolerance"], false);
+    assert!(answer["report"]["deviation_max_mm"].as_f64() > Some(1.0));
+    let linear = with(&corner(), "method", json!("linear"));
+    let answer = post(&app, SMOOTH, linear.to_string(), &[]).await.json();
+    assert_eq!(answer["report"]["continuity"], "C0");
+}
+
+#[tokio::test]
+async fn what_makes_no_sense_is_refused_with_its_place() {
+    let app = app(&[]);
+    let axis = |axis: Value| {
+        let mut body = corner();
+        body["path"][1]["axis"] = axis;
+        body
+    };
+    let same = json!({ "tip": [1, 2, 3], "axis": [0, 0, 1] });
+    for (body, pointer) in [
+        (axis(json!([0, 0, 0])), "#/path/1/axis"),
+        (axis(json!([0, 0, -1])), "#/path/1/axis"),
+        (with(&corner(), "path", json!([same, same])), "#/path"),
+        (with(&corner(), "path", json!([same])), "#/path"),
+        (with(&corner(), "tolerance_mm", json!(0)), "#/tolerance_mm"),
+        (with(&corner(), "tolerance_deg", json!(-1)), "#/tolerance_deg"),
+        (with(&corner(), "feed_mm_per_min", json!(0.001)), "#/sample_period_ms"),
+        (with(&corner(), "top_distance_mm", json!(0)), "#/top_distance_mm"),
+    ] {
+        let answer = post(&app, SMOOTH, body.to_string(), &[]).await;
+        assert_eq!(answer.status, 422, "{body}");
+        assert_eq!(answer.json()["errors"][0]["pointer"], pointer, "{body}");
+    }
+}
+
+fn driven() -> Value {
+    let mut body = corner();
+    body["machine"] = json!({ "name": "table_table_ac" });
+    let axis = json!({ "speed": 500, "acceleration": 3000, "jerk": 50_000 });
+    body["limits"] = json!({ "X": axis, "Y": axis, "Z": axis, "A": axis, "C": axis });
+    body
+}
+
+#[tokio::test]
+async fn with_a_machine_samples_hold_the_positions_of_its_axes() {
+    let app = app(&[]);
+    let answer = post(&app, &format!("{SMOOTH}?samples=true"), driven().to_string(), &[]).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let answer = answer.json();
+    // The tool is upright: the linear axes follow the tip.
+    for sample in answer["samples"].as_array().expect("samples") {
+        let joints = &sample["joints"];
+        assert_eq!((&joints["A"], &joints["C"]), (&json!(0.0), &json!(0.0)));
+        assert_eq!(joints.get("B"), None);
+        for (k, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+            let off = numbers(&sample["tip"])[k] - joints[axis].as_f64().expect("a position");
+            assert!(off.abs() < 1e-9, "{sample}");
+        }
+    }
+    for peaks in answer["report"]["axis_peaks"].as_array().expect("peaks") {
+        assert!(peaks["acceleration"].as_f64() <= Some(3030.0), "{peaks}");
+        assert!(peaks["jerk"].as_f64() <= Some(50_500.0), "{peaks}");
+    }
+}
+
+#[tokio::test]
+async fn a_machine_that_cannot_follow_is_told_with_the_place() {
+    let app = app(&[]);
+    let tilted = |tilt: f64| {
+        let mut body = driven();
+        body["path"][2]["axis"] = json!([0, tilt, 1]);
+        body["machine"] = json!({ "kind": "table_table", "axes": "AC", "rotary": [
+            { "travel_deg": [-5, 5] }, { "travel_deg": [-5, 5] },
+        ]});
+        body
+    };
+    let answer = post(&app, SMOOTH, tilted(1.0).to_string(), &[]).await;
+    assert_eq!((answer.status.as_u16(), answer.code().as_str()), (422, "out_of_travel"));
+    assert!(answer.json()["place"].is_array(), "{}", answer.text());
+}
+
+#[tokio::test]
+async fn faults_of_machines_and_limits_are_told_with_their_place() {
+    let app = app(&[]);
+    let machine = |machine: Value| with(&driven(), "machine", machine);
+    for (body, pointer) in [
+        (machine(json!({ "name": "mill" })), "#/machine/name"),
+        (machine(json!({ "name": "table_table_ac", "axes": "AC" })), "#/machine"),
+        (machine(json!({ "kind": "table_table" })), "#/machine"),
+        (machine(json!({ "kind": "table_table", "axes": "AX" })), "#/machine/axes"),
+        (machine(json!({ "kind": "table_table", "axes": "CC" })), "#/machine"),
+        (machine(json!({ "kind": "table_table", "axes": "BC" })), "#/limits/A"),
+        (with(&driven(), "limits", json!({ "X": { "jerk": 0 } })), "#/limits/X/jerk"),
+        (with(&corner(), "limits", json!({ "C": { "jerk": 1000 } })), "#/limits/C"),
+    ] {
+        let answer = post(&app, SMOOTH, body.to_string(), &[]).await;
+        assert_eq!(answer.status, 422, "{body}");
+        assert_eq!(answer.json()["errors"][0]["pointer"], pointer, "{}", answer.text());
+    }
+}

@@ -36,6 +36,7 @@ mod rail;
 mod rotation;
 pub mod schedule;
 mod smooth;
+mod stations;
 #[cfg(test)]
 mod tests;
 
@@ -47,12 +48,12 @@ use crate::toolpath::pose::Pose;
 use crate::toolpath::units::FeedRate;
 use deviation::Deviation;
 pub use drive::MotionLimits;
-use drive::{Drive, DrivenSample, pose};
+use drive::{Drive, DrivenSample};
 pub use motion::Peak;
 use motion::{ConstantFeed, peaks};
-use path::stations;
 use rail::Rail;
 use schedule::ScheduleError;
+use stations::pose;
 
 /// How rails are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -140,6 +141,8 @@ pub enum FiveAxisError {
         "the motion takes {duration_s:.3} s, which is more than {limit} samples; send a larger `sample_period_ms`"
     )]
     TooManySamples { duration_s: f64, limit: usize },
+    #[error("near {at} the path keeps no tolerance as small as this; send a larger tolerance")]
+    ToleranceNotReached { at: Point3<f64> },
     #[error("near {at}: {error}")]
     NotFollowed { error: FollowError, at: Point3<f64> },
     #[error(
@@ -163,7 +166,7 @@ struct Rails {
 /// # Errors
 /// One of [`FiveAxisError`].
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
-    let stations = stations(&job.poses, job.top_mm)?;
+    let stations = path::stations(&job.poses, job.top_mm)?;
     let tolerance = Deviation { tip_mm: job.tolerance_mm, axis: job.tolerance_axis };
     let rails = match job.method {
         Method::Interpolating => smooth::smooth(&stations, tolerance, budget)?,

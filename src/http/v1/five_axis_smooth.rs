@@ -118,6 +118,9 @@ impl From<FiveAxisError> for ApiError {
             FiveAxisError::Stopped(stopped) => stopped.into(),
             FiveAxisError::NoMotion => invalid(&path),
             FiveAxisError::OppositeAxes { index } => invalid(&path.index(index).field("axis")),
+            FiveAxisError::ToleranceNotReached { at } => {
+                Self::new(Code::ToleranceNotReached, detail).at(at.into())
+            }
             FiveAxisError::NotFollowed { error, at } => {
                 let code = match error {
                     FollowError::Unreachable { .. } => Code::AxisUnreachable,

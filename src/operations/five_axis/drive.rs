@@ -6,30 +6,27 @@
 //!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
 //! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
 //!    to rest within all limits and the feed (`schedule`).
-//! 4. Speed, acceleration and jerk are computed again in the middle between stations. Where one exceeds its
+//! 4. Speed, acceleration and jerk are computed again at three places between stations. Where one exceeds its
 //!    limit, the piece is slowed.
 //!
 //! # Cost
 //! O(n) for n stations: some 20 microseconds each.
 
-use nalgebra::{Point3, Unit};
+use nalgebra::Point3;
 
 use super::FiveAxisError;
 use super::motion::Sample;
-use super::rail::{Jet, Point6, Rail, Span, tip, top};
+use super::rail::{Jet, Rail, Span, tip, top};
 use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
+use super::stations::{Stations, nearest, pose, resolved, span_at};
 use crate::budget::Budget;
 use crate::machine::{Inverse, Joints, Machine};
-use crate::toolpath::pose::Pose;
-
-/// The most and the least stations of a span. With more, the time hardly shrinks.
-const PER_SPAN: [usize; 2] = [8, 1];
-
-/// The stations of a piece that the number of stations of a span aims at.
-const WANTED: usize = 1000;
 
 /// How far beside the pole derivatives are taken, as a part of the span there.
 const BESIDE: f64 = 1e-4;
+
+/// The places between two stations at which limits are checked, as parts of the interval.
+const CHECKED: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// Where the axis turns by less by the parameter, it does not turn, radians by mm.
 const STILL: f64 = 1e-12;
@@ -78,8 +75,8 @@ impl<'a> Drive<'a> {
         limits: &MotionLimits,
         budget: &Budget,
     ) -> Result<Self, FiveAxisError> {
-        let places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| places(piece)).collect();
-        let mut joints = followed(rail, &places, machine)?.into_iter();
+        let Stations { places, joints } = resolved(rail, machine, budget)?;
+        let mut joints = joints.into_iter();
         let limits = Axes::new(machine, limits);
         let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0 };
         for (spans, places) in rail.pieces.iter().zip(places) {
@@ -141,76 +138,6 @@ impl Driven<'_> {
         });
         DrivenSample { sample: Sample { t_s, at }, joints }
     }
-}
-
-pub fn pose(at: &Point6) -> Pose {
-    Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
-}
-
-/// The positions for a pose whose angles are nearest to given ones.
-fn nearest(machine: &Machine, pose: &Pose, near: [f64; 2]) -> Joints {
-    let turned = |rotary: [f64; 2]| {
-        [0, 1].map(|k| {
-            rotary[k] + ((near[k] - rotary[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU
-        })
-    };
-    let distance = |rotary: &[f64; 2]| (rotary[0] - near[0]).abs() + (rotary[1] - near[1]).abs();
-    let rotary = match machine.inverse(pose) {
-        Inverse::Two(both) => {
-            let [first, second] = both.map(|joints| turned(joints.rotary));
-            if distance(&first) <= distance(&second) { first } else { second }
-        }
-        Inverse::Pole { fixed } => {
-            let mut rotary = near;
-            rotary[1 - machine.free_axis()] = fixed;
-            turned(rotary)
-        }
-        Inverse::Unreachable => near,
-    };
-    machine.at(&pose.tip, rotary)
-}
-
-/// The parameters of the stations of a piece.
-fn places(spans: &[Span]) -> Vec<f64> {
-    let [most, least] = PER_SPAN;
-    let each = (WANTED / spans.len()).clamp(least, most);
-    let mut places = vec![spans[0].from];
-    for span in spans {
-        places.extend((1..each).map(|k| span.from + span.length() * (k as f64 / each as f64)));
-        places.push(span.to);
-    }
-    places
-}
-
-fn span_at(spans: &[Span], u: f64) -> &Span {
-    let k = spans.partition_point(|span| span.to < u);
-    &spans[k.min(spans.len() - 1)]
-}
-
-/// The positions of the axes at all stations.
-fn followed(
-    rail: &Rail,
-    places: &[Vec<f64>],
-    machine: Option<&Machine>,
-) -> Result<Vec<Option<Joints>>, FiveAxisError> {
-    let Some(machine) = machine else {
-        return Ok(places.iter().flatten().map(|_| None).collect());
-    };
-    let mut poses = Vec::new();
-    for (spans, places) in rail.pieces.iter().zip(places) {
-        let mut k = 0;
-        for u in places {
-            while spans[k].to < *u && k + 1 < spans.len() {
-                k += 1;
-            }
-            poses.push(pose(&spans[k].jet(*u)[0]));
-        }
-    }
-    let joints = machine.follow(&poses, [0.0; 2]).map_err(|error| {
-        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
-        FiveAxisError::NotFollowed { error, at }
-    })?;
-    Ok(joints.into_iter().map(Some).collect())
 }
 
 /// The names of the axes with their limits.
@@ -333,12 +260,16 @@ impl Path<'_> {
         Ok(rows)
     }
 
-    /// The factor by which the piece has to be slowed for the limits in the middle between stations.
+    /// The factor by which the piece has to be slowed for the limits between stations.
     fn excess(&self, schedule: &Schedule, axes: &Axes) -> f64 {
         let mut factor = 1.0_f64;
         let mut k = 0;
-        for (n, pair) in self.places.windows(2).enumerate() {
-            let u = 0.5 * (pair[0] + pair[1]);
+        let between = self
+            .places
+            .windows(2)
+            .enumerate()
+            .flat_map(|(n, pair)| CHECKED.map(|part| (n, pair[0] + (pair[1] - pair[0]) * part)));
+        for (n, u) in between {
             while self.spans[k].to < u && k + 1 < self.spans.len() {
                 k += 1;
             }
@@ -348,7 +279,7 @@ impl Path<'_> {
                 .machine
                 .zip(self.joints[n])
                 .map(|(machine, joints)| nearest(machine, &pose(&jet[0]), joints.rotary));
-            // A middle on the pole counts as the stations beside it do.
+            // A place on the pole counts as the stations beside it do.
             let Ok(rows) = self.derivatives(&jet, joints, axes) else { continue };
             let (mut tip_acceleration, mut tip_jerk) = (0.0, 0.0);
             let (v, a, j) = (motion.speed, motion.acceleration, motion.jerk);

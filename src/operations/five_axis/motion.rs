@@ -11,7 +11,7 @@ use crate::budget::{Budget, Stopped};
 /// Nodes and weights of Gauss and Legendre's rule with eight points on the range from -1 to 1. It integrates
 /// polynomials up to degree 15 exactly.
 const GAUSS: [[f64; 2]; 4] = [
-    [0.183_434_642_495_649_8, 0.362_683_783_378_361_98],
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
     [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
     [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],

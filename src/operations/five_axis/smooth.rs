@@ -20,12 +20,17 @@ use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
 use super::rail::{Fitted, Point6, Rail, Span, tip, top};
-use super::{Rails, rotation};
+use super::{FiveAxisError, Rails, rotation};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spline::{EndCondition, derivatives_over};
 
-/// Rounds of proof and repair. A path needs a few; each makes corners, so all end.
+/// Rounds of proof and repair. A path needs a few. After these, every station of a run that leaves the
+/// tolerance is a corner.
 const MOST_ROUNDS: usize = 40;
+
+/// Repairs of a block that stands alone, after which the tolerance counts as not reached. Each halves the
+/// parts of the block; ten bring any turn within a nanoradian of the great circle.
+const MOST_REPAIRS: u8 = 10;
 
 /// A station is a corner at once if the estimate of its deviation is above this multiple of the tolerance.
 const CERTAIN: f64 = 1.5;
@@ -72,16 +77,16 @@ struct Run {
     deviation: Deviation,
 }
 
-pub fn smooth(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Result<Rails, Stopped> {
+pub fn smooth(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Result<Rails, FiveAxisError> {
     let mut smoother = Smoother::new(stations, tolerance);
     let runs = smoother.runs(budget)?;
-    smoother.join(runs, budget)
+    Ok(smoother.join(runs, budget)?)
 }
 
 impl<'a> Smoother<'a> {
     fn new(stations: &'a [Point6], tolerance: Deviation) -> Self {
         let blocks: Vec<Block> = stations.windows(2).map(|pair| Block::new(pair[0], pair[1])).collect();
-        let inner = blocks.iter().map(turned).collect();
+        let inner = blocks.iter().map(|block| turned(block, LARGEST_TURN)).collect();
         let mut smoother = Self {
             stations,
             is_corner: vec![false; stations.len()],
@@ -116,7 +121,7 @@ impl<'a> Smoother<'a> {
     }
 
     /// The runs between corners, each within the tolerance.
-    fn runs(&mut self, budget: &Budget) -> Result<Vec<Run>, Stopped> {
+    fn runs(&mut self, budget: &Budget) -> Result<Vec<Run>, FiveAxisError> {
         let mut done = Vec::new();
         let mut open: Vec<[usize; 2]> = self.between_corners(0, self.stations.len() - 1);
         for round in 0.. {
@@ -128,13 +133,22 @@ impl<'a> Smoother<'a> {
                     continue;
                 }
                 let spans = self.fit(first, last);
-                let (deviation, failed) = self.proved(&spans);
+                let is_alone = last == first + 1;
+                let (deviation, failed) = self.proved(&spans, is_alone);
                 if failed.is_empty() {
                     done.push(Run { first, spans, deviation });
                     continue;
                 }
                 for (block, deviation, span) in failed {
-                    self.repair(block, deviation, &span, [first, last], round >= MOST_ROUNDS);
+                    if is_alone && self.repairs[block] > MOST_REPAIRS {
+                        let at = tip(&self.stations[first]).into();
+                        return Err(FiveAxisError::ToleranceNotReached { at });
+                    }
+                    if round >= MOST_ROUNDS && !is_alone {
+                        self.isolate(first, last);
+                    } else {
+                        self.repair(block, deviation, &span, [first, last]);
+                    }
                 }
                 again.extend(self.between_corners(first, last));
             }
@@ -180,15 +194,17 @@ impl<'a> Smoother<'a> {
     }
 
     /// The bound of the deviation of all spans, and the blocks of those that leave the tolerance.
-    fn proved(&self, spans: &[Fitted]) -> (Deviation, Vec<(usize, Deviation, Span)>) {
+    fn proved(&self, spans: &[Fitted], is_alone: bool) -> (Deviation, Vec<(usize, Deviation, Span)>) {
         let mut all = Deviation::NONE;
         let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
         for (k, Fitted { span, block }) in spans.iter().enumerate() {
             let whole = &self.blocks[*block];
-            // The end points of a part of a block that turns far lie on the block.
-            let part = if whole.angle > LARGEST_TURN { Block::new(span.start(), span.end()) } else { *whole };
+            // The points on a block that stands alone or turns far lie on the block.
+            let is_on_block = is_alone || whole.angle > LARGEST_TURN;
+            let part = if is_on_block { Block::new(span.start(), span.end()) } else { *whole };
             let mut deviation = of_span(span, &[part], Deviation::NONE);
-            if !runs_along(span, whole) {
+            // A block that stands alone is a line: it runs along itself.
+            if !is_alone && !runs_along(span, whole) {
                 deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
             }
             all = all.max(deviation);
@@ -201,22 +217,17 @@ impl<'a> Smoother<'a> {
         (all, failed)
     }
 
-    fn repair(
-        &mut self,
-        block: usize,
-        deviation: Deviation,
-        span: &Span,
-        [first, last]: [usize; 2],
-        is_late: bool,
-    ) {
+    fn repair(&mut self, block: usize, deviation: Deviation, span: &Span, [first, last]: [usize; 2]) {
         let tries = self.repairs[block];
-        self.repairs[block] += 1;
-        if !is_late && tries == 0 && self.divide(block, [first, last]) {
+        self.repairs[block] = tries.saturating_add(1);
+        if tries == 0 && self.divide(block, [first, last]) {
             return;
         }
         let excess = deviation.of(self.tolerance);
         let own = &self.blocks[block];
-        if !is_late && tries <= 1 && excess <= NEARLY && self.inner[block].is_empty() {
+        // Another repair of this round may have made its ends corners.
+        let is_alone = self.is_corner[block] && self.is_corner[block + 1];
+        if !is_alone && tries <= 1 && excess <= NEARLY && self.inner[block].is_empty() {
             let middle = span.jet(0.5 * (span.from + span.to))[0];
             let on_block = own.at(0.5);
             let at = on_block + (middle - on_block) * (DRAWN_TO / excess);
@@ -225,13 +236,25 @@ impl<'a> Smoother<'a> {
         }
         let ends = [block, block + 1].into_iter().filter(|k| !self.is_corner[*k]);
         let worst = ends.max_by(|a, b| self.severity(*a).total_cmp(&self.severity(*b)));
-        if let Some(k) = worst {
-            self.is_corner[k] = true;
-            // What was drawn to the smooth curve starts again.
-            for beside in [k - 1, k] {
-                self.inner[beside] = turned(&self.blocks[beside]);
-                self.repairs[beside] = 0;
-            }
+        let Some(k) = worst else {
+            // The block stands alone: between more points its axis is nearer to the great circle.
+            self.inner[block] = turned(own, LARGEST_TURN * 0.5_f64.powi(i32::from(tries) + 1));
+            return;
+        };
+        self.is_corner[k] = true;
+        // What was drawn to the smooth curve starts again.
+        for beside in [k - 1, k] {
+            self.inner[beside] = turned(&self.blocks[beside], LARGEST_TURN);
+            self.repairs[beside] = 0;
+        }
+    }
+
+    /// Makes every station of a run a corner.
+    fn isolate(&mut self, first: usize, last: usize) {
+        for block in first..last {
+            self.is_corner[block] = true;
+            self.inner[block] = turned(&self.blocks[block], LARGEST_TURN);
+            self.repairs[block] = 0;
         }
     }
 
@@ -323,8 +346,8 @@ impl Rails {
 }
 
 /// Points on a block whose axis turns far: between them the mean of two axes is near their great circle.
-fn turned(block: &Block) -> Vec<Inner> {
-    let count = (block.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+fn turned(block: &Block, largest: f64) -> Vec<Inner> {
+    let count = (block.angle / largest).ceil().max(1.0) as usize;
     (1..count).map(|k| k as f64 / count as f64).map(|part| Inner { part, at: block.at(part) }).collect()
 }
 

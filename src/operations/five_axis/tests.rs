@@ -1,5 +1,7 @@
 //! Smoothing, seen from outside: paths of many kinds, judged at dense samples by code of its own.
 
+mod laws;
+
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::*;
@@ -61,6 +63,11 @@ fn tilted(x: f64, y: f64, tilt: f64) -> Pose {
     Pose { tip: Point3::new(x, y, 0.0), axis }
 }
 
+/// The angle between two vectors, accurate near zero.
+fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
 /// The distance from the nearest block, and the angle to the axis there.
 fn off(poses: &[Pose], sample: &Pose, near: usize) -> (f64, f64) {
     let first = near.saturating_sub(40);
@@ -72,17 +79,18 @@ fn off(poses: &[Pose], sample: &Pose, near: usize) -> (f64, f64) {
             if along.norm() > 1e-9 { (from.dot(&along) / along.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
         let distance = (from - along * t).norm();
         let (a, b) = (pair[0].axis.into_inner(), pair[1].axis.into_inner());
-        let slerped = if a.angle(&b) > 1e-12 { pair[0].axis.slerp(&pair[1].axis, t).into_inner() } else { a };
-        let mut angle = slerped.angle(&sample.axis);
+        let slerped =
+            if angle(&a, &b) > 1e-12 { pair[0].axis.slerp(&pair[1].axis, t).into_inner() } else { a };
+        let mut turned = angle(&slerped, &sample.axis);
         if along.norm() <= 1e-9 {
             // Any axis on the way does.
             let normal = a.cross(&b).normalize();
             let is_between =
                 a.cross(&sample.axis).dot(&normal) >= -1e-9 && sample.axis.cross(&b).dot(&normal) >= -1e-9;
-            angle = if is_between { normal.dot(&sample.axis).abs().asin() } else { angle };
+            turned = if is_between { normal.dot(&sample.axis).abs().asin() } else { turned };
         }
-        if distance < best.0 - 1e-9 || distance < best.0 + 1e-9 && angle < best.1 {
-            best = (distance, angle);
+        if distance < best.0 - 1e-9 || distance < best.0 + 1e-9 && turned < best.1 {
+            best = (distance, turned);
         }
     }
     best

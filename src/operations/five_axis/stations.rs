@@ -1,0 +1,142 @@
+//! The stations of a motion along rails, and the positions of the axes of a machine there.
+
+use nalgebra::{Point3, Unit};
+
+use super::FiveAxisError;
+use super::rail::{Point6, Rail, Span, tip, top};
+use crate::budget::Budget;
+use crate::machine::{Inverse, Joints, Machine};
+use crate::toolpath::pose::Pose;
+
+/// The most and the least stations of a span. With more, the time hardly shrinks.
+const PER_SPAN: [usize; 2] = [100, 1];
+
+/// The stations of a piece that the number of stations of a span aims at.
+const WANTED: usize = 1000;
+
+/// Between two stations a rotary axis is to turn by at most the first angle, and must not turn by more than
+/// the second one, radians. With larger turns, limits would be missed between stations.
+const LARGEST_TURN: f64 = 0.02;
+const RESOLVED: f64 = 0.04;
+
+/// The most parts of an interval in one round, and the most rounds: together they resolve a turn that happens
+/// within a billionth of an interval.
+const MOST_PARTS: f64 = 32.0;
+const MOST_ROUNDS: usize = 6;
+
+/// The stations of all pieces.
+pub struct Stations {
+    /// The parameters of the stations of each piece.
+    pub places: Vec<Vec<f64>>,
+    /// The positions of the axes at all stations, one piece after the other; none without a machine.
+    pub joints: Vec<Option<Joints>>,
+}
+
+pub fn pose(at: &Point6) -> Pose {
+    Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
+}
+
+/// The positions for a pose whose angles are nearest to given ones.
+pub fn nearest(machine: &Machine, pose: &Pose, near: [f64; 2]) -> Joints {
+    let turned = |rotary: [f64; 2]| {
+        [0, 1].map(|k| {
+            rotary[k] + ((near[k] - rotary[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU
+        })
+    };
+    let distance = |rotary: &[f64; 2]| (rotary[0] - near[0]).abs() + (rotary[1] - near[1]).abs();
+    let rotary = match machine.inverse(pose) {
+        Inverse::Two(both) => {
+            let [first, second] = both.map(|joints| turned(joints.rotary));
+            if distance(&first) <= distance(&second) { first } else { second }
+        }
+        Inverse::Pole { fixed } => {
+            let mut rotary = near;
+            rotary[1 - machine.free_axis()] = fixed;
+            turned(rotary)
+        }
+        Inverse::Unreachable => near,
+    };
+    machine.at(&pose.tip, rotary)
+}
+
+/// The parameters of the stations of a piece.
+fn places(spans: &[Span]) -> Vec<f64> {
+    let [most, least] = PER_SPAN;
+    let each = (WANTED / spans.len()).clamp(least, most);
+    let mut places = vec![spans[0].from];
+    for span in spans {
+        places.extend((1..each).map(|k| span.from + span.length() * (k as f64 / each as f64)));
+        places.push(span.to);
+    }
+    places
+}
+
+/// Stations between which no rotary axis turns far. Beside the pole a rotary axis turns far on a short way:
+/// there the stations are as near as needed.
+pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Result<Stations, FiveAxisError> {
+    let mut places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| self::places(piece)).collect();
+    for round in 0.. {
+        budget.check()?;
+        let joints = followed(rail, &places, machine)?;
+        let mut finer = Vec::with_capacity(places.len());
+        let mut first = 0;
+        let mut farthest = (0.0, Point3::origin());
+        for (spans, own) in rail.pieces.iter().zip(&places) {
+            let joints = &joints[first..first + own.len()];
+            first += own.len();
+            let mut piece = vec![own[0]];
+            for (pair, ends) in own.windows(2).zip(joints.windows(2)) {
+                let turn = ends[0].zip(ends[1]).map_or(0.0, |(a, b)| {
+                    (b.rotary[0] - a.rotary[0]).abs().max((b.rotary[1] - a.rotary[1]).abs())
+                });
+                if turn > farthest.0 {
+                    farthest = (turn, Point3::from(tip(&span_at(spans, pair[1]).jet(pair[1])[0])));
+                }
+                let parts = (turn / LARGEST_TURN).ceil().clamp(1.0, MOST_PARTS) as usize;
+                let at = |k: usize| pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64);
+                piece.extend((1..parts).map(at));
+                piece.push(pair[1]);
+            }
+            finer.push(piece);
+        }
+        if farthest.0 <= RESOLVED {
+            return Ok(Stations { places, joints });
+        }
+        if round == MOST_ROUNDS {
+            return Err(FiveAxisError::OnPole { at: farthest.1 });
+        }
+        places = finer;
+    }
+    Err(FiveAxisError::NoMotion)
+}
+
+pub fn span_at(spans: &[Span], u: f64) -> &Span {
+    let k = spans.partition_point(|span| span.to < u);
+    &spans[k.min(spans.len() - 1)]
+}
+
+/// The positions of the axes at all stations.
+fn followed(
+    rail: &Rail,
+    places: &[Vec<f64>],
+    machine: Option<&Machine>,
+) -> Result<Vec<Option<Joints>>, FiveAxisError> {
+    let Some(machine) = machine else {
+        return Ok(places.iter().flatten().map(|_| None).collect());
+    };
+    let mut poses = Vec::new();
+    for (spans, places) in rail.pieces.iter().zip(places) {
+        let mut k = 0;
+        for u in places {
+            while spans[k].to < *u && k + 1 < spans.len() {
+                k += 1;
+            }
+            poses.push(pose(&spans[k].jet(*u)[0]));
+        }
+    }
+    let joints = machine.follow(&poses, [0.0; 2]).map_err(|error| {
+        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
+        FiveAxisError::NotFollowed { error, at }
+    })?;
+    Ok(joints.into_iter().map(Some).collect())
+}

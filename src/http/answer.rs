@@ -49,6 +49,9 @@ pub struct Outcome<R, P> {
 pub trait Product {
     type Members: Serialize + ToSchema;
 
+    /// What a picture shows.
+    const TITLE: &'static str;
+
     /// The toolpath from which a program is written. `None` where the operation makes no toolpath.
     fn cut(&self) -> Option<&Cut>;
 
@@ -59,6 +62,8 @@ pub trait Product {
 /// The product of an operation that answers a report alone.
 impl Product for () {
     type Members = NoMembers;
+
+    const TITLE: &'static str = "Surface";
 
     fn cut(&self) -> Option<&Cut> {
         None
@@ -83,6 +88,8 @@ pub struct Cut {
 
 impl Product for Cut {
     type Members = PathMembers;
+
+    const TITLE: &'static str = "Toolpath";
 
     fn cut(&self) -> Option<&Cut> {
         Some(self)

@@ -143,7 +143,7 @@ pub enum FiveAxisError {
     TooManySamples { duration_s: f64, limit: usize },
     #[error("near {at} the path keeps no tolerance as small as this; send a larger tolerance")]
     ToleranceNotReached { at: Point3<f64> },
-    #[error("near {at}: {error}")]
+    #[error("near {at} {}", told(error))]
     NotFollowed { error: FollowError, at: Point3<f64> },
     #[error(
         "near {at} the tool axis passes through the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"
@@ -151,6 +151,22 @@ pub enum FiveAxisError {
     OnPole { at: Point3<f64> },
     #[error("the piece that begins at {at} has no schedule: {error}")]
     NotScheduled { error: ScheduleError, at: Point3<f64> },
+}
+
+/// A failure to follow, without the index of a station, which means nothing to the caller.
+fn told(error: &FollowError) -> String {
+    match error {
+        FollowError::Unreachable { .. } => {
+            "the machine cannot tilt the tool to this axis; turn the part, or lean the axis less".to_owned()
+        }
+        FollowError::OutOfTravel { axis, .. } => {
+            format!("the axis {axis} would leave its travel; move or turn the part")
+        }
+        FollowError::Unwinds { axis, .. } => format!(
+            "the axis {axis} reaches the end of its travel; end the path there, retract, turn the rotary axes back and go on"
+        ),
+        FollowError::UnusableStart { .. } => error.to_string(),
+    }
 }
 
 /// What a method makes.

@@ -28,12 +28,11 @@ pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     })
 }
 
-/// The title of a picture: the part's id, else the program's name, else `Toolpath` or `Surface`.
+/// The title of a picture: the part's id, else the program's name, else what the picture shows.
 pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
     let name = || outcome.product.cut().and_then(|cut| cut.setup.program.name.as_ref());
-    let kind = if outcome.product.cut().is_some() { "Toolpath" } else { "Surface" };
-    part_id.or_else(name).map_or_else(|| kind.to_owned(), Clone::clone)
+    part_id.or_else(name).map_or_else(|| P::TITLE.to_owned(), Clone::clone)
 }
 
 /// The lines that a setter needs: program, work offset, tool, spindle, coolant, feeds, clearance and cycle

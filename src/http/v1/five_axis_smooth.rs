@@ -61,6 +61,8 @@ struct Motion {
 impl Product for Motion {
     type Members = SampleMembers;
 
+    const TITLE: &'static str = "Path of the tip";
+
     fn cut(&self) -> Option<&Cut> {
         None
     }

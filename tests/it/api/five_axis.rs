@@ -150,6 +150,7 @@ async fn faults_of_machines_and_limits_are_told_with_their_place() {
         (machine(json!({ "kind": "table_table" })), "#/machine"),
         (machine(json!({ "kind": "table_table", "axes": "AX" })), "#/machine/axes"),
         (machine(json!({ "kind": "table_table", "axes": "CC" })), "#/machine"),
+        (machine(json!({ "kind": "table_table", "axes": "AC", "rotary": [{}] })), "#/machine/rotary"),
         (machine(json!({ "kind": "table_table", "axes": "BC" })), "#/limits/A"),
         (with(&driven(), "limits", json!({ "X": { "jerk": 0 } })), "#/limits/X/jerk"),
         (with(&corner(), "limits", json!({ "C": { "jerk": 1000 } })), "#/limits/C"),

@@ -59,6 +59,16 @@ export const plan: Body<"planPocket"> = {
 
 export const model: Body<"modelSurface"> = { surface };
 
+export const smooth: Body<"smoothPath"> = {
+  path: [
+    { tip: [0, 0, 0], axis: [0, 0, 1] },
+    { tip: [10, 0, 0], axis: [0, 0, 1] },
+  ],
+  feed_mm_per_min: 800,
+  tolerance_mm: 0.01,
+  tolerance_deg: 0.5,
+};
+
 export const write: Body<"writeProgram"> = {
   toolpath: {
     start: [0, 0, 5],
@@ -82,7 +92,7 @@ export function length(move: components["schemas"]["Move"]): number {
 }
 
 // Does not compile when an operation with a body is missing above.
-type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "writeProgram";
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "smoothPath" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;
 

@@ -146,13 +146,10 @@ impl SentMachine {
             violations.add(&at.field("axes"), FieldCode::OutOfRange, detail);
             return None;
         };
-        let mut sent = rotary.unwrap_or_default();
-        if sent.len() > 2 {
-            violations.add(
-                &at.field("rotary"),
-                FieldCode::OutOfRange,
-                "a machine has two rotary axes; send two",
-            );
+        let mut sent = rotary.unwrap_or_else(|| vec![SentRotary::default(), SentRotary::default()]);
+        if sent.len() != 2 {
+            let detail = "a machine has two rotary axes; send two objects, or leave `rotary` out";
+            violations.add(&at.field("rotary"), FieldCode::WrongLength, detail);
         }
         sent.resize_with(2, SentRotary::default);
         let before = violations.total();

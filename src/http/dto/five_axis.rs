@@ -2,7 +2,7 @@
 
 mod machine;
 
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;
 use utoipa::{IntoParams, ToSchema};
@@ -188,16 +188,28 @@ fn poses(path: &[SentPose], at: &Pointer, limits: &Limits, violations: &mut Viol
         if !tip.is_legal() {
             tip.check(&at.index(k).field("tip"), violations);
         }
-        match Unit::try_new(Vector3::from(axis.0), SHORTEST_DIRECTION) {
-            Some(axis) if axis.iter().all(|x| x.is_finite()) => {
-                poses.push(Pose { tip: Point3::from(*tip), axis })
-            }
-            _ => {
-                violations.add(&at.index(k).field("axis"), FieldCode::OutOfRange, NO_DIRECTION);
-            }
+        if let Some(axis) = unit(*axis, &at.index(k).field("axis"), violations) {
+            poses.push(Pose { tip: Point3::from(*tip), axis });
         }
     }
     poses
+}
+
+/// The unit vector along a sent direction. Adds violations to `violations`.
+fn unit(
+    Coordinates(sent): Coordinates<3>,
+    at: &Pointer,
+    violations: &mut Violations,
+) -> Option<UnitVector3<f64>> {
+    let before = violations.total();
+    for (k, component) in sent.into_iter().enumerate() {
+        violations.number(&at.index(k), component, COMPONENT, "");
+    }
+    let unit = Unit::try_new(Vector3::from(sent), SHORTEST_DIRECTION);
+    if unit.is_none() {
+        violations.add(at, FieldCode::OutOfRange, NO_DIRECTION);
+    }
+    unit.filter(|_| violations.total() == before)
 }
 
 /// What the answer holds besides the report.

@@ -1,6 +1,6 @@
 //! Machines with five axes, and the limits of their axes, in requests and answers.
 
-use nalgebra::{Point3, Unit, UnitVector3, Vector3};
+use nalgebra::{Point3, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use utoipa::openapi::Ref;
@@ -193,13 +193,7 @@ impl SentRotary {
         let Self { direction, point_mm, travel_deg, wrapped, mirrored } = self;
         let direction = match direction {
             None => Some(direction_of(letter)),
-            Some(Coordinates(own)) => {
-                let unit = Unit::try_new(Vector3::from(own), super::SHORTEST_DIRECTION);
-                if unit.is_none() {
-                    violations.add(&at.field("direction"), FieldCode::OutOfRange, super::NO_DIRECTION);
-                }
-                unit
-            }
+            Some(own) => super::unit(own, &at.field("direction"), violations),
         };
         if let Some(point) = &point_mm {
             point.check(&at.field("point_mm"), violations);

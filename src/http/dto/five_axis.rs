@@ -25,10 +25,8 @@ use machine::{SentLimits, SentMachine};
 
 /// Default of `top_distance_mm`: the axis of a tool of usual length, mm.
 const DEFAULT_TOP_MM: f64 = 50.0;
-
 /// Default of `sample_period_ms`: the period of many controls, ms.
 const DEFAULT_PERIOD_MS: f64 = 1.0;
-
 /// Most samples of one motion: five minutes at the default period.
 const MAX_SAMPLES: usize = 300_000;
 
@@ -36,13 +34,10 @@ const MAX_SAMPLES: usize = 300_000;
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
 const TOLERANCE_DEG: Range = Range { min: 1e-4, max: 10.0 };
 const PERIOD_MS: Range = Range { min: 0.01, max: 1000.0 };
-
 /// The components of a direction.
 const COMPONENT: Range = Range { min: -1e6, max: 1e6 };
-
 /// A direction that is shorter is none: nothing is left of it but rounding.
 const SHORTEST_DIRECTION: f64 = 1e-6;
-
 /// The fault of such a direction.
 const NO_DIRECTION: &str = "a direction of no length; send for example [0, 0, 1]";
 

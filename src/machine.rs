@@ -10,7 +10,7 @@
 //!   the tool relative to the workpiece: such an axis is mirrored here.
 //! * The first rotary axis carries the second one in [`Kind::TableTable`] and [`Kind::HeadHead`]. So the
 //!   first one is next to the frame of the machine, and the second one is next to the workpiece or the tool.
-//!   In [`Kind::HeadTable`] the first one is that of the head and the second one is that of the table.
+//!   In [`Kind::HeadTable`] the first axis belongs to the head, and the second axis belongs to the table.
 //! * The linear axes X, Y and Z follow the machine frame. They state where the tool tip is when all rotary
 //!   axes *of the head* are at zero.
 //!

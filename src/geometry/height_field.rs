@@ -19,8 +19,8 @@
 //! A field may have vertical walls. A surface that overhangs is refused.
 //!
 //! # Cost
-//! O(n) for the field and for each height, with n triangles. In addition, the level curves of each height
-//! cost as much as a region with as many elements.
+//! O(n) for the field and for each height, with n triangles. In addition, each height makes a region of its
+//! level curves; the cost of a region is stated there (`region`).
 
 mod level_curves;
 #[cfg(test)]

@@ -48,7 +48,7 @@ const POLE: f64 = 1e-11;
 /// above 1e-11 breaks the promise of 1e-10.
 const REACH: f64 = 1e-12;
 
-/// What is known about the two angles. An array of angles has alpha first, then beta, in (-pi, pi].
+/// The solutions for the two angles. Each array holds alpha and then beta, both in (-pi, pi].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Orientation<S> {
     /// The two solutions: branches 0 and 1.

@@ -53,7 +53,7 @@ pub use motion::Peak;
 use motion::{ConstantFeed, peaks};
 use rail::Rail;
 use schedule::ScheduleError;
-use stations::pose;
+use stations::{follow, pose};
 
 /// How rails are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -243,21 +243,13 @@ fn sampled(
     }
     let samples = motion.samples(job.period_s, budget)?;
     let poses: Vec<Pose> = samples.iter().map(|sample| pose(&sample.at)).collect();
-    let joints = machine.map(|machine| followed(machine, &poses)).transpose()?;
+    let joints = machine.map(|machine| follow(machine, &poses)).transpose()?;
     let timed = |k: usize| TimedPose {
         t_s: samples[k].t_s,
         pose: poses[k],
         joints: joints.as_ref().map(|joints| joints[k]),
     };
     Ok((0..samples.len()).map(timed).collect())
-}
-
-/// The positions of the axes at poses.
-fn followed(machine: &Machine, poses: &[Pose]) -> Result<Vec<Joints>, FiveAxisError> {
-    machine.follow(poses, [0.0; 2]).map_err(|error| {
-        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
-        FiveAxisError::NotFollowed { error, at }
-    })
 }
 
 fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<(char, [f64; 3])> {

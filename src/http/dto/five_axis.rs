@@ -59,7 +59,8 @@ pub struct SmoothRequest {
     /// Largest angle between the axis and the axis of the given path at the nearest place, in degrees.
     #[schema(minimum = 0.000_1, maximum = 10)]
     tolerance_deg: f64,
-    /// Distance from the tip of the tool to its top, in mm. Tip and top are what is smoothed.
+    /// Distance from the tip of the tool to its top, in mm. The service smooths the path of the tip and the
+    /// path of the top.
     #[schema(minimum = 0.001, maximum = 1_000_000, default = 50)]
     top_distance_mm: Option<f64>,
     /// How the path is smoothed.
@@ -239,8 +240,8 @@ pub struct SmoothReport {
     /// Proved bound of the distance between the smooth path of the tip and the given path, in mm. For
     /// `method: paper` from the smooth path to the given path only.
     deviation_max_mm: f64,
-    /// Proved bound of the angle between the axis and that of the given path at the nearest place, in
-    /// degrees.
+    /// Proved bound of the angle between the axis of the smooth path and the axis of the given path at the
+    /// nearest place, in degrees.
     deviation_max_deg: f64,
     /// Whether both bounds are within the tolerances. Always `true` except for `method: paper`.
     within_tolerance: bool,

@@ -135,7 +135,7 @@ fn finished(path: &Path, cost: Cost, layer: &[State], latest: &mut Option<Blocke
     kept
 }
 
-/// The states of the station `to`, reached from those of the station before.
+/// The states of the station `to` that can be reached from the states of the station before.
 fn next_states(
     path: &Path,
     cost: Cost,

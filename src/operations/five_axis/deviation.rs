@@ -15,7 +15,7 @@
 //!   the tip: in each plane across the block there is a point of the rail.
 //!
 //! # Cost
-//! Some 2 microseconds for each part of a span. A smooth span takes one to four parts.
+//! O(m) for m parts of a span, at most 128.
 
 use nalgebra::Vector3;
 

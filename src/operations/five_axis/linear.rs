@@ -5,9 +5,9 @@ use super::path::Block;
 use super::rail::{Point6, Rail, Span};
 use super::{Rails, rotation};
 
-/// Between two points of a block the axis turns by at most this angle, radians: there the mean of two axes
-/// stands for their great circle.
-const LARGEST_TURN: f64 = 0.05;
+/// Between two points of a block the axis turns by at most this angle, radians. The mean of two axes is then
+/// within a seventh of a microradian of their great circle; the least legal tolerance is ten times as large.
+const LARGEST_TURN: f64 = 0.02;
 
 pub fn rails(stations: &[Point6]) -> Rails {
     let mut rail = Rail::default();

@@ -3,7 +3,7 @@
 //! The tip moves at the feed. Where the tip rests and the axis turns, the top of the tool moves at the feed.
 //!
 //! # Cost
-//! Some 0.5 microseconds for each span, and 3 for each sample.
+//! O(n + m) for n spans and m samples.
 
 use super::rail::{Point6, Rail, Span, tip, top};
 use crate::budget::{Budget, Stopped};

@@ -75,12 +75,13 @@ fn places(spans: &[Span]) -> Vec<f64> {
 /// there the stations are as near as needed.
 pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Result<Stations, FiveAxisError> {
     let mut places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| self::places(piece)).collect();
-    for round in 0.. {
+    let mut farthest = (0.0, Point3::origin());
+    for _ in 0..=MOST_ROUNDS {
         budget.check()?;
         let joints = followed(rail, &places, machine)?;
         let mut finer = Vec::with_capacity(places.len());
         let mut first = 0;
-        let mut farthest = (0.0, Point3::origin());
+        farthest = (0.0, Point3::origin());
         for (spans, own) in rail.pieces.iter().zip(&places) {
             let joints = &joints[first..first + own.len()];
             first += own.len();
@@ -102,12 +103,9 @@ pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Resu
         if farthest.0 <= RESOLVED {
             return Ok(Stations { places, joints });
         }
-        if round == MOST_ROUNDS {
-            return Err(FiveAxisError::OnPole { at: farthest.1 });
-        }
         places = finer;
     }
-    Err(FiveAxisError::NoMotion)
+    Err(FiveAxisError::OnPole { at: farthest.1 })
 }
 
 pub fn span_at(spans: &[Span], u: f64) -> &Span {
@@ -134,9 +132,13 @@ fn followed(
             poses.push(pose(&spans[k].jet(*u)[0]));
         }
     }
-    let joints = machine.follow(&poses, [0.0; 2]).map_err(|error| {
+    Ok(follow(machine, &poses)?.into_iter().map(Some).collect())
+}
+
+/// The positions of the axes at poses.
+pub fn follow(machine: &Machine, poses: &[Pose]) -> Result<Vec<Joints>, FiveAxisError> {
+    machine.follow(poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
         FiveAxisError::NotFollowed { error, at }
-    })?;
-    Ok(joints.into_iter().map(Some).collect())
+    })
 }

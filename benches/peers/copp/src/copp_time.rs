@@ -28,7 +28,8 @@ pub fn refined(case: &Case) -> Result<(f64, usize), String> {
     Ok((least, 0))
 }
 
-/// The time on a grid of equal intervals, with as many linearizations as change the time.
+/// The time of copp on a grid of equal intervals. copp linearizes its limits again until the time stays the
+/// same.
 fn time(case: &Case, intervals: usize) -> Result<f64, String> {
     let text = |error: &dyn std::fmt::Display| format!("copp: {error}");
     let n = intervals + 1;

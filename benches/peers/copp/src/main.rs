@@ -1,7 +1,8 @@
 //! Compares the schedule of this project with the optimum of copp's TOPP3.
 //!
 //! `yardstick [intervals] [part of a name]` prints for each test path the time of copp, the time of this
-//! schedule with so many equal intervals between stations, and their ratio.
+//! schedule, and their ratio. `intervals` is the number of equal intervals between the stations of this
+//! schedule.
 
 mod copp_time;
 mod excess;

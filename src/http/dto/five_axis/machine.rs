@@ -50,8 +50,8 @@ pub struct SentMachine {
     /// What the rotary axes carry. Required without `name`.
     kind: Option<MachineKind>,
     /// The letters of the two rotary axes, such as `AC`. A axis turns about x, B about y, C about z, unless
-    /// `rotary` says otherwise. With two axes on one side, the first letter is the axis that carries the
-    /// other one; with `head_table` it is that of the head. Required without `name`.
+    /// `rotary` says otherwise. With `table_table` and `head_head`, the first axis carries the second axis.
+    /// With `head_table`, the first axis belongs to the head. Required without `name`.
     #[schema(pattern = "^[ABC][ABC]$")]
     axes: Option<String>,
     /// More about the two rotary axes, in the order of `axes`. Default: the defaults of all members.
@@ -73,7 +73,7 @@ schema_of!(RotaryPair, "Two rotary axes.", { array_of(Ref::from_schema_name("Rot
 #[schema(as = RotaryAxis)]
 pub struct SentRotary {
     /// The direction about which positive angles turn right-handed what the axis carries, of any length:
-    /// three plain numbers without a unit. Default: that of the letter.
+    /// three plain numbers without a unit. Default: the direction of the axis letter in `axes`.
     #[schema(value_type = Option<AxisDirection>)]
     direction: Option<Coordinates<3>>,
     /// A point on the axis when all axes are at zero, in mm. For a head it is measured from the rotary

@@ -1,5 +1,5 @@
-//! Times of smoothing over growing numbers of blocks: rails and proof, samples at 10 ms, and the motion within
-//! the limits of a machine.
+//! Times of smoothing over growing numbers of blocks: rails and proof, samples at 10 ms, and the motion
+//! within the limits of a machine.
 
 use std::hint::black_box;
 
@@ -9,7 +9,7 @@ use toolpathd::budget::Budget;
 use toolpathd::machine::named;
 use toolpathd::operations::five_axis::schedule::Limits;
 use toolpathd::operations::five_axis::{Job, Method, MotionLimits, plan};
-use toolpathd::toolpath::pose::Pose;
+use toolpathd::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd::toolpath::units::FeedRate;
 
 /// A path of blocks of about 0.2 mm whose axis swings.
@@ -20,9 +20,12 @@ fn job(blocks: usize) -> Job {
         let tip = Point3::new(0.3 * t - 150.0, 20.0 * (t / 30.0).sin(), 5.0 * (t / 50.0).cos());
         Pose { tip, axis: Unit::new_normalize(axis) }
     };
+    let pace = Pace::Feed(FeedRate::from_mm_per_min(3000.0).expect("a feed"));
     Job {
-        poses: (0..=blocks).map(pose).collect(),
-        feed: FeedRate::from_mm_per_min(3000.0).expect("a feed"),
+        path: (0..=blocks).map(pose).map(|pose| Waypoint { pose, pace }).collect(),
+        rapid_feed: FeedRate::DEFAULT_RAPID,
+        retract_mm: 20.0,
+        rounding_mm: 0.0009,
         tolerance_mm: 0.005,
         tolerance_axis: 0.5_f64.to_radians(),
         top_mm: 50.0,

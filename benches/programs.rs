@@ -59,6 +59,7 @@ fn write(c: &mut Criterion) {
                 dialect,
                 comments: &[],
                 warnings: &[],
+                five_axes: None,
             };
             group.bench_with_input(BenchmarkId::new(dialect.name, n), &path, |b, path| {
                 b.iter(|| post::write(black_box(path), &job, &Budget::unlimited()).unwrap());

@@ -43,6 +43,7 @@ mod orientation;
 mod rotary_axis;
 mod scalar;
 mod series;
+mod straying;
 #[cfg(test)]
 mod tests;
 
@@ -57,6 +58,7 @@ pub use rotary_axis::{Kind, RotaryAxis};
 use rotary_axis::{Line, is_within};
 use scalar::{Scalar, add, constant, rotate, subtract};
 use series::Series;
+pub use straying::Straying;
 
 /// The positions of the five axes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,7 @@
 //! 1. `lower` turns the toolpath into blocks. [`crate::toolpath::quantize`] rounds their coordinates to the
 //!    decimals of the program.
 //! 2. `header` collects the comments for people that stand before the first block.
+//!    Where the tool leans, `posed` turns poses into blocks.
 //! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
 //!    prescribes.
 //! 4. `check` reads the text back with [`read`]. It compares each motion and each dwell of the text with the
@@ -27,21 +28,28 @@
 
 pub mod dialect;
 pub mod dialects;
+pub mod path_text;
 pub mod read;
 pub mod rewrite;
 
+mod block;
 mod check;
 mod header;
 mod lower;
 mod nc;
+mod posed;
 mod words;
 mod write;
 
 pub use dialect::Dialect;
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
+pub use posed::{AxisOutput, FiveAxes};
+
+use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
+use crate::machine::FollowError;
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::program::Program;
@@ -68,6 +76,16 @@ pub struct ProgramJob<'a> {
     pub comments: &'a [String],
     /// Warnings to people at the machine; each becomes one comment or several. Any characters.
     pub warnings: &'a [String],
+    /// How the axis of a leaning tool is written. `None` for a toolpath whose axis is straight up.
+    pub five_axes: Option<FiveAxes<'a>>,
+}
+
+impl ProgramJob<'_> {
+    /// The letters of the rotary axes. A job whose angles are written has a machine.
+    fn rotary_names(&self) -> [char; 2] {
+        let machine = self.five_axes.and_then(|five| five.machine);
+        machine.map_or(['A', 'C'], |machine| [0, 1].map(|k| machine.rotary()[k].name))
+    }
 }
 
 /// A written program.
@@ -77,6 +95,8 @@ pub struct NcProgram {
     /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
     /// both ways.
     pub max_displacement_mm: f64,
+    /// Upper bound for the angle between the written tool axis and that of the toolpath, radians.
+    pub max_displacement_axis: f64,
     /// The largest difference of the two radii of an arc block, mm.
     pub max_radius_mismatch_mm: f64,
     /// Blocks of motion and dwell.
@@ -108,6 +128,18 @@ pub enum WriteError {
     Feed { mm_per_min: f64 },
     #[error("a dwell of {seconds} s is longer than a million seconds; choose a shorter dwell")]
     Dwell { seconds: f64 },
+    #[error("the toolpath leans or turns the tool; send `machine`, or write vectors where the dialect can")]
+    MachineMissing,
+    #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]
+    AxisOutput,
+    #[error("near {at}: {error}")]
+    NotFollowed { error: FollowError, at: Point3<f64> },
+    #[error(
+        "near {at} the tool axis passes the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"
+    )]
+    NearPole { at: Point3<f64> },
+    #[error("a motion of {seconds} s is too long for a feed by inverse time; divide it")]
+    InverseTime { seconds: f64 },
     #[error("the program needs more than {limit} blocks; split the toolpath")]
     TooManyBlocks { limit: usize },
     #[error("a line of the program is longer than the {limit} characters that the control reads")]
@@ -133,9 +165,14 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     let remarks = header::remarks(toolpath, &lowered, job)?;
     let blocks = &lowered.blocks;
     let text = write::text(blocks, &remarks, job)?;
-    let max_radius_mismatch_mm = check::read_back(&text, blocks, job.dialect, &grid, budget)?;
-    let max_displacement_mm = lowered.displacement_mm;
-    Ok(NcProgram { text, max_displacement_mm, max_radius_mismatch_mm, blocks: blocks.len() })
+    let max_radius_mismatch_mm = check::read_back(&text, blocks, job, &grid, budget)?;
+    Ok(NcProgram {
+        text,
+        max_displacement_mm: lowered.displacement_mm,
+        max_displacement_axis: lowered.displacement_axis,
+        max_radius_mismatch_mm,
+        blocks: blocks.len(),
+    })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! * Every coordinate is finite.
 //! * A toolpath is continuous: a move stores where it ends, and starts where the previous move ends.
 //! * The radii at both ends of an arc agree, up to rounding.
+//! * The tool axis is known at both ends of every move. Between them it turns on a great circle.
 //! * A rapid has no feed. A feed move has a feed, or states that no feed was chosen. A feed move without a
 //!   feed has no duration, and a toolpath with such a move cannot become a program.
 //! * A toolpath holds no modal state and no NC text. Both belong to `post` alone.
@@ -20,6 +21,7 @@ pub mod pose;
 pub mod program;
 pub mod quantize;
 pub mod tool;
+pub mod tool_axes;
 pub mod units;
 
 pub use path::{Builder, Move, Pass, PathError, Role, Toolpath};

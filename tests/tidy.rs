@@ -16,7 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("toolpath", &["budget", "geometry", "machining"]),
     ("machine", &["toolpath"]),
     ("operations", &["budget", "geometry", "language", "machine", "machining", "toolpath"]),
-    ("post", &["budget", "geometry", "machining", "toolpath"]),
+    ("post", &["budget", "geometry", "machine", "machining", "toolpath"]),
     ("plot", &["budget", "geometry", "machining", "toolpath"]),
     (
         "http",

@@ -15,6 +15,7 @@ use utoipa::ToSchema;
 use super::App;
 use super::decode::IntoJob;
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
+use super::dto::axis_output::AxisSetup;
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::setup::Setup;
@@ -172,7 +173,7 @@ fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
 /// The warnings that every toolpath gets for its cutting conditions, tool and program.
 fn cautions<P: Product>(product: &P) -> Vec<Warning> {
     let of = |cut: &Cut| {
-        let Setup { tool, program, dialect: _ } = &cut.setup;
+        let Setup { tool, program, .. } = &cut.setup;
         cut.cutting.map(|cutting| cutting.cautions(tool.as_ref(), program))
     };
     product.cut().and_then(of).into_iter().flatten().map(Warning::from).collect()
@@ -231,7 +232,7 @@ fn program<R, P: Product>(
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
     let text = nc.map_or_else(|| text_of(outcome, budget), Ok)?;
-    let Setup { program, dialect, tool: _ } = &outcome.product.cut().ok_or_else(no_toolpath)?.setup;
+    let Setup { program, dialect, .. } = &outcome.product.cut().ok_or_else(no_toolpath)?.setup;
     let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
     Ok(Encoded::gcode(text, media_type, &file_name))
 }
@@ -247,9 +248,10 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<St
         let at = Pointer::root().field("cutting");
         return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
     };
-    let Setup { tool, program, dialect } = setup;
+    let Setup { tool, program, dialect, five_axes } = setup;
+    let five_axes = five_axes.as_ref().map(AxisSetup::five_axes);
     let (comments, warnings) = (&sheet::notes(outcome), &sheet::told(&outcome.warnings));
-    let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments, warnings };
+    let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments, warnings, five_axes };
     Ok(post::write(toolpath, &job, budget)?.text)
 }
 
@@ -297,6 +299,7 @@ mod tests {
                     safe_home: SafeHome::None,
                 },
                 dialect: post::DIALECTS[0],
+                five_axes: None,
             },
             comments: vec!["PROVED".to_owned()],
             nc: None,

@@ -23,10 +23,6 @@ use super::pointer::Pointer;
 use crate::config::Limits;
 use object::Object;
 
-/// Members of the contract that this version does not read yet. They are reported as unsupported, not as
-/// unknown.
-const LATER_FIELDS: [&str; 1] = ["axis"];
-
 /// Longest name in a pointer, in bytes. For a member with a longer name the pointer names its object instead.
 const MAX_NAME_BYTES: usize = 200;
 
@@ -118,22 +114,10 @@ fn explain(at: &Pointer, message: &str) -> FieldError {
     }
     if let (Some(name), true) = (named, message.starts_with("unknown field")) {
         // The path already ends with the name.
-        return if LATER_FIELDS.contains(&name) {
-            FieldError::new(
-                at,
-                FieldCode::Unsupported,
-                format!("`{name}` is not supported yet: leave `{name}` out"),
-            )
-        } else {
-            let known = message.split('`').skip(3).step_by(2).collect::<Vec<_>>().join("`, `");
-            let known =
-                if known.is_empty() { "no members".to_owned() } else { format!("the members `{known}`") };
-            FieldError::new(
-                at,
-                FieldCode::UnknownField,
-                format!("`{name}` is unknown; this object has {known}"),
-            )
-        };
+        let known = message.split('`').skip(3).step_by(2).collect::<Vec<_>>().join("`, `");
+        let known = if known.is_empty() { "no members".to_owned() } else { format!("the members `{known}`") };
+        let detail = format!("`{name}` is unknown; this object has {known}");
+        return FieldError::new(at, FieldCode::UnknownField, detail);
     }
     if let (Some(value), true) = (named, message.starts_with("unknown variant")) {
         let names: Vec<&str> = message.split('`').skip(3).step_by(2).collect();
@@ -285,7 +269,6 @@ mod tests {
     fn a_pointer_leads_to_the_member_at_fault() {
         for (body, pointer, code) in [
             (r#"{"_lisst": 1}"#, "#/_lisst", FieldCode::UnknownField),
-            (r#"{"axis": 1}"#, "#/axis", FieldCode::Unsupported),
             (r#"{"_list": [[1, 2], [3, "x"]]}"#, "#/_list/1/1", FieldCode::WrongType),
             (r#"{"_list": [[1, 2], [3]]}"#, "#/_list/1", FieldCode::WrongLength),
             (r#"{"_list": [[1, 2, 3]]}"#, "#/_list/0", FieldCode::WrongLength),

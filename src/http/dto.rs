@@ -6,6 +6,8 @@
 pub mod answer;
 pub mod approach;
 pub mod arc_fitting;
+pub mod axis;
+pub mod axis_output;
 pub mod check;
 pub mod curve;
 pub mod cutting;

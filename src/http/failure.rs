@@ -4,6 +4,7 @@ use super::compute::Failure;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
 use crate::budget::Stopped;
+use crate::machine::FollowError;
 use crate::post::WriteError;
 use crate::toolpath::cutting::HeightError;
 use crate::toolpath::quantize::QuantizeError;
@@ -69,6 +70,17 @@ impl From<WriteError> for ApiError {
             WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
             // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
             WriteError::Feed { mm_per_min: _ } => out_of_range(cutting, detail),
+            WriteError::MachineMissing => {
+                let at = Pointer::root().field("machine");
+                Self::invalid(vec![FieldError::new(&at, FieldCode::MissingField, detail)])
+            }
+            WriteError::AxisOutput => {
+                let at = Pointer::root().field("axis_output");
+                Self::invalid(vec![FieldError::new(&at, FieldCode::Unsupported, detail)])
+            }
+            WriteError::NotFollowed { error, at } => Self::new(not_followed(&error), detail).at(at.into()),
+            WriteError::NearPole { at } => Self::new(Code::AxisOnPole, detail).at(at.into()),
+            WriteError::InverseTime { seconds: _ } => Self::new(Code::LimitExceeded, detail),
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
             // No legal request causes these failures.
             WriteError::Dwell { seconds: _ }
@@ -76,6 +88,14 @@ impl From<WriteError> for ApiError {
             | WriteError::Unreadable(_)
             | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
         }
+    }
+}
+
+/// The code of a path that a machine cannot follow.
+pub fn not_followed(error: &FollowError) -> Code {
+    match error {
+        FollowError::Unreachable { .. } => Code::AxisUnreachable,
+        _ => Code::OutOfTravel,
     }
 }
 

@@ -5,7 +5,10 @@
 //! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
 //!    (`smooth`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
 //! 3. Each span is proved against the blocks that it replaces (`deviation`).
-//! 4. The motion along the rails is sampled (`motion`).
+//! 4. The motion along the rails, at the feed or within limits (`drive`), is sampled (`motion`).
+//! 5. Chords of the rails are the moves of the toolpath (`moves`).
+//!
+//! A path with rapids is smoothed between them. Each rapid is a straight line from stop to stop.
 //!
 //! # Guarantees
 //! * The tip of the default method is within the tolerance of the given path everywhere, and the given path
@@ -30,6 +33,7 @@ mod deviation;
 mod drive;
 mod linear;
 mod motion;
+mod moves;
 mod paper;
 mod path;
 mod rail;
@@ -44,13 +48,17 @@ use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
 use crate::machine::{FollowError, Joints, Machine};
-use crate::toolpath::pose::Pose;
+use crate::toolpath::pose::{Pace, Pose, Waypoint};
 use crate::toolpath::units::FeedRate;
+use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
 pub use drive::MotionLimits;
 use drive::{Drive, DrivenSample};
 pub use motion::Peak;
 use motion::{ConstantFeed, peaks};
+pub use moves::CHORDS;
+use moves::CHORDS_AT_CORNERS;
+use path::Path;
 use rail::Rail;
 use schedule::ScheduleError;
 use stations::{follow, pose};
@@ -69,8 +77,9 @@ pub enum Method {
 
 #[derive(Debug, Clone)]
 pub struct Job {
-    pub poses: Vec<Pose>,
-    pub feed: FeedRate,
+    pub path: Vec<Waypoint>,
+    /// The pace of rapids.
+    pub rapid_feed: FeedRate,
     pub tolerance_mm: f64,
     /// Radians.
     pub tolerance_axis: f64,
@@ -84,6 +93,18 @@ pub struct Job {
     pub period_s: f64,
     /// The most samples.
     pub sample_limit: usize,
+    /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
+    /// the first pose is reached by a rapid, and where the path ends with a rapid.
+    pub retract_mm: f64,
+    /// What writing a program moves the tip, mm: rounding, and straying between blocks. Blends at corners
+    /// leave it room.
+    pub rounding_mm: f64,
+}
+
+impl Job {
+    fn tolerance(&self) -> Deviation {
+        Deviation { tip_mm: self.tolerance_mm, axis: self.tolerance_axis }
+    }
 }
 
 /// The tool at a time.
@@ -99,6 +120,8 @@ pub struct TimedPose {
 pub struct Plan {
     pub report: Report,
     pub samples: Vec<TimedPose>,
+    /// Straight moves along the smooth path.
+    pub toolpath: Toolpath,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -114,6 +137,9 @@ pub struct Report {
     pub deviation_mm: f64,
     pub deviation_axis: f64,
     pub is_within_tolerance: bool,
+    /// Bounds of the deviation of the moves of the toolpath.
+    pub moves_deviation_mm: f64,
+    pub moves_deviation_axis: f64,
     /// The number of continuous derivatives between stops.
     pub continuity: usize,
     pub length_mm: f64,
@@ -151,6 +177,8 @@ pub enum FiveAxisError {
     OnPole { at: Point3<f64> },
     #[error("the piece that begins at {at} has no schedule: {error}")]
     NotScheduled { error: ScheduleError, at: Point3<f64> },
+    #[error("a move of the toolpath failed: {0}")]
+    Moves(#[from] PathError),
 }
 
 /// A failure to follow, without the index of a station, which means nothing to the caller.
@@ -182,28 +210,34 @@ struct Rails {
 /// # Errors
 /// One of [`FiveAxisError`].
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
-    let stations = path::stations(&job.poses, job.top_mm)?;
-    let tolerance = Deviation { tip_mm: job.tolerance_mm, axis: job.tolerance_axis };
-    let rails = match job.method {
-        Method::Interpolating => smooth::smooth(&stations, tolerance, budget)?,
-        Method::Paper => paper::rails(&stations, tolerance, budget)?,
-        Method::Linear => linear::rails(&stations),
+    let path = Path::new(&job.path, job.top_mm)?;
+    let rails = rails(job, &path, budget)?;
+    let motion = ConstantFeed::new(&rails.rail);
+    // No motion within limits is faster.
+    checked(job, motion.duration_s())?;
+    let machine = job.machine.as_ref();
+    let drive = job.limits.as_ref().map(|limits| Drive::new(&rails.rail, machine, limits, budget));
+    let drive = drive.transpose()?;
+    let samples = match &drive {
+        Some(drive) => driven(job, drive, budget)?,
+        None => at_feed(job, &motion, budget)?,
     };
-    let motion = ConstantFeed::new(&rails.rail, job.feed.mm_per_s());
-    let samples = sampled(job, &rails.rail, &motion, budget)?;
+    let moves = moves::moves(job, &path, &rails, drive.as_ref(), budget)?;
     let cycle_time_s = samples[samples.len() - 1].t_s;
     // The last step may be shorter.
     let even = &samples[..samples.len() - 1];
     let tips: Vec<Vector3<f64>> = even.iter().map(|sample| sample.pose.tip.coords).collect();
     let [speed, acceleration, jerk] = peaks(&tips, job.period_s);
     let report = Report {
-        n_poses: stations.len(),
+        n_poses: path.stations.len(),
         n_spans: rails.rail.spans().count(),
         n_blends: rails.n_blends,
         n_stops: rails.rail.pieces.len() - 1,
         deviation_mm: rails.deviation.tip_mm,
         deviation_axis: rails.deviation.axis,
-        is_within_tolerance: rails.deviation.of(tolerance) <= 1.0,
+        is_within_tolerance: rails.deviation.of(job.tolerance()) <= 1.0,
+        moves_deviation_mm: moves.deviation.tip_mm,
+        moves_deviation_axis: moves.deviation.axis,
         continuity: rails.continuity,
         length_mm: motion.length_mm(),
         cycle_time_s,
@@ -212,38 +246,68 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         jerk,
         axis_peaks: axis_peaks(job, even),
     };
-    Ok(Plan { report, samples })
+    Ok(Plan { report, samples, toolpath: moves.toolpath })
 }
 
-/// The motion at times that are a period apart, and its end.
-fn sampled(
-    job: &Job,
-    rail: &Rail,
-    motion: &ConstantFeed,
-    budget: &Budget,
-) -> Result<Vec<TimedPose>, FiveAxisError> {
-    let checked = |duration_s: f64| {
-        if duration_s / job.period_s > job.sample_limit as f64 {
-            return Err(FiveAxisError::TooManySamples { duration_s, limit: job.sample_limit });
-        }
-        Ok(())
-    };
-    // No motion within limits is faster.
-    checked(motion.duration_s())?;
-    let machine = job.machine.as_ref();
-    if let Some(limits) = &job.limits {
-        let drive = Drive::new(rail, job.feed.mm_per_s(), machine, limits, budget)?;
-        checked(drive.duration_s())?;
-        let timed = |DrivenSample { sample, joints }: DrivenSample| TimedPose {
-            t_s: sample.t_s,
-            pose: pose(&sample.at),
-            joints,
+/// The rails of all sections one after the other. A rapid is a line of its own.
+fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError> {
+    let tolerance = job.tolerance();
+    let room_mm = (job.rounding_mm + CHORDS_AT_CORNERS * tolerance.tip_mm).min(0.5 * tolerance.tip_mm);
+    let mut all = Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: 2 };
+    for section in path.sections() {
+        let stations = &path.stations[section.start..=section.end];
+        let is_rapid = path.paces[section.start] == Pace::Rapid;
+        let own = match job.method {
+            _ if is_rapid => linear::rails(stations),
+            Method::Interpolating => smooth::smooth(stations, tolerance, room_mm, budget)?,
+            Method::Paper => paper::rails(stations, tolerance, budget)?,
+            Method::Linear => linear::rails(stations),
         };
-        return Ok(drive.samples(job.period_s, budget)?.into_iter().map(timed).collect());
+        all.deviation = all.deviation.max(own.deviation);
+        all.n_blends += own.n_blends;
+        all.continuity = if is_rapid { all.continuity } else { all.continuity.min(own.continuity) };
+        for mut piece in own.rail.pieces {
+            piece.is_rapid = is_rapid;
+            for blocks in &mut piece.blocks {
+                *blocks = blocks.map(|block| block + section.start);
+            }
+            let feed = |block: usize| match path.paces[block] {
+                Pace::Rapid => job.rapid_feed.mm_per_s(),
+                Pace::Feed(feed) => feed.mm_per_s(),
+            };
+            let slowest =
+                |[first, last]: &[usize; 2]| (*first..=*last).map(feed).fold(f64::INFINITY, f64::min);
+            piece.feeds = piece.blocks.iter().map(slowest).collect();
+            all.rail.pieces.push(piece);
+        }
     }
+    all.rail.number();
+    Ok(all)
+}
+
+fn checked(job: &Job, duration_s: f64) -> Result<(), FiveAxisError> {
+    if duration_s / job.period_s > job.sample_limit as f64 {
+        return Err(FiveAxisError::TooManySamples { duration_s, limit: job.sample_limit });
+    }
+    Ok(())
+}
+
+/// The motion within limits at times that are a period apart, and its end.
+fn driven(job: &Job, drive: &Drive, budget: &Budget) -> Result<Vec<TimedPose>, FiveAxisError> {
+    checked(job, drive.duration_s())?;
+    let timed = |DrivenSample { sample, joints }: DrivenSample| TimedPose {
+        t_s: sample.t_s,
+        pose: pose(&sample.at),
+        joints,
+    };
+    Ok(drive.samples(job.period_s, budget)?.into_iter().map(timed).collect())
+}
+
+/// The motion at the feed at times that are a period apart, and its end.
+fn at_feed(job: &Job, motion: &ConstantFeed, budget: &Budget) -> Result<Vec<TimedPose>, FiveAxisError> {
     let samples = motion.samples(job.period_s, budget)?;
     let poses: Vec<Pose> = samples.iter().map(|sample| pose(&sample.at)).collect();
-    let joints = machine.map(|machine| follow(machine, &poses)).transpose()?;
+    let joints = job.machine.as_ref().map(|machine| follow(machine, &poses)).transpose()?;
     let timed = |k: usize| TimedPose {
         t_s: samples[k].t_s,
         pose: poses[k],

@@ -88,7 +88,7 @@ impl Class {
     }
 }
 
-/// The class and the curve of a move; `None` for a dwell.
+/// The class and the curve of a move; `None` where the tip rests.
 pub fn of(step: &Move) -> Option<(Class, Curve)> {
     match step {
         Move::Rapid { line } => Some((Class::Rapid, Curve::Line(*line))),
@@ -102,7 +102,7 @@ pub fn of(step: &Move) -> Option<(Class, Curve)> {
             };
             Some((class, *along))
         }
-        Move::Dwell { .. } => None,
+        Move::Turn { .. } | Move::Dwell { .. } => None,
     }
 }
 

@@ -2,11 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::dialect::Dialect;
-use super::lower::Block;
-use super::read::{Placed, Reader, Step};
+use super::block::{AxisWords, Block, BlockFeed};
+use super::posed::VECTOR_DECIMALS;
+use super::read::{Pace, Placed, Posed, ROTARY, Reader, Step, TipMode};
 use super::words::FeedWord;
-use super::{BLOCKS_BETWEEN_CHECKS, WriteError};
+use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::toolpath::quantize::Grid;
@@ -28,22 +28,24 @@ const AGREEMENT_STEPS: f64 = 0.01;
 pub fn read_back(
     text: &str,
     blocks: &[Block],
-    dialect: &Dialect,
+    job: &ProgramJob,
     grid: &Grid,
     budget: &Budget,
 ) -> Result<f64, WriteError> {
-    let mut steps = Reader::new(text, dialect, MISMATCH_LIMIT_STEPS * grid.step_mm());
+    let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm());
+    // A block that ends modes moves nothing.
+    let blocks = blocks.iter().filter(|block| **block != Block::EndPosed);
     let mut at: [Option<i64>; 3] = [None; 3];
     let mut largest_mismatch: f64 = 0.0;
     let mut line = 0;
-    for (k, block) in blocks.iter().enumerate() {
+    for (k, block) in blocks.enumerate() {
         if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
             budget.check()?;
         }
         let Some(placed) = steps.next() else { return Err(WriteError::Differs { line, what: "end" }) };
         let placed = placed?;
         line = placed.line;
-        if let Some(what) = difference(block, &mut at, &placed, grid) {
+        if let Some(what) = difference(block, &mut at, &placed, job, grid) {
             return Err(WriteError::Differs { line, what });
         }
         if let Step::Feed { radius_mismatch_mm, .. } = placed.step {
@@ -63,14 +65,18 @@ fn difference(
     block: &Block,
     at: &mut [Option<i64>; 3],
     placed: &Placed,
+    job: &ProgramJob,
     grid: &Grid,
 ) -> Option<&'static str> {
     let start = *at;
     match *block {
         Block::Rapid { to } => *at = [0, 1, 2].map(|axis| to[axis].or(at[axis])),
-        Block::Line { to, .. } | Block::Arc { to, .. } => *at = to.map(Some),
+        Block::Line { to, .. }
+        | Block::Arc { to, .. }
+        | Block::BeginTipControl { to, .. }
+        | Block::Posed { to, .. } => *at = to.map(Some),
         Block::Parabola { to: [x, y], .. } => *at = [Some(x), Some(y), at[2]],
-        Block::Dwell { .. } => {}
+        Block::Dwell { .. } | Block::Rotate { .. } | Block::EndPosed => {}
     }
     let is_near = |mm: f64, units: i64| (mm - grid.mm(units)).abs() <= AGREEMENT_STEPS * grid.step_mm();
     let are_near = |read: [Option<f64>; 3], units: [Option<i64>; 3]| {
@@ -92,7 +98,36 @@ fn difference(
         let wanted = feed.value() * grid.unit_mm();
         (rate.mm_per_min() - wanted).abs() <= 1e-12 * wanted
     };
+    let is_axis = |axis: AxisWords, posed: &Posed| is_axis(axis, posed, job);
+    let place = |posed: &Posed| are_near(posed.from, start) && are_near(posed.to, *at);
     match (*block, placed.step) {
+        (Block::Rotate { angles }, Step::Posed(posed)) => first_false(&[
+            (is_axis(AxisWords::Angles(angles), &posed), "axis"),
+            ((posed.mode, posed.pace) == (TipMode::Off, Pace::Rapid), "mode"),
+        ]),
+        (Block::BeginTipControl { axis, .. }, Step::Posed(posed)) => first_false(&[
+            (place(&posed), "place"),
+            (is_axis(axis, &posed), "axis"),
+            (posed.mode != TipMode::Off && posed.pace == Pace::Rapid, "mode"),
+        ]),
+        (Block::Posed { axis, feed, .. }, Step::Posed(posed)) => first_false(&[
+            (place(&posed), "place"),
+            (is_axis(axis, &posed), "axis"),
+            (
+                match (feed, posed.pace) {
+                    (BlockFeed::Rapid, Pace::Rapid) => true,
+                    (BlockFeed::PerMinute(feed), Pace::Feed(rate)) => is_feed(rate, feed),
+                    (BlockFeed::InverseTime(feed), Pace::Seconds(seconds)) => {
+                        (seconds * feed.value() - 60.0).abs() <= 1e-9
+                    }
+                    _ => false,
+                },
+                "feed",
+            ),
+        ]),
+        (Block::Rapid { .. }, Step::Posed(posed)) => {
+            first_false(&[(place(&posed), "place"), (posed.pace == Pace::Rapid, "mode")])
+        }
         (Block::Rapid { .. }, Step::Rapid { from, to }) => {
             first_false(&[(are_near(from, start) && are_near(to, *at), "place")])
         }
@@ -128,4 +163,29 @@ fn difference(
 
 fn first_false(checks: &[(bool, &'static str)]) -> Option<&'static str> {
     checks.iter().find(|(holds, _)| !holds).map(|(_, what)| *what)
+}
+
+/// Whether a step has the tool axis of a block, in the mode in which it was written.
+fn is_axis(axis: AxisWords, posed: &Posed, job: &ProgramJob) -> bool {
+    match axis {
+        AxisWords::Vector(parts) => {
+            posed.mode == TipMode::Vectors
+                && posed.vector.is_some_and(|vector| {
+                    let scale = 10f64.powi(i32::from(VECTOR_DECIMALS));
+                    vector
+                        .iter()
+                        .zip(parts)
+                        .all(|(read, units)| (read * scale - units as f64).abs() <= AGREEMENT_STEPS)
+                })
+        }
+        AxisWords::Angles(angles) => {
+            let scale = 10f64.powi(i32::from(job.dialect.angle_decimals));
+            posed.mode != TipMode::Vectors
+                && job.rotary_names().iter().zip(angles).all(|(name, units)| {
+                    let k = ROTARY.iter().position(|letter| letter == name);
+                    let read = k.and_then(|k| posed.angles[k]);
+                    read.is_some_and(|read| (read * scale - units as f64).abs() <= AGREEMENT_STEPS)
+                })
+        }
+    }
 }

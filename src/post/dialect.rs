@@ -24,9 +24,22 @@ pub struct Dialect {
     pub block_numbers: BlockNumbers,
     pub dwell: Dwell,
     pub parabolas: Parabolas,
+    /// Decimals of a written angle, in degrees.
+    pub angle_decimals: u8,
+    pub tip_control: TipControl,
     /// The lines before the first motion and after the last.
     pub start: &'static [Frame],
     pub end: &'static [Frame],
+}
+
+/// The words after which coordinates are those of the tip, whatever the tool axis; none where the control
+/// cannot do that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TipControl {
+    /// With the angles of the rotary axes in the blocks.
+    pub angles: Option<&'static str>,
+    /// With the vector of the tool axis as I, J and K in the blocks.
+    pub vectors: Option<&'static str>,
 }
 
 /// The form of a comment: `open`, a label, `separator`, the text, `close`.

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use super::lower::Lowered;
 use super::words::{self, FeedWord};
-use super::{ProgramJob, WriteError};
+use super::{AxisOutput, FiveAxes, ProgramJob, WriteError};
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::measure::{Bounds, measure};
 use crate::toolpath::motion_time::motion_time;
@@ -55,13 +55,21 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
         say("FEED", format!("{feeds} {} PER MIN", unit.name));
     }
     say("SPINDLE", spindle(job));
+    if let Some(five) = job.five_axes {
+        say("AXES", axes(&five));
+    }
     let measures = measure(toolpath, job.cutting.rapid_feed);
     say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
     let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
     if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
         say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
     }
-    say("ROUNDING", format!("WITHIN {:.4} MM OF THE TOOLPATH", rounded_up_mm(lowered.displacement_mm)));
+    let axis = match lowered.displacement_axis.to_degrees() {
+        0.0 => String::new(),
+        // Rounded up to four decimals.
+        degrees => format!(" AND {:.4} DEGREES", (degrees * 1e4).ceil() / 1e4),
+    };
+    say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up_mm(lowered.displacement_mm)));
     for warning in job.warnings {
         // No control keeps a colon in a comment.
         say(WARNING, warning.replace([':', ';'], " -"));
@@ -142,6 +150,19 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
         parts.push(format!("{name} {}{to}", number(least)));
     }
     Ok(parts.join(" "))
+}
+
+/// What coordinates and axis words mean.
+fn axes(five: &FiveAxes) -> String {
+    let machine = five.machine.map_or(String::new(), |machine| {
+        let [first, second] = machine.rotary();
+        format!(" - {} AND {} OF {}", first.name, second.name, machine.name())
+    });
+    match five.output {
+        AxisOutput::Angles => format!("TIP OF THE TOOL AND ANGLES{machine}"),
+        AxisOutput::Vectors => "TIP OF THE TOOL AND VECTOR OF ITS AXIS".to_owned(),
+        AxisOutput::Machine => format!("POSITIONS OF ALL AXES OF THE MACHINE{machine}"),
+    }
 }
 
 fn spindle(job: &ProgramJob) -> String {

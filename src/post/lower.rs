@@ -2,49 +2,17 @@
 
 use nalgebra::Point3;
 
-use super::words::{self, FeedWord};
+use super::block::{Block, pause};
+use super::posed::{self, Posed};
+use super::words;
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use crate::budget::Budget;
-use crate::geometry::curve::{Curve, Direction};
-use crate::geometry::plane::Plane;
+use crate::geometry::curve::Curve;
 use crate::toolpath::Toolpath;
 use crate::toolpath::path::Move;
 use crate::toolpath::program::Resolution;
 use crate::toolpath::quantize::{self, Form, Grid, Parabolas, Written};
 use crate::toolpath::units::FeedRate;
-
-/// The longest dwell, s: eleven days. A longer dwell is taken for a mistake and refused.
-const MAX_DWELL_S: f64 = 1e6;
-
-/// One block of motion or dwell. Positions are absolute, in units of the last decimal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Block {
-    /// Moves the axes that have a value.
-    Rapid {
-        to: [Option<i64>; 3],
-    },
-    Line {
-        to: [i64; 3],
-        feed: FeedWord,
-    },
-    /// `center` counts from the start along the plane's first and second axis.
-    Arc {
-        plane: Plane,
-        direction: Direction,
-        to: [i64; 3],
-        center: [i64; 2],
-        feed: FeedWord,
-    },
-    /// Stays at the height of its start. `control`, the Bezier control point, counts from the start.
-    Parabola {
-        to: [i64; 2],
-        control: [i64; 2],
-        feed: FeedWord,
-    },
-    Dwell {
-        milliseconds: u64,
-    },
-}
 
 /// A toolpath as blocks, with a bound for their rounding.
 pub struct Lowered {
@@ -52,10 +20,25 @@ pub struct Lowered {
     /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
     /// ways.
     pub displacement_mm: f64,
+    /// The same for the tool axis, radians; zero where the axis does not lean.
+    pub displacement_axis: f64,
 }
 
 /// The blocks of the approach, of every move and of the retract.
 pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
+    if let Some(five) = job.five_axes {
+        let Posed { blocks, displacement_mm, displacement_axis } =
+            posed::lower(toolpath, &five, job, budget)?;
+        return Ok(Lowered { blocks, displacement_mm, displacement_axis });
+    }
+    if !toolpath.is_upright() {
+        return Err(WriteError::MachineMissing);
+    }
+    upright(toolpath, job, budget)
+}
+
+/// The blocks of a toolpath whose tool axis is straight up.
+fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
     let resolution = job.program.resolution;
     let grid = Grid::new(resolution);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
@@ -76,12 +59,15 @@ pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<L
             Move::Rapid { line } => lowering.rapid(&line.end)?,
             Move::Feed { along, rate, .. } => lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?)?,
             Move::Dwell { seconds } => lowering.dwell(*seconds)?,
+            // A turn to the same axis.
+            Move::Turn { .. } => {}
         }
     }
     if lowering.at[2] < clearance {
         lowering.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
     }
-    Ok(Lowered { blocks: lowering.blocks, displacement_mm: lowering.displacement_mm })
+    let Lowering { blocks, displacement_mm, .. } = lowering;
+    Ok(Lowered { blocks, displacement_mm, displacement_axis: 0.0 })
 }
 
 struct Lowering {
@@ -142,11 +128,10 @@ impl Lowering {
     }
 
     fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
-        if seconds > MAX_DWELL_S {
-            return Err(WriteError::Dwell { seconds });
+        match pause(seconds)? {
+            Some(block) => self.push(block),
+            None => Ok(()),
         }
-        let milliseconds = (seconds * 1000.0).round() as u64;
-        if milliseconds > 0 { self.push(Block::Dwell { milliseconds }) } else { Ok(()) }
     }
 
     fn push(&mut self, block: Block) -> Result<(), WriteError> {

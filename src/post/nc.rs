@@ -19,4 +19,4 @@ pub use codes::{Codes, Effect, Function, Place, effect, function, modal_group};
 pub use decimal::{Decimal, SCALES, is_coordinate};
 pub use fault::Fault;
 pub use lexer::{Lexer, Token};
-pub use modal::{Distance, FeedMode, Modal, Motion};
+pub use modal::{Distance, FeedMode, Modal, Modifier, Motion};

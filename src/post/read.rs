@@ -13,14 +13,17 @@
 //! # Cost
 //! O(n) for n characters. Only one line is in memory at a time.
 
+mod posed;
 mod words;
 
 use nalgebra::{Point3, Vector3};
 
+use self::posed::Leaning;
+pub use self::posed::{Pace, Posed, ROTARY, TipMode};
 use self::words::Words;
 use super::dialect::{Dialect, Dwell, Parabolas, Point};
 pub use super::nc::Fault;
-use super::nc::{Distance, Modal, Motion, effect, modal_group};
+use super::nc::{Distance, FeedMode, Modal, Motion, effect, modal_group};
 use crate::geometry::curve::{Arc, Curve, Line, Parabola};
 use crate::geometry::plane::Plane;
 use crate::toolpath::units::FeedRate;
@@ -28,13 +31,16 @@ use crate::toolpath::units::FeedRate;
 /// G codes that the reader knows, in tenths. In a dialect that writes parabolas, the reader also knows G5.1.
 const KNOWN_G: &[i32] = &[
     0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 400, 430, 490, 530, 540, 550, 560, 570, 580, 590, 610,
-    640, 800, 900, 910, 940,
+    640, 800, 900, 910, 930, 940,
 ];
 const DWELL: i32 = 40;
 const PARABOLA: i32 = 51;
 const HOME: i32 = 280;
 const MACHINE_COORDINATES: i32 = 530;
-const LENGTH_OFFSET: i32 = 430;
+/// The codes of length offsets, of which the last two also control the tip.
+const LENGTH_OFFSETS: [i32; 3] = [430, posed::ANGLES, posed::VECTORS];
+const INVERSE_TIME: i32 = 930;
+const PER_MINUTE: i32 = 940;
 const BLENDING: i32 = 640;
 
 /// M codes that the reader knows, in tenths, and those of them that end a program.
@@ -59,6 +65,8 @@ pub enum Step {
         radius_mismatch_mm: f64,
         center: Option<Point3<f64>>,
     },
+    /// A motion with the tool axis.
+    Posed(Posed),
     Dwell {
         seconds: f64,
     },
@@ -90,6 +98,7 @@ pub struct Reader<'a> {
     is_over: bool,
     /// Position in mm.
     modal: Modal<f64, FeedRate>,
+    leaning: Leaning,
 }
 
 /// The kind of line that has to come next.
@@ -112,6 +121,7 @@ impl<'a> Reader<'a> {
             line: 0,
             is_over: false,
             modal: Modal::START,
+            leaning: Leaning::default(),
         }
     }
 
@@ -156,7 +166,7 @@ impl<'a> Reader<'a> {
         if self.dialect.numbers.point == Point::WhereNeeded {
             return Ok(());
         }
-        let missing = words.first_written("XYZIJKF", false).map(Fault::MissingPoint);
+        let missing = words.first_written("XYZABCIJKF", false).map(Fault::MissingPoint);
         let unexpected = || words.first_written("NHSTP", true).map(Fault::UnexpectedPoint);
         missing.or_else(unexpected).map_or(Ok(()), Err)
     }
@@ -178,6 +188,11 @@ impl<'a> Reader<'a> {
                 // A block without a G word behind it would be run as the last G0 to G3 says, even as a rapid.
                 self.modal.motion = None;
             }
+            self.leaning.apply(code);
+        }
+        if g.has(INVERSE_TIME) || g.has(PER_MINUTE) {
+            // A feed of the other mode means something else.
+            self.modal.feed = None;
         }
         if g.has(HOME) || g.has(MACHINE_COORDINATES) {
             return self.home(words);
@@ -189,7 +204,8 @@ impl<'a> Reader<'a> {
             }
         }
         if let Some(feed) = words.get('F') {
-            let rate = FeedRate::from_mm_per_min(feed * self.unit_mm());
+            let unit = if self.modal.feed_mode == Some(FeedMode::InverseTime) { 1.0 } else { self.unit_mm() };
+            let rate = FeedRate::from_mm_per_min(feed * unit);
             self.modal.feed = Some(rate.ok_or(Fault::BadNumber('F'))?);
         }
         self.is_over = ENDS.iter().any(|&code| words.m.has(code));
@@ -204,7 +220,13 @@ impl<'a> Reader<'a> {
     fn check_codes(&self, words: &Words) -> Result<(), Fault> {
         let Words { g, m, .. } = words;
         let has_parabolas = self.dialect.parabolas == Parabolas::InXy;
-        let is_known = |code: &i32| KNOWN_G.contains(code) || *code == PARABOLA && has_parabolas;
+        let tip_control = self.dialect.tip_control;
+        let is_known = |code: &i32| match *code {
+            PARABOLA => has_parabolas,
+            posed::ANGLES => tip_control.angles.is_some(),
+            posed::VECTORS => tip_control.vectors.is_some(),
+            code => KNOWN_G.contains(&code),
+        };
         let number = |code: &i32| f64::from(*code) / 10.0;
         if let Some(code) = g.all().iter().find(|code| !is_known(code)) {
             return Err(Fault::UnknownG(number(code)));
@@ -217,7 +239,7 @@ impl<'a> Reader<'a> {
         if is_twice || g.has(BLENDING) && g.has(DWELL) {
             return Err(Fault::Conflict);
         }
-        match (g.has(LENGTH_OFFSET), words.has('H')) {
+        match (LENGTH_OFFSETS.iter().any(|&code| g.has(code)), words.has('H')) {
             (true, false) => Err(Fault::Missing('H')),
             (false, true) => Err(Fault::Unused('H')),
             _ => Ok(()),
@@ -232,7 +254,7 @@ impl<'a> Reader<'a> {
         // The last of the two codes counts.
         let last = words.g.all().iter().rfind(|code| [HOME, MACHINE_COORDINATES].contains(code));
         let is_known = if last == Some(&HOME) { is_relative } else { !is_relative && is_rapid };
-        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJK").is_some() {
+        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJKABC").is_some() {
             return Err(Fault::Conflict);
         }
         self.modal.at[2] = None;
@@ -246,14 +268,14 @@ impl<'a> Reader<'a> {
             Dwell::Milliseconds => count / 1000.0,
         };
         let has_motion = words.g.all().iter().any(|&code| modal_group(code) == MOTION_GROUP);
-        if has_motion || words.first_of("XYZIJK").is_some() || seconds < 0.0 {
+        if has_motion || words.first_of("XYZIJKABC").is_some() || seconds < 0.0 {
             return Err(Fault::Conflict);
         }
         Ok(Some(Step::Dwell { seconds }))
     }
 
     fn motion(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        if words.first_of("XYZIJK").is_none() {
+        if words.first_of("XYZIJKABC").is_none() {
             return Ok(None);
         }
         let motion = self.modal.motion.ok_or(Fault::NoMotion)?;
@@ -261,6 +283,12 @@ impl<'a> Reader<'a> {
             return Err(Fault::Relative);
         }
         let from = self.moved(words);
+        if self.leaning.is_in_force(words) {
+            return self.posed(words, motion, from).map(Some);
+        }
+        if self.modal.feed_mode == Some(FeedMode::InverseTime) && motion != Motion::Rapid {
+            return Err(Fault::Conflict);
+        }
         if let (Motion::Rapid | Motion::Line, Some(letter)) = (motion, words.first_of("IJK")) {
             return Err(Fault::Unused(letter));
         }
@@ -287,7 +315,7 @@ impl<'a> Reader<'a> {
         if self.plane() != Plane::Xy {
             return Err(Fault::ParabolaPlane);
         }
-        if let Some(letter) = words.first_of("ZK") {
+        if let Some(letter) = words.first_of("ZKABC") {
             return Err(Fault::Unused(letter));
         }
         if words.first_of("XY").is_none() {

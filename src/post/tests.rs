@@ -19,6 +19,7 @@ use crate::toolpath::{Builder, Role};
 
 mod golden;
 mod parabolas;
+mod posed;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
@@ -61,7 +62,8 @@ fn written_in(
     comments: &[String],
 ) -> Result<NcProgram, WriteError> {
     let warnings = &[WARNING.to_owned()];
-    let job = ProgramJob { program, tool: Some(&TOOL), cutting, dialect, comments, warnings };
+    let job =
+        ProgramJob { program, tool: Some(&TOOL), cutting, dialect, comments, warnings, five_axes: None };
     write(toolpath, &job, &Budget::unlimited())
 }
 
@@ -178,11 +180,12 @@ fn a_changed_program_fails_the_check() {
         dialect: DIALECTS[0],
         comments: &[],
         warnings: &[],
+        five_axes: None,
     };
     let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap().blocks;
     let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
     let grid = Grid::new(MM);
-    assert!(check::read_back(&text, &blocks, DIALECTS[0], &grid, &Budget::unlimited()).is_ok());
+    assert!(check::read_back(&text, &blocks, &job, &grid, &Budget::unlimited()).is_ok());
     let changes = [
         ("Z0.000 F400", "Z0.001 F400", "place"),
         ("F400", "F401", "feed"),
@@ -196,9 +199,8 @@ fn a_changed_program_fails_the_check() {
     ];
     for (from, to, what) in changes {
         assert!(text.contains(from));
-        let error =
-            check::read_back(&text.replacen(from, to, 1), &blocks, DIALECTS[0], &grid, &Budget::unlimited())
-                .unwrap_err();
+        let error = check::read_back(&text.replacen(from, to, 1), &blocks, &job, &grid, &Budget::unlimited())
+            .unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
 }
@@ -289,7 +291,7 @@ proptest! {
                     time += along.length() / rate.mm_per_min() * 60.0;
                 }
                 Step::Dwell { seconds } => dwell += seconds,
-                Step::Rapid { .. } => {}
+                Step::Rapid { .. } | Step::Posed(_) => {}
             }
         }
         let measures = measure(&path, feed(10_000.0));

@@ -66,7 +66,11 @@ impl FeedWord {
 /// # Errors
 /// When the feed is too small or too large for six decimals and nine digits.
 pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
-    let value = rate.mm_per_min() / units.mm();
+    per_minute(rate.mm_per_min() / units.mm()).ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
+}
+
+/// The word for a value by the minute. `None` where it is too small or too large.
+pub fn per_minute(value: f64) -> Option<FeedWord> {
     (0..=MAX_FEED_DECIMALS)
         .filter(|_| value <= MAX_FEED)
         .map(|decimals| FeedWord {
@@ -74,7 +78,6 @@ pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
             decimals,
         })
         .find(|word| (word.value() - value).abs() <= FEED_AGREEMENT * value)
-        .ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
 }
 
 /// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the

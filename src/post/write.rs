@@ -1,8 +1,10 @@
 //! Writes blocks as lines of words. A modal word is written only where it changes the mode.
 
+mod posed;
+
+use super::block::{AxisWords, Block};
 use super::dialect::{Comment, Dialect, Dwell, Frame, Point, ProgramNumber};
 use super::header::{self, Remark};
-use super::lower::Block;
 use super::words::{self, AXES, FeedWord, OFFSETS};
 use super::{ProgramJob, WriteError};
 use crate::geometry::plane::Plane;
@@ -36,7 +38,10 @@ pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<St
         // The safety line selects it.
         plane: Plane::Xy,
         at: [None; 3],
+        angles: [None; 2],
         feed: None,
+        is_inverse_time: false,
+        has_tip_control: false,
         has_long_number: false,
     };
     writer.tape_mark()?;
@@ -66,7 +71,11 @@ struct Writer<'a> {
     plane: Plane,
     /// The position as last written.
     at: [Option<i64>; 3],
+    angles: [Option<i64>; 2],
     feed: Option<FeedWord>,
+    /// G93 is in force instead of G94.
+    is_inverse_time: bool,
+    has_tip_control: bool,
     /// Some number has more digits than the control reads.
     has_long_number: bool,
 }
@@ -233,6 +242,16 @@ impl Writer<'_> {
                     Dwell::Milliseconds => self.number("P", digits, 0),
                 }
             }
+            Block::Rotate { angles } => {
+                self.motion("G0");
+                self.axis_words(AxisWords::Angles(angles));
+            }
+            Block::BeginTipControl { to, axis } => {
+                self.begin_tip_control(axis)?;
+                self.place(to, axis);
+            }
+            Block::Posed { to, axis, feed } => self.posed(to, axis, feed),
+            Block::EndPosed => self.end_posed(),
         }
         self.end_line()
     }

@@ -23,6 +23,8 @@ pub struct MoveCounts {
     pub arc: usize,
     pub parabola: usize,
     pub spline: usize,
+    /// Turns of the tool about its resting tip.
+    pub turn: usize,
 }
 
 /// The axis-parallel box of a path, mm.
@@ -78,6 +80,10 @@ pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
                 let seconds = rate.map(|rate| length / rate.mm_per_min() * 60.0);
                 measures.cutting_time_s = measures.cutting_time_s.zip(seconds).map(|(sum, own)| sum + own);
                 measures.bounds.include(along);
+            }
+            Move::Turn { seconds, .. } => {
+                measures.counts.turn += 1;
+                measures.cutting_time_s = measures.cutting_time_s.zip(*seconds).map(|(sum, own)| sum + own);
             }
             Move::Dwell { seconds } => measures.dwell_time_s += seconds,
         }

@@ -45,6 +45,10 @@ pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acce
         let (kind, curve, rate) = match step {
             Move::Rapid { line } => (Kind::Rapid, Curve::Line(*line), rapid_feed),
             Move::Feed { along, rate, .. } => (Kind::Feed, *along, (*rate)?),
+            Move::Turn { seconds: own, .. } => {
+                seconds += chain.finish(a) + (*own)?;
+                continue;
+            }
             Move::Dwell { seconds: pause } => {
                 seconds += chain.finish(a) + pause;
                 continue;

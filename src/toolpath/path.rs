@@ -1,7 +1,8 @@
 //! Moves, passes and the toolpath. A builder makes a toolpath move by move.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, UnitVector3, Vector3};
 
+use super::tool_axes::{ToolAxes, are_opposite};
 use super::units::FeedRate;
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola, ParabolaError};
 use crate::geometry::plane::Plane;
@@ -30,6 +31,12 @@ pub enum Move {
         rate: Option<FeedRate>,
         role: Role,
     },
+    /// The tool turns about its resting tip. `seconds` is `None` where no feed was chosen.
+    Turn {
+        at: Point3<f64>,
+        seconds: Option<f64>,
+        role: Role,
+    },
     Dwell {
         seconds: f64,
     },
@@ -40,6 +47,7 @@ pub enum Move {
 pub struct Pass {
     level: Option<u32>,
     moves: Vec<Move>,
+    axes: ToolAxes,
 }
 
 impl Pass {
@@ -49,6 +57,12 @@ impl Pass {
 
     pub fn moves(&self) -> &[Move] {
         &self.moves
+    }
+
+    /// The tool axis. Where it differs from the axis at the end of the pass before, the tool turns about its
+    /// resting tip between the passes.
+    pub fn axes(&self) -> &ToolAxes {
+        &self.axes
     }
 }
 
@@ -61,7 +75,7 @@ pub struct Toolpath {
 
 impl Toolpath {
     pub fn builder(start: Point3<f64>) -> Builder {
-        Builder { at: start, start, passes: Vec::new() }
+        Builder { at: start, axis: Vector3::z_axis(), next_axis: None, start, passes: Vec::new() }
     }
 
     pub fn start(&self) -> Point3<f64> {
@@ -70,6 +84,11 @@ impl Toolpath {
 
     pub fn passes(&self) -> &[Pass] {
         &self.passes
+    }
+
+    /// Whether the tool axis is straight up throughout, as on a machine with three axes.
+    pub fn is_upright(&self) -> bool {
+        self.passes.iter().all(|pass| pass.axes.is_up())
     }
 
     /// Every move in order.
@@ -85,8 +104,10 @@ pub enum PathError {
     NotFinite,
     #[error("a curve does not start where the curve before it ends")]
     Apart,
-    #[error("the dwell of {seconds} s is not a time of zero or more seconds")]
-    BadDwell { seconds: f64 },
+    #[error("the pause or turn of {seconds} s is not a time of zero or more seconds")]
+    BadTime { seconds: f64 },
+    #[error("the tool axis turns to the opposite direction, and there is no telling which way")]
+    OppositeAxes,
     #[error(transparent)]
     Arc(#[from] ArcError),
     #[error(transparent)]
@@ -97,6 +118,9 @@ pub enum PathError {
 #[derive(Debug, Clone)]
 pub struct Builder {
     at: Point3<f64>,
+    axis: UnitVector3<f64>,
+    /// The axis at the end of the next move, where it differs.
+    next_axis: Option<UnitVector3<f64>>,
     start: Point3<f64>,
     passes: Vec<Pass>,
 }
@@ -107,8 +131,49 @@ impl Builder {
         self.at
     }
 
+    pub fn has_passes(&self) -> bool {
+        !self.passes.is_empty()
+    }
+
+    /// Begins a pass with the tool axis as it is now.
     pub fn begin_pass(&mut self, level: Option<u32>) {
-        self.passes.push(Pass { level, moves: Vec::new() });
+        self.begin_leaning_pass(level, self.axis);
+    }
+
+    /// Begins a pass with another tool axis. Unless it is the first pass, the tool turns about its tip.
+    pub fn begin_leaning_pass(&mut self, level: Option<u32>, axis: UnitVector3<f64>) {
+        self.axis = axis;
+        self.passes.push(Pass { level, moves: Vec::new(), axes: ToolAxes::Fixed(axis) });
+    }
+
+    /// During the next move the tool axis turns to `axis`.
+    ///
+    /// # Errors
+    /// When that is opposite to the axis now.
+    pub fn turn_next(&mut self, axis: UnitVector3<f64>) -> Result<(), PathError> {
+        if are_opposite(&self.axis, &axis) {
+            return Err(PathError::OppositeAxes);
+        }
+        self.next_axis = Some(axis);
+        Ok(())
+    }
+
+    /// The tool turns to `axis` about its resting tip.
+    ///
+    /// # Errors
+    /// When `seconds` is negative or not finite, or the axis is opposite to the axis now.
+    pub fn turn(
+        &mut self,
+        axis: UnitVector3<f64>,
+        seconds: Option<f64>,
+        role: Role,
+    ) -> Result<(), PathError> {
+        if let Some(seconds) = seconds {
+            check_time(seconds)?;
+        }
+        self.turn_next(axis)?;
+        self.push(Move::Turn { at: self.at, seconds, role }, self.at);
+        Ok(())
     }
 
     /// # Errors
@@ -185,9 +250,7 @@ impl Builder {
     /// # Errors
     /// When `seconds` is negative or not finite.
     pub fn dwell(&mut self, seconds: f64) -> Result<(), PathError> {
-        if !(seconds.is_finite() && seconds >= 0.0) {
-            return Err(PathError::BadDwell { seconds });
-        }
+        check_time(seconds)?;
         self.push(Move::Dwell { seconds }, self.at);
         Ok(())
     }
@@ -211,8 +274,17 @@ impl Builder {
         if self.passes.is_empty() {
             self.begin_pass(None);
         }
+        if let Some(axis) = self.next_axis.take() {
+            self.axis = axis;
+        }
         let last = self.passes.len() - 1;
-        self.passes[last].moves.push(step);
+        let Pass { moves, axes, .. } = &mut self.passes[last];
+        axes.push(moves.len(), self.axis);
+        moves.push(step);
         self.at = to;
     }
+}
+
+fn check_time(seconds: f64) -> Result<(), PathError> {
+    if seconds.is_finite() && seconds >= 0.0 { Ok(()) } else { Err(PathError::BadTime { seconds }) }
 }

@@ -38,7 +38,7 @@ pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
 /// The lines that a setter needs: program, work offset, tool, spindle, coolant, feeds, clearance and cycle
 /// time.
 fn setup(cut: &Cut) -> Vec<String> {
-    let Cut { toolpath, cutting, setup: Setup { tool, program, dialect }, comments: _, nc: _ } = cut;
+    let Cut { toolpath, cutting, setup: Setup { tool, program, dialect, .. }, comments: _, nc: _ } = cut;
     let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
     let mut lines = vec![program_line(program, dialect.name), offset_line(program)];
     lines.extend(tool.iter().map(tool_line));

@@ -1,27 +1,37 @@
 //! The request to smooth a path of five axes, and the report and the samples of the motion.
 
 mod machine;
+mod report;
 
-use nalgebra::{Point3, Unit, UnitVector3, Vector3};
-use serde::{Deserialize, Serialize};
+use nalgebra::Point3;
+use serde::Deserialize;
+use utoipa::ToSchema;
 use utoipa::openapi::Ref;
-use utoipa::{IntoParams, ToSchema};
 
+use super::axis::{self, AxisDirection};
+use super::axis_output::{AxisOutput, AxisSetup};
 use super::check::{Range, Violations};
-use super::meta::{self, Meta, MetaTexts};
+use super::cutting::Cutting;
+use super::meta::{Meta, MetaTexts};
 use super::names::into_core;
 use super::point::{Coordinates, Point};
-use super::schema::{array_of, number, schema_of};
+use super::program::Program;
+use super::schema::{array_of, schema_of};
+use super::setup::{SentSetup, Setup};
+use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-use crate::machine::{Joints, Machine};
+use crate::machine::{Machine, Straying};
 use crate::operations::five_axis as core;
-use crate::toolpath::pose::Pose;
+use crate::post::path_text::{self, PathTextError, Reading};
+use crate::toolpath::cutting::CuttingRequest;
+use crate::toolpath::pose::{Pace, Pose, Waypoint};
 use crate::toolpath::units::FeedRate;
-pub use machine::{Machines, SentRotary};
-use machine::{SentLimits, SentMachine};
+use machine::SentLimits;
+pub use machine::{Machines, SentMachine, SentRotary};
+pub use report::{Sample, SmoothMembers, SmoothQuery, SmoothReport};
 
 /// Default of `top_distance_mm`: the axis of a tool of usual length, mm.
 const DEFAULT_TOP_MM: f64 = 50.0;
@@ -34,25 +44,27 @@ const MAX_SAMPLES: usize = 300_000;
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
 const TOLERANCE_DEG: Range = Range { min: 1e-4, max: 10.0 };
 const PERIOD_MS: Range = Range { min: 0.01, max: 1000.0 };
-/// The components of a direction.
-const COMPONENT: Range = Range { min: -1e6, max: 1e6 };
-/// A direction that is shorter is none: nothing is left of it but rounding.
-const SHORTEST_DIRECTION: f64 = 1e-6;
-/// The fault of such a direction.
-const NO_DIRECTION: &str = "a direction of no length; send for example [0, 0, 1]";
 
-/// A path of tool poses to be smoothed.
+/// Default of `retract_mm`, and its legal values.
+const DEFAULT_RETRACT_MM: f64 = 20.0;
+const RETRACT_MM: Range = Range { min: 0.0, max: 1000.0 };
+/// A path of tool poses to be smoothed: `path`, `cl` or `nc`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmoothRequest {
     /// The poses of the tool. Between two poses the tip moves on a line, and the axis turns on the great
     /// circle in step with the tip.
-    #[schema(value_type = PoseList)]
-    path: Vec<SentPose>,
-    /// Speed of the tip, in mm/min. Where the tip rests and the axis turns, the top of the tool moves at this
-    /// speed.
+    #[schema(value_type = Option<PoseList>)]
+    path: Option<Vec<SentPose>>,
+    /// The text of APT CL data: `GOTO/x,y,z,i,j,k` with `FEDRAT` and `RAPID`.
+    cl: Option<String>,
+    /// The text of an NC program of five axes: Fanuc with G43.4 or G43.5, Siemens with TRAORI, Heidenhain
+    /// with M128. A program without any of these states the positions of the axes of `machine`.
+    nc: Option<String>,
+    /// Speed of the tip where the path states no feed, in mm/min. Where the tip rests and the axis turns, the
+    /// top of the tool moves at this speed. Default: `cutting.feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
-    feed_mm_per_min: f64,
+    feed_mm_per_min: Option<f64>,
     /// Largest distance between the smooth path of the tip and the given path, in mm.
     #[schema(minimum = 0.000_01, maximum = 10)]
     tolerance_mm: f64,
@@ -74,6 +86,22 @@ pub struct SmoothRequest {
     /// the limits and the feed allow. Default: none; the feed is constant, without ramps.
     #[serde(default, deserialize_with = "object::optional")]
     limits: Option<SentLimits>,
+    /// How the program states the tool axis. Default: as `angles` where the dialect can and `machine` is
+    /// given, as `vectors` where the dialect can and there is no `machine`, else as `machine`.
+    axis_output: Option<AxisOutput>,
+    /// Way along the tool axis to the first pose and away from the last pose, in mm. There is none where the
+    /// first pose is reached by a rapid, as in `cl` and `nc`, and where the path ends with a rapid.
+    #[schema(minimum = 0, maximum = 1000, default = 20)]
+    retract_mm: Option<f64>,
+    /// The tool. Without `tool` the program calls tool 1 with length offset 1.
+    #[serde(default, deserialize_with = "object::optional")]
+    tool: Option<Tool>,
+    /// Spindle, coolant, the clearance plane and the traverse rate.
+    #[serde(default, deserialize_with = "object::optional")]
+    cutting: Option<Cutting>,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
+    #[serde(default, deserialize_with = "object::optional")]
+    program: Option<Program>,
     /// Time between two samples of the motion, in milliseconds.
     #[schema(minimum = 0.01, maximum = 1000, default = 1)]
     sample_period_ms: Option<f64>,
@@ -94,14 +122,17 @@ pub struct SentPose {
     /// The direction from the tip to the spindle, of any length: three plain numbers without a unit.
     #[schema(value_type = AxisDirection)]
     axis: Coordinates<3>,
+    /// Speed of the tip on the way to this pose, in mm/min. Default: `feed_mm_per_min` of the request.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    feed_mm_per_min: Option<f64>,
+    /// Whether the tool goes to this pose as a rapid.
+    #[serde(default)]
+    #[schema(default = false)]
+    rapid: bool,
 }
 
 schema_of!(PoseList, "Poses of a tool.", {
     array_of(Ref::from_schema_name("ToolPose"), 2, Limits::DEFAULT.curve_points)
-});
-
-schema_of!(AxisDirection, "A direction `[i, j, k]`: three plain numbers without a unit.", {
-    array_of(number(COMPONENT), 3, 3)
 });
 
 /// A way to smooth a path.
@@ -123,6 +154,10 @@ into_core!(SmoothMethod => core::Method, [Interpolating, Paper, Linear]);
 #[derive(Debug)]
 pub struct SmoothJob {
     pub job: core::Job,
+    pub setup: Setup,
+    pub cutting: Option<CuttingRequest>,
+    /// Whether the request says anything about a program.
+    pub has_program: bool,
     pub meta: Option<Meta>,
 }
 
@@ -132,6 +167,8 @@ impl IntoJob for SmoothRequest {
     fn into_job(self, limits: &Limits) -> Result<SmoothJob, ApiError> {
         let Self {
             path,
+            cl,
+            nc,
             feed_mm_per_min,
             tolerance_mm,
             tolerance_deg,
@@ -139,281 +176,154 @@ impl IntoJob for SmoothRequest {
             method,
             machine,
             limits: sent_limits,
+            axis_output,
+            retract_mm,
+            tool,
+            cutting,
+            program,
             sample_period_ms,
             meta,
         } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
-        let poses = poses(&path, &root.field("path"), limits, &mut violations);
-        violations.number(&root.field("feed_mm_per_min"), feed_mm_per_min, Range::POSITIVE, "mm/min");
+        violations.optional(&root.field("feed_mm_per_min"), feed_mm_per_min, Range::POSITIVE, "mm/min");
         violations.number(&root.field("tolerance_mm"), tolerance_mm, TOLERANCE_MM, "mm");
         violations.number(&root.field("tolerance_deg"), tolerance_deg, TOLERANCE_DEG, "degrees");
         violations.optional(&root.field("top_distance_mm"), top_distance_mm, Range::POSITIVE, "mm");
+        violations.optional(&root.field("retract_mm"), retract_mm, RETRACT_MM, "mm");
         violations.optional(&root.field("sample_period_ms"), sample_period_ms, PERIOD_MS, "ms");
         let machine = machine.and_then(|sent| sent.convert(&root.field("machine"), &mut violations));
         let motion =
             sent_limits.map(|sent| sent.convert(&root.field("limits"), machine.as_ref(), &mut violations));
-        meta::check(meta.as_ref(), &mut violations);
-        let Some(feed) = FeedRate::from_mm_per_min(feed_mm_per_min) else {
-            return Err(violations.into_error());
-        };
+        let has_program = program.is_some() || cutting.is_some() || tool.is_some() || axis_output.is_some();
+        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let sent = SentSetup { tool, cutting, program: program.unwrap_or_default(), meta };
+        let (mut setup, cutting, meta) = sent.convert(&mut violations);
+
+        let top_mm = top_distance_mm.unwrap_or(DEFAULT_TOP_MM);
+        let feed =
+            feed_mm_per_min.and_then(FeedRate::from_mm_per_min).or(cutting.map(|cutting| cutting.feed));
+        let given = Given { path, cl, nc };
+        let reading = Reading { feed, limit: limits.curve_points };
+        let path = given.read(machine.as_ref(), top_mm, reading, &mut violations);
+
+        let step_mm = setup.program.resolution.step_mm();
+        let part = |tolerance: f64| core::CHORDS * tolerance;
+        let allowed =
+            Straying { tip_mm: part(tolerance_mm).max(step_mm), axis: part(tolerance_deg.to_radians()) };
+        setup.five_axes =
+            AxisSetup::choose(axis_output, machine.clone(), setup.dialect, allowed, &mut violations);
         violations.result()?;
+        let strays_mm = setup.five_axes.as_ref().map_or(0.0, AxisSetup::strays_mm);
         let job = core::Job {
-            poses,
-            feed,
+            path,
+            rapid_feed: cutting.and_then(|own| own.rapid_feed).unwrap_or(FeedRate::DEFAULT_RAPID),
             tolerance_mm,
             tolerance_axis: tolerance_deg.to_radians(),
-            top_mm: top_distance_mm.unwrap_or(DEFAULT_TOP_MM),
+            top_mm,
             method: method.into(),
             period_s: sample_period_ms.unwrap_or(DEFAULT_PERIOD_MS) * 1e-3,
             machine,
             limits: motion,
             sample_limit: MAX_SAMPLES,
+            retract_mm: retract_mm.unwrap_or(DEFAULT_RETRACT_MM),
+            // Half a unit along each coordinate.
+            rounding_mm: 0.5 * 3f64.sqrt() * step_mm + strays_mm,
         };
-        Ok(SmoothJob { job, meta })
+        Ok(SmoothJob { job, setup, cutting, has_program, meta })
     }
 }
 
-/// The poses in the core's terms. Adds violations to `violations`.
-fn poses(path: &[SentPose], at: &Pointer, limits: &Limits, violations: &mut Violations) -> Vec<Pose> {
-    if !violations.count_of_points(at, path.len(), 2, limits.curve_points) {
+/// The three forms of a path.
+struct Given {
+    path: Option<Vec<SentPose>>,
+    cl: Option<String>,
+    nc: Option<String>,
+}
+
+impl Given {
+    /// The path in the core's terms. Adds violations to `violations`.
+    fn read(
+        self,
+        machine: Option<&Machine>,
+        top_mm: f64,
+        reading: Reading,
+        violations: &mut Violations,
+    ) -> Vec<Waypoint> {
+        let root = Pointer::root();
+        let told = |at: &str, read: Result<Vec<Waypoint>, PathTextError>, violations: &mut Violations| {
+            let at = root.field(at);
+            match read {
+                Ok(path) if path.len() < 2 => {
+                    violations.add(&at, FieldCode::OutOfRange, "the text has fewer than two poses");
+                    Vec::new()
+                }
+                Ok(path) => path,
+                Err(error) => {
+                    violations.add(&at, FieldCode::OutOfRange, error.to_string());
+                    Vec::new()
+                }
+            }
+        };
+        match (self.path, self.cl, self.nc) {
+            (Some(path), None, None) => waypoints(&path, &root.field("path"), reading, violations),
+            (None, Some(text), None) => told("cl", path_text::cl::read(&text, reading), violations),
+            (None, None, Some(text)) => {
+                told("nc", path_text::nc::read(&text, machine, top_mm, reading), violations)
+            }
+            (None, None, None) => {
+                violations.add(&root, FieldCode::MissingField, "send `path`, `cl` or `nc`");
+                Vec::new()
+            }
+            _ => {
+                violations.add(&root, FieldCode::Conflict, "send only one of `path`, `cl` and `nc`");
+                Vec::new()
+            }
+        }
+    }
+}
+
+/// Sent poses in the core's terms. Adds violations to `violations`.
+fn waypoints(
+    path: &[SentPose],
+    at: &Pointer,
+    reading: Reading,
+    violations: &mut Violations,
+) -> Vec<Waypoint> {
+    if !violations.count_of_points(at, path.len(), 2, reading.limit) {
         return Vec::new();
     }
-    let mut poses = Vec::with_capacity(path.len());
-    for (k, SentPose { tip, axis }) in path.iter().enumerate() {
+    let mut waypoints = Vec::with_capacity(path.len());
+    let mut is_feed_missing = false;
+    for (k, SentPose { tip, axis, feed_mm_per_min, rapid }) in path.iter().enumerate() {
         if !tip.is_legal() {
             tip.check(&at.index(k).field("tip"), violations);
         }
-        if let Some(axis) = unit(*axis, &at.index(k).field("axis"), violations) {
-            poses.push(Pose { tip: Point3::from(*tip), axis });
+        if feed_mm_per_min.is_some() {
+            let at = at.index(k).field("feed_mm_per_min");
+            violations.optional(&at, *feed_mm_per_min, Range::POSITIVE, "mm/min");
         }
-    }
-    poses
-}
-
-/// The unit vector along a sent direction. Adds violations to `violations`.
-fn unit(
-    Coordinates(sent): Coordinates<3>,
-    at: &Pointer,
-    violations: &mut Violations,
-) -> Option<UnitVector3<f64>> {
-    let before = violations.total();
-    for (k, component) in sent.into_iter().enumerate() {
-        violations.number(&at.index(k), component, COMPONENT, "");
-    }
-    let unit = Unit::try_new(Vector3::from(sent), SHORTEST_DIRECTION);
-    if unit.is_none() {
-        violations.add(at, FieldCode::OutOfRange, NO_DIRECTION);
-    }
-    unit.filter(|_| violations.total() == before)
-}
-
-/// What the answer holds besides the report.
-#[derive(Debug, Deserialize, IntoParams)]
-#[into_params(parameter_in = Query)]
-pub struct SmoothQuery {
-    /// Whether the JSON answer holds the samples of the motion in `samples`. Default: `false`.
-    samples: Option<bool>,
-}
-
-impl SmoothQuery {
-    /// The names of the parameters.
-    pub const NAMES: [&'static str; 1] = ["samples"];
-
-    pub fn with_samples(&self) -> bool {
-        self.samples.unwrap_or(false)
-    }
-}
-
-/// What was found about the smooth path.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct SmoothReport {
-    /// Number of poses without those that repeat the pose before.
-    n_poses: usize,
-    /// Number of polynomials that make up the path.
-    n_spans: usize,
-    /// Number of corners that are rounded by a blend.
-    n_blends: usize,
-    /// Number of places inside the path where the motion stops: reversals, rotations about a resting tip, and
-    /// corners at which no blend keeps the tolerances.
-    n_stops: usize,
-    /// Proved bound of the distance between the smooth path of the tip and the given path, in mm. For
-    /// `method: paper` from the smooth path to the given path only.
-    deviation_max_mm: f64,
-    /// Proved bound of the angle between the axis of the smooth path and the axis of the given path at the
-    /// nearest place, in degrees.
-    deviation_max_deg: f64,
-    /// Whether both bounds are within the tolerances. Always `true` except for `method: paper`.
-    within_tolerance: bool,
-    /// Which derivatives by the parameter are continuous between stops: `C0` none, `C2` the first and the
-    /// second.
-    continuity: Continuity,
-    /// Length of the path of the tip, in mm.
-    length_mm: f64,
-    /// Duration of the motion, in s: the time of the last sample. Without `limits` at the feed everywhere,
-    /// without ramps.
-    cycle_time_s: f64,
-    /// Speed of the tip, in mm/s, by differences of the samples.
-    speed: Peaks,
-    /// Acceleration of the tip, in mm/s2, by second differences of the samples.
-    acceleration: Peaks,
-    /// Jerk of the tip, in mm/s3, by third differences of the samples.
-    jerk: Peaks,
-    /// The largest figures of each axis of the machine, by differences of the samples. Absent without
-    /// `machine`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schema(required = false)]
-    axis_peaks: Vec<AxisPeaks>,
-}
-
-/// The largest figures of one axis.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub struct AxisPeaks {
-    /// The letter of the axis.
-    axis: char,
-    /// Largest speed, in mm/s, or in degrees by s for a rotary axis.
-    speed: f64,
-    /// Largest acceleration, in mm/s2, or in degrees by s2 for a rotary axis.
-    acceleration: f64,
-    /// Largest jerk, in mm/s3, or in degrees by s3 for a rotary axis.
-    jerk: f64,
-}
-
-impl From<&(char, [f64; 3])> for AxisPeaks {
-    fn from((axis, peaks): &(char, [f64; 3])) -> Self {
-        let unit = if *axis < 'X' { 1.0_f64.to_degrees() } else { 1.0 };
-        let [speed, acceleration, jerk] = peaks.map(|peak| peak * unit);
-        Self { axis: *axis, speed, acceleration, jerk }
-    }
-}
-
-/// How smooth a path is.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub enum Continuity {
-    C0,
-    C2,
-}
-
-/// A figure of the tip over the whole motion.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub struct Peaks {
-    /// Root of the mean square, in mm/s, mm/s2 or mm/s3.
-    rms: f64,
-    /// Largest value, in mm/s, mm/s2 or mm/s3.
-    max: f64,
-}
-
-impl From<core::Peak> for Peaks {
-    fn from(core::Peak { rms, max }: core::Peak) -> Self {
-        Self { rms, max }
-    }
-}
-
-impl From<&core::Report> for SmoothReport {
-    fn from(report: &core::Report) -> Self {
-        let core::Report {
-            n_poses,
-            n_spans,
-            n_blends,
-            n_stops,
-            deviation_mm,
-            deviation_axis,
-            is_within_tolerance,
-            continuity,
-            length_mm,
-            cycle_time_s,
-            speed,
-            acceleration,
-            jerk,
-            axis_peaks,
-        } = report;
-        Self {
-            n_poses: *n_poses,
-            n_spans: *n_spans,
-            n_blends: *n_blends,
-            n_stops: *n_stops,
-            deviation_max_mm: *deviation_mm,
-            deviation_max_deg: deviation_axis.to_degrees(),
-            within_tolerance: *is_within_tolerance,
-            continuity: if *continuity == 0 { Continuity::C0 } else { Continuity::C2 },
-            length_mm: *length_mm,
-            cycle_time_s: *cycle_time_s,
-            speed: (*speed).into(),
-            acceleration: (*acceleration).into(),
-            jerk: (*jerk).into(),
-            axis_peaks: axis_peaks.iter().map(AxisPeaks::from).collect(),
-        }
-    }
-}
-
-/// The tool at one time.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[schema(as = MotionSample)]
-pub struct Sample {
-    /// Time since the start, in s.
-    t_s: f64,
-    /// The tip of the tool, in mm.
-    #[schema(value_type = Point)]
-    tip: Point,
-    /// The direction from the tip to the spindle, of length 1: three plain numbers without a unit.
-    #[schema(value_type = AxisDirection)]
-    axis: Coordinates<3>,
-    /// The positions of the axes of the machine. Absent without `machine`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    joints: Option<AxisPositions>,
-}
-
-/// The positions of the axes of a machine. An axis that the machine does not have is absent.
-#[derive(Debug, Clone, Copy, Default, Serialize, ToSchema)]
-pub struct AxisPositions {
-    /// Position of X, in mm.
-    #[serde(rename = "X")]
-    x: f64,
-    /// Position of Y, in mm.
-    #[serde(rename = "Y")]
-    y: f64,
-    /// Position of Z, in mm.
-    #[serde(rename = "Z")]
-    z: f64,
-    /// Angle of A, in degrees.
-    #[serde(rename = "A", skip_serializing_if = "Option::is_none")]
-    a: Option<f64>,
-    /// Angle of B, in degrees.
-    #[serde(rename = "B", skip_serializing_if = "Option::is_none")]
-    b: Option<f64>,
-    /// Angle of C, in degrees.
-    #[serde(rename = "C", skip_serializing_if = "Option::is_none")]
-    c: Option<f64>,
-}
-
-impl AxisPositions {
-    fn new(machine: &Machine, joints: &Joints) -> Self {
-        let [x, y, z] = joints.linear_mm;
-        let angle = |letter: char| {
-            let k = machine.rotary().iter().position(|axis| axis.name == letter)?;
-            Some(machine.rotary()[k].shown(joints.rotary[k]).to_degrees())
+        let feed = feed_mm_per_min.and_then(FeedRate::from_mm_per_min).or(reading.feed);
+        let pace = match feed {
+            Some(feed) if !rapid => Pace::Feed(feed),
+            // The way to the first pose is no part of the path.
+            None if !rapid && k > 0 => {
+                is_feed_missing = true;
+                Pace::Rapid
+            }
+            _ => Pace::Rapid,
         };
-        Self { x, y, z, a: angle('A'), b: angle('B'), c: angle('C') }
-    }
-}
-
-impl Sample {
-    pub fn new(sample: &core::TimedPose, machine: Option<&Machine>) -> Self {
-        let core::TimedPose { t_s, pose: Pose { tip, axis }, joints } = sample;
-        Self {
-            t_s: *t_s,
-            tip: (*tip).into(),
-            axis: Coordinates(axis.into_inner().into()),
-            joints: machine.zip(joints.as_ref()).map(|(machine, joints)| AxisPositions::new(machine, joints)),
+        if let Some(axis) = axis::unit(*axis, &at.index(k).field("axis"), violations) {
+            waypoints.push(Waypoint { pose: Pose { tip: Point3::from(*tip), axis }, pace });
         }
     }
-}
-
-/// The members of the answer beside the report.
-#[derive(Default, Serialize, ToSchema)]
-pub struct SampleMembers {
-    /// The motion at times that are `sample_period_ms` apart; the last step may be shorter. Present with
-    /// `?samples=true`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub samples: Option<Vec<Sample>>,
+    if is_feed_missing {
+        let at = Pointer::root().field("feed_mm_per_min");
+        violations.add(
+            &at,
+            FieldCode::FeedRequired,
+            "poses have no feed of their own: send `feed_mm_per_min`",
+        );
+    }
+    waypoints
 }

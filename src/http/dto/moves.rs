@@ -1,10 +1,12 @@
 //! The moves of a toolpath: the same JSON objects in requests and in answers.
 
+use nalgebra::UnitVector3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::axis::{AxisDirection, components};
 use super::names::{from_core, into_core};
-use super::point::Point;
+use super::point::{Coordinates, Point};
 use crate::geometry::curve::{self, Curve};
 use crate::geometry::plane;
 use crate::http::decode::tagged::{Kind, by_kind};
@@ -20,6 +22,7 @@ by_kind! {
         "line" => Line(LineMove),
         "arc" => Arc(ArcMove),
         "parabola" => Parabola(ParabolaMove),
+        "turn" => Turn(TurnMove),
         "dwell" => Dwell(DwellMove),
     } later ["spline"]
 }
@@ -33,6 +36,11 @@ pub struct RapidMove {
     _kind: Kind,
     /// Where the tip of the tool ends, in mm.
     pub to: Point,
+    /// The tool axis at the end of the move: three plain numbers without a unit. During the move the axis
+    /// turns on the great circle, in step with the length of the way. Default: the axis before the move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<AxisDirection>)]
+    pub axis: Option<Coordinates<3>>,
 }
 
 /// A straight move at feed.
@@ -53,6 +61,11 @@ pub struct LineMove {
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
+    /// The tool axis at the end of the move: three plain numbers without a unit. During the move the axis
+    /// turns on the great circle, in step with the length of the way. Default: the axis before the move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<AxisDirection>)]
+    pub axis: Option<Coordinates<3>>,
 }
 
 /// An arc or a helix at feed, as G2 and G3 in G17, G18 and G19. Where `to` equals the start in the plane of
@@ -84,6 +97,11 @@ pub struct ArcMove {
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
+    /// The tool axis at the end of the move: three plain numbers without a unit. During the move the axis
+    /// turns on the great circle, in step with the length of the way. Default: the axis before the move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<AxisDirection>)]
+    pub axis: Option<Coordinates<3>>,
 }
 
 /// A part of a parabola at feed: a quadratic Bezier curve.
@@ -103,6 +121,31 @@ pub struct ParabolaMove {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub feed_mm_per_min: Option<f64>,
     /// What the move is for. The role chooses the feed from `cutting`.
+    #[serde(default)]
+    #[schema(default = "cut")]
+    pub role: Role,
+    /// The tool axis at the end of the move: three plain numbers without a unit. During the move the axis
+    /// turns on the great circle, in step with the length of the way. Default: the axis before the move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<AxisDirection>)]
+    pub axis: Option<Coordinates<3>>,
+}
+
+/// A turn of the tool about its resting tip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TurnMove {
+    #[serde(rename = "kind", skip_serializing)]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The tool axis after the turn: three plain numbers without a unit.
+    #[schema(value_type = AxisDirection)]
+    pub axis: Coordinates<3>,
+    /// Duration of the turn, in s; at most a day.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 86_400)]
+    pub seconds: Option<f64>,
+    /// What the turn is for.
     #[serde(default)]
     #[schema(default = "cut")]
     pub role: Role,
@@ -152,35 +195,57 @@ pub enum Direction {
     Ccw,
 }
 
-impl From<&core::Move> for Move {
-    fn from(step: &core::Move) -> Self {
+impl Move {
+    /// A move of the core with the tool axis at its end, which is written where it is given.
+    pub fn new(step: &core::Move, axis: Option<UnitVector3<f64>>) -> Self {
+        let axis = axis.map(|axis| components(&axis));
+        let (_kind, feed) = (Kind, |rate: Option<FeedRate>| rate.map(FeedRate::mm_per_min));
         match *step {
-            core::Move::Rapid { line } => Move::Rapid(RapidMove { _kind: Kind, to: line.end.into() }),
-            core::Move::Feed { along: Curve::Line(line), rate, role } => Move::Line(LineMove {
-                _kind: Kind,
+            core::Move::Rapid { line } => Self::Rapid(RapidMove { _kind, to: line.end.into(), axis }),
+            core::Move::Feed { along: Curve::Line(line), rate, role } => Self::Line(LineMove {
+                _kind,
                 to: line.end.into(),
-                feed_mm_per_min: rate.map(FeedRate::mm_per_min),
+                feed_mm_per_min: feed(rate),
                 role: role.into(),
+                axis,
             }),
-            core::Move::Feed { along: Curve::Arc(arc), rate, role } => Move::Arc(ArcMove {
-                _kind: Kind,
+            core::Move::Feed { along: Curve::Arc(arc), rate, role } => Self::Arc(ArcMove {
+                _kind,
                 to: arc.end().into(),
                 center: arc.center().into(),
                 plane: arc.plane().into(),
                 direction: arc.direction().into(),
-                feed_mm_per_min: rate.map(FeedRate::mm_per_min),
+                feed_mm_per_min: feed(rate),
                 role: role.into(),
+                axis,
             }),
             core::Move::Feed { along: Curve::Parabola(parabola), rate, role } => {
-                Move::Parabola(ParabolaMove {
-                    _kind: Kind,
+                Self::Parabola(ParabolaMove {
+                    _kind,
                     to: parabola.end().into(),
                     control: parabola.control().into(),
-                    feed_mm_per_min: rate.map(FeedRate::mm_per_min),
+                    feed_mm_per_min: feed(rate),
                     role: role.into(),
+                    axis,
                 })
             }
-            core::Move::Dwell { seconds } => Move::Dwell(DwellMove { _kind: Kind, seconds }),
+            core::Move::Turn { seconds, role, .. } => {
+                let axis = axis.unwrap_or(Coordinates([0.0, 0.0, 1.0]));
+                Self::Turn(TurnMove { _kind, axis, seconds, role: role.into() })
+            }
+            core::Move::Dwell { seconds } => Self::Dwell(DwellMove { _kind, seconds }),
+        }
+    }
+
+    /// The tool axis at its end, where the move states it.
+    pub fn axis(&self) -> Option<Coordinates<3>> {
+        match self {
+            Self::Rapid(RapidMove { axis, .. })
+            | Self::Line(LineMove { axis, .. })
+            | Self::Arc(ArcMove { axis, .. })
+            | Self::Parabola(ParabolaMove { axis, .. }) => *axis,
+            Self::Turn(TurnMove { axis, .. }) => Some(*axis),
+            Self::Dwell(_) => None,
         }
     }
 }

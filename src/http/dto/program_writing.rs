@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::axis_output::{AxisOutput, AxisSetup};
 use super::check::Violations;
 use super::cutting::Cutting;
+use super::five_axis::SentMachine;
 use super::meta::{Meta, MetaTexts};
 use super::program::{Program, Units};
 use super::sent_toolpath::{Read, Reading, SentToolpath};
@@ -16,6 +18,7 @@ use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
+use crate::machine::Straying;
 use crate::post::NcProgram;
 use crate::toolpath as core;
 use crate::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, CuttingRequest};
@@ -47,6 +50,13 @@ pub struct WriteRequest {
     /// The tool. Without `tool` the program calls tool 1 with length offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
+    /// The machine of a toolpath whose tool axis leans or turns. Default: none.
+    #[serde(default, deserialize_with = "object::optional")]
+    machine: Option<SentMachine>,
+    /// How the program states the tool axis. Default: as `angles` where the dialect can and `machine` is
+    /// given, as `vectors` where the dialect can and there is no `machine`, else as `machine`. A toolpath
+    /// whose axis is straight up needs neither.
+    axis_output: Option<AxisOutput>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
     /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
@@ -68,13 +78,14 @@ impl IntoJob for WriteRequest {
     type Job = JobWithSetup<Writing>;
 
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
-        let Self { toolpath, program, cutting, tool, meta } = self;
+        let Self { toolpath, program, cutting, tool, machine, axis_output, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
 
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
         let sent = SentSetup { tool, cutting, program, meta };
-        let (setup, request, meta) = sent.convert(&mut violations);
+        let (mut setup, request, meta) = sent.convert(&mut violations);
+        let machine = machine.and_then(|sent| sent.convert(&root.field("machine"), &mut violations));
         let reading = Reading {
             cutting: request.as_ref(),
             arc_tolerance_mm: ARC_TOLERANCE_STEPS * setup.program.resolution.step_mm(),
@@ -82,6 +93,12 @@ impl IntoJob for WriteRequest {
         };
         let read = toolpath.convert(&root.field("toolpath"), &reading, &mut violations);
         let Some(Read { toolpath, moved_mm }) = read else { return Err(violations.into_error()) };
+        if !toolpath.is_upright() || machine.is_some() || axis_output.is_some() {
+            let allowed =
+                Straying { tip_mm: setup.program.resolution.step_mm(), axis: STRAYING_DEG.to_radians() };
+            setup.five_axes =
+                AxisSetup::choose(axis_output, machine, setup.dialect, allowed, &mut violations);
+        }
         let is_chosen = request.as_ref().is_none_or(|request| request.clearance_z_mm.is_none());
         let cutting = conditions(&toolpath, request, &mut violations);
         violations.result()?;
@@ -93,7 +110,7 @@ impl IntoJob for WriteRequest {
 
 /// The cutting conditions for a toolpath that is planned already. The clearance plane must be above all
 /// cutting moves, so that a program neither begins nor ends at a height where it cuts.
-fn conditions(
+pub fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
     violations: &mut Violations,
@@ -124,7 +141,7 @@ fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
             Some(along.support(&nalgebra::Vector3::z()))
         }
         Move::Feed { along, .. } => Some(along.start().z.min(along.end().z)),
-        Move::Rapid { .. } | Move::Dwell { .. } => None,
+        Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => None,
     });
     heights.reduce(f64::max).unwrap_or(0.0)
 }
@@ -133,10 +150,14 @@ fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
 fn first_feed(toolpath: &core::Toolpath) -> FeedRate {
     let feed = toolpath.moves().find_map(|step| match step {
         Move::Feed { rate, .. } => *rate,
-        Move::Rapid { .. } | Move::Dwell { .. } => None,
+        Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => None,
     });
     feed.unwrap_or(FeedRate::DEFAULT_RAPID)
 }
+
+/// How far the axis may stray from the great circle between two blocks, degrees: as far as the rounding of
+/// angles on most controls.
+const STRAYING_DEG: f64 = 0.005;
 
 /// What is proved of a written program.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -146,6 +167,10 @@ pub struct WriteReport {
     /// slightly; the bound holds for every radius between the two that the control may use. For `G5.1` the
     /// bound includes the arcs that LinuxCNC runs instead.
     deviation_max_mm: f64,
+    /// Proved largest angle between the tool axis as sent and as written, in degrees. Absent where the
+    /// program states no tool axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation_max_deg: Option<f64>,
     /// The part of `deviation_max_mm`, in mm, that comes from making arcs exact whose radii at the start and
     /// at the end differed in the request.
     arc_adjustment_max_mm: f64,
@@ -168,6 +193,7 @@ impl WriteReport {
         let program::Resolution { units, decimals } = setup.program.resolution;
         Self {
             deviation_max_mm: written.max_displacement_mm + job.moved_mm,
+            deviation_max_deg: setup.five_axes.as_ref().map(|_| written.max_displacement_axis.to_degrees()),
             arc_adjustment_max_mm: job.moved_mm,
             radius_mismatch_max_mm: written.max_radius_mismatch_mm,
             n_blocks: written.blocks,

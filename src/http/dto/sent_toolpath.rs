@@ -1,11 +1,12 @@
 //! Toolpaths in requests. They are the same JSON object as toolpaths in answers.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
+use super::axis;
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, Role};
-use super::point::Point;
+use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, Role, TurnMove};
+use super::point::{Coordinates, Point};
 use super::toolpath::MAX_LEVEL;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -29,6 +30,7 @@ pub struct SentToolpath {
 #[serde(deny_unknown_fields)]
 struct SentPass {
     level: Option<u32>,
+    axis: Option<Coordinates<3>>,
     moves: Vec<Move>,
 }
 
@@ -65,11 +67,11 @@ impl SentToolpath {
         check_point(&start, || at.field("start"), violations);
         let builder = Toolpath::builder(start.into());
         let mut reader = Reader { builder, moved_mm: 0.0, reading, violations };
-        for (k, SentPass { level, moves }) in passes.into_iter().enumerate() {
+        for (k, SentPass { level, axis, moves }) in passes.into_iter().enumerate() {
             if let Some(level) = level.filter(|level| *level > MAX_LEVEL) {
                 reader.violations.integer(&at_passes.index(k).field("level"), level, (0, MAX_LEVEL));
             }
-            reader.builder.begin_pass(level);
+            reader.begin_pass(level, axis, &moves, || at_passes.index(k));
             for (n, step) in moves.iter().enumerate() {
                 reader.step(step, || at_passes.index(k).field("moves").index(n));
             }
@@ -90,9 +92,43 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    fn begin_pass(
+        &mut self,
+        level: Option<u32>,
+        axis: Option<Coordinates<3>>,
+        moves: &[Move],
+        at: impl Fn() -> Pointer,
+    ) {
+        if let Some(axis) = axis {
+            let axis = axis::unit(axis, &at().field("axis"), self.violations);
+            return self.builder.begin_leaning_pass(level, axis.unwrap_or(Vector3::z_axis()));
+        }
+        let Some(first) = moves.iter().find_map(Move::axis) else {
+            return self.builder.begin_leaning_pass(level, Vector3::z_axis());
+        };
+        if self.builder.has_passes() {
+            return self.builder.begin_pass(level);
+        }
+        // A wrong axis is reported where the move is read.
+        let axis = axis::unit(first, &at(), &mut Violations::default());
+        self.builder.begin_leaning_pass(level, axis.unwrap_or(Vector3::z_axis()));
+    }
+
+    /// The tool axis at the end of the next move.
+    fn turn_next(&mut self, sent: Option<Coordinates<3>>, at: &impl Fn() -> Pointer) {
+        let Some(sent) = sent else { return };
+        let at = || at().field("axis");
+        let Some(axis) = axis::unit(sent, &at(), self.violations) else { return };
+        let added = self.builder.turn_next(axis);
+        self.blame(added, at);
+    }
+
     /// Reads one move. `at` builds the pointer for illegal moves only, because a toolpath has very many
     /// moves.
     fn step(&mut self, step: &Move, at: impl Fn() -> Pointer) {
+        if !matches!(step, Move::Turn(_)) {
+            self.turn_next(step.axis(), &at);
+        }
         match step {
             Move::Rapid(RapidMove { to, .. }) => {
                 check_point(to, || at().field("to"), self.violations);
@@ -112,16 +148,32 @@ impl Reader<'_> {
                 let added = self.builder.parabola((*to).into(), (*control).into(), rate, (*role).into());
                 self.blame(added, at);
             }
+            Move::Turn(TurnMove { axis: sent, seconds, role, .. }) => {
+                self.check_seconds(seconds.unwrap_or(0.0), &at);
+                let Some(axis) = axis::unit(*sent, &at().field("axis"), self.violations) else { return };
+                if seconds.is_none() {
+                    let detail = "send how many seconds the turn takes";
+                    self.violations.add(&at().field("seconds"), FieldCode::FeedRequired, detail);
+                }
+                let added = self.builder.turn(axis, *seconds, (*role).into());
+                self.blame(added, || at().field("axis"));
+            }
             Move::Dwell(DwellMove { seconds, .. }) => {
-                let range = Range { min: 0.0, max: MAX_DWELL_S };
-                if (range.min..=range.max).contains(seconds) {
+                if self.check_seconds(*seconds, &at) {
                     let added = self.builder.dwell(*seconds);
                     self.blame(added, at);
-                } else {
-                    self.violations.number(&at().field("seconds"), *seconds, range, "s");
                 }
             }
         }
+    }
+
+    fn check_seconds(&mut self, seconds: f64, at: &impl Fn() -> Pointer) -> bool {
+        let range = Range { min: 0.0, max: MAX_DWELL_S };
+        let is_legal = (range.min..=range.max).contains(&seconds);
+        if !is_legal {
+            self.violations.number(&at().field("seconds"), seconds, range, "s");
+        }
+        is_legal
     }
 
     fn line(&mut self, to: &Point, rate: FeedRate, role: Role, at: impl Fn() -> Pointer) {
@@ -174,7 +226,11 @@ impl Reader<'_> {
 
     fn blame(&mut self, added: Result<(), PathError>, at: impl Fn() -> Pointer) {
         if let Err(error) = added {
-            self.violations.add(&at(), FieldCode::NoArc, error.to_string());
+            let code = match error {
+                PathError::OppositeAxes | PathError::BadTime { .. } => FieldCode::OutOfRange,
+                _ => FieldCode::NoArc,
+            };
+            self.violations.add(&at(), code, error.to_string());
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The members that requests for toolpaths share: tool, cutting conditions, program and the caller's texts.
 
+use super::axis_output::AxisSetup;
 use super::check::Violations;
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
@@ -23,6 +24,8 @@ pub struct Setup {
     pub tool: Option<tool::Tool>,
     pub program: program::Program,
     pub dialect: &'static Dialect,
+    /// How the axis of a leaning tool is written. `None` where it is straight up.
+    pub five_axes: Option<AxisSetup>,
 }
 
 /// A job of an operation with its setup.
@@ -43,6 +46,6 @@ impl SentSetup {
         program.check(&root.field("program"), violations);
         meta::check(meta.as_ref(), violations);
         let (dialect, program) = program.convert();
-        (Setup { tool, program, dialect }, cutting, meta)
+        (Setup { tool, program, dialect, five_axes: None }, cutting, meta)
     }
 }

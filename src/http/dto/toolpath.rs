@@ -3,13 +3,15 @@
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
+use super::axis::{AxisDirection, components};
 use super::moves::Move;
-use super::point::Point;
+use super::point::{Coordinates, Point};
 use crate::http::place::Place;
 use crate::toolpath as core;
 use crate::toolpath::cutting::{Caution, Cutting};
 use crate::toolpath::measure;
 use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::tool_axes::ToolAxes;
 use crate::toolpath::units::{Acceleration, FeedRate};
 
 /// Something to know before the program runs, which does not stop the job.
@@ -153,6 +155,9 @@ pub struct MoveCounts {
     pub parabola: usize,
     /// Number of splines; always 0 in this version.
     pub spline: usize,
+    /// Number of turns of the tool about its resting tip. Absent where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn: Option<usize>,
 }
 
 /// A box with sides along the axes.
@@ -177,7 +182,7 @@ impl Measures {
             rapid_time_s,
             dwell_time_s,
             total_time_s,
-            counts: measure::MoveCounts { rapid, line, arc, parabola, spline },
+            counts: measure::MoveCounts { rapid, line, arc, parabola, spline, turn },
             bounds: measure::Bounds { min, max },
         } = measure::measure(toolpath, rapid_feed);
         Self {
@@ -188,7 +193,7 @@ impl Measures {
             total_time_s,
             dwell_time_s,
             time_with_acceleration_s: motion_time(toolpath, rapid_feed, acceleration),
-            moves: MoveCounts { rapid, line, arc, parabola, spline },
+            moves: MoveCounts { rapid, line, arc, parabola, spline, turn: (turn > 0).then_some(turn) },
             bounds: Bounds { min: min.into(), max: max.into() },
         }
     }
@@ -213,12 +218,7 @@ impl From<core::Toolpath> for Toolpath {
 
 /// Converts the moves one pass at a time while they are written, so that no second toolpath is held.
 fn write_passes<S: Serializer>(toolpath: &core::Toolpath, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(
-        toolpath
-            .passes()
-            .iter()
-            .map(|pass| Pass { level: pass.level(), moves: pass.moves().iter().map(Move::from).collect() }),
-    )
+    serializer.collect_seq(toolpath.passes().iter().map(Pass::from))
 }
 
 /// Moves that belong together: one pass with the way to the pass.
@@ -228,8 +228,31 @@ pub struct Pass {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 1_000_000)]
     level: Option<u32>,
+    /// The tool axis at the start of the pass: three plain numbers without a unit. Where it differs from the
+    /// axis before, the tool turns about its resting tip between the passes. Absent where the axis is
+    /// straight up throughout. Default in a request: straight up, `[0, 0, 1]`; where moves have an `axis`,
+    /// the axis before the pass, or else the axis of the first such move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<AxisDirection>)]
+    axis: Option<Coordinates<3>>,
     /// The moves, in order.
     moves: Vec<Move>,
+}
+
+impl From<&core::Pass> for Pass {
+    fn from(pass: &core::Pass) -> Self {
+        let axes = pass.axes();
+        let after = |k: usize| match axes {
+            ToolAxes::Fixed(_) => None,
+            ToolAxes::Turning { .. } => Some(axes.after(k)),
+        };
+        let moves = pass.moves().iter().enumerate().map(|(k, step)| Move::new(step, after(k)));
+        Self {
+            level: pass.level(),
+            axis: (!axes.is_up()).then(|| components(&axes.start())),
+            moves: moves.collect(),
+        }
+    }
 }
 
 /// Highest legal number of a level.

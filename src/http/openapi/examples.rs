@@ -22,13 +22,13 @@ type Texts = &'static [(&'static str, &'static str, &'static str)];
 const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
-    "five-axis-smooth": ["corner", "rotation", "table", "wave"],
+    "five-axis-smooth": ["blade", "corner", "program", "rotation", "table", "wave"],
     "pockets-plan": [
         "arcs", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
         "rest", "three-bumps",
     ],
-    "programs-write": ["contour", "inch-fanuc", "one-line", "parabolas"],
+    "programs-write": ["contour", "inch-fanuc", "leaning", "one-line", "parabolas"],
     "surfaces-drop": ["bowl", "bull-nose"],
     "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "one-pass", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],

@@ -8,29 +8,33 @@ use axum::response::Response;
 use crate::budget::Budget;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, Product, answer};
-use crate::http::dto::answer::Answer;
+use crate::http::dto::answer::{Answer, PathMembers};
+use crate::http::dto::check::Violations;
 use crate::http::dto::five_axis::{
-    Sample, SampleMembers, SmoothJob, SmoothQuery, SmoothReport, SmoothRequest,
+    Sample, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
 };
+use crate::http::dto::program_writing::conditions;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::extract::JobBody;
-use crate::http::negotiation::{Form, Models, Offers, Wanted};
+use crate::http::failure::not_followed;
+use crate::http::negotiation::{Form, Offers, Toolpaths, Wanted};
 use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
-use crate::machine::{FollowError, Machine};
-use crate::operations::five_axis::{self, FiveAxisError, TimedPose};
+use crate::http::v1::programs_write::clearance_chosen;
+use crate::machine::Machine;
+use crate::operations::five_axis::{self, FiveAxisError, Job, Plan, Report, TimedPose};
 use crate::plot::Drawing;
 use crate::toolpath::units::rounded_up_mm;
 
 /// The answer in JSON.
-type SmoothAnswer = Answer<SmoothReport, SampleMembers>;
+type SmoothAnswer = Answer<SmoothReport, SmoothMembers>;
 
 /// The forms of the answer, and its query.
 pub enum Smooths {}
 
 impl Offers for Smooths {
-    const OFFERS: &'static [Representation] = Models::OFFERS;
+    const OFFERS: &'static [Representation] = Toolpaths::OFFERS;
     const OWN_PARAMETERS: &'static [&'static str] = &SmoothQuery::NAMES;
     type Query = SmoothQuery;
 }
@@ -38,76 +42,118 @@ impl Offers for Smooths {
 /// Smooth a path of five axes.
 ///
 /// The answer says how far the smooth path is from the given path, how long the motion takes and how it
-/// accelerates. With `?samples=true` the answer holds the motion itself.
+/// accelerates, and holds straight moves along the path. With `?samples=true` the answer holds the motion
+/// itself. As `text/x-gcode` it is the NC program.
 #[utoipa::path(post, path = "/v1/five-axis/smooth", operation_id = "smoothPath", tag = "five-axis",
     params(Wanted<Smooths>, SmoothQuery), request_body = SmoothRequest,
-    responses((status = 200, description = "The figures of the smooth path, and its samples.", body = SmoothAnswer)))]
+    responses((status = 200, description = "The smooth path: its figures, its program or a picture.", body = SmoothAnswer)))]
 pub async fn smooth_path(
     State(app): State<Arc<App>>,
     wanted: Wanted<Smooths>,
     body: JobBody<SmoothRequest>,
 ) -> Result<Response, ApiError> {
     let with_samples = wanted.query.with_samples();
-    answer(&app, wanted, body, move |job, budget| smooth(job, with_samples, budget)).await
+    let wants_program = wanted.form.with_nc || wanted.form.representation == Representation::Gcode;
+    answer(&app, wanted, body, move |job, budget| smooth(job, with_samples, wants_program, budget)).await
 }
 
-/// The motion, and whether the answer holds it.
+/// The toolpath and the motion, and whether the answer holds the motion.
 struct Motion {
+    cut: Cut,
     samples: Vec<TimedPose>,
     machine: Option<Machine>,
     with_samples: bool,
 }
 
 impl Product for Motion {
-    type Members = SampleMembers;
+    type Members = SmoothMembers;
 
     const TITLE: &'static str = "Path of the tip";
 
     fn cut(&self) -> Option<&Cut> {
-        None
+        Some(&self.cut)
     }
 
-    fn members(self, _: Option<String>, _: &Form) -> SampleMembers {
-        SampleMembers {
-            samples: self.with_samples.then(|| {
-                self.samples.iter().map(|sample| Sample::new(sample, self.machine.as_ref())).collect()
-            }),
-        }
+    fn members(self, written: Option<String>, form: &Form) -> SmoothMembers {
+        let Self { cut, samples, machine, with_samples } = self;
+        let samples: Option<Vec<Sample>> = with_samples
+            .then(|| samples.iter().map(|sample| Sample::new(sample, machine.as_ref())).collect());
+        let PathMembers { measures, nc, toolpath } = cut.members(written, form);
+        SmoothMembers { measures, nc, toolpath, samples }
     }
 }
 
 fn smooth(
     job: SmoothJob,
     with_samples: bool,
+    wants_program: bool,
     budget: &Budget,
 ) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
-    let SmoothJob { job, meta } = job;
-    let plan = five_axis::plan(&job, budget)?;
-    let tips = plan.samples.iter().map(|sample| sample.pose.tip).collect();
-    let given = job.poses.iter().map(|pose| pose.tip).collect();
-    let excess = (!plan.report.is_within_tolerance).then(|| Warning {
-        code: WarningCode::ToleranceExceeded,
-        detail: format!(
-            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.3} degrees from the given path; send `interpolating`",
-            rounded_up_mm(plan.report.deviation_mm),
-            plan.report.deviation_axis.to_degrees()
-        ),
-    });
+    let SmoothJob { job, setup, cutting, has_program, meta } = job;
+    let Plan { report, samples, toolpath } = five_axis::plan(&job, budget)?;
+    let mut warnings = Vec::new();
+    if !report.is_within_tolerance {
+        warnings.push(excess(&report));
+    }
+    let mut violations = Violations::default();
+    let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
+    let cutting = (has_program || wants_program).then(|| conditions(&toolpath, cutting, &mut violations));
+    violations.result()?;
+    if let Some(cutting) = cutting {
+        warnings.extend(is_chosen.then(|| clearance_chosen(cutting.clearance_z_mm)));
+        warnings.extend(rounded(&job, &report));
+    }
+    let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
+    let comments = vec![proved(&report)];
     Ok(Outcome {
         meta,
-        warnings: excess.into_iter().collect(),
-        report: SmoothReport::from(&plan.report),
-        product: Motion { samples: plan.samples, machine: job.machine, with_samples },
-        drawing: drawing(tips, given),
+        warnings,
+        report: SmoothReport::from(&report),
+        product: Motion {
+            cut: Cut { toolpath, cutting, setup, comments, nc: None },
+            samples,
+            machine: job.machine,
+            with_samples,
+        },
+        drawing: drawing(given),
     })
 }
 
-/// The smooth path of the tip, and the given tips.
-fn drawing(
-    tips: Vec<nalgebra::Point3<f64>>,
-    given: Vec<nalgebra::Point3<f64>>,
-) -> Box<dyn Fn() -> Drawing + Send> {
-    Box::new(move || Drawing { curve: vec![tips.clone()], joints: given.clone(), ..Drawing::default() })
+/// The line of a program's header about the path.
+fn proved(report: &Report) -> String {
+    format!(
+        "SMOOTH PATH WITHIN {:.4} MM AND {:.3} DEGREES OF {} POSES",
+        rounded_up_mm(report.moves_deviation_mm),
+        report.moves_deviation_axis.to_degrees(),
+        report.n_poses
+    )
+}
+
+fn excess(report: &Report) -> Warning {
+    Warning {
+        code: WarningCode::ToleranceExceeded,
+        detail: format!(
+            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.3} degrees from the given path; send `interpolating`",
+            rounded_up_mm(report.deviation_mm),
+            report.deviation_axis.to_degrees()
+        ),
+    }
+}
+
+/// The warning that rounding, and straying between blocks, may leave the tolerance.
+fn rounded(job: &Job, report: &Report) -> Option<Warning> {
+    let written_mm = report.moves_deviation_mm + job.rounding_mm;
+    let detail = format!(
+        "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
+        rounded_up_mm(written_mm)
+    );
+    let is_beyond = report.is_within_tolerance && written_mm > job.tolerance_mm;
+    is_beyond.then_some(Warning { code: WarningCode::RoundingExceedsTolerance, detail })
+}
+
+/// The given tips beside the toolpath.
+fn drawing(given: Vec<nalgebra::Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
+    Box::new(move || Drawing { curve: vec![given.clone()], joints: given.clone(), ..Drawing::default() })
 }
 
 impl From<FiveAxisError> for ApiError {
@@ -123,18 +169,13 @@ impl From<FiveAxisError> for ApiError {
             FiveAxisError::ToleranceNotReached { at } => {
                 Self::new(Code::ToleranceNotReached, detail).at(at.into())
             }
-            FiveAxisError::NotFollowed { error, at } => {
-                let code = match error {
-                    FollowError::Unreachable { .. } => Code::AxisUnreachable,
-                    _ => Code::OutOfTravel,
-                };
-                Self::new(code, detail).at(at.into())
-            }
+            FiveAxisError::NotFollowed { error, at } => Self::new(not_followed(&error), detail).at(at.into()),
             FiveAxisError::OnPole { at } => Self::new(Code::AxisOnPole, detail).at(at.into()),
             FiveAxisError::NotScheduled { at, .. } => {
                 let limits = Pointer::root().field("limits");
                 Self::new(Code::InvalidRequest, detail).blaming(&limits, FieldCode::OutOfRange).at(at.into())
             }
+            FiveAxisError::Moves(_) => Self::new(Code::InternalError, detail),
             FiveAxisError::TooManySamples { .. } => Self::new(Code::LimitExceeded, detail)
                 .blaming(&Pointer::root().field("sample_period_ms"), FieldCode::LimitExceeded),
         }

@@ -9,6 +9,7 @@ use crate::budget::Budget;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
+use crate::http::dto::axis_output::AxisSetup;
 use crate::http::dto::meta;
 use crate::http::dto::program_writing::{WriteReport, WriteRequest, Writing};
 use crate::http::dto::setup::JobWithSetup;
@@ -51,6 +52,7 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
         dialect: setup.dialect,
         comments: &comments,
         warnings: &sheet::told(&told),
+        five_axes: setup.five_axes.as_ref().map(AxisSetup::five_axes),
     };
     let written = post::write(&job.toolpath, &program_job, budget)?;
     let report = WriteReport::new(&job, &setup, &written);
@@ -65,7 +67,8 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
     })
 }
 
-fn clearance_chosen(z_mm: f64) -> Warning {
+/// The warning that the service chose the clearance plane.
+pub fn clearance_chosen(z_mm: f64) -> Warning {
     Warning {
         code: WarningCode::ClearanceChosen,
         detail: format!(

@@ -170,15 +170,20 @@ fn cross(a: &[Vector3<f64>; 6], b: &[Vector3<f64>; 6]) -> [Vector3<f64>; 11] {
 }
 
 /// Bound of the distance of a part of a block's line from a span, mm. `[from, to]` are parts of the block.
-/// Every stretch of the line is within the larger distance of its ends from one point of the span.
-pub fn of_line(span: &Span, block: &Block, [from, to]: [f64; 2]) -> f64 {
-    const STRETCHES: usize = 32;
+pub fn of_line(span: &Span, block: &Block, part: [f64; 2]) -> f64 {
     const POINTS: usize = 64;
-    let at = |k: usize, n: usize, range: [f64; 2]| range[0] + (range[1] - range[0]) * (k as f64 / n as f64);
-    let points: Vec<Vector3<f64>> =
-        (0..=POINTS).map(|k| tip(&span.jet(at(k, POINTS, [span.from, span.to]))[0])).collect();
+    let at = |k: usize| span.from + span.length() * (k as f64 / POINTS as f64);
+    let points: Vec<Vector3<f64>> = (0..=POINTS).map(|k| tip(&span.jet(at(k))[0])).collect();
+    of_points(&points, block, part)
+}
+
+/// Bound of the distance of a part of a block's line from points, mm. Every stretch of the line is within the
+/// larger distance of its ends from one point.
+pub fn of_points(points: &[Vector3<f64>], block: &Block, [from, to]: [f64; 2]) -> f64 {
+    const STRETCHES: usize = 32;
+    let at = |k: usize| from + (to - from) * (k as f64 / STRETCHES as f64);
     let stretch = |k: usize| {
-        let ends = [k, k + 1].map(|k| tip(&block.at(at(k, STRETCHES, [from, to]))));
+        let ends = [k, k + 1].map(|k| tip(&block.at(at(k))));
         let reach = |p: &Vector3<f64>| ends.iter().map(|end| (end - p).norm()).fold(0.0, f64::max);
         points.iter().map(reach).fold(f64::INFINITY, f64::min)
     };

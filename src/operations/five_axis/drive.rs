@@ -16,9 +16,9 @@ use nalgebra::Point3;
 
 use super::FiveAxisError;
 use super::motion::Sample;
-use super::rail::{Jet, Rail, Span, tip, top};
+use super::rail::{Jet, Piece, Rail, Span, tip, top};
 use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
-use super::stations::{Stations, nearest, pose, resolved, span_at};
+use super::stations::{Stations, pose, resolved};
 use crate::budget::Budget;
 use crate::machine::{Inverse, Joints, Machine};
 
@@ -45,7 +45,7 @@ pub struct MotionLimits {
 
 /// The motion along one piece.
 struct Driven<'a> {
-    spans: &'a [Span],
+    piece: &'a Piece,
     /// The positions of the axes at the stations, with their parameters.
     stations: Vec<(f64, Option<Joints>)>,
     schedule: Schedule,
@@ -70,7 +70,6 @@ impl<'a> Drive<'a> {
     /// Where the machine cannot follow the rails.
     pub fn new(
         rail: &'a Rail,
-        feed_mm_per_s: f64,
         machine: Option<&'a Machine>,
         limits: &MotionLimits,
         budget: &Budget,
@@ -79,14 +78,14 @@ impl<'a> Drive<'a> {
         let mut joints = joints.into_iter();
         let limits = Axes::new(machine, limits);
         let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0 };
-        for (spans, places) in rail.pieces.iter().zip(places) {
+        for (piece, places) in rail.pieces.iter().zip(places) {
             let own: Vec<Option<Joints>> = joints.by_ref().take(places.len()).collect();
-            let path = Path { spans, places: &places, joints: &own, machine, feed_mm_per_s };
+            let path = Path { piece, places: &places, joints: &own, machine, rests: piece.rests() };
             let schedule = path.scheduled(&limits, budget)?;
             let begins_s = drive.duration_s;
             drive.duration_s += schedule.duration_s();
             drive.pieces.push(Driven {
-                spans,
+                piece,
                 stations: places.into_iter().zip(own).collect(),
                 schedule,
                 begins_s,
@@ -121,20 +120,38 @@ impl<'a> Drive<'a> {
     }
 }
 
+impl Drive<'_> {
+    /// How long the motion takes from one parameter of a piece to another, s.
+    pub fn seconds(&self, piece: usize, ends: [f64; 2]) -> f64 {
+        let [from, to] = ends.map(|u| self.pieces[piece].schedule.time_at(u));
+        to - from
+    }
+
+    /// The largest speed of the tip between two parameters of a piece, as seen at three places, mm/s.
+    pub fn largest_speed(&self, piece: usize, [from, to]: [f64; 2]) -> f64 {
+        let Driven { piece, schedule, .. } = &self.pieces[piece];
+        let speed = |u: f64| {
+            let rate = schedule.at(schedule.time_at(u)).speed;
+            rate * tip(&piece.spans[piece.index_at(u)].jet(u)[1]).norm()
+        };
+        [from, 0.5 * (from + to), to].map(speed).into_iter().fold(0.0, f64::max)
+    }
+}
+
 impl Driven<'_> {
     fn at(&self, t_s: f64, machine: Option<&Machine>) -> DrivenSample {
         let own = t_s - self.begins_s;
         let is_end = own >= self.schedule.duration_s();
         let ends = [self.stations[0].0, self.stations[self.stations.len() - 1].0];
         let u = if is_end { ends[1] } else { self.schedule.at(own).u.clamp(ends[0], ends[1]) };
-        let at = span_at(self.spans, u).jet(u)[0];
+        let at = self.piece.spans[self.piece.index_at(u)].jet(u)[0];
         let joints = machine.and_then(|machine| {
             let k = self.stations.partition_point(|(at, _)| *at <= u).clamp(1, self.stations.len() - 1);
             let [(u0, before), (u1, after)] = [self.stations[k - 1], self.stations[k]];
             let (before, after) = (before?, after?);
             let part = (u - u0) / (u1 - u0);
             let rotary = [0, 1].map(|k| before.rotary[k] + (after.rotary[k] - before.rotary[k]) * part);
-            Some(nearest(machine, &pose(&at), rotary))
+            Some(machine.nearest(&pose(&at), rotary))
         });
         DrivenSample { sample: Sample { t_s, at }, joints }
     }
@@ -164,11 +181,12 @@ impl Axes {
 
 /// One piece with its stations.
 struct Path<'a> {
-    spans: &'a [Span],
+    piece: &'a Piece,
     places: &'a [f64],
     joints: &'a [Option<Joints>],
     machine: Option<&'a Machine>,
-    feed_mm_per_s: f64,
+    /// Whether the tip rests.
+    rests: bool,
 }
 
 impl Path<'_> {
@@ -176,17 +194,17 @@ impl Path<'_> {
         let mut stations = Vec::with_capacity(self.places.len());
         let mut k = 0;
         for (n, u) in self.places.iter().enumerate() {
-            while self.spans[k].to < *u && k + 1 < self.spans.len() {
+            let spans = &self.piece.spans;
+            while spans[k].to < *u && k + 1 < spans.len() {
                 k += 1;
             }
-            let next = if self.spans[k].to == *u && k + 1 < self.spans.len() { k + 1 } else { k };
-            let around = [&self.spans[k], &self.spans[next]];
-            stations.push(self.station(*u, around, self.joints[n], axes)?);
+            let next = if spans[k].to == *u && k + 1 < spans.len() { k + 1 } else { k };
+            stations.push(self.station(*u, [k, next], self.joints[n], axes)?);
         }
         let found =
             schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
                 ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
-                error => FiveAxisError::NotScheduled { error, at: tip(&self.spans[0].start()).into() },
+                error => FiveAxisError::NotScheduled { error, at: tip(&self.piece.spans[0].start()).into() },
             })?;
         let factor = self.excess(&found, axes);
         Ok(if factor > 1.0 { found.slowed(factor) } else { found })
@@ -198,7 +216,7 @@ impl Path<'_> {
     fn station(
         &self,
         u: f64,
-        around: [&Span; 2],
+        around: [usize; 2],
         joints: Option<Joints>,
         axes: &Axes,
     ) -> Result<Station, FiveAxisError> {
@@ -212,21 +230,20 @@ impl Path<'_> {
                 error => Err(error),
             })
         };
-        let [before, after] = [rows(around[0])?, rows(around[1])?];
+        let [before, after] = [rows(&self.piece.spans[around[0]])?, rows(&self.piece.spans[around[1]])?];
         let coordinates = before.iter().zip(&after).map(|(before, after)| Derivatives {
             first: before[0],
             second: before[1],
             third: [before[2], after[2]],
         });
-        let speed_cap = self.speed_cap(&around[0].jet(u));
+        let cap = |k: usize| self.speed_cap(k, &self.piece.spans[k].jet(u));
+        let speed_cap = cap(around[0]).min(cap(around[1]));
         Ok(Station { u, speed_cap, coordinates: coordinates.collect() })
     }
 
-    /// The most du/dt: the tip moves at the feed, or the top where the tip rests.
-    fn speed_cap(&self, jet: &Jet) -> f64 {
-        let moved = tip(&jet[1]).norm();
-        let is_rotation = tip(&self.spans[0].start()) == tip(&self.spans[0].end());
-        self.feed_mm_per_s / if is_rotation { top(&jet[1]).norm() } else { moved }
+    /// The most du/dt on a span: the tip moves at the feed, or the top where the tip rests.
+    fn speed_cap(&self, span: usize, jet: &Jet) -> f64 {
+        self.piece.feeds[span] / if self.rests { top(&jet[1]).norm() } else { tip(&jet[1]).norm() }
     }
 
     /// The first three derivatives of each coordinate.
@@ -270,20 +287,20 @@ impl Path<'_> {
             .enumerate()
             .flat_map(|(n, pair)| CHECKED.map(|part| (n, pair[0] + (pair[1] - pair[0]) * part)));
         for (n, u) in between {
-            while self.spans[k].to < u && k + 1 < self.spans.len() {
+            while self.piece.spans[k].to < u && k + 1 < self.piece.spans.len() {
                 k += 1;
             }
             let motion = schedule.at(schedule.time_at(u));
-            let jet = self.spans[k].jet(u);
+            let jet = self.piece.spans[k].jet(u);
             let joints = self
                 .machine
                 .zip(self.joints[n])
-                .map(|(machine, joints)| nearest(machine, &pose(&jet[0]), joints.rotary));
+                .map(|(machine, joints)| machine.nearest(&pose(&jet[0]), joints.rotary));
             // A place on the pole counts as the stations beside it do.
             let Ok(rows) = self.derivatives(&jet, joints, axes) else { continue };
             let (mut tip_acceleration, mut tip_jerk) = (0.0, 0.0);
             let (v, a, j) = (motion.speed, motion.acceleration, motion.jerk);
-            factor = factor.max(v / self.speed_cap(&jet));
+            factor = factor.max(v / self.speed_cap(k, &jet));
             for (k, ([first, second, third], limits)) in rows.iter().zip(&axes.limits).enumerate() {
                 let speed = first * v;
                 let acceleration = second * v * v + first * a;

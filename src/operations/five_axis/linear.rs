@@ -2,7 +2,7 @@
 
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
-use super::rail::{Point6, Rail, Span};
+use super::rail::{Fitted, Piece, Point6, Rail, Span};
 use super::{Rails, rotation};
 
 /// Between two points of a block the axis turns by at most this angle, radians. The mean of two axes is then
@@ -12,18 +12,17 @@ const LARGEST_TURN: f64 = 0.02;
 pub fn rails(stations: &[Point6]) -> Rails {
     let mut rail = Rail::default();
     let mut deviation = Deviation::NONE;
-    let mut from = 0.0;
-    for pair in stations.windows(2) {
+    for (k, pair) in stations.windows(2).enumerate() {
         let block = Block::new(pair[0], pair[1]);
-        let mut piece = if block.is_rotation() { rotation::spans(&block) } else { spans(&block) };
-        for span in &mut piece {
-            *span = span.moved_to(from);
-            from = span.to;
+        let spans = if block.is_rotation() { rotation::spans(&block) } else { spans(&block) };
+        for span in &spans {
             let part = Block::new(span.start(), span.end());
             deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
         }
-        rail.pieces.push(piece);
+        let fitted = spans.into_iter().map(|span| Fitted { span, blocks: [k; 2] });
+        rail.pieces.push(Piece::new(fitted));
     }
+    rail.number();
     Rails { rail, deviation, n_blends: 0, continuity: 0 }
 }
 

@@ -5,7 +5,7 @@
 //! # Cost
 //! O(n + m) for n spans and m samples.
 
-use super::rail::{Point6, Rail, Span, tip, top};
+use super::rail::{Piece, Point6, Rail, Span, tip, top};
 use crate::budget::{Budget, Stopped};
 
 /// Nodes and weights of Gauss and Legendre's rule with eight points on the range from -1 to 1. It integrates
@@ -32,29 +32,33 @@ pub struct Sample {
 
 /// The motion at a constant feed.
 pub struct ConstantFeed<'a> {
-    spans: Vec<(&'a Span, bool)>,
+    spans: Vec<Paced<'a>>,
     /// The time at the end of each span, s.
     ends: Vec<f64>,
+}
+
+/// A span with its feed; whether the tip rests.
+struct Paced<'a> {
+    span: &'a Span,
     feed_mm_per_s: f64,
+    rests: bool,
 }
 
 impl<'a> ConstantFeed<'a> {
-    pub fn new(rail: &'a Rail, feed_mm_per_s: f64) -> Self {
-        let spans: Vec<(&Span, bool)> = rail
-            .pieces
-            .iter()
-            .flat_map(|piece| {
-                let rests = piece.iter().all(|span| tip(&span.start()) == tip(&span.end()));
-                piece.iter().map(move |span| (span, rests))
-            })
-            .collect();
+    pub fn new(rail: &'a Rail) -> Self {
+        let paced = |piece: &'a Piece| {
+            let rests = piece.rests();
+            let feeds = piece.feeds.iter();
+            piece.spans.iter().zip(feeds).map(move |(span, feed)| Paced { span, feed_mm_per_s: *feed, rests })
+        };
+        let spans: Vec<Paced> = rail.pieces.iter().flat_map(paced).collect();
         let mut time = 0.0;
-        let ends = spans.iter().map(|(span, rests)| {
-            time += way(span, *rests, span.to) / feed_mm_per_s;
+        let ends = spans.iter().map(|paced| {
+            time += way(paced.span, paced.rests, paced.span.to) / paced.feed_mm_per_s;
             time
         });
         let ends = ends.collect();
-        Self { spans, ends, feed_mm_per_s }
+        Self { spans, ends }
     }
 
     pub fn duration_s(&self) -> f64 {
@@ -63,7 +67,11 @@ impl<'a> ConstantFeed<'a> {
 
     /// The length of the tip's way, mm.
     pub fn length_mm(&self) -> f64 {
-        self.spans.iter().filter(|(_, rests)| !rests).map(|(span, _)| way(span, false, span.to)).sum()
+        self.spans
+            .iter()
+            .filter(|paced| !paced.rests)
+            .map(|Paced { span, .. }| way(span, false, span.to))
+            .sum()
     }
 
     /// Places at times that are `period_s` apart, and the end. The last step may be shorter.
@@ -81,11 +89,11 @@ impl<'a> ConstantFeed<'a> {
                 k += 1;
             }
             let begins = if k == 0 { 0.0 } else { self.ends[k - 1] };
-            let (span, rests) = self.spans[k];
-            let u = parameter(span, rests, (t_s - begins) * self.feed_mm_per_s);
+            let &Paced { span, feed_mm_per_s, rests } = &self.spans[k];
+            let u = parameter(span, rests, (t_s - begins) * feed_mm_per_s);
             samples.push(Sample { t_s, at: span.jet(u)[0] });
         }
-        if let Some((span, _)) = self.spans.last() {
+        if let Some(Paced { span, .. }) = self.spans.last() {
             samples.push(Sample { t_s: duration, at: span.end() });
         }
         Ok(samples)

@@ -32,7 +32,7 @@ use nalgebra::Vector3;
 use super::Rails;
 use super::deviation::{Deviation, of_span};
 use super::path::{Block, angle_between};
-use super::rail::{Point6, Rail, Span, join, tip, top};
+use super::rail::{Fitted, Piece, Point6, Rail, Span, join, tip, top};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
 
@@ -62,11 +62,11 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
             (0..4).map(|column| control[span.first + column] * span.extraction[(row, column)]).sum()
         });
         let span = Span::bezier(span.ends, bezier);
-        let near = &blocks[(k.max(1) - 1) / 2..=((k + 2) / 2).min(blocks.len() - 1)];
-        deviation = deviation.max(of_span(&span, near, Deviation::NONE));
-        spans.push(span);
+        let near = [(k.max(1) - 1) / 2, ((k + 2) / 2).min(blocks.len() - 1)];
+        deviation = deviation.max(of_span(&span, &blocks[near[0]..=near[1]], Deviation::NONE));
+        spans.push(Fitted { span, blocks: near });
     }
-    Ok(Rails { rail: Rail { pieces: vec![spans] }, deviation, n_blends: 0, continuity: 2 })
+    Ok(Rails { rail: Rail { pieces: vec![Piece::new(spans)] }, deviation, n_blends: 0, continuity: 2 })
 }
 
 /// The vectors to the tops after the axes are spaced as their tips are (2), each moved by at most `most`
@@ -131,7 +131,7 @@ mod tests {
         let stations = circle(12, 20.0, 0.05);
         let tolerance = Deviation { tip_mm: 1.0, axis: 0.1 };
         let rails = rails(&stations, tolerance, &Budget::unlimited()).unwrap();
-        let spans = &rails.rail.pieces[0];
+        let spans = &rails.rail.pieces[0].spans;
         for (k, station) in stations.iter().enumerate().take(10).skip(2) {
             // The middle of the span about the junction.
             let at = spans[2 * k - 1].jet(0.5 * (spans[2 * k - 1].from + spans[2 * k - 1].to))[0];
@@ -146,7 +146,7 @@ mod tests {
         let tolerance = Deviation { tip_mm: 0.005, axis: 0.01 };
         let rails = rails(&stations, tolerance, &Budget::unlimited()).unwrap();
         // 0.2708 L cos(theta / 2) with L = 10 and theta = 90 degrees is the distance from the corner.
-        let spans = &rails.rail.pieces[0];
+        let spans = &rails.rail.pieces[0].spans;
         let middle = &spans[2 * 2 - 1];
         let nearest = middle.jet(0.5 * (middle.from + middle.to))[0];
         let distance = (tip(&nearest) - Vector3::new(20.0, 0.0, 0.0)).norm();

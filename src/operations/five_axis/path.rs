@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::FiveAxisError;
 use super::rail::{Point6, join, tip, top};
-use crate::toolpath::pose::Pose;
+use crate::toolpath::pose::{Pace, Waypoint};
 
 /// Two tips that are nearer to each other are the same, mm: far below what a program can say.
 const SAME_TIP_MM: f64 = 1e-7;
@@ -63,25 +63,52 @@ pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
-/// The poses as stations whose tops are `top_mm` away from the tips. Poses that repeat the one before are
-/// left out.
-///
-/// # Errors
-/// With fewer than two different poses, and where two neighbouring axes are opposite.
-pub fn stations(poses: &[Pose], top_mm: f64) -> Result<Vec<Point6>, FiveAxisError> {
-    let mut stations: Vec<Point6> = Vec::with_capacity(poses.len());
-    for (index, pose) in poses.iter().enumerate() {
-        let at = join(pose.tip.coords, pose.axis.into_inner() * top_mm);
-        if let Some(last) = stations.last() {
-            let block = Block::new(*last, at);
-            if block.length <= SAME_TIP_MM && block.angle <= SAME_AXIS {
-                continue;
+/// Different poses, with the pace of each block between them.
+#[derive(Debug, Clone)]
+pub struct Path {
+    pub stations: Vec<Point6>,
+    pub paces: Vec<Pace>,
+}
+
+impl Path {
+    /// The path whose tops are `top_mm` away from the tips. Poses that repeat the one before are left out.
+    ///
+    /// # Errors
+    /// With fewer than two different poses, and where two neighbouring axes are opposite.
+    pub fn new(waypoints: &[Waypoint], top_mm: f64) -> Result<Self, FiveAxisError> {
+        let mut stations: Vec<Point6> = Vec::with_capacity(waypoints.len());
+        let mut paces = Vec::with_capacity(waypoints.len());
+        for (index, Waypoint { pose, pace }) in waypoints.iter().enumerate() {
+            let at = join(pose.tip.coords, pose.axis.into_inner() * top_mm);
+            if let Some(last) = stations.last() {
+                let block = Block::new(*last, at);
+                if block.length <= SAME_TIP_MM && block.angle <= SAME_AXIS {
+                    continue;
+                }
+                if block.angle >= OPPOSITE {
+                    return Err(FiveAxisError::OppositeAxes { index });
+                }
+                paces.push(*pace);
             }
-            if block.angle >= OPPOSITE {
-                return Err(FiveAxisError::OppositeAxes { index });
+            stations.push(at);
+        }
+        if stations.len() < 2 { Err(FiveAxisError::NoMotion) } else { Ok(Self { stations, paces }) }
+    }
+
+    pub fn block(&self, k: usize) -> Block {
+        Block::new(self.stations[k], self.stations[k + 1])
+    }
+
+    /// The ranges of blocks that are cut without a rapid between them, and each rapid alone.
+    pub fn sections(&self) -> Vec<std::ops::Range<usize>> {
+        let mut sections: Vec<std::ops::Range<usize>> = Vec::new();
+        for k in 0..self.paces.len() {
+            let goes_on = k > 0 && self.paces[k] != Pace::Rapid && self.paces[k - 1] != Pace::Rapid;
+            match sections.last_mut() {
+                Some(last) if goes_on => last.end = k + 1,
+                _ => sections.push(k..k + 1),
             }
         }
-        stations.push(at);
+        sections
     }
-    if stations.len() < 2 { Err(FiveAxisError::NoMotion) } else { Ok(stations) }
 }

@@ -144,23 +144,59 @@ impl Span {
     }
 }
 
-/// A span with the index of the block that it replaces.
+/// A span with the indices of the first and the last block that it replaces.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     pub span: Span,
-    pub block: usize,
+    pub blocks: [usize; 2],
 }
 
-/// Pieces of spans. Inside a piece the derivatives up to the second are continuous; between pieces the motion
-/// stops. The parameter goes on from piece to piece.
+/// Spans between two stops of the motion. Inside a piece the derivatives up to the second are continuous.
+#[derive(Debug, Clone, Default)]
+pub struct Piece {
+    pub spans: Vec<Span>,
+    /// The first and the last block that each span replaces.
+    pub blocks: Vec<[usize; 2]>,
+    /// The feed along each span, mm/s.
+    pub feeds: Vec<f64>,
+    pub is_rapid: bool,
+}
+
+impl Piece {
+    pub fn new(fitted: impl IntoIterator<Item = Fitted>) -> Self {
+        let (spans, blocks) = fitted.into_iter().map(|Fitted { span, blocks }| (span, blocks)).unzip();
+        Self { spans, blocks, feeds: Vec::new(), is_rapid: false }
+    }
+
+    /// Whether the tip rests while the axis turns.
+    pub fn rests(&self) -> bool {
+        self.spans.iter().all(|span| tip(&span.start()) == tip(&span.end()))
+    }
+
+    /// The index of the span at a parameter. At a joint it is the span before.
+    pub fn index_at(&self, u: f64) -> usize {
+        self.spans.partition_point(|span| span.to < u).min(self.spans.len() - 1)
+    }
+}
+
+/// Pieces one after the other. The parameter goes on from piece to piece.
 #[derive(Debug, Clone, Default)]
 pub struct Rail {
-    pub pieces: Vec<Vec<Span>>,
+    pub pieces: Vec<Piece>,
 }
 
 impl Rail {
     pub fn spans(&self) -> impl Iterator<Item = &Span> {
-        self.pieces.iter().flatten()
+        self.pieces.iter().flat_map(|piece| &piece.spans)
+    }
+
+    /// Lets the parameter run on from span to span.
+    pub fn number(&mut self) {
+        let mut from = 0.0;
+        for span in self.pieces.iter_mut().flat_map(|piece| &mut piece.spans) {
+            *span = span.moved_to(from);
+            from = span.to;
+        }
     }
 }
 

@@ -19,7 +19,7 @@
 use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
-use super::rail::{Fitted, Point6, Rail, Span, tip, top};
+use super::rail::{Fitted, Piece, Point6, Rail, Span, tip, top};
 use super::{FiveAxisError, Rails, rotation};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spline::{EndCondition, derivatives_over};
@@ -68,6 +68,7 @@ struct Smoother<'a> {
     inner: Vec<Vec<Inner>>,
     repairs: Vec<u8>,
     tolerance: Deviation,
+    room_mm: f64,
 }
 
 /// What follows one corner and ends at the next.
@@ -77,8 +78,15 @@ struct Run {
     deviation: Deviation,
 }
 
-pub fn smooth(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Result<Rails, FiveAxisError> {
+/// Rails within the tolerance. Blends at corners leave `room_mm` of it for the rounding of a program.
+pub fn smooth(
+    stations: &[Point6],
+    tolerance: Deviation,
+    room_mm: f64,
+    budget: &Budget,
+) -> Result<Rails, FiveAxisError> {
     let mut smoother = Smoother::new(stations, tolerance);
+    smoother.room_mm = room_mm;
     let runs = smoother.runs(budget)?;
     Ok(smoother.join(runs, budget)?)
 }
@@ -94,6 +102,7 @@ impl<'a> Smoother<'a> {
             inner,
             blocks,
             tolerance,
+            room_mm: 0.0,
         };
         for k in 0..stations.len() {
             let is_end = k == 0 || k == stations.len() - 1;
@@ -188,7 +197,7 @@ impl<'a> Smoother<'a> {
             let range = [from, from + step];
             from += step;
             let span = Span::cubic(range, [points[k], spline[k]], [points[k + 1], spline[k + 1]]);
-            spans.push(Fitted { span, block: of_block[k] });
+            spans.push(Fitted { span, blocks: [of_block[k]; 2] });
         }
         spans
     }
@@ -197,7 +206,7 @@ impl<'a> Smoother<'a> {
     fn proved(&self, spans: &[Fitted], is_alone: bool) -> (Deviation, Vec<(usize, Deviation, Span)>) {
         let mut all = Deviation::NONE;
         let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
-        for (k, Fitted { span, block }) in spans.iter().enumerate() {
+        for (k, Fitted { span, blocks: [block, _] }) in spans.iter().enumerate() {
             let whole = &self.blocks[*block];
             // The points on a block that stands alone or turns far lie on the block.
             let is_on_block = is_alone || whole.angle > LARGEST_TURN;
@@ -208,8 +217,9 @@ impl<'a> Smoother<'a> {
                 deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
             }
             all = all.max(deviation);
-            let is_first =
-                k == 0 || spans[k - 1].block != *block || failed.last().is_none_or(|last| last.0 != *block);
+            let is_first = k == 0
+                || spans[k - 1].blocks[0] != *block
+                || failed.last().is_none_or(|last| last.0 != *block);
             if deviation.of(self.tolerance) > 1.0 && is_first {
                 failed.push((*block, deviation, span.clone()));
             }
@@ -298,17 +308,20 @@ impl<'a> Smoother<'a> {
             let block = self.blocks[first];
             if block.is_rotation() {
                 rails.end_piece(&mut piece);
-                rails.rail.pieces.push(rotation::spans(&block));
+                let own = rotation::spans(&block).into_iter();
+                let fitted = own.map(|span| Fitted { span, blocks: [first; 2] });
+                rails.rail.pieces.push(Piece::new(fitted));
                 continue;
             }
             if !piece.is_empty() {
                 let blocks = [self.blocks[first - 1], block];
                 let is_turn = self.turn(first) <= REVERSAL;
-                let found = is_turn.then(|| blend(&piece, &spans, &blocks, self.tolerance)).flatten();
+                let within = Deviation { tip_mm: self.tolerance.tip_mm - self.room_mm, ..self.tolerance };
+                let found = is_turn.then(|| blend(&piece, &spans, &blocks, within)).flatten();
                 if let Some(Blend { span, leaves, meets, deviation }) = found {
                     end_at(&mut piece, leaves);
                     begin_at(&mut spans, meets);
-                    piece.push(Fitted { span, block: first });
+                    piece.push(Fitted { span, blocks: [first - 1, first] });
                     rails.deviation = rails.deviation.max(deviation);
                     rails.n_blends += 1;
                 } else {
@@ -323,7 +336,7 @@ impl<'a> Smoother<'a> {
             }));
         }
         rails.end_piece(&mut piece);
-        rails.number();
+        rails.rail.number();
         Ok(rails)
     }
 }
@@ -331,16 +344,7 @@ impl<'a> Smoother<'a> {
 impl Rails {
     fn end_piece(&mut self, piece: &mut Vec<Fitted>) {
         if !piece.is_empty() {
-            self.rail.pieces.push(std::mem::take(piece).into_iter().map(|fitted| fitted.span).collect());
-        }
-    }
-
-    /// Lets the parameter run on from span to span.
-    fn number(&mut self) {
-        let mut from = 0.0;
-        for span in self.rail.pieces.iter_mut().flatten() {
-            *span = span.moved_to(from);
-            from = span.to;
+            self.rail.pieces.push(Piece::new(std::mem::take(piece)));
         }
     }
 }

@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Unit};
 
 use super::FiveAxisError;
-use super::rail::{Point6, Rail, Span, tip, top};
+use super::rail::{Piece, Point6, Rail, Span, tip, top};
 use crate::budget::Budget;
-use crate::machine::{Inverse, Joints, Machine};
+use crate::machine::{Joints, Machine};
 use crate::toolpath::pose::Pose;
 
 /// The most and the least stations of a span. With more, the time hardly shrinks.
@@ -36,29 +36,6 @@ pub fn pose(at: &Point6) -> Pose {
     Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
 }
 
-/// The positions for a pose whose angles are nearest to given ones.
-pub fn nearest(machine: &Machine, pose: &Pose, near: [f64; 2]) -> Joints {
-    let turned = |rotary: [f64; 2]| {
-        [0, 1].map(|k| {
-            rotary[k] + ((near[k] - rotary[k]) / std::f64::consts::TAU).round() * std::f64::consts::TAU
-        })
-    };
-    let distance = |rotary: &[f64; 2]| (rotary[0] - near[0]).abs() + (rotary[1] - near[1]).abs();
-    let rotary = match machine.inverse(pose) {
-        Inverse::Two(both) => {
-            let [first, second] = both.map(|joints| turned(joints.rotary));
-            if distance(&first) <= distance(&second) { first } else { second }
-        }
-        Inverse::Pole { fixed } => {
-            let mut rotary = near;
-            rotary[1 - machine.free_axis()] = fixed;
-            turned(rotary)
-        }
-        Inverse::Unreachable => near,
-    };
-    machine.at(&pose.tip, rotary)
-}
-
 /// The parameters of the stations of a piece.
 fn places(spans: &[Span]) -> Vec<f64> {
     let [most, least] = PER_SPAN;
@@ -74,7 +51,7 @@ fn places(spans: &[Span]) -> Vec<f64> {
 /// Stations between which no rotary axis turns far. Beside the pole a rotary axis turns far on a short way:
 /// there the stations are as near as needed.
 pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Result<Stations, FiveAxisError> {
-    let mut places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| self::places(piece)).collect();
+    let mut places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| self::places(&piece.spans)).collect();
     let mut farthest = (0.0, Point3::origin());
     for _ in 0..=MOST_ROUNDS {
         budget.check()?;
@@ -82,23 +59,24 @@ pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Resu
         let mut finer = Vec::with_capacity(places.len());
         let mut first = 0;
         farthest = (0.0, Point3::origin());
-        for (spans, own) in rail.pieces.iter().zip(&places) {
+        for (piece, own) in rail.pieces.iter().zip(&places) {
             let joints = &joints[first..first + own.len()];
             first += own.len();
-            let mut piece = vec![own[0]];
+            let mut finer_own = vec![own[0]];
             for (pair, ends) in own.windows(2).zip(joints.windows(2)) {
                 let turn = ends[0].zip(ends[1]).map_or(0.0, |(a, b)| {
                     (b.rotary[0] - a.rotary[0]).abs().max((b.rotary[1] - a.rotary[1]).abs())
                 });
                 if turn > farthest.0 {
-                    farthest = (turn, Point3::from(tip(&span_at(spans, pair[1]).jet(pair[1])[0])));
+                    farthest =
+                        (turn, Point3::from(tip(&piece.spans[piece.index_at(pair[1])].jet(pair[1])[0])));
                 }
                 let parts = (turn / LARGEST_TURN).ceil().clamp(1.0, MOST_PARTS) as usize;
                 let at = |k: usize| pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64);
-                piece.extend((1..parts).map(at));
-                piece.push(pair[1]);
+                finer_own.extend((1..parts).map(at));
+                finer_own.push(pair[1]);
             }
-            finer.push(piece);
+            finer.push(finer_own);
         }
         if farthest.0 <= RESOLVED {
             return Ok(Stations { places, joints });
@@ -106,11 +84,6 @@ pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Resu
         places = finer;
     }
     Err(FiveAxisError::OnPole { at: farthest.1 })
-}
-
-pub fn span_at(spans: &[Span], u: f64) -> &Span {
-    let k = spans.partition_point(|span| span.to < u);
-    &spans[k.min(spans.len() - 1)]
 }
 
 /// The positions of the axes at all stations.
@@ -123,7 +96,7 @@ fn followed(
         return Ok(places.iter().flatten().map(|_| None).collect());
     };
     let mut poses = Vec::new();
-    for (spans, places) in rail.pieces.iter().zip(places) {
+    for (Piece { spans, .. }, places) in rail.pieces.iter().zip(places) {
         let mut k = 0;
         for u in places {
             while spans[k].to < *u && k + 1 < spans.len() {

@@ -39,10 +39,27 @@ fn paper_like() -> (impl Fn(f64) -> Pose, Vec<Pose>) {
     (pose, poses)
 }
 
+fn at_feed(poses: &[Pose], mm_per_min: f64) -> Vec<Waypoint> {
+    let pace = Pace::Feed(FeedRate::from_mm_per_min(mm_per_min).unwrap());
+    poses.iter().map(|pose| Waypoint { pose: *pose, pace }).collect()
+}
+
+fn given(job: &Job) -> Vec<Pose> {
+    job.path.iter().map(|waypoint| waypoint.pose).collect()
+}
+
+/// The feed of a job with one feed, mm/s.
+fn feed_of(job: &Job) -> f64 {
+    let Pace::Feed(feed) = job.path[1].pace else { panic!("a rapid") };
+    feed.mm_per_s()
+}
+
 fn job(poses: Vec<Pose>, method: Method) -> Job {
     Job {
-        poses,
-        feed: FeedRate::from_mm_per_min(3000.0).unwrap(),
+        path: at_feed(&poses, 3000.0),
+        rapid_feed: FeedRate::DEFAULT_RAPID,
+        retract_mm: 20.0,
+        rounding_mm: 0.0,
         tolerance_mm: 0.005,
         tolerance_axis: 0.5_f64.to_radians(),
         top_mm: 50.0,
@@ -116,7 +133,7 @@ fn assert_driven(name: &str, job: &Job) -> Plan {
             assert!(*peak <= 1.01 * limit, "{name} {axis}: {peaks:?} {own:?}");
         }
     }
-    let feed = job.feed.mm_per_s();
+    let feed = feed_of(job);
     assert!(plan.report.speed.max <= 1.001 * feed, "{name}: {:?}", plan.report.speed);
     for sample in &plan.samples {
         let found = machine.forward(&sample.joints.unwrap());
@@ -166,11 +183,8 @@ fn a_straight_swing_through_the_pole_is_driven() {
 #[test]
 fn a_line_takes_the_time_of_the_closed_form() {
     let poses = upright(&[[0.0; 3], [100.0, 0.0, 0.0]]);
-    let job = Job {
-        feed: FeedRate::from_mm_per_min(6000.0).unwrap(),
-        limits: Some(limits()),
-        ..job(poses, Method::Interpolating)
-    };
+    let path = at_feed(&poses, 6000.0);
+    let job = Job { path, limits: Some(limits()), ..job(poses, Method::Interpolating) };
     let plan = plan(&job, &Budget::unlimited()).unwrap();
     // To 100 mm/s within a jerk of 100,000 mm/s3 in 2 sqrt(100 / 100,000) s, at half the speed on average.
     let expected = 1.0 + 2.0 * (100.0_f64 / 1e5).sqrt();
@@ -183,15 +197,14 @@ fn assert_within(name: &str, job: &Job) -> Plan {
     assert!(plan.report.is_within_tolerance, "{name}: {:?}", plan.report);
     let (mut tip, mut angle) = (0.0_f64, 0.0_f64);
     let mut near = 0;
+    let given = given(job);
     for TimedPose { pose, .. } in &plan.samples {
-        let range = near..(near + 60).min(job.poses.len());
+        let range = near..(near + 60).min(given.len());
         near = range
-            .min_by(|a, b| {
-                (job.poses[*a].tip - pose.tip).norm().total_cmp(&(job.poses[*b].tip - pose.tip).norm())
-            })
+            .min_by(|a, b| (given[*a].tip - pose.tip).norm().total_cmp(&(given[*b].tip - pose.tip).norm()))
             .unwrap()
             .max(near);
-        let (distance, turned) = off(&job.poses, pose, near);
+        let (distance, turned) = off(&given, pose, near);
         tip = tip.max(distance);
         angle = angle.max(turned);
     }
@@ -199,7 +212,7 @@ fn assert_within(name: &str, job: &Job) -> Plan {
     assert!(tip <= report.deviation_mm + 1e-9, "{name}: seen {tip}, stated {}", report.deviation_mm);
     assert!(angle <= report.deviation_axis + 1e-8, "{name}: seen {angle}, stated {}", report.deviation_axis);
     let (first, last) = (plan.samples[0].pose, plan.samples[plan.samples.len() - 1].pose);
-    let ends = (job.poses[0], job.poses[job.poses.len() - 1]);
+    let ends = (given[0], given[given.len() - 1]);
     assert!((first.tip - ends.0.tip).norm() < 1e-12 && (last.tip - ends.1.tip).norm() < 1e-12, "{name}");
     assert!(first.axis.angle(&ends.0.axis) < 1e-7 && last.axis.angle(&ends.1.axis) < 1e-7, "{name}");
     plan

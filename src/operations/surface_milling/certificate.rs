@@ -31,7 +31,7 @@ fn curve(step: &Move) -> Option<Curve> {
     match step {
         Move::Rapid { line } => Some(Curve::Line(*line)),
         Move::Feed { along, .. } => Some(*along),
-        Move::Dwell { .. } => None,
+        Move::Turn { .. } | Move::Dwell { .. } => None,
     }
 }
 

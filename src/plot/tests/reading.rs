@@ -141,7 +141,7 @@ fn classed(step: &Move) -> Option<(&'static str, Curve)> {
             };
             Some((class, *along))
         }
-        Move::Dwell { .. } => None,
+        Move::Turn { .. } | Move::Dwell { .. } => None,
     }
 }
 

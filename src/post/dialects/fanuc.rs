@@ -12,7 +12,7 @@
 //!   G5.1 (contour control).
 
 use crate::post::dialect::{
-    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber,
+    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber, TipControl,
 };
 
 pub const FANUC: Dialect = Dialect {
@@ -34,6 +34,9 @@ pub const FANUC: Dialect = Dialect {
     block_numbers: BlockNumbers { step: 10, max: 99_990 },
     dwell: Dwell::Milliseconds,
     parabolas: Parabolas::AsLines,
+    // IS-C. A control with IS-B rounds to three decimals.
+    angle_decimals: 4,
+    tip_control: TipControl { angles: Some("G43.4"), vectors: Some("G43.5") },
     start: &[
         Frame::Header,
         // The control wants G20 or G21 in a block of its own, before all other codes.

@@ -9,7 +9,9 @@
 //!   deviation in the program's header includes the distance of these arcs from the parabola.
 //! * The program ends with M30, without percent signs.
 
-use crate::post::dialect::{BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point};
+use crate::post::dialect::{
+    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, TipControl,
+};
 
 pub const LINUXCNC: Dialect = Dialect {
     name: "linuxcnc",
@@ -36,6 +38,9 @@ pub const LINUXCNC: Dialect = Dialect {
     // G5.1 needs G17, no Z word, and I and J in every block. It is not modal: a block behind it without a G
     // word would run as the last of G0 to G3.
     parabolas: Parabolas::InXy,
+    // A ten-thousandth of a degree would move a point 200 mm beside the axis by a third of a micrometre.
+    angle_decimals: 5,
+    tip_control: TipControl { angles: None, vectors: None },
     start: &[
         Frame::Header,
         Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },

@@ -57,7 +57,13 @@ fn inches_are_read_as_millimetres() {
 fn every_fault_is_found_with_its_line() {
     let before = "G21 F100\nG0 X0 Y0 Z0\n";
     let cases = [
-        ("G1 X1 A5", Fault::UnknownWord('A')),
+        ("G1 X1 U5", Fault::UnknownWord('U')),
+        ("G2 X1 I.5 A5", Fault::Conflict),
+        ("G1 X1 A5 I1", Fault::Unused('I')),
+        ("G93 G1 X1 A5", Fault::NoFeed),
+        ("G93 G1 X1 F5", Fault::Conflict),
+        ("G93 G94", Fault::Conflict),
+        ("G43.4 H1", Fault::UnknownG(43.4)),
         ("G1 Xé", Fault::BadNumber('X')),
         ("é", Fault::UnknownWord('é')),
         ("G1 X", Fault::BadNumber('X')),

@@ -8,7 +8,7 @@ use crate::post::nc::{Codes, Lexer, Token};
 const MAX_NUMBER_LENGTH: usize = 40;
 
 /// Letters that carry a value, at most once a line.
-const VALUES: &str = "FHIJKNPQSTXYZ";
+const VALUES: &str = "ABCFHIJKNPQSTXYZ";
 
 /// The text of every value by its letter, and the G and M codes in tenths.
 pub struct Words<'a> {

@@ -97,6 +97,7 @@ fn a_header_is_in_the_units_of_the_program_and_a_page_at_most() {
             dialect,
             comments: &notes,
             warnings: &[],
+            five_axes: None,
         };
         let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
         let header: Vec<&str> = text.lines().filter(|line| line.starts_with('(')).collect();

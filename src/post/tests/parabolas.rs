@@ -83,6 +83,7 @@ fn a_changed_spline_fails_the_check() {
         dialect,
         comments: &[],
         warnings: &[],
+        five_axes: None,
     };
     let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap().blocks;
     let text = write(&wave(), &job, &Budget::unlimited()).unwrap().text;
@@ -95,12 +96,11 @@ fn a_changed_spline_fails_the_check() {
     ] {
         let changed = text.replacen(from, to, 1);
         let error =
-            check::read_back(&changed, &blocks, dialect, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+            check::read_back(&changed, &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
     let unsaid = text.replacen("G1 X4.000", "X4.000", 1);
-    let error =
-        check::read_back(&unsaid, &blocks, dialect, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+    let error = check::read_back(&unsaid, &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
     assert!(matches!(error, WriteError::Unreadable(_)), "{error}");
 }
 

@@ -75,7 +75,7 @@ fn formats(document: &Value, path: &str) -> Vec<String> {
 
 /// Whether an endpoint answers with a toolpath.
 fn is_path(path: &str) -> bool {
-    !["/v1/surfaces/model", "/v1/surfaces/drop", "/v1/five-axis/smooth"].contains(&path)
+    !["/v1/surfaces/model", "/v1/surfaces/drop"].contains(&path)
 }
 
 #[test]

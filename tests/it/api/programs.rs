@@ -93,7 +93,7 @@ fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
     assert_eq!(report["dialect"], dialect.name);
     let largest = steps.iter().fold(0f64, |largest, step| match step {
         Step::Feed { radius_mismatch_mm, .. } => largest.max(*radius_mismatch_mm),
-        Step::Rapid { .. } | Step::Dwell { .. } => largest,
+        Step::Rapid { .. } | Step::Posed(_) | Step::Dwell { .. } => largest,
     });
     let figure = |name: &str| report[name].as_f64().expect("a figure");
     assert!((figure("radius_mismatch_max_mm") - largest).abs() < 1e-9, "the mismatch is {largest}");
@@ -141,7 +141,8 @@ async fn every_violation_in_a_move_has_its_code_and_its_pointer() {
         ("/3/kind", json!("parabola"), "missing_field", "/3/control"),
         ("/3/kind", json!("spline"), "unsupported", "/3/kind"),
         ("/3/kind", json!("curve"), "unknown_value", "/3/kind"),
-        ("/3/axis", json!([0, 0, 1]), "unsupported", "/3/axis"),
+        ("/3/axis", json!([0, 0, 0]), "out_of_range", "/3/axis"),
+        ("/3", json!({ "kind": "turn", "axis": [0, 1, 0] }), "feed_required", "/3/seconds"),
         ("/3/role", json!("cutting"), "unknown_value", "/3/role"),
         ("/3/feed_mm_per_min", json!(0), "out_of_range", "/3/feed_mm_per_min"),
         ("/0/feed_mm_per_min", json!(9), "unknown_field", "/0/feed_mm_per_min"),

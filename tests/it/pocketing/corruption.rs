@@ -23,6 +23,7 @@ fn push(builder: &mut Builder, step: &Move) {
     match *step {
         Move::Rapid { line } => builder.rapid(line.end),
         Move::Feed { along, rate, role } => builder.follow(along, rate, role),
+        Move::Turn { .. } => panic!("pockets lean no tool"),
         Move::Dwell { seconds } => builder.dwell(seconds),
     }
     .unwrap();
@@ -70,7 +71,7 @@ fn shifted(plan: &Plan, by: Vector3<f64>) -> Plan {
                 Move::Feed { along, rate, role } => {
                     Move::Feed { along: curve(along), rate: *rate, role: *role }
                 }
-                Move::Dwell { seconds } => Move::Dwell { seconds: *seconds },
+                Move::Turn { .. } | Move::Dwell { .. } => *step,
             };
             push(&mut builder, &other);
         }

@@ -59,7 +59,7 @@ pub fn motions(toolpath: &Toolpath) -> Vec<Motion> {
                 Move::Feed { along, rate, role } => {
                     (Kind::Feed(*role), *along, rate.map(|rate| rate.mm_per_min()))
                 }
-                Move::Dwell { .. } => panic!("pockets have no dwells"),
+                Move::Turn { .. } | Move::Dwell { .. } => panic!("pockets neither dwell nor lean the tool"),
             };
             let z = [curve.start().z, curve.end().z];
             found.push(Motion { kind, piece: piece(&curve), z, feed, level: moves.level(), pass });

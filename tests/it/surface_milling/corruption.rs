@@ -128,7 +128,7 @@ fn corruptions(step: &Move, tolerance_mm: f64, random: &mut Random) -> Vec<Curve
             ];
         }
         Move::Feed { along, .. } => *along,
-        Move::Dwell { .. } => return Vec::new(),
+        Move::Turn { .. } | Move::Dwell { .. } => return Vec::new(),
     };
     let (start, end) = (along.start(), along.end());
     let way = (end - start).try_normalize(0.0).unwrap_or_default();

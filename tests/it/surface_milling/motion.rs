@@ -143,7 +143,7 @@ pub fn planned(plan: &Plan) -> Vec<Vec<(Kind, Motion)>> {
             };
             (kind, Motion::of(along))
         }
-        Move::Dwell { .. } => panic!("milling makes no dwells"),
+        Move::Turn { .. } | Move::Dwell { .. } => panic!("milling neither dwells nor leans the tool"),
     };
     plan.toolpath.passes().iter().map(|pass| pass.moves().iter().map(motion).collect()).collect()
 }
@@ -169,6 +169,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         dialect,
         comments: &[],
         warnings: &[],
+        five_axes: None,
     };
     let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
@@ -194,7 +195,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let motion = Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap());
                 Some((kind_of(&motion), motion))
             }
-            Step::Dwell { .. } => panic!("milling makes no dwells"),
+            Step::Posed(_) | Step::Dwell { .. } => panic!("milling neither dwells nor leans the tool"),
         })
         .collect()
 }

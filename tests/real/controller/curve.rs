@@ -71,6 +71,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
             dialect: linuxcnc,
             comments: &[],
             warnings: &[],
+            five_axes: None,
         },
         &Budget::unlimited(),
     )

@@ -111,6 +111,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             dialect,
             comments: &[],
             warnings: &[],
+            five_axes: None,
         };
         let name = format!("random{seed}");
         let found = post::write(&case.toolpath, &job, &Budget::unlimited())

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use utoipa::openapi::Ref;
 
-use super::AxisDirection;
 use crate::http::decode::object;
+use crate::http::dto::axis::{self, AxisDirection};
 use crate::http::dto::check::{Range, Violations};
 use crate::http::dto::names::{from_core, into_core};
 use crate::http::dto::point::{Coordinates, Point};
@@ -193,7 +193,7 @@ impl SentRotary {
         let Self { direction, point_mm, travel_deg, wrapped, mirrored } = self;
         let direction = match direction {
             None => Some(direction_of(letter)),
-            Some(own) => super::unit(own, &at.field("direction"), violations),
+            Some(own) => axis::unit(own, &at.field("direction"), violations),
         };
         if let Some(point) = &point_mm {
             point.check(&at.field("point_mm"), violations);

@@ -1,0 +1,79 @@
+//! How a program states the tool axis.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use crate::http::dto::check::Violations;
+use crate::http::dto::names::into_core;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use crate::machine::{Machine, Straying};
+use crate::post::{self, Dialect, FiveAxes};
+
+/// How a program states the tool axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxisOutput {
+    /// The tip and the angles of the rotary axes (Fanuc: G43.4). The control keeps the tip on its line.
+    Angles,
+    /// The tip and the vector of the tool axis (Fanuc: G43.5).
+    Vectors,
+    /// The positions of all five axes of the machine, with the time of each block (G93).
+    Machine,
+}
+
+into_core!(AxisOutput => post::AxisOutput, [Angles, Vectors, Machine]);
+
+/// What a program of a leaning tool needs besides the toolpath.
+#[derive(Debug, Clone)]
+pub struct AxisSetup {
+    output: post::AxisOutput,
+    machine: Option<Machine>,
+    allowed: Straying,
+}
+
+impl AxisSetup {
+    /// The way that was asked for, or the usual one of the dialect. `None` where neither `axis_output` nor
+    /// `machine` was sent and the dialect writes no vectors. Adds violations to `violations`.
+    pub fn choose(
+        sent: Option<AxisOutput>,
+        machine: Option<Machine>,
+        dialect: &Dialect,
+        allowed: Straying,
+        violations: &mut Violations,
+    ) -> Option<Self> {
+        use post::AxisOutput::{Angles, Machine as Positions, Vectors};
+        let codes = dialect.tip_control;
+        let output = match sent.map(post::AxisOutput::from) {
+            Some(output) => output,
+            None if machine.is_some() && codes.angles.is_some() => Angles,
+            None if machine.is_some() => Positions,
+            None if codes.vectors.is_some() => Vectors,
+            None => return None,
+        };
+        let is_known = match output {
+            Angles => codes.angles.is_some(),
+            Vectors => codes.vectors.is_some(),
+            Positions => true,
+        };
+        if !is_known {
+            let at = Pointer::root().field("axis_output");
+            let detail = format!("the dialect `{}` cannot write this; leave `axis_output` out", dialect.name);
+            violations.add(&at, FieldCode::Unsupported, detail);
+        } else if machine.is_none() && output != Vectors {
+            let detail = "angles and positions of axes need a machine: send `machine`";
+            violations.add(&Pointer::root().field("machine"), FieldCode::MissingField, detail);
+        }
+        Some(Self { output, machine, allowed })
+    }
+
+    /// The same for the writer of programs.
+    pub fn five_axes(&self) -> FiveAxes<'_> {
+        FiveAxes { output: self.output, machine: self.machine.as_ref(), allowed: self.allowed }
+    }
+
+    /// How far the tip may stray between blocks, mm: only where the program states positions.
+    pub fn strays_mm(&self) -> f64 {
+        if self.output == post::AxisOutput::Machine { self.allowed.tip_mm } else { 0.0 }
+    }
+}

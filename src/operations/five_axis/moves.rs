@@ -1,0 +1,190 @@
+//! The toolpath of smooth rails: straight moves whose ends lie on the rails.
+//!
+//! # Method
+//! A polynomial leaves the chord of its ends by at most an eighth of its largest second derivative, which its
+//! Bernstein coefficients bound. So each span is divided evenly into as many chords as the allowed height
+//! needs. The chords are proved against the given path as the rails are (`deviation`).
+//!
+//! # Guarantees
+//! * The moves are within the stated deviation of the given path, and the given path within it of the moves.
+//! * The feed of a move is the largest speed of the motion on it. A control that plans its own ramps then
+//!   loses no time, and goes nowhere faster than the motion within limits does.
+//!
+//! # Cost
+//! O(n) for n moves.
+
+use nalgebra::Vector3;
+
+use super::deviation::{Deviation, of_points, of_span};
+use super::drive::Drive;
+use super::path::{Block, Path};
+use super::rail::{Piece, Span, tip, top};
+use super::stations::pose;
+use super::{FiveAxisError, Job, Rails};
+use crate::budget::Budget;
+use crate::toolpath::path::{Builder, Role, Toolpath};
+use crate::toolpath::pose::{Pace, Pose};
+use crate::toolpath::units::FeedRate;
+
+/// The part of a tolerance that chords may take beside the rails.
+pub const CHORDS: f64 = 0.125;
+
+/// The same around corners, where the chords go farther from the corner than the rails do.
+pub const CHORDS_AT_CORNERS: f64 = 0.03;
+
+/// Chords of one span, at most.
+const MOST_CHORDS: f64 = 10_000.0;
+
+/// Moves between two checks of the budget.
+const BETWEEN_CHECKS: usize = 256;
+
+/// No move is slower, mm/min: the slowest feed that a request may ask for.
+const SLOWEST_MM_PER_MIN: f64 = 0.001;
+
+/// The moves along rails.
+pub struct Moves {
+    pub toolpath: Toolpath,
+    /// Of the moves from the given path.
+    pub deviation: Deviation,
+}
+
+/// The height of chords that is allowed beside a tolerance.
+fn allowed(tolerance: Deviation, part: f64) -> Deviation {
+    Deviation { tip_mm: part * tolerance.tip_mm, axis: part * tolerance.axis }
+}
+
+pub fn moves(
+    job: &Job,
+    path: &Path,
+    rails: &Rails,
+    drive: Option<&Drive>,
+    budget: &Budget,
+) -> Result<Moves, FiveAxisError> {
+    let pieces = &rails.rail.pieces;
+    let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+    let start = pose(&first.spans[0].start());
+    let end = pose(&last.spans[last.spans.len() - 1].end());
+    let begins_with_feed = !first.is_rapid && job.path[0].pace != Pace::Rapid;
+    let away = |pose: &Pose| pose.tip + pose.axis.into_inner() * job.retract_mm;
+    let begins = if begins_with_feed { away(&start) } else { start.tip };
+    let mut moving = Moving {
+        builder: Toolpath::builder(begins),
+        deviation: Deviation::NONE,
+        allowed: allowed(job.tolerance(), CHORDS),
+        allowed_at_corners: allowed(job.tolerance(), CHORDS_AT_CORNERS),
+        path,
+        rails,
+        drive,
+    };
+    moving.builder.begin_leaning_pass(None, start.axis);
+    if begins_with_feed {
+        moving.builder.line(start.tip, rate(first.feeds[0]), Role::LeadIn)?;
+    }
+    for (k, piece) in pieces.iter().enumerate() {
+        let begins_pass = k > 0 && (piece.is_rapid || pieces[k - 1].is_rapid);
+        if begins_pass {
+            moving.builder.begin_pass(None);
+        }
+        moving.piece(k, piece, budget)?;
+    }
+    if !last.is_rapid {
+        moving.builder.line(away(&end), rate(last.feeds[last.feeds.len() - 1]), Role::LeadOut)?;
+    }
+    Ok(Moves { toolpath: moving.builder.finish()?, deviation: moving.deviation })
+}
+
+struct Moving<'a> {
+    builder: Builder,
+    deviation: Deviation,
+    allowed: Deviation,
+    allowed_at_corners: Deviation,
+    path: &'a Path,
+    rails: &'a Rails,
+    drive: Option<&'a Drive<'a>>,
+}
+
+impl Moving<'_> {
+    fn piece(&mut self, k: usize, piece: &Piece, budget: &Budget) -> Result<(), FiveAxisError> {
+        if piece.is_rapid {
+            let end = pose(&piece.spans[piece.spans.len() - 1].end());
+            self.builder.turn_next(end.axis)?;
+            return Ok(self.builder.rapid(end.tip)?);
+        }
+        let rests = piece.rests();
+        for (n, span) in piece.spans.iter().enumerate() {
+            if n.is_multiple_of(BETWEEN_CHECKS) {
+                budget.check()?;
+            }
+            // Spans of the paper's method replace several blocks too; that method promises nothing.
+            let is_blend = self.rails.n_blends > 0 && piece.blocks[n][0] < piece.blocks[n][1];
+            let count = chords(span, if is_blend { self.allowed_at_corners } else { self.allowed });
+            let at = |i: usize| {
+                if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
+            };
+            let places: Vec<_> = (0..=count).map(|i| span.jet(at(i))[0]).collect();
+            let blocks: Vec<Block> = {
+                let [first, last] = piece.blocks[n];
+                (first..=last).map(|block| self.path.block(block)).collect()
+            };
+            for i in 0..count {
+                let to = pose(&places[i + 1]);
+                let ends = [at(i), at(i + 1)];
+                if rests {
+                    let seconds = match self.drive {
+                        Some(drive) => drive.seconds(k, ends),
+                        None => (top(&places[i + 1]) - top(&places[i])).norm() / piece.feeds[n],
+                    };
+                    self.builder.turn(to.axis, Some(seconds), Role::Cut)?;
+                } else {
+                    let chord = Span::line(at(i), at(i + 1), places[i], places[i + 1]);
+                    // What is no farther than the rails need not be known exactly.
+                    self.deviation = self.deviation.max(of_span(&chord, &blocks, self.rails.deviation));
+                    let speed = self.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
+                    self.builder.turn_next(to.axis)?;
+                    self.builder.line(to.tip, rate(speed), Role::Cut)?;
+                }
+            }
+            if is_blend {
+                let tips: Vec<Vector3<f64>> = places.iter().map(tip).collect();
+                self.deviation.tip_mm = self.deviation.tip_mm.max(corner(&tips, &blocks));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The distance of the corner of two blocks from the chords around it, and of the lines that lead to it, mm.
+fn corner(chords: &[Vector3<f64>], blocks: &[Block]) -> f64 {
+    const PARTS: usize = 8;
+    let points: Vec<Vector3<f64>> = chords
+        .windows(2)
+        .flat_map(|pair| (0..=PARTS).map(|k| pair[0].lerp(&pair[1], k as f64 / PARTS as f64)))
+        .collect();
+    let part = |block: &Block, p: &Vector3<f64>| super::deviation::part_of(block, p).clamp(0.0, 1.0);
+    let (leaves, meets) = (&chords[0], &chords[chords.len() - 1]);
+    of_points(&points, &blocks[0], [part(&blocks[0], leaves), 1.0]).max(of_points(
+        &points,
+        &blocks[1],
+        [0.0, part(&blocks[1], meets)],
+    ))
+}
+
+/// The chords of a span whose heights are allowed.
+fn chords(span: &Span, allowed: Deviation) -> usize {
+    let second = span.control.windows(3).map(|p| p[2] - p[1] * 2.0 + p[0]);
+    let (mut of_tip, mut of_top, mut shortest) = (0.0_f64, 0.0_f64, f64::INFINITY);
+    for bend in second {
+        of_tip = of_tip.max(tip(&bend).norm());
+        of_top = of_top.max(top(&bend).norm());
+    }
+    for p in &span.control {
+        shortest = shortest.min(top(p).norm());
+    }
+    // The second derivative of a quintic has 20 times the second differences.
+    let height = (2.5 * of_tip / allowed.tip_mm).max(2.5 * of_top / (shortest * allowed.axis));
+    height.sqrt().ceil().clamp(1.0, MOST_CHORDS) as usize
+}
+
+fn rate(mm_per_s: f64) -> Option<FeedRate> {
+    FeedRate::from_mm_per_min((60.0 * mm_per_s).max(SLOWEST_MM_PER_MIN))
+}

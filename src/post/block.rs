@@ -1,0 +1,84 @@
+//! The blocks of a program, with integer coordinates.
+
+use super::WriteError;
+use super::words::FeedWord;
+use crate::geometry::curve::Direction;
+use crate::geometry::plane::Plane;
+
+/// The longest dwell, s: eleven days. A longer dwell is taken for a mistake and refused.
+const MAX_DWELL_S: f64 = 1e6;
+
+/// One block of motion or dwell. Positions are absolute, in units of the last decimal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Block {
+    /// Moves the axes that have a value.
+    Rapid {
+        to: [Option<i64>; 3],
+    },
+    Line {
+        to: [i64; 3],
+        feed: FeedWord,
+    },
+    /// `center` counts from the start along the plane's first and second axis.
+    Arc {
+        plane: Plane,
+        direction: Direction,
+        to: [i64; 3],
+        center: [i64; 2],
+        feed: FeedWord,
+    },
+    /// Stays at the height of its start. `control`, the Bezier control point, counts from the start.
+    Parabola {
+        to: [i64; 2],
+        control: [i64; 2],
+        feed: FeedWord,
+    },
+    Dwell {
+        milliseconds: u64,
+    },
+    /// Turns the rotary axes alone, as a rapid.
+    Rotate {
+        angles: [i64; 2],
+    },
+    /// From here on coordinates are those of the tip, whatever the tool axis. Moves there as a rapid.
+    BeginTipControl {
+        to: [i64; 3],
+        axis: AxisWords,
+    },
+    /// A straight motion with the axis at its end.
+    Posed {
+        to: [i64; 3],
+        axis: AxisWords,
+        feed: BlockFeed,
+    },
+    /// Ends the modes of leaning tools.
+    EndPosed,
+}
+
+/// The tool axis as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisWords {
+    /// The angles of both rotary axes, in units of the last decimal of a degree.
+    Angles([i64; 2]),
+    /// The vector of the tool axis, in units of its last decimal.
+    Vector([i64; 3]),
+}
+
+/// How fast a motion with an axis runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BlockFeed {
+    Rapid,
+    /// The feed of the tip.
+    PerMinute(FeedWord),
+    /// One by the minutes that the block takes.
+    InverseTime(FeedWord),
+}
+
+/// The block of a pause; none for a pause that rounds to nothing.
+pub fn pause(seconds: f64) -> Result<Option<Block>, WriteError> {
+    if seconds > MAX_DWELL_S {
+        return Err(WriteError::Dwell { seconds });
+    }
+    let milliseconds = (seconds * 1000.0).round() as u64;
+    Ok((milliseconds > 0).then_some(Block::Dwell { milliseconds }))
+}

@@ -1,0 +1,383 @@
+//! Toolpaths whose tool axis leans: from moves to blocks that state the axis.
+//!
+//! # Method
+//! 1. Every move becomes straight motions between poses (`legs`): the tip on a line, the axis on a great
+//!    circle in step with it. Curves are divided, because a control runs no arc in step with an axis.
+//! 2. [`Machine::follow`] chooses the angles of the rotary axes over the whole toolpath.
+//! 3. A control that is told angles moves all five axes, or the tip and both angles, in step. Between two
+//!    blocks the tool strays from the straight motion ([`Machine::straying`]). A motion is halved until it
+//!    strays by no more than the job allows.
+//! 4. Positions are rounded to the decimals of the program.
+//!
+//! # Guarantees
+//! * At every moment the written tip is within [`Posed::displacement_mm`] of the toolpath, and the written
+//!   axis within `displacement_axis`, rounding counted. For [`AxisOutput::Vectors`] this holds on a control
+//!   that turns the axis on the great circle.
+//! * A rapid of the toolpath is a line at the rapid feed: a machine does not run the rapid of five axes
+//!   straight. Only the way to the first pose and the way up at the end are rapids.
+//!
+//! # Cost
+//! O(n) for n blocks.
+
+use nalgebra::Point3;
+
+use super::block::{AxisWords, Block, BlockFeed, pause};
+use super::words::{self, FeedWord};
+use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
+use crate::budget::Budget;
+use crate::geometry::curve::Curve;
+use crate::machine::{Joints, Machine, Straying};
+use crate::toolpath::flatten::flatten;
+use crate::toolpath::path::{Move, Toolpath};
+use crate::toolpath::pose::Pose;
+use crate::toolpath::quantize::Grid;
+use crate::toolpath::units::FeedRate;
+
+/// How a program states the tool axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisOutput {
+    /// The tip and the angles of the rotary axes; the control keeps the tip on its line.
+    Angles,
+    /// The tip and the vector of the tool axis.
+    Vectors,
+    /// The positions of all five axes of the machine.
+    Machine,
+}
+
+/// What a program of a leaning tool needs besides the toolpath.
+#[derive(Debug, Clone, Copy)]
+pub struct FiveAxes<'a> {
+    pub output: AxisOutput,
+    /// Required but for [`AxisOutput::Vectors`].
+    pub machine: Option<&'a Machine>,
+    /// How far the tool may stray from the toolpath between two blocks, before rounding.
+    pub allowed: Straying,
+}
+
+/// The decimals of a component of a vector.
+pub const VECTOR_DECIMALS: u8 = 7;
+
+/// Halvings of one motion, at most. Each divides the straying by four.
+const MOST_HALVINGS: u32 = 16;
+
+/// How fast the tool turns between two passes, radians per second. Slow enough for any machine.
+const TURN_PER_S: f64 = 0.5;
+
+/// One straight motion.
+struct Leg {
+    to: Pose,
+    pace: Pace,
+}
+
+#[derive(Clone, Copy)]
+enum Pace {
+    Feed(FeedRate),
+    Seconds(f64),
+    /// The tool rests.
+    Dwell(f64),
+}
+
+/// The blocks of a leaning toolpath.
+pub struct Posed {
+    pub blocks: Vec<Block>,
+    pub displacement_mm: f64,
+    /// Radians.
+    pub displacement_axis: f64,
+}
+
+/// # Errors
+/// When the machine cannot follow the toolpath, or a number cannot be written.
+pub fn lower(
+    toolpath: &Toolpath,
+    five: &FiveAxes,
+    job: &ProgramJob,
+    budget: &Budget,
+) -> Result<Posed, WriteError> {
+    let grid = Grid::new(job.program.resolution);
+    let (start, legs) = legs(toolpath, job, 0.5 * grid.step_mm())?;
+    let joints = match (five.output, five.machine) {
+        (AxisOutput::Vectors, _) => None,
+        (_, None) => return Err(WriteError::MachineMissing),
+        (_, Some(machine)) => Some(followed(machine, &start, &legs)?),
+    };
+    let mut lowering = Lowering {
+        five,
+        job,
+        grid,
+        at: [i64::MIN; 3],
+        axis: AxisWords::Angles([i64::MIN; 2]),
+        owed_s: 0.0,
+        blocks: Vec::new(),
+        displacement_mm: 0.0,
+        displacement_axis: 0.0,
+    };
+    let joints_at = |k: usize| joints.as_ref().map(|joints| joints[k]);
+    let clearance = grid.units(job.cutting.clearance_z_mm)?;
+    lowering.approach(&start, joints_at(0), clearance)?;
+    let (mut from, mut checked) = (start, 0);
+    for (k, leg) in legs.iter().enumerate() {
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
+        {
+            budget.check()?;
+            budget.progress("lowering", k, legs.len());
+            checked = lowering.blocks.len();
+        }
+        match leg.pace {
+            Pace::Dwell(seconds) => lowering.dwell(seconds)?,
+            pace => {
+                let ends = [joints_at(k), joints_at(k + 1)];
+                lowering.motion([&from, &leg.to], ends, pace, MOST_HALVINGS)?;
+            }
+        }
+        from = leg.to;
+    }
+    lowering.retract(clearance)?;
+    let Lowering { blocks, displacement_mm, displacement_axis, .. } = lowering;
+    Ok(Posed { blocks, displacement_mm, displacement_axis })
+}
+
+/// The start and the straight motions of a toolpath. Chords stay within `chord_mm` of curves.
+fn legs(toolpath: &Toolpath, job: &ProgramJob, chord_mm: f64) -> Result<(Pose, Vec<Leg>), WriteError> {
+    let mut tip = toolpath.start();
+    let first = toolpath.passes().first().map(|pass| pass.axes().start());
+    let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
+    let mut axis = start.axis;
+    let mut legs = Vec::new();
+    let mut push = |to: Pose, pace: Pace| {
+        legs.push(Leg { to, pace });
+        if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
+    };
+    for pass in toolpath.passes() {
+        let begins = pass.axes().start();
+        if begins != axis {
+            let angle = axis.cross(&begins).norm().atan2(axis.dot(&begins));
+            push(Pose { tip, axis: begins }, Pace::Seconds(angle / TURN_PER_S))?;
+            axis = begins;
+        }
+        for (k, step) in pass.moves().iter().enumerate() {
+            let from = Pose { tip, axis };
+            axis = pass.axes().after(k);
+            match step {
+                Move::Rapid { line } => {
+                    tip = line.end;
+                    push(Pose { tip, axis }, Pace::Feed(job.cutting.rapid_feed))?;
+                }
+                Move::Feed { along, rate, .. } => {
+                    let rate = rate.ok_or(WriteError::FeedMissing)?;
+                    let points = match along {
+                        Curve::Line(line) => vec![line.start, line.end],
+                        curve => flatten(curve, chord_mm, MAX_BLOCKS)
+                            .map_err(|_| WriteError::TooManyBlocks { limit: MAX_BLOCKS })?,
+                    };
+                    let parts = (points.len() - 1) as f64;
+                    tip = along.end();
+                    let to = Pose { tip, axis };
+                    for (n, point) in points.into_iter().enumerate().skip(1) {
+                        let axis = from.between(&to, n as f64 / parts).axis;
+                        push(Pose { tip: point, axis }, Pace::Feed(rate))?;
+                    }
+                }
+                Move::Turn { seconds, .. } => {
+                    push(Pose { tip, axis }, Pace::Seconds(seconds.ok_or(WriteError::FeedMissing)?))?;
+                }
+                Move::Dwell { seconds } => push(from, Pace::Dwell(*seconds))?,
+            }
+        }
+    }
+    Ok((start, legs))
+}
+
+/// The positions at the start and at the end of each motion.
+fn followed(machine: &Machine, start: &Pose, legs: &[Leg]) -> Result<Vec<Joints>, WriteError> {
+    let poses: Vec<Pose> = std::iter::once(*start).chain(legs.iter().map(|leg| leg.to)).collect();
+    machine.follow(&poses, [0.0; 2]).map_err(|error| {
+        let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
+        WriteError::NotFollowed { error, at }
+    })
+}
+
+struct Lowering<'a> {
+    five: &'a FiveAxes<'a>,
+    job: &'a ProgramJob<'a>,
+    grid: Grid,
+    /// The position as last written: the tip, or the linear axes.
+    at: [i64; 3],
+    axis: AxisWords,
+    /// The time of motions that are too short to be written.
+    owed_s: f64,
+    blocks: Vec<Block>,
+    displacement_mm: f64,
+    displacement_axis: f64,
+}
+
+impl Lowering<'_> {
+    /// Turns the rotary axes where the tool was changed, then brings the tip to the start.
+    fn approach(&mut self, start: &Pose, joints: Option<Joints>, clearance: i64) -> Result<(), WriteError> {
+        (self.at, self.axis) = self.rounded(start, joints)?;
+        let [x, y, z] = self.at;
+        if let AxisWords::Angles(angles) = self.axis {
+            self.push(Block::Rotate { angles })?;
+        }
+        if self.five.output == AxisOutput::Machine {
+            self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+            return self.push(Block::Rapid { to: [None, None, Some(z)] });
+        }
+        self.push(Block::BeginTipControl { to: [x, y, z.max(clearance)], axis: self.axis })?;
+        if z < clearance {
+            self.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
+        }
+        Ok(())
+    }
+
+    /// Goes up to the clearance plane, and ends the modes.
+    fn retract(&mut self, clearance: i64) -> Result<(), WriteError> {
+        if self.at[2] < clearance {
+            self.at[2] = clearance;
+            self.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
+        }
+        self.push(Block::EndPosed)
+    }
+
+    /// A straight motion, in as many blocks as its straying needs.
+    fn motion(
+        &mut self,
+        [from, to]: [&Pose; 2],
+        joints: [Option<Joints>; 2],
+        pace: Pace,
+        halvings: u32,
+    ) -> Result<(), WriteError> {
+        let ([Some(first), Some(last)], Some(machine)) = (joints, self.five.machine) else {
+            return self.block([from, to], joints[1], pace);
+        };
+        let straying = self.straying(&first, &last);
+        let allowed = self.five.allowed;
+        if straying.tip_mm <= allowed.tip_mm && straying.axis <= allowed.axis {
+            return self.block([from, to], joints[1], pace);
+        }
+        if halvings == 0 {
+            return Err(WriteError::NearPole { at: from.tip });
+        }
+        let middle = from.between(to, 0.5);
+        let near = [0, 1].map(|k| 0.5 * (first.rotary[k] + last.rotary[k]));
+        let there = machine.nearest(&middle, near);
+        let half = match pace {
+            Pace::Seconds(seconds) => Pace::Seconds(0.5 * seconds),
+            pace => pace,
+        };
+        self.motion([from, &middle], [Some(first), Some(there)], half, halvings - 1)?;
+        self.motion([&middle, to], [Some(there), Some(last)], half, halvings - 1)
+    }
+
+    /// How far the tool strays between two positions.
+    fn straying(&self, from: &Joints, to: &Joints) -> Straying {
+        let Some(machine) = self.five.machine else { return Straying::default() };
+        let straying = machine.straying(from, to);
+        match self.five.output {
+            AxisOutput::Machine => straying,
+            // The control keeps the tip on its line.
+            AxisOutput::Angles | AxisOutput::Vectors => Straying { tip_mm: 0.0, ..straying },
+        }
+    }
+
+    fn block(
+        &mut self,
+        [from, to]: [&Pose; 2],
+        joints: Option<Joints>,
+        pace: Pace,
+    ) -> Result<(), WriteError> {
+        let (at, axis) = self.rounded(to, joints)?;
+        let off = self.rounding(to, at, axis);
+        let straying = match (self.positions(self.at, self.axis), self.positions(at, axis)) {
+            (Some(first), Some(last)) => self.straying(&first, &last),
+            _ => Straying::default(),
+        };
+        self.displacement_mm = self.displacement_mm.max(off.tip_mm + straying.tip_mm);
+        self.displacement_axis = self.displacement_axis.max(off.axis + straying.axis);
+        let length = (to.tip - from.tip).norm();
+        let seconds = self.owed_s
+            + match pace {
+                Pace::Feed(rate) => length / rate.mm_per_s(),
+                Pace::Seconds(seconds) | Pace::Dwell(seconds) => seconds,
+            };
+        if (at, axis) == (self.at, self.axis) {
+            self.owed_s = seconds;
+            return Ok(());
+        }
+        let rests = at == self.at;
+        (self.at, self.axis, self.owed_s) = (at, axis, 0.0);
+        let feed = match pace {
+            Pace::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => {
+                BlockFeed::PerMinute(words::feed(rate, self.job.program.resolution.units)?)
+            }
+            _ => BlockFeed::InverseTime(inverse_time(seconds)?),
+        };
+        self.push(Block::Posed { to: at, axis, feed })
+    }
+
+    /// The positions of the axes that words state; none for vectors.
+    fn positions(&self, at: [i64; 3], axis: AxisWords) -> Option<Joints> {
+        let AxisWords::Angles(angles) = axis else { return None };
+        let scale = 10f64.powi(i32::from(self.job.dialect.angle_decimals));
+        let rotary = angles.map(|units| (units as f64 / scale).to_radians());
+        Some(Joints { linear_mm: at.map(|units| self.grid.mm(units)), rotary })
+    }
+
+    /// The position and the axis in units of their last decimals.
+    fn rounded(&self, pose: &Pose, joints: Option<Joints>) -> Result<([i64; 3], AxisWords), WriteError> {
+        let tip = |tip: &Point3<f64>| self.grid.round(tip).map_err(WriteError::from);
+        let Some(joints) = joints else {
+            let scale = 10f64.powi(i32::from(VECTOR_DECIMALS));
+            let parts = [0, 1, 2].map(|k| (pose.axis[k] * scale).round() as i64);
+            return Ok((tip(&pose.tip)?, AxisWords::Vector(parts)));
+        };
+        let scale = 10f64.powi(i32::from(self.job.dialect.angle_decimals));
+        let angles = joints.rotary.map(|angle| (angle.to_degrees() * scale).round() as i64);
+        let place = match self.five.output {
+            AxisOutput::Machine => Point3::from(joints.linear_mm),
+            AxisOutput::Angles | AxisOutput::Vectors => pose.tip,
+        };
+        Ok((tip(&place)?, AxisWords::Angles(angles)))
+    }
+
+    /// How far a written pose is from the pose it was made of.
+    fn rounding(&self, pose: &Pose, at: [i64; 3], axis: AxisWords) -> Straying {
+        let place = Point3::from(at.map(|units| self.grid.mm(units)));
+        let written = match (axis, self.positions(at, axis), self.five.machine) {
+            (_, Some(joints), Some(machine)) => {
+                let pose = machine.forward(&joints);
+                if self.five.output == AxisOutput::Machine { pose } else { Pose { tip: place, ..pose } }
+            }
+            (AxisWords::Vector(parts), ..) => {
+                let vector = nalgebra::Vector3::from(parts.map(|units| units as f64));
+                Pose { tip: place, axis: nalgebra::Unit::new_normalize(vector) }
+            }
+            _ => Pose { tip: place, ..*pose },
+        };
+        let angle = written.axis.cross(&pose.axis).norm().atan2(written.axis.dot(&pose.axis));
+        Straying { tip_mm: (written.tip - pose.tip).norm(), axis: angle }
+    }
+
+    fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
+        match pause(seconds)? {
+            Some(block) => self.push(block),
+            None => Ok(()),
+        }
+    }
+
+    fn push(&mut self, block: Block) -> Result<(), WriteError> {
+        if self.blocks.len() >= MAX_BLOCKS {
+            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
+        }
+        self.blocks.push(block);
+        Ok(())
+    }
+}
+
+/// The F word of a block under G93: one by its minutes.
+fn inverse_time(seconds: f64) -> Result<FeedWord, WriteError> {
+    // A motion of no time gets the shortest time that a control reads.
+    words::per_minute(60.0 / seconds.max(SHORTEST_S)).ok_or(WriteError::InverseTime { seconds })
+}
+
+/// The shortest time of a block, s.
+const SHORTEST_S: f64 = 1e-4;

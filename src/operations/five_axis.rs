@@ -3,7 +3,7 @@
 //! # Method
 //! 1. Poses that repeat the one before are left out (`path`).
 //! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
-//!    (`smooth`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
+//!    (`smooth`, `tube`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
 //! 3. Each span is proved against the blocks that it replaces (`deviation`).
 //! 4. The motion along the rails, at the feed or within limits (`drive`), is sampled (`motion`).
 //! 5. Chords of the rails are the moves of the toolpath (`moves`).
@@ -43,6 +43,7 @@ mod smooth;
 mod stations;
 #[cfg(test)]
 mod tests;
+mod tube;
 
 use nalgebra::{Point3, Vector3};
 
@@ -59,7 +60,7 @@ use motion::{ConstantFeed, peaks};
 pub use moves::CHORDS;
 use moves::CHORDS_AT_CORNERS;
 use path::Path;
-use rail::Rail;
+use rail::{Rail, Source};
 use schedule::ScheduleError;
 use stations::{follow, pose};
 
@@ -69,6 +70,8 @@ pub enum Method {
     /// Rails through all poses, with blends at corners.
     #[default]
     Interpolating,
+    /// Rails of few spans and least jerk inside the tolerance, with blends at corners.
+    Tube,
     /// The method of the paper, as printed but for its misprints.
     Paper,
     /// The blocks as they are.
@@ -252,14 +255,20 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
 /// The rails of all sections one after the other. A rapid is a line of its own.
 fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError> {
     let tolerance = job.tolerance();
-    let room_mm = (job.rounding_mm + CHORDS_AT_CORNERS * tolerance.tip_mm).min(0.5 * tolerance.tip_mm);
+    let room = |chords: f64| Deviation {
+        tip_mm: job.rounding_mm + chords * tolerance.tip_mm,
+        axis: chords * tolerance.axis,
+    };
     let mut all = Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: 2 };
     for section in path.sections() {
         let stations = &path.stations[section.start..=section.end];
         let is_rapid = path.paces[section.start] == Pace::Rapid;
         let own = match job.method {
             _ if is_rapid => linear::rails(stations),
-            Method::Interpolating => smooth::smooth(stations, tolerance, room_mm, budget)?,
+            Method::Interpolating => {
+                smooth::smooth(stations, tolerance, room(CHORDS_AT_CORNERS), false, budget)?
+            }
+            Method::Tube => smooth::smooth(stations, tolerance, room(CHORDS), true, budget)?,
             Method::Paper => paper::rails(stations, tolerance, budget)?,
             Method::Linear => linear::rails(stations),
         };
@@ -268,16 +277,18 @@ fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError
         all.continuity = if is_rapid { all.continuity } else { all.continuity.min(own.continuity) };
         for mut piece in own.rail.pieces {
             piece.is_rapid = is_rapid;
-            for blocks in &mut piece.blocks {
-                *blocks = blocks.map(|block| block + section.start);
+            for source in &mut piece.sources {
+                *source = source.after(section.start);
             }
             let feed = |block: usize| match path.paces[block] {
                 Pace::Rapid => job.rapid_feed.mm_per_s(),
                 Pace::Feed(feed) => feed.mm_per_s(),
             };
-            let slowest =
-                |[first, last]: &[usize; 2]| (*first..=*last).map(feed).fold(f64::INFINITY, f64::min);
-            piece.feeds = piece.blocks.iter().map(slowest).collect();
+            let slowest = |source: &Source| {
+                let [first, last] = source.blocks();
+                (first..=last).map(feed).fold(f64::INFINITY, f64::min)
+            };
+            piece.feeds = piece.sources.iter().map(slowest).collect();
             all.rail.pieces.push(piece);
         }
     }

@@ -142,13 +142,16 @@ pub enum SmoothMethod {
     /// Splines through all poses with two continuous derivatives, and blends at corners.
     #[default]
     Interpolating,
+    /// Splines of few pieces and of the least jerk within the tolerances, with four continuous derivatives,
+    /// and blends at corners. For data with noise, and for rounded data.
+    Tube,
     /// The method of Ahn and Jee. It may leave the tolerances; the report says by how much.
     Paper,
     /// The given path, with a stop at every pose.
     Linear,
 }
 
-into_core!(SmoothMethod => core::Method, [Interpolating, Paper, Linear]);
+into_core!(SmoothMethod => core::Method, [Interpolating, Tube, Paper, Linear]);
 
 /// A request in the core's terms.
 #[derive(Debug)]

@@ -52,6 +52,21 @@ impl Deviation {
         Self { tip_mm: self.tip_mm.max(other.tip_mm), axis: self.axis.max(other.axis) }
     }
 
+    /// The sums of both figures.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self { tip_mm: self.tip_mm + other.tip_mm, axis: self.axis + other.axis }
+    }
+
+    /// What is left of both figures, at least half of each.
+    #[must_use]
+    pub fn without(self, room: Self) -> Self {
+        Self {
+            tip_mm: (self.tip_mm - room.tip_mm).max(0.5 * self.tip_mm),
+            axis: (self.axis - room.axis).max(0.5 * self.axis),
+        }
+    }
+
     /// The smaller one of each figure.
     fn min(self, other: Self) -> Self {
         Self { tip_mm: self.tip_mm.min(other.tip_mm), axis: self.axis.min(other.axis) }
@@ -129,7 +144,9 @@ pub fn part_of(block: &Block, p: &Vector3<f64>) -> f64 {
     along.dot(&(p - tip(&block.start))) / along.norm_squared()
 }
 
-fn mean_of_axes(block: &Block) -> f64 {
+/// How far the mean of the axes of a block is from its great circle, radians, with both tops as far from the
+/// tip.
+pub fn mean_of_axes(block: &Block) -> f64 {
     MEAN_OF_AXES * block.angle.powi(3)
 }
 

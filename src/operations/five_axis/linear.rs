@@ -2,7 +2,7 @@
 
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
-use super::rail::{Fitted, Piece, Point6, Rail, Span};
+use super::rail::{Fitted, Piece, Point6, Rail, Source, Span};
 use super::{Rails, rotation};
 
 /// Between two points of a block the axis turns by at most this angle, radians. The mean of two axes is then
@@ -19,7 +19,7 @@ pub fn rails(stations: &[Point6]) -> Rails {
             let part = Block::new(span.start(), span.end());
             deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
         }
-        let fitted = spans.into_iter().map(|span| Fitted { span, blocks: [k; 2] });
+        let fitted = spans.into_iter().map(|span| Fitted { span, source: Source::Block(k) });
         rail.pieces.push(Piece::new(fitted));
     }
     rail.number();

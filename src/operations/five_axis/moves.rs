@@ -15,10 +15,10 @@
 
 use nalgebra::Vector3;
 
-use super::deviation::{Deviation, of_points, of_span};
+use super::deviation::{Deviation, mean_of_axes, of_points, of_span};
 use super::drive::Drive;
 use super::path::{Block, Path};
-use super::rail::{Piece, Span, tip, top};
+use super::rail::{Piece, Point6, Source, Span, join, tip, top};
 use super::stations::pose;
 use super::{FiveAxisError, Job, Rails};
 use crate::budget::Budget;
@@ -115,15 +115,14 @@ impl Moving<'_> {
             if n.is_multiple_of(BETWEEN_CHECKS) {
                 budget.check()?;
             }
-            // Spans of the paper's method replace several blocks too; that method promises nothing.
-            let is_blend = self.rails.n_blends > 0 && piece.blocks[n][0] < piece.blocks[n][1];
+            let is_blend = matches!(piece.sources[n], Source::Corner(_));
             let count = chords(span, if is_blend { self.allowed_at_corners } else { self.allowed });
             let at = |i: usize| {
                 if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
             };
             let places: Vec<_> = (0..=count).map(|i| span.jet(at(i))[0]).collect();
             let blocks: Vec<Block> = {
-                let [first, last] = piece.blocks[n];
+                let [first, last] = piece.sources[n].blocks();
                 (first..=last).map(|block| self.path.block(block)).collect()
             };
             for i in 0..count {
@@ -136,9 +135,12 @@ impl Moving<'_> {
                     };
                     self.builder.turn(to.axis, Some(seconds), Role::Cut)?;
                 } else {
-                    let chord = Span::line(at(i), at(i + 1), places[i], places[i + 1]);
-                    // What is no farther than the rails need not be known exactly.
-                    self.deviation = self.deviation.max(of_span(&chord, &blocks, self.rails.deviation));
+                    self.deviation = self.deviation.max(self.of_chord(
+                        ends,
+                        [&places[i], &places[i + 1]],
+                        piece.sources[n],
+                        &blocks,
+                    ));
                     let speed = self.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
                     self.builder.turn_next(to.axis)?;
                     self.builder.line(to.tip, rate(speed), Role::Cut)?;
@@ -150,6 +152,23 @@ impl Moving<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The bound of the deviation of a chord of the rails.
+    fn of_chord(&self, ends: [f64; 2], places: [&Point6; 2], source: Source, blocks: &[Block]) -> Deviation {
+        // The axis turns on the great circle; the line of tops that are equally far away is near to it.
+        let height = top(&self.path.stations[0]).norm();
+        let [start, end] = places.map(|at| join(tip(at), top(at).normalize() * height));
+        let circle = Deviation { tip_mm: 0.0, axis: mean_of_axes(&Block::new(start, end)) };
+        let chord = Span::line(ends[0], ends[1], start, end);
+        match source {
+            // The heights of the chords on top.
+            Source::Run(_) => self.rails.deviation.plus(self.allowed).plus(circle),
+            // Around a corner, the nearest block changes along the chord.
+            Source::Corner(_) => of_span(&chord, blocks, Deviation::NONE).plus(circle),
+            // What is no farther than the rails need not be known exactly.
+            Source::Block(_) => of_span(&chord, blocks, self.rails.deviation).plus(circle),
+        }
     }
 }
 

@@ -32,7 +32,7 @@ use nalgebra::Vector3;
 use super::Rails;
 use super::deviation::{Deviation, of_span};
 use super::path::{Block, angle_between};
-use super::rail::{Fitted, Piece, Point6, Rail, Span, join, tip, top};
+use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, join, tip, top};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
 
@@ -64,7 +64,7 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
         let span = Span::bezier(span.ends, bezier);
         let near = [(k.max(1) - 1) / 2, ((k + 2) / 2).min(blocks.len() - 1)];
         deviation = deviation.max(of_span(&span, &blocks[near[0]..=near[1]], Deviation::NONE));
-        spans.push(Fitted { span, blocks: near });
+        spans.push(Fitted { span, source: Source::Run(near) });
     }
     Ok(Rails { rail: Rail { pieces: vec![Piece::new(spans)] }, deviation, n_blends: 0, continuity: 2 })
 }

@@ -144,19 +144,51 @@ impl Span {
     }
 }
 
-/// A span with the indices of the first and the last block that it replaces.
+/// What a span replaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A block, or a part of it.
+    Block(usize),
+    /// The corner at the start of this block.
+    Corner(usize),
+    /// Parts of several blocks, from the first to the last.
+    Run([usize; 2]),
+}
+
+impl Source {
+    /// The first and the last block.
+    pub fn blocks(self) -> [usize; 2] {
+        match self {
+            Self::Block(k) => [k, k],
+            Self::Corner(k) => [k - 1, k],
+            Self::Run(ends) => ends,
+        }
+    }
+
+    /// The same in a path that has `count` blocks before.
+    #[must_use]
+    pub fn after(self, count: usize) -> Self {
+        match self {
+            Self::Block(k) => Self::Block(k + count),
+            Self::Corner(k) => Self::Corner(k + count),
+            Self::Run(ends) => Self::Run(ends.map(|k| k + count)),
+        }
+    }
+}
+
+/// A span with what it replaces.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     pub span: Span,
-    pub blocks: [usize; 2],
+    pub source: Source,
 }
 
 /// Spans between two stops of the motion. Inside a piece the derivatives up to the second are continuous.
 #[derive(Debug, Clone, Default)]
 pub struct Piece {
     pub spans: Vec<Span>,
-    /// The first and the last block that each span replaces.
-    pub blocks: Vec<[usize; 2]>,
+    /// What each span replaces.
+    pub sources: Vec<Source>,
     /// The feed along each span, mm/s.
     pub feeds: Vec<f64>,
     pub is_rapid: bool,
@@ -164,8 +196,8 @@ pub struct Piece {
 
 impl Piece {
     pub fn new(fitted: impl IntoIterator<Item = Fitted>) -> Self {
-        let (spans, blocks) = fitted.into_iter().map(|Fitted { span, blocks }| (span, blocks)).unzip();
-        Self { spans, blocks, feeds: Vec::new(), is_rapid: false }
+        let (spans, sources) = fitted.into_iter().map(|Fitted { span, source }| (span, source)).unzip();
+        Self { spans, sources, feeds: Vec::new(), is_rapid: false }
     }
 
     /// Whether the tip rests while the axis turns.

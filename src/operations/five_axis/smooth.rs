@@ -19,8 +19,8 @@
 use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
-use super::rail::{Fitted, Piece, Point6, Rail, Span, tip, top};
-use super::{FiveAxisError, Rails, rotation};
+use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
+use super::{FiveAxisError, Rails, rotation, tube};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spline::{EndCondition, derivatives_over};
 
@@ -68,7 +68,10 @@ struct Smoother<'a> {
     inner: Vec<Vec<Inner>>,
     repairs: Vec<u8>,
     tolerance: Deviation,
-    room_mm: f64,
+    /// What programs need of the tolerance.
+    room: Deviation,
+    /// Whether runs get the spline of least jerk inside the tolerance.
+    in_tube: bool,
 }
 
 /// What follows one corner and ends at the next.
@@ -78,15 +81,18 @@ struct Run {
     deviation: Deviation,
 }
 
-/// Rails within the tolerance. Blends at corners leave `room_mm` of it for the rounding of a program.
+/// Rails within the tolerance. Blends at corners, and splines inside the tube, leave `room` of it for chords
+/// and rounding of a program.
 pub fn smooth(
     stations: &[Point6],
     tolerance: Deviation,
-    room_mm: f64,
+    room: Deviation,
+    in_tube: bool,
     budget: &Budget,
 ) -> Result<Rails, FiveAxisError> {
     let mut smoother = Smoother::new(stations, tolerance);
-    smoother.room_mm = room_mm;
+    smoother.room = room;
+    smoother.in_tube = in_tube;
     let runs = smoother.runs(budget)?;
     Ok(smoother.join(runs, budget)?)
 }
@@ -102,7 +108,8 @@ impl<'a> Smoother<'a> {
             inner,
             blocks,
             tolerance,
-            room_mm: 0.0,
+            room: Deviation::NONE,
+            in_tube: false,
         };
         for k in 0..stations.len() {
             let is_end = k == 0 || k == stations.len() - 1;
@@ -140,6 +147,14 @@ impl<'a> Smoother<'a> {
                 if self.blocks[first].is_rotation() {
                     done.push(Run { first, spans: Vec::new(), deviation: Deviation::NONE });
                     continue;
+                }
+                if self.in_tube && last > first + 1 {
+                    let blocks = &self.blocks[first..last];
+                    if let Some(found) = tube::fit(blocks, first, self.tolerance.without(self.room), budget)?
+                    {
+                        done.push(Run { first, spans: found.spans, deviation: found.deviation });
+                        continue;
+                    }
                 }
                 let spans = self.fit(first, last);
                 let is_alone = last == first + 1;
@@ -197,7 +212,7 @@ impl<'a> Smoother<'a> {
             let range = [from, from + step];
             from += step;
             let span = Span::cubic(range, [points[k], spline[k]], [points[k + 1], spline[k + 1]]);
-            spans.push(Fitted { span, blocks: [of_block[k]; 2] });
+            spans.push(Fitted { span, source: Source::Block(of_block[k]) });
         }
         spans
     }
@@ -206,8 +221,9 @@ impl<'a> Smoother<'a> {
     fn proved(&self, spans: &[Fitted], is_alone: bool) -> (Deviation, Vec<(usize, Deviation, Span)>) {
         let mut all = Deviation::NONE;
         let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
-        for (k, Fitted { span, blocks: [block, _] }) in spans.iter().enumerate() {
-            let whole = &self.blocks[*block];
+        for (k, Fitted { span, source }) in spans.iter().enumerate() {
+            let [block, _] = source.blocks();
+            let whole = &self.blocks[block];
             // The points on a block that stands alone or turns far lie on the block.
             let is_on_block = is_alone || whole.angle > LARGEST_TURN;
             let part = if is_on_block { Block::new(span.start(), span.end()) } else { *whole };
@@ -217,11 +233,10 @@ impl<'a> Smoother<'a> {
                 deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
             }
             all = all.max(deviation);
-            let is_first = k == 0
-                || spans[k - 1].blocks[0] != *block
-                || failed.last().is_none_or(|last| last.0 != *block);
+            let is_first =
+                k == 0 || spans[k - 1].source != *source || failed.last().is_none_or(|last| last.0 != block);
             if deviation.of(self.tolerance) > 1.0 && is_first {
-                failed.push((*block, deviation, span.clone()));
+                failed.push((block, deviation, span.clone()));
             }
         }
         (all, failed)
@@ -309,19 +324,19 @@ impl<'a> Smoother<'a> {
             if block.is_rotation() {
                 rails.end_piece(&mut piece);
                 let own = rotation::spans(&block).into_iter();
-                let fitted = own.map(|span| Fitted { span, blocks: [first; 2] });
+                let fitted = own.map(|span| Fitted { span, source: Source::Block(first) });
                 rails.rail.pieces.push(Piece::new(fitted));
                 continue;
             }
             if !piece.is_empty() {
                 let blocks = [self.blocks[first - 1], block];
                 let is_turn = self.turn(first) <= REVERSAL;
-                let within = Deviation { tip_mm: self.tolerance.tip_mm - self.room_mm, ..self.tolerance };
+                let within = self.tolerance.without(self.room);
                 let found = is_turn.then(|| blend(&piece, &spans, &blocks, within)).flatten();
                 if let Some(Blend { span, leaves, meets, deviation }) = found {
                     end_at(&mut piece, leaves);
                     begin_at(&mut spans, meets);
-                    piece.push(Fitted { span, blocks: [first - 1, first] });
+                    piece.push(Fitted { span, source: Source::Corner(first) });
                     rails.deviation = rails.deviation.max(deviation);
                     rails.n_blends += 1;
                 } else {

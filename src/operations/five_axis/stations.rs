@@ -11,8 +11,10 @@ use crate::toolpath::pose::Pose;
 /// The most and the least stations of a span. With more, the time hardly shrinks.
 const PER_SPAN: [usize; 2] = [100, 1];
 
-/// The stations of a piece that the number of stations of a span aims at.
-const WANTED: usize = 1000;
+/// The stations that a whole path aims at, and the most and the least of a piece. More hardly shorten the
+/// time: with 100, a line takes less than 0.2 % longer than its closed form.
+const WANTED: f64 = 4000.0;
+const PER_PIECE: [f64; 2] = [1000.0, 100.0];
 
 /// Between two stations a rotary axis is to turn by at most the first angle, and must not turn by more than
 /// the second one, radians. With larger turns, limits would be missed between stations.
@@ -36,10 +38,11 @@ pub fn pose(at: &Point6) -> Pose {
     Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
 }
 
-/// The parameters of the stations of a piece.
-fn places(spans: &[Span]) -> Vec<f64> {
+/// The parameters of the stations of a piece that is a part `share` of the path.
+fn places(spans: &[Span], share: f64) -> Vec<f64> {
     let [most, least] = PER_SPAN;
-    let each = (WANTED / spans.len()).clamp(least, most);
+    let wanted = (WANTED * share).clamp(PER_PIECE[1], PER_PIECE[0]);
+    let each = ((wanted / spans.len() as f64) as usize).clamp(least, most);
     let mut places = vec![spans[0].from];
     for span in spans {
         places.extend((1..each).map(|k| span.from + span.length() * (k as f64 / each as f64)));
@@ -51,7 +54,10 @@ fn places(spans: &[Span]) -> Vec<f64> {
 /// Stations between which no rotary axis turns far. Beside the pole a rotary axis turns far on a short way:
 /// there the stations are as near as needed.
 pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Result<Stations, FiveAxisError> {
-    let mut places: Vec<Vec<f64>> = rail.pieces.iter().map(|piece| self::places(&piece.spans)).collect();
+    let length = |piece: &Piece| piece.spans.iter().map(Span::length).sum::<f64>();
+    let whole: f64 = rail.pieces.iter().map(length).sum();
+    let mut places: Vec<Vec<f64>> =
+        rail.pieces.iter().map(|piece| self::places(&piece.spans, length(piece) / whole)).collect();
     let mut farthest = (0.0, Point3::origin());
     for _ in 0..=MOST_ROUNDS {
         budget.check()?;

@@ -1,10 +1,12 @@
 //! Smoothing, seen from outside: paths of many kinds, judged at dense samples by code of its own.
 
+mod judge;
 mod laws;
 
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::*;
+use judge::{along_moves, farthest};
 
 /// A path like the paper's: 134 blocks along a wave with chords of 5 micrometres. The axis swings sideways.
 fn paper_like() -> (impl Fn(f64) -> Pose, Vec<Pose>) {
@@ -54,7 +56,7 @@ fn feed_of(job: &Job) -> f64 {
     feed.mm_per_s()
 }
 
-fn job(poses: Vec<Pose>, method: Method) -> Job {
+pub(super) fn job(poses: Vec<Pose>, method: Method) -> Job {
     Job {
         path: at_feed(&poses, 3000.0),
         rapid_feed: FeedRate::DEFAULT_RAPID,
@@ -83,34 +85,6 @@ fn tilted(x: f64, y: f64, tilt: f64) -> Pose {
 /// The angle between two vectors, accurate near zero.
 fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
-}
-
-/// The distance from the nearest block, and the angle to the axis there.
-fn off(poses: &[Pose], sample: &Pose, near: usize) -> (f64, f64) {
-    let first = near.saturating_sub(40);
-    let mut best = (f64::INFINITY, f64::INFINITY);
-    for pair in poses[first..(near + 40).min(poses.len())].windows(2) {
-        let along = pair[1].tip - pair[0].tip;
-        let from = sample.tip - pair[0].tip;
-        let t =
-            if along.norm() > 1e-9 { (from.dot(&along) / along.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-        let distance = (from - along * t).norm();
-        let (a, b) = (pair[0].axis.into_inner(), pair[1].axis.into_inner());
-        let slerped =
-            if angle(&a, &b) > 1e-12 { pair[0].axis.slerp(&pair[1].axis, t).into_inner() } else { a };
-        let mut turned = angle(&slerped, &sample.axis);
-        if along.norm() <= 1e-9 {
-            // Any axis on the way does.
-            let normal = a.cross(&b).normalize();
-            let is_between =
-                a.cross(&sample.axis).dot(&normal) >= -1e-9 && sample.axis.cross(&b).dot(&normal) >= -1e-9;
-            turned = if is_between { normal.dot(&sample.axis).abs().asin() } else { turned };
-        }
-        if distance < best.0 - 1e-9 || distance < best.0 + 1e-9 && turned < best.1 {
-            best = (distance, turned);
-        }
-    }
-    best
 }
 
 fn limits() -> MotionLimits {
@@ -192,25 +166,18 @@ fn a_line_takes_the_time_of_the_closed_form() {
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
 }
 
-fn assert_within(name: &str, job: &Job) -> Plan {
+pub(super) fn assert_within(name: &str, job: &Job) -> Plan {
     let plan = plan(job, &Budget::unlimited()).unwrap();
     assert!(plan.report.is_within_tolerance, "{name}: {:?}", plan.report);
-    let (mut tip, mut angle) = (0.0_f64, 0.0_f64);
-    let mut near = 0;
+    let samples: Vec<Pose> = plan.samples.iter().map(|sample| sample.pose).collect();
     let given = given(job);
-    for TimedPose { pose, .. } in &plan.samples {
-        let range = near..(near + 60).min(given.len());
-        near = range
-            .min_by(|a, b| (given[*a].tip - pose.tip).norm().total_cmp(&(given[*b].tip - pose.tip).norm()))
-            .unwrap()
-            .max(near);
-        let (distance, turned) = off(&given, pose, near);
-        tip = tip.max(distance);
-        angle = angle.max(turned);
-    }
+    let (tip, angle) = farthest(&given, &samples);
     let report = &plan.report;
     assert!(tip <= report.deviation_mm + 1e-9, "{name}: seen {tip}, stated {}", report.deviation_mm);
     assert!(angle <= report.deviation_axis + 1e-8, "{name}: seen {angle}, stated {}", report.deviation_axis);
+    let (tip, angle) = farthest(&given, &along_moves(&plan.toolpath));
+    assert!(tip <= report.moves_deviation_mm + 1e-9, "{name}: moves {tip}, {}", report.moves_deviation_mm);
+    assert!(angle <= report.moves_deviation_axis + 1e-7, "{name}: moves {angle} {report:?}");
     let (first, last) = (plan.samples[0].pose, plan.samples[plan.samples.len() - 1].pose);
     let ends = (given[0], given[given.len() - 1]);
     assert!((first.tip - ends.0.tip).norm() < 1e-12 && (last.tip - ends.1.tip).norm() < 1e-12, "{name}");

@@ -3,9 +3,12 @@
 //! `yardstick [intervals] [part of a name]` prints for each test path the time of copp, the time of this
 //! schedule, and their ratio. `intervals` is the number of equal intervals between the stations of this
 //! schedule.
+//!
+//! `yardstick fit` compares the spline in the tolerance tube with copp's fit of waypoints.
 
 mod copp_time;
 mod excess;
+mod fit;
 mod paths;
 
 use std::time::Instant;
@@ -14,7 +17,10 @@ use toolpathd::budget::Budget;
 use toolpathd::operations::five_axis::schedule::schedule;
 
 fn main() {
-    let mut arguments = std::env::args().skip(1);
+    let mut arguments = std::env::args().skip(1).peekable();
+    if arguments.peek().is_some_and(|first| first == "fit") {
+        return fit::compare();
+    }
     let intervals: usize = arguments.next().and_then(|x| x.parse().ok()).unwrap_or(1000);
     let part = arguments.next().unwrap_or_default();
     println!(

@@ -29,11 +29,12 @@ fn path() -> impl Strategy<Value = Vec<Pose>> {
 }
 
 fn any_job() -> impl Strategy<Value = Job> {
-    (path(), -3.0..-0.5_f64, -2.0..0.5_f64).prop_map(|(poses, tolerance, degrees)| Job {
+    let method = prop_oneof![Just(Method::Interpolating), Just(Method::Tube)];
+    (path(), -3.0..-0.5_f64, -2.0..0.5_f64, method).prop_map(|(poses, tolerance, degrees, method)| Job {
         tolerance_mm: 10.0_f64.powf(tolerance),
         tolerance_axis: 10.0_f64.powf(degrees).to_radians(),
         period_s: 0.002,
-        ..job(poses, Method::Interpolating)
+        ..job(poses, method)
     })
 }
 

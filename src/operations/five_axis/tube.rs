@@ -2,10 +2,11 @@
 //!
 //! # Method
 //! A run of stations gets a B-spline of degree 5 on single knots, so that four derivatives are continuous.
-//! Its parameter grows by the length of the blocks. 1. Among all splines that stay within the tolerance of
-//! the stations, the one of the least integral of the    squared third derivative is found (`least_jerk`). 2.
-//! The spline is proved against the blocks. Where it leaves the tolerance, there are more knots, placed so
-//! that all spans miss alike, and step 1 begins anew.
+//! Its parameter grows by the length of the blocks.
+//! 1. Among all splines that stay within the tolerance of the stations, the one of the least integral of the
+//!    squared third derivative is found (`least_jerk`).
+//! 2. The spline is proved against the blocks. Where it leaves the tolerance, there are more knots, placed so
+//!    that all spans miss alike, and step 1 begins anew.
 //!
 //! # Guarantees
 //! * At equal parameters the tip is within the tolerance of the blocks, so that this holds both ways. The
@@ -75,7 +76,7 @@ pub fn fit(
             ends: [blocks[0].start, blocks[blocks.len() - 1].end],
             radii: [AIM * within.tip_mm, AIM * within.axis * super::rail::top(&blocks[0].start).norm()],
         };
-        let Some(spline) = problem.solve() else { return Ok(None) };
+        let Some(spline) = problem.solve(budget)? else { return Ok(None) };
         let mut excess: Vec<f64> = problem.excess(&spline);
         let mut deviation = Deviation::NONE;
         if excess.iter().all(|excess| *excess <= 1.0 / AIM) {

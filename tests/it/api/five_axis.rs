@@ -1,6 +1,9 @@
 //! Tests of smoothing through the interface: figures, samples and refusals.
 
 use serde_json::{Value, json};
+use toolpathd::machine::named;
+use toolpathd::post::path_text::{self, Reading};
+use toolpathd::toolpath::pose::{Pace, Waypoint};
 
 use super::support::{app, post};
 
@@ -159,4 +162,93 @@ async fn faults_of_machines_and_limits_are_told_with_their_place() {
         assert_eq!(answer.status, 422, "{body}");
         assert_eq!(answer.json()["errors"][0]["pointer"], pointer, "{}", answer.text());
     }
+}
+
+fn blade() -> Value {
+    serde_json::from_str(include_str!("../../../openapi/examples/five-axis-smooth/blade.json")).expect("JSON")
+}
+
+/// The program of a request, read back as another system would read it, beside the given poses.
+async fn written(body: &Value) -> (Vec<Waypoint>, Vec<Waypoint>) {
+    let answer = post(&app(&[]), &format!("{SMOOTH}?format=gcode"), body.to_string(), &[]).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let machine = named::by_name("table_table_ac");
+    let reading = Reading { feed: None, limit: 100_000 };
+    let read = path_text::nc::read(&answer.text(), machine.as_ref(), 50.0, reading).expect("a program");
+    (read, path_text::cl::read(body["cl"].as_str().expect("a text"), reading).expect("CL data"))
+}
+
+#[tokio::test]
+async fn the_program_of_cl_data_runs_along_them_on_every_control() {
+    for (dialect, method) in [("fanuc", "interpolating"), ("linuxcnc", "interpolating"), ("fanuc", "tube")] {
+        let mut body = with(&blade(), "method", json!(method));
+        body["program"]["dialect"] = json!(dialect);
+        let (read, given) = written(&body).await;
+        // Each given pose is near to a line of the program, with the axis there. Rounding and straying come
+        // on top of the tolerances of 0.01 mm and 0.2 degrees.
+        for (k, Waypoint { pose, .. }) in given.iter().enumerate() {
+            let off = |pair: &[Waypoint]| {
+                let [from, to] = [pair[0].pose, pair[1].pose];
+                let along = to.tip - from.tip;
+                let part =
+                    (along.dot(&(pose.tip - from.tip)) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+                let at = from.between(&to, part);
+                ((at.tip - pose.tip).norm(), at.axis.angle(&pose.axis).to_degrees())
+            };
+            let near = read.windows(2).map(off).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a program");
+            assert!(near.0 < 0.0135 && near.1 < 0.22, "{dialect} {method}: pose {k} is off by {near:?}");
+        }
+        let feeds: Vec<f64> = read
+            .iter()
+            .filter_map(|at| match at.pace {
+                Pace::Feed(feed) => Some(feed.mm_per_min()),
+                Pace::Rapid => None,
+            })
+            .collect();
+        // 5000 mm/min is the feed of the last way.
+        let fastest = feeds.iter().copied().fold(0.0, f64::max);
+        assert!((4900.0..5010.0).contains(&fastest), "{fastest}");
+    }
+}
+
+#[tokio::test]
+async fn faults_of_texts_and_outputs_are_told_with_their_place() {
+    let app = app(&[]);
+    let bare = json!({ "tolerance_mm": 0.01, "tolerance_deg": 0.5 });
+    let set = |fields: Value| {
+        let mut body = bare.clone();
+        for (name, value) in fields.as_object().expect("fields") {
+            body[name] = value.clone();
+        }
+        body
+    };
+    let goto = "GOTO/0,0,0\nGOTO/1,0,0,0,1,1\n";
+    for (body, pointer, code) in [
+        (set(json!({})), "#", "missing_field"),
+        (set(json!({ "cl": goto, "nc": "G0" })), "#", "conflict"),
+        (set(json!({ "cl": goto })), "#/cl", "out_of_range"),
+        (set(json!({ "cl": "PARTNO/1\n" })), "#/cl", "out_of_range"),
+        (set(json!({ "nc": "G43.4 H1\nG0 X0 Y0 Z0 A5.\n" })), "#/nc", "out_of_range"),
+        (set(json!({ "path": corner()["path"] })), "#/feed_mm_per_min", "feed_required"),
+        (
+            set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "angles" })),
+            "#/axis_output",
+            "unsupported",
+        ),
+        (
+            set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "machine" })),
+            "#/machine",
+            "missing_field",
+        ),
+        (set(json!({ "cl": goto, "feed_mm_per_min": 9, "retract_mm": -1 })), "#/retract_mm", "out_of_range"),
+    ] {
+        let answer = post(&app, SMOOTH, body.to_string(), &[]).await;
+        assert_eq!(answer.status, 422, "{body}");
+        assert_eq!(answer.violations().first(), Some(&(code.to_owned(), pointer.to_owned())), "{body}");
+    }
+    // Without a machine, a leaning tool has no program for LinuxCNC; the figures need none.
+    let body = set(json!({ "cl": goto, "feed_mm_per_min": 9 })).to_string();
+    assert_eq!(post(&app, SMOOTH, body.clone(), &[]).await.status, 200);
+    let answer = post(&app, &format!("{SMOOTH}?format=gcode"), body, &[]).await;
+    assert_eq!(answer.violations(), [("missing_field".to_owned(), "#/machine".to_owned())]);
 }

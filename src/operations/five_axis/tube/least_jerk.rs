@@ -16,6 +16,7 @@
 use nalgebra::SMatrix;
 
 use super::band::{Band, WIDTH};
+use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
 use crate::operations::five_axis::rail::{Point6, Span};
 
@@ -67,7 +68,7 @@ struct Row {
 impl Problem<'_> {
     /// The spans of the spline. It may miss targets where the knots do not allow better; see
     /// [`Problem::excess`]. `None` where the numbers allow no solution.
-    pub fn solve(&self) -> Option<Vec<Span>> {
+    pub fn solve(&self, budget: &Budget) -> Result<Option<Vec<Span>>, Stopped> {
         let extractions = self.extractions();
         let size = self.knots.len() - 1 + DEGREE;
         let rows = self.rows(&extractions);
@@ -80,12 +81,15 @@ impl Problem<'_> {
         let mut weight = FIRST_WEIGHT;
         let mut factor = jerk.plus(&near, weight);
         if !factor.factor() {
-            return None;
+            return Ok(None);
         }
         let mut inside = centres.clone();
         let mut pull = vec![[0.0; 6]; centres.len()];
         let mut control = vec![[0.0; 6]; size];
         for iteration in 0..ITERATIONS {
+            if iteration.is_multiple_of(BETWEEN_WEIGHTS) {
+                budget.check()?;
+            }
             control.fill([0.0; 6]);
             for ((row, z), y) in rows.iter().zip(&inside).zip(&pull) {
                 for (k, basis) in row.basis.iter().enumerate() {
@@ -127,7 +131,7 @@ impl Problem<'_> {
                 pull.iter_mut().for_each(|y| *y = y.map(|y| y / change));
                 factor = jerk.plus(&near, weight);
                 if !factor.factor() {
-                    return None;
+                    return Ok(None);
                 }
             }
         }
@@ -145,7 +149,7 @@ impl Problem<'_> {
         let last = spans.len() - 1;
         spans[0].control[0] = self.ends[0];
         spans[last].control[DEGREE] = self.ends[1];
-        points.iter().flatten().all(|x| x.is_finite()).then_some(spans)
+        Ok(points.iter().flatten().all(|x| x.is_finite()).then_some(spans))
     }
 
     /// The largest distance of each span from its targets, as a part of the radius.

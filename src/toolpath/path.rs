@@ -158,6 +158,11 @@ impl Builder {
         Ok(())
     }
 
+    /// Forgets the turn of the next move. Returns the axis now and where it was to turn.
+    pub fn take_turn(&mut self) -> Option<[UnitVector3<f64>; 2]> {
+        self.next_axis.take().map(|to| [self.axis, to])
+    }
+
     /// The tool turns to `axis` about its resting tip.
     ///
     /// # Errors

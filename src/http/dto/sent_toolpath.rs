@@ -8,11 +8,13 @@ use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, Role, TurnMove};
 use super::point::{Coordinates, Point};
 use super::toolpath::MAX_LEVEL;
+use crate::geometry::curve::Arc;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::near_arc::{NearArc, near_arc};
 use crate::toolpath::path::{Builder, PathError, Toolpath};
+use crate::toolpath::tool_axes;
 use crate::toolpath::units::FeedRate;
 
 /// Longest legal pause, s.
@@ -191,7 +193,16 @@ impl Reader<'_> {
         match near_arc(turn, start, end, center.into(), self.reading.arc_tolerance_mm) {
             Ok(NearArc { arcs, moved_mm }) => {
                 self.moved_mm = self.moved_mm.max(moved_mm);
+                let axes = self.builder.take_turn();
+                let whole: f64 = arcs.iter().map(Arc::sweep).sum();
+                let mut done = 0.0;
                 for arc in arcs {
+                    done += arc.sweep();
+                    if let Some([from, to]) = axes {
+                        // The turn was found possible before; its parts are smaller.
+                        let turned = self.builder.turn_next(tool_axes::between(&from, &to, done / whole));
+                        self.blame(turned, &at);
+                    }
                     let added = self.builder.arc(arc.end(), arc.center(), turn, rate, role.into());
                     self.blame(added, &at);
                 }

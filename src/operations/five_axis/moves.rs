@@ -7,8 +7,8 @@
 //!
 //! # Guarantees
 //! * The moves are within the stated deviation of the given path, and the given path within it of the moves.
-//! * The feed of a move is the largest speed of the motion on it. A control that plans its own ramps then
-//!   loses no time, and goes nowhere faster than the motion within limits does.
+//! * The feed of a move is the largest speed of the motion at its ends and its middle. A control that plans
+//!   its own ramps then loses no time.
 //!
 //! # Cost
 //! O(n) for n moves.

@@ -86,6 +86,8 @@ export function length(move: components["schemas"]["Move"]): number {
       return move.center.length;
     case "parabola":
       return move.control.length;
+    case "turn":
+      return move.axis.length;
     case "dwell":
       return move.seconds;
   }

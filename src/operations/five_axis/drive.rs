@@ -6,7 +6,7 @@
 //!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
 //! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
 //!    to rest within all limits and the feed (`schedule`).
-//! 4. Speed, acceleration and jerk are computed again at three places between stations. Where one exceeds its
+//! 4. Speed, acceleration and jerk are computed again at several places between stations. Where one exceeds its
 //!    limit, the piece is slowed.
 //!
 //! # Cost
@@ -25,8 +25,10 @@ use crate::machine::{Inverse, Joints, Machine};
 /// How far beside the pole derivatives are taken, as a part of the span there.
 const BESIDE: f64 = 1e-4;
 
-/// The places between two stations at which limits are checked, as parts of the interval.
-const CHECKED: [f64; 3] = [0.25, 0.5, 0.75];
+/// The parts of an interval between two stations at whose ends limits are checked. A piece with few stations
+/// gets more.
+const CHECKED: [usize; 2] = [4, 16];
+const FEW: usize = 600;
 
 /// Where the axis turns by less by the parameter, it does not turn, radians by mm.
 const STILL: f64 = 1e-12;
@@ -281,11 +283,10 @@ impl Path<'_> {
     fn excess(&self, schedule: &Schedule, axes: &Axes) -> f64 {
         let mut factor = 1.0_f64;
         let mut k = 0;
-        let between = self
-            .places
-            .windows(2)
-            .enumerate()
-            .flat_map(|(n, pair)| CHECKED.map(|part| (n, pair[0] + (pair[1] - pair[0]) * part)));
+        let parts = CHECKED[usize::from(self.places.len() < FEW)];
+        let between = self.places.windows(2).enumerate().flat_map(|(n, pair)| {
+            (1..parts).map(move |k| (n, pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64)))
+        });
         for (n, u) in between {
             while self.piece.spans[k].to < u && k + 1 < self.piece.spans.len() {
                 k += 1;

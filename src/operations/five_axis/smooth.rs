@@ -149,9 +149,8 @@ impl<'a> Smoother<'a> {
                     continue;
                 }
                 if self.in_tube && last > first + 1 {
-                    let blocks = &self.blocks[first..last];
-                    if let Some(found) = tube::fit(blocks, first, self.tolerance.without(self.room), budget)?
-                    {
+                    let within = self.tolerance.without(self.room);
+                    if let Some(found) = tube::fit(&self.blocks, [first, last], within, budget)? {
                         done.push(Run { first, spans: found.spans, deviation: found.deviation });
                         continue;
                     }

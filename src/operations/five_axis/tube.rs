@@ -10,7 +10,7 @@
 //!
 //! # Guarantees
 //! * At equal parameters the tip is within the tolerance of the blocks, so that this holds both ways. The
-//!   axis is within its tolerance of that of the block at the nearest place. Both are proved for every span.
+//!   axis is within its tolerance of that of the path at the nearest place. Both are proved for every span.
 //! * The ends of the run are hit exactly.
 //!
 //! # Degenerate input
@@ -58,13 +58,14 @@ pub struct Tube {
     pub deviation: Deviation,
 }
 
-/// The spline for the blocks from `first` on; none if no spline is found within the tolerance.
+/// The spline for the blocks of a path from `first` up to `last`; none if no spline is found within the tolerance.
 pub fn fit(
-    blocks: &[Block],
-    first: usize,
+    path: &[Block],
+    [first, last]: [usize; 2],
     within: Deviation,
     budget: &Budget,
 ) -> Result<Option<Tube>, Stopped> {
+    let blocks = &path[first..last];
     let joints = joints(blocks);
     let whole = joints[joints.len() - 1];
     let mut knots = vec![0.0, whole];
@@ -81,7 +82,7 @@ pub fn fit(
         let mut deviation = Deviation::NONE;
         if excess.iter().all(|excess| *excess <= 1.0 / AIM) {
             for (own, span) in excess.iter_mut().zip(&spline) {
-                let found = proved(span, blocks, &joints, within);
+                let found = proved(span, path, [first, last], &joints, within);
                 *own = found.of(within);
                 deviation = deviation.max(found);
             }
@@ -142,7 +143,8 @@ fn touched(span: &Span, joints: &[f64]) -> [usize; 2] {
 }
 
 /// The bound of the deviation of a span from the blocks at the same parameters.
-fn proved(span: &Span, blocks: &[Block], joints: &[f64], enough: Deviation) -> Deviation {
+fn proved(span: &Span, path: &[Block], run: [usize; 2], joints: &[f64], enough: Deviation) -> Deviation {
+    let blocks = &path[run[0]..run[1]];
     let [first, last] = touched(span, joints);
     let mut all = Deviation::NONE;
     let mut rest = span.clone();
@@ -161,9 +163,26 @@ fn proved(span: &Span, blocks: &[Block], joints: &[f64], enough: Deviation) -> D
         let place = |u: f64| ((u - joints[k]) / (joints[k + 1] - joints[k])).clamp(0.0, 1.0);
         let axis = of_span(&part, &[*block], enough).axis;
         let tip_mm = apart(&part, [block.at(place(part.from)), block.at(place(part.to))], HALVINGS);
-        all = all.max(Deviation { tip_mm, axis });
+        // The tip may be ahead or behind by its deviation: the nearest place then is beside the block.
+        all = all.max(Deviation { tip_mm, axis: axis + beside(path, run[0] + k, tip_mm) });
     }
     all
+}
+
+/// How far the axis of the path turns within a distance before or after a block, radians.
+fn beside(blocks: &[Block], k: usize, distance_mm: f64) -> f64 {
+    let turned = |blocks: &mut dyn Iterator<Item = &Block>| {
+        let (mut left, mut sum) = (distance_mm, 0.0);
+        for block in blocks {
+            sum += block.angle * (left / block.length).min(1.0);
+            left -= block.length;
+            if left <= 0.0 {
+                break;
+            }
+        }
+        sum
+    };
+    turned(&mut blocks[k + 1..].iter()).max(turned(&mut blocks[..k].iter().rev()))
 }
 
 /// Halvings of a part for the bound of its distance.

@@ -6,7 +6,7 @@
 //!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
 //! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
 //!    to rest within all limits and the feed (`schedule`).
-//! 4. Speed, acceleration and jerk are computed again at several places between stations. Where one exceeds its
+//! 4. Speed, acceleration and jerk are computed again at places between stations. Where one exceeds its
 //!    limit, the piece is slowed.
 //!
 //! # Cost

@@ -58,7 +58,7 @@ pub struct Tube {
     pub deviation: Deviation,
 }
 
-/// The spline for the blocks of a path from `first` up to `last`; none if no spline is found within the tolerance.
+/// The spline for the blocks of a path from `first` up to `last`; none if none is found within the tolerance.
 pub fn fit(
     path: &[Block],
     [first, last]: [usize; 2],

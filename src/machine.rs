@@ -257,6 +257,21 @@ impl Machine {
         }
     }
 
+    /// The positions for a pose whose angles are nearest to given ones; the given angles where the machine
+    /// does not reach the tool axis.
+    pub fn nearest(&self, pose: &Pose, near: [f64; 2]) -> Joints {
+        let rotary = match self.inverse(pose) {
+            Inverse::Two(both) => nearer(both.map(|joints| joints.rotary), near),
+            Inverse::Pole { fixed } => {
+                let mut rotary = near;
+                rotary[1 - self.free_axis()] = fixed;
+                turned(rotary, near)
+            }
+            Inverse::Unreachable => near,
+        };
+        self.at(&pose.tip, rotary)
+    }
+
     /// The positions that bring the tip to its place with the given angles of the rotary axes, radians.
     pub fn at(&self, tip: &Point3<f64>, rotary: [f64; 2]) -> Joints {
         Joints { linear_mm: self.linear([tip.x, tip.y, tip.z], rotary), rotary }
@@ -279,17 +294,7 @@ impl Machine {
         let Orientation::Two(both) = self.pair.solve(along(axis)) else {
             return None;
         };
-        let turned = |rotary: [Series; 2]| {
-            [0, 1].map(|k| {
-                let turns = ((near.rotary[k] - rotary[k].value()) / TAU).round();
-                rotary[k] + Series::constant(TAU * turns)
-            })
-        };
-        let distance = |rotary: &[Series; 2]| -> f64 {
-            rotary.iter().zip(near.rotary).map(|(angle, near)| (angle.value() - near).abs()).sum()
-        };
-        let [first, second] = both.map(|angles| turned(self.in_order(angles)));
-        let rotary = if distance(&first) <= distance(&second) { first } else { second };
+        let rotary = nearer(both.map(|angles| self.in_order(angles)), near.rotary);
         let [x, y, z] = self.linear(along(tip), rotary);
         let all = [x, y, z, rotary[0], rotary[1]].map(Series::derivatives);
         all.iter().flatten().all(|d| d.is_finite()).then_some(all)
@@ -332,4 +337,17 @@ impl Machine {
     fn linear_out_of_travel(&self, linear_mm: &[f64; 3]) -> Option<usize> {
         (0..3).find(|&k| !is_within(self.travel_mm[k], linear_mm[k]))
     }
+}
+
+/// The angles of the branch that is nearer to given ones, with the full turns that bring it nearest.
+fn nearer<S: Scalar>(branches: [[S; 2]; 2], near: [f64; 2]) -> [S; 2] {
+    let [first, second] = branches.map(|rotary| turned(rotary, near));
+    let distance =
+        |rotary: &[S; 2]| (rotary[0].value() - near[0]).abs() + (rotary[1].value() - near[1]).abs();
+    if distance(&first) <= distance(&second) { first } else { second }
+}
+
+/// The angles with the full turns that bring them nearest to given ones.
+fn turned<S: Scalar>(rotary: [S; 2], near: [f64; 2]) -> [S; 2] {
+    [0, 1].map(|k| rotary[k] + S::constant(TAU * ((near[k] - rotary[k].value()) / TAU).round()))
 }

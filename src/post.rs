@@ -95,7 +95,8 @@ pub struct NcProgram {
     /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
     /// both ways.
     pub max_displacement_mm: f64,
-    /// Upper bound for the angle between the written tool axis and that of the toolpath, radians.
+    /// Upper bound for the angle between the tool axis of the program and the tool axis of the toolpath,
+    /// radians.
     pub max_displacement_axis: f64,
     /// The largest difference of the two radii of an arc block, mm.
     pub max_radius_mismatch_mm: f64,
@@ -132,7 +133,7 @@ pub enum WriteError {
     MachineMissing,
     #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]
     AxisOutput,
-    #[error("near {at}: {error}")]
+    #[error("near {at} {}", error.told())]
     NotFollowed { error: FollowError, at: Point3<f64> },
     #[error(
         "near {at} the tool axis passes the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"

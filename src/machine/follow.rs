@@ -63,6 +63,23 @@ pub enum FollowError {
 }
 
 impl FollowError {
+    /// The error without the index of its pose: people have not numbered the poses.
+    pub fn told(&self) -> String {
+        match self {
+            Self::Unreachable { .. } => {
+                "the machine cannot tilt the tool to this axis; turn the part, or lean the axis less"
+                    .to_owned()
+            }
+            Self::OutOfTravel { axis, .. } => {
+                format!("the axis {axis} would leave its travel; move or turn the part")
+            }
+            Self::Unwinds { axis, .. } => format!(
+                "the axis {axis} reaches the end of its travel; end the path there, retract, turn the rotary axes back and go on"
+            ),
+            Self::UnusableStart { .. } => self.to_string(),
+        }
+    }
+
     /// The index of the pose; none for the start.
     pub fn index(&self) -> Option<usize> {
         match *self {

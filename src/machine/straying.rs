@@ -8,8 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Inverse, Joints, Machine};
-use crate::toolpath::pose::Pose;
+use super::{Joints, Machine};
 
 /// How far a motion in step may leave the straight motion between its ends, at every moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -53,32 +52,10 @@ impl Machine {
         } else {
             0.0
         };
-        // The great circle bends as much as the motion in step, at most.
+        // Two bends count: that of the motion in step, and that of the great circle, which is no larger.
         let axis = all * all / 4.0;
         let axis = if axis < 1.0 { 2.0 * (0.5 * axis).asin() } else { std::f64::consts::PI };
         Straying { tip_mm: (bend + table_bend) / 8.0, axis }
-    }
-
-    /// The positions for a pose whose angles are nearest to given ones; the given angles where the machine
-    /// does not reach the tool axis.
-    pub fn nearest(&self, pose: &Pose, near: [f64; 2]) -> Joints {
-        const TURN: f64 = std::f64::consts::TAU;
-        let turned =
-            |rotary: [f64; 2]| [0, 1].map(|k| rotary[k] + ((near[k] - rotary[k]) / TURN).round() * TURN);
-        let distance = |rotary: &[f64; 2]| (rotary[0] - near[0]).abs() + (rotary[1] - near[1]).abs();
-        let rotary = match self.inverse(pose) {
-            Inverse::Two(both) => {
-                let [first, second] = both.map(|joints| turned(joints.rotary));
-                if distance(&first) <= distance(&second) { first } else { second }
-            }
-            Inverse::Pole { fixed } => {
-                let mut rotary = near;
-                rotary[1 - self.free_axis()] = fixed;
-                turned(rotary)
-            }
-            Inverse::Unreachable => near,
-        };
-        self.at(&pose.tip, rotary)
     }
 }
 
@@ -89,6 +66,8 @@ mod tests {
 
     use super::*;
     use crate::machine::named::named;
+    use crate::toolpath::pose::Pose;
+    use crate::toolpath::tool_axes::angle_between;
 
     proptest! {
         #[test]
@@ -108,7 +87,7 @@ mod tests {
             for n in 0..=50 {
                 let part = f64::from(n) / 50.0;
                 let (own, straight) = (machine.forward(&along(part)), ends[0].between(&ends[1], part));
-                let angle = own.axis.cross(&straight.axis).norm().atan2(own.axis.dot(&straight.axis));
+                let angle = angle_between(&own.axis, &straight.axis);
                 prop_assert!((own.tip - straight.tip).norm() <= bound.tip_mm + 1e-10);
                 prop_assert!(angle <= bound.axis + 1e-10);
             }

@@ -28,6 +28,7 @@
 //! # Reference
 //! K. Ahn, S. Jee, *Five-Axis Tool Path Smoothing based on Cubic B-Spline Curves*, 2020.
 
+mod band;
 mod blend;
 mod deviation;
 mod drive;
@@ -172,7 +173,7 @@ pub enum FiveAxisError {
     TooManySamples { duration_s: f64, limit: usize },
     #[error("near {at} the path keeps no tolerance as small as this; send a larger tolerance")]
     ToleranceNotReached { at: Point3<f64> },
-    #[error("near {at} {}", told(error))]
+    #[error("near {at} {}", error.told())]
     NotFollowed { error: FollowError, at: Point3<f64> },
     #[error(
         "near {at} the tool axis passes through the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"
@@ -182,22 +183,6 @@ pub enum FiveAxisError {
     NotScheduled { error: ScheduleError, at: Point3<f64> },
     #[error("a move of the toolpath failed: {0}")]
     Moves(#[from] PathError),
-}
-
-/// A failure to follow, without the index of a station, which means nothing to the caller.
-fn told(error: &FollowError) -> String {
-    match error {
-        FollowError::Unreachable { .. } => {
-            "the machine cannot tilt the tool to this axis; turn the part, or lean the axis less".to_owned()
-        }
-        FollowError::OutOfTravel { axis, .. } => {
-            format!("the axis {axis} would leave its travel; move or turn the part")
-        }
-        FollowError::Unwinds { axis, .. } => format!(
-            "the axis {axis} reaches the end of its travel; end the path there, retract, turn the rotary axes back and go on"
-        ),
-        FollowError::UnusableStart { .. } => error.to_string(),
-    }
 }
 
 /// What a method makes.

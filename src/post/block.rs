@@ -1,7 +1,7 @@
 //! The blocks of a program, with integer coordinates.
 
-use super::WriteError;
 use super::words::FeedWord;
+use super::{MAX_BLOCKS, WriteError};
 use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 
@@ -40,7 +40,8 @@ pub enum Block {
     Rotate {
         angles: [i64; 2],
     },
-    /// From here on coordinates are those of the tip, whatever the tool axis. Moves there as a rapid.
+    /// Moves to `to` as a rapid. After this block, X, Y and Z state the place of the tool tip, also while the
+    /// tool leans.
     BeginTipControl {
         to: [i64; 3],
         axis: AxisWords,
@@ -74,11 +75,35 @@ pub enum BlockFeed {
     InverseTime(FeedWord),
 }
 
-/// The block of a pause; none for a pause that rounds to nothing.
-pub fn pause(seconds: f64) -> Result<Option<Block>, WriteError> {
-    if seconds > MAX_DWELL_S {
-        return Err(WriteError::Dwell { seconds });
+/// The blocks of a program, at most [`MAX_BLOCKS`].
+#[derive(Default)]
+pub struct Blocks {
+    blocks: Vec<Block>,
+}
+
+impl Blocks {
+    pub fn len(&self) -> usize {
+        self.blocks.len()
     }
-    let milliseconds = (seconds * 1000.0).round() as u64;
-    Ok((milliseconds > 0).then_some(Block::Dwell { milliseconds }))
+
+    pub fn push(&mut self, block: Block) -> Result<(), WriteError> {
+        if self.blocks.len() >= MAX_BLOCKS {
+            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
+        }
+        self.blocks.push(block);
+        Ok(())
+    }
+
+    /// Adds a pause, unless it rounds to no time.
+    pub fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
+        if seconds > MAX_DWELL_S {
+            return Err(WriteError::Dwell { seconds });
+        }
+        let milliseconds = (seconds * 1000.0).round() as u64;
+        if milliseconds > 0 { self.push(Block::Dwell { milliseconds }) } else { Ok(()) }
+    }
+
+    pub fn finish(self) -> Vec<Block> {
+        self.blocks
+    }
 }

@@ -32,8 +32,8 @@ pub struct Dialect {
     pub end: &'static [Frame],
 }
 
-/// The words after which coordinates are those of the tip, whatever the tool axis; none where the control
-/// cannot do that.
+/// The codes that switch tip control on. Under tip control X, Y and Z state the place of the tool tip, also
+/// while the tool leans. `None` where the control has no such code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TipControl {
     /// With the angles of the rotary axes in the blocks.

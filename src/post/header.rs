@@ -14,7 +14,7 @@ use crate::toolpath::motion_time::motion_time;
 use crate::toolpath::path::{Move, Role, Toolpath};
 use crate::toolpath::program::Units;
 use crate::toolpath::tool::{Shape, Tool};
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// Most notes of a header. Further notes are only counted, so that the header stays a page.
 const MAX_NOTES: usize = 40;
@@ -66,10 +66,9 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     }
     let axis = match lowered.displacement_axis.to_degrees() {
         0.0 => String::new(),
-        // Rounded up to four decimals.
-        degrees => format!(" AND {:.4} DEGREES", (degrees * 1e4).ceil() / 1e4),
+        degrees => format!(" AND {:.4} DEGREES", rounded_up(degrees)),
     };
-    say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up_mm(lowered.displacement_mm)));
+    say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up(lowered.displacement_mm)));
     for warning in job.warnings {
         // No control keeps a colon in a comment.
         say(WARNING, warning.replace([':', ';'], " -"));

@@ -2,10 +2,10 @@
 
 use nalgebra::Point3;
 
-use super::block::{Block, pause};
+use super::block::{Block, Blocks};
 use super::posed::{self, Posed};
 use super::words;
-use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
+use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::toolpath::Toolpath;
@@ -44,7 +44,8 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
     let parabolas = job.dialect.parabolas;
-    let mut lowering = Lowering { resolution, grid, parabolas, at, blocks: Vec::new(), displacement_mm: 0.0 };
+    let mut lowering =
+        Lowering { resolution, grid, parabolas, at, blocks: Blocks::default(), displacement_mm: 0.0 };
     lowering.approach(clearance)?;
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
@@ -58,16 +59,16 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,
             Move::Feed { along, rate, .. } => lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?)?,
-            Move::Dwell { seconds } => lowering.dwell(*seconds)?,
+            Move::Dwell { seconds } => lowering.blocks.dwell(*seconds)?,
             // A turn to the same axis.
             Move::Turn { .. } => {}
         }
     }
     if lowering.at[2] < clearance {
-        lowering.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
+        lowering.blocks.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
     }
     let Lowering { blocks, displacement_mm, .. } = lowering;
-    Ok(Lowered { blocks, displacement_mm, displacement_axis: 0.0 })
+    Ok(Lowered { blocks: blocks.finish(), displacement_mm, displacement_axis: 0.0 })
 }
 
 struct Lowering {
@@ -75,7 +76,7 @@ struct Lowering {
     grid: Grid,
     parabolas: Parabolas,
     at: [i64; 3],
-    blocks: Vec<Block>,
+    blocks: Blocks,
     displacement_mm: f64,
 }
 
@@ -84,10 +85,10 @@ impl Lowering {
     /// clearance plane, then to the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
         let [x, y, z] = self.at;
-        self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
-        self.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
+        self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+        self.blocks.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
         if z < clearance {
-            self.push(Block::Rapid { to: [None, None, Some(z)] })?;
+            self.blocks.push(Block::Rapid { to: [None, None, Some(z)] })?;
         }
         Ok(())
     }
@@ -103,7 +104,7 @@ impl Lowering {
         let order = if z > from_z { [along_z, across] } else { [across, along_z] };
         for block in order {
             if block != (Block::Rapid { to: [None; 3] }) {
-                self.push(block)?;
+                self.blocks.push(block)?;
             }
         }
         self.at = [x, y, z];
@@ -115,7 +116,7 @@ impl Lowering {
         let rounded = quantize::round(along, self.resolution, self.parabolas)?;
         self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
         for Written { curve, end_units: to, form, .. } in rounded.curves {
-            self.push(match (curve, form) {
+            self.blocks.push(match (curve, form) {
                 (Curve::Arc(arc), Form::Arc { center }) => {
                     Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }
                 }
@@ -124,21 +125,6 @@ impl Lowering {
             })?;
             self.at = to;
         }
-        Ok(())
-    }
-
-    fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
-        match pause(seconds)? {
-            Some(block) => self.push(block),
-            None => Ok(()),
-        }
-    }
-
-    fn push(&mut self, block: Block) -> Result<(), WriteError> {
-        if self.blocks.len() >= MAX_BLOCKS {
-            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
-        }
-        self.blocks.push(block);
         Ok(())
     }
 }

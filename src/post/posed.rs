@@ -21,7 +21,7 @@
 
 use nalgebra::Point3;
 
-use super::block::{AxisWords, Block, BlockFeed, pause};
+use super::block::{AxisWords, Block, BlockFeed, Blocks};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use crate::budget::Budget;
@@ -31,6 +31,7 @@ use crate::toolpath::flatten::flatten;
 use crate::toolpath::path::{Move, Toolpath};
 use crate::toolpath::pose::Pose;
 use crate::toolpath::quantize::Grid;
+use crate::toolpath::tool_axes::angle_between;
 use crate::toolpath::units::FeedRate;
 
 /// How a program states the tool axis.
@@ -60,7 +61,7 @@ pub const VECTOR_DECIMALS: u8 = 7;
 /// Halvings of one motion, at most. Each divides the straying by four.
 const MOST_HALVINGS: u32 = 16;
 
-/// How fast the tool turns between two passes, radians per second. Slow enough for any machine.
+/// How fast the tool turns between two passes, radians per second: 29 degrees by s.
 const TURN_PER_S: f64 = 0.5;
 
 /// One straight motion.
@@ -107,7 +108,7 @@ pub fn lower(
         at: [i64::MIN; 3],
         axis: AxisWords::Angles([i64::MIN; 2]),
         owed_s: 0.0,
-        blocks: Vec::new(),
+        blocks: Blocks::default(),
         displacement_mm: 0.0,
         displacement_axis: 0.0,
     };
@@ -123,7 +124,7 @@ pub fn lower(
             checked = lowering.blocks.len();
         }
         match leg.pace {
-            Pace::Dwell(seconds) => lowering.dwell(seconds)?,
+            Pace::Dwell(seconds) => lowering.blocks.dwell(seconds)?,
             pace => {
                 let ends = [joints_at(k), joints_at(k + 1)];
                 lowering.motion([&from, &leg.to], ends, pace, MOST_HALVINGS)?;
@@ -133,7 +134,7 @@ pub fn lower(
     }
     lowering.retract(clearance)?;
     let Lowering { blocks, displacement_mm, displacement_axis, .. } = lowering;
-    Ok(Posed { blocks, displacement_mm, displacement_axis })
+    Ok(Posed { blocks: blocks.finish(), displacement_mm, displacement_axis })
 }
 
 /// The start and the straight motions of a toolpath. Chords stay within `chord_mm` of curves.
@@ -150,7 +151,7 @@ fn legs(toolpath: &Toolpath, job: &ProgramJob, chord_mm: f64) -> Result<(Pose, V
     for pass in toolpath.passes() {
         let begins = pass.axes().start();
         if begins != axis {
-            let angle = axis.cross(&begins).norm().atan2(axis.dot(&begins));
+            let angle = angle_between(&axis, &begins);
             push(Pose { tip, axis: begins }, Pace::Seconds(angle / TURN_PER_S))?;
             axis = begins;
         }
@@ -205,7 +206,7 @@ struct Lowering<'a> {
     axis: AxisWords,
     /// The time of motions that are too short to be written.
     owed_s: f64,
-    blocks: Vec<Block>,
+    blocks: Blocks,
     displacement_mm: f64,
     displacement_axis: f64,
 }
@@ -216,15 +217,15 @@ impl Lowering<'_> {
         (self.at, self.axis) = self.rounded(start, joints)?;
         let [x, y, z] = self.at;
         if let AxisWords::Angles(angles) = self.axis {
-            self.push(Block::Rotate { angles })?;
+            self.blocks.push(Block::Rotate { angles })?;
         }
         if self.five.output == AxisOutput::Machine {
-            self.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
-            return self.push(Block::Rapid { to: [None, None, Some(z)] });
+            self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+            return self.blocks.push(Block::Rapid { to: [None, None, Some(z)] });
         }
-        self.push(Block::BeginTipControl { to: [x, y, z.max(clearance)], axis: self.axis })?;
+        self.blocks.push(Block::BeginTipControl { to: [x, y, z.max(clearance)], axis: self.axis })?;
         if z < clearance {
-            self.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
+            self.blocks.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
         }
         Ok(())
     }
@@ -233,9 +234,9 @@ impl Lowering<'_> {
     fn retract(&mut self, clearance: i64) -> Result<(), WriteError> {
         if self.at[2] < clearance {
             self.at[2] = clearance;
-            self.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
+            self.blocks.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
         }
-        self.push(Block::EndPosed)
+        self.blocks.push(Block::EndPosed)
     }
 
     /// A straight motion, in as many blocks as its straying needs.
@@ -311,7 +312,7 @@ impl Lowering<'_> {
             }
             _ => BlockFeed::InverseTime(inverse_time(seconds)?),
         };
-        self.push(Block::Posed { to: at, axis, feed })
+        self.blocks.push(Block::Posed { to: at, axis, feed })
     }
 
     /// The positions of the axes that words state; none for vectors.
@@ -353,29 +354,13 @@ impl Lowering<'_> {
             }
             _ => Pose { tip: place, ..*pose },
         };
-        let angle = written.axis.cross(&pose.axis).norm().atan2(written.axis.dot(&pose.axis));
-        Straying { tip_mm: (written.tip - pose.tip).norm(), axis: angle }
-    }
-
-    fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
-        match pause(seconds)? {
-            Some(block) => self.push(block),
-            None => Ok(()),
-        }
-    }
-
-    fn push(&mut self, block: Block) -> Result<(), WriteError> {
-        if self.blocks.len() >= MAX_BLOCKS {
-            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
-        }
-        self.blocks.push(block);
-        Ok(())
+        Straying { tip_mm: (written.tip - pose.tip).norm(), axis: angle_between(&written.axis, &pose.axis) }
     }
 }
 
 /// The F word of a block under G93: one by its minutes.
 fn inverse_time(seconds: f64) -> Result<FeedWord, WriteError> {
-    // A motion of no time gets the shortest time that a control reads.
+    // The F word of no time would be infinite.
     words::per_minute(60.0 / seconds.max(SHORTEST_S)).ok_or(WriteError::InverseTime { seconds })
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{UnitVector3, Vector3};
 
 /// Axes at a larger angle are opposite, radians: the great circle between them is not certain.
-const OPPOSITE: f64 = std::f64::consts::PI - 1e-3;
+pub const OPPOSITE: f64 = std::f64::consts::PI - 1e-3;
 
 /// The tool axis along a pass.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,9 +54,14 @@ impl ToolAxes {
     }
 }
 
+/// The angle between two vectors, radians; accurate for small angles too.
+pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
 /// Whether the great circle between two axes is not certain.
 pub fn are_opposite(a: &UnitVector3<f64>, b: &UnitVector3<f64>) -> bool {
-    a.cross(b).norm().atan2(a.dot(b)) >= OPPOSITE
+    angle_between(a, b) >= OPPOSITE
 }
 
 /// The axis at a part of the great circle from `a` to `b`, from 0 to 1.

@@ -57,7 +57,7 @@ impl Tolerance {
     }
 }
 
-/// A bound in mm, rounded up to the four decimals that people are shown.
-pub fn rounded_up_mm(mm: f64) -> f64 {
-    (mm * 1e4).ceil() / 1e4
+/// A bound in mm or degrees, rounded up to the four decimals that people are shown.
+pub fn rounded_up(bound: f64) -> f64 {
+    (bound * 1e4).ceil() / 1e4
 }

@@ -69,19 +69,27 @@ impl<R: ToSchema, M: ToSchema> PartialSchema for Answer<R, M> {
         let report = RefBuilder::new()
             .ref_location_from_schema_name(R::name())
             .description(Some("What the operation found and proved."));
-        let mut answer = ObjectBuilder::new()
+        let answer = ObjectBuilder::new()
             .description(Some("The answer of a computation."))
             .property("report", report.build())
             .required("report")
             .build();
-        for part in [Head::schema(), M::schema()] {
-            if let RefOr::T(Schema::Object(part)) = part {
-                answer.properties.extend(part.properties);
-                answer.required.extend(part.required);
-            }
-        }
-        answer.into()
+        joined([answer.into(), Head::schema(), M::schema()])
     }
+}
+
+/// The schema of an object with the members of several objects, and the description of the first.
+pub fn joined<const N: usize>(parts: [RefOr<Schema>; N]) -> RefOr<Schema> {
+    let objects = parts.into_iter().filter_map(|part| match part {
+        RefOr::T(Schema::Object(object)) => Some(object),
+        _ => None,
+    });
+    let all = objects.reduce(|mut all, part| {
+        all.properties.extend(part.properties);
+        all.required.extend(part.required);
+        all
+    });
+    all.unwrap_or_default().into()
 }
 
 impl<R: ToSchema, M: ToSchema> ToSchema for Answer<R, M> {

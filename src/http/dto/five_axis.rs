@@ -31,7 +31,7 @@ use crate::toolpath::pose::{Pace, Pose, Waypoint};
 use crate::toolpath::units::FeedRate;
 use machine::SentLimits;
 pub use machine::{Machines, SentMachine, SentRotary};
-pub use report::{Sample, SmoothMembers, SmoothQuery, SmoothReport};
+pub use report::{Sample, SampleMembers, SmoothMembers, SmoothQuery, SmoothReport};
 
 /// Default of `top_distance_mm`: the axis of a tool of usual length, mm.
 const DEFAULT_TOP_MM: f64 = 50.0;

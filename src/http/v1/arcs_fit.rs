@@ -28,7 +28,7 @@ use crate::http::program_stream::ProgramStream;
 use crate::operations::arc_fitting::{self, Error, Job, Plan};
 use crate::plot::Drawing;
 use crate::post::rewrite::Rewriter;
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type AnyFitAnswer = Answer<AnyFitReport>;
@@ -148,7 +148,7 @@ fn proved(report: &arc_fitting::Report) -> String {
         report.n_arcs,
         report.n_lines,
         report.n_points,
-        rounded_up_mm(report.deviation_written_max_mm)
+        rounded_up(report.deviation_written_max_mm)
     )
 }
 
@@ -159,21 +159,21 @@ impl From<&arc_fitting::Warning> for Warning {
                 WarningCode::RoundingExceedsTolerance,
                 format!(
                     "rounding to the program's decimals moves the path up to {:.4} mm from the points, beyond the tolerance: send more `decimals`",
-                    rounded_up_mm(*deviation_mm)
+                    rounded_up(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::CoarseSamples { deviation_mm } => (
                 WarningCode::CoarseSamples,
                 format!(
                     "the elements are up to {:.4} mm from the straight lines between the points: if the part really consists of these straight lines, send `measure: polyline`",
-                    rounded_up_mm(*deviation_mm)
+                    rounded_up(*deviation_mm)
                 ),
             ),
             arc_fitting::Warning::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(
                     "`method: biarc` ignores the tolerance: the elements are up to {:.4} mm from the straight lines between the points",
-                    rounded_up_mm(*deviation_mm)
+                    rounded_up(*deviation_mm)
                 ),
             ),
         };

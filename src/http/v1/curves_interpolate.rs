@@ -21,7 +21,7 @@ use crate::http::extract::JobBody;
 use crate::http::negotiation::{Toolpaths, Wanted};
 use crate::operations::interpolation::{self, Job, Plan, Sketch};
 use crate::plot::Drawing;
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type InterpolateAnswer = Answer<InterpolateReport>;
@@ -74,7 +74,7 @@ fn proved(report: &interpolation::Report) -> String {
     format!(
         "{} ELEMENTS{least} - PROVED DEVIATION {:.4} MM",
         report.elements.len(),
-        rounded_up_mm(report.deviation_max_mm)
+        rounded_up(report.deviation_max_mm)
     )
 }
 
@@ -85,14 +85,14 @@ impl From<&interpolation::Warning> for Warning {
                 code: WarningCode::RoundingLeavesBand,
                 detail: format!(
                     "rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band: send more `decimals`",
-                    rounded_up_mm(*deviation_mm)
+                    rounded_up(*deviation_mm)
                 ),
             },
             interpolation::Warning::ContourNotReached { uncut_mm } => Self {
                 code: WarningCode::ContourNotReached,
                 detail: format!(
                     "the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays",
-                    rounded_up_mm(*uncut_mm)
+                    rounded_up(*uncut_mm)
                 ),
             },
         }

@@ -8,10 +8,10 @@ use axum::response::Response;
 use crate::budget::Budget;
 use crate::http::App;
 use crate::http::answer::{Cut, Outcome, Product, answer};
-use crate::http::dto::answer::{Answer, PathMembers};
+use crate::http::dto::answer::Answer;
 use crate::http::dto::check::Violations;
 use crate::http::dto::five_axis::{
-    Sample, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
+    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
 };
 use crate::http::dto::program_writing::conditions;
 use crate::http::dto::toolpath::{Warning, WarningCode};
@@ -25,7 +25,7 @@ use crate::http::v1::programs_write::clearance_chosen;
 use crate::machine::Machine;
 use crate::operations::five_axis::{self, FiveAxisError, Job, Plan, Report, TimedPose};
 use crate::plot::Drawing;
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type SmoothAnswer = Answer<SmoothReport, SmoothMembers>;
@@ -78,8 +78,7 @@ impl Product for Motion {
         let Self { cut, samples, machine, with_samples } = self;
         let samples: Option<Vec<Sample>> = with_samples
             .then(|| samples.iter().map(|sample| Sample::new(sample, machine.as_ref())).collect());
-        let PathMembers { measures, nc, toolpath } = cut.members(written, form);
-        SmoothMembers { measures, nc, toolpath, samples }
+        SmoothMembers { path: cut.members(written, form), motion: SampleMembers { samples } }
     }
 }
 
@@ -122,9 +121,9 @@ fn smooth(
 /// The line of a program's header about the path.
 fn proved(report: &Report) -> String {
     format!(
-        "SMOOTH PATH WITHIN {:.4} MM AND {:.3} DEGREES OF {} POSES",
-        rounded_up_mm(report.moves_deviation_mm),
-        report.moves_deviation_axis.to_degrees(),
+        "SMOOTH PATH WITHIN {:.4} MM AND {:.4} DEGREES OF {} POSES",
+        rounded_up(report.moves_deviation_mm),
+        rounded_up(report.moves_deviation_axis.to_degrees()),
         report.n_poses
     )
 }
@@ -133,9 +132,9 @@ fn excess(report: &Report) -> Warning {
     Warning {
         code: WarningCode::ToleranceExceeded,
         detail: format!(
-            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.3} degrees from the given path; send `interpolating`",
-            rounded_up_mm(report.deviation_mm),
-            report.deviation_axis.to_degrees()
+            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
+            rounded_up(report.deviation_mm),
+            rounded_up(report.deviation_axis.to_degrees())
         ),
     }
 }
@@ -145,7 +144,7 @@ fn rounded(job: &Job, report: &Report) -> Option<Warning> {
     let written_mm = report.moves_deviation_mm + job.rounding_mm;
     let detail = format!(
         "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
-        rounded_up_mm(written_mm)
+        rounded_up(written_mm)
     );
     let is_beyond = report.is_within_tolerance && written_mm > job.tolerance_mm;
     is_beyond.then_some(Warning { code: WarningCode::RoundingExceedsTolerance, detail })

@@ -23,7 +23,7 @@ use crate::http::extract::JobBody;
 use crate::http::negotiation::{Toolpaths, Wanted};
 use crate::operations::pocketing::{self, Job, Plan};
 use crate::plot::Drawing;
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type PocketAnswer = Answer<PocketReport>;
@@ -84,7 +84,7 @@ fn proved(report: &pocketing::Report) -> String {
     let n_levels = report.levels.len();
     format!(
         "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}",
-        rounded_up_mm(report.gouge_max_mm),
+        rounded_up(report.gouge_max_mm),
         report.uncut_area_mm2,
         if n_levels == 1 { "" } else { "S" }
     )
@@ -104,7 +104,7 @@ impl From<&pocketing::Warning> for Warning {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(
                     "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
-                    rounded_up_mm(*gouge_mm)
+                    rounded_up(*gouge_mm)
                 ),
             },
             pocketing::Warning::StepoverNarrowed => Self {

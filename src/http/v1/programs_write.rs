@@ -19,7 +19,7 @@ use crate::http::extract::JobBody;
 use crate::http::negotiation::{Programs, Wanted};
 use crate::plot::Drawing;
 use crate::post::{self, ProgramJob};
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type WriteAnswer = Answer<WriteReport>;
@@ -79,5 +79,5 @@ pub fn clearance_chosen(z_mm: f64) -> Warning {
 
 /// The header's line about arcs that were moved to become exact. `None` where no arc was moved.
 fn adjusted(moved_mm: f64) -> Option<String> {
-    (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", rounded_up_mm(moved_mm)))
+    (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", rounded_up(moved_mm)))
 }

@@ -22,7 +22,7 @@ use crate::http::negotiation::{Toolpaths, Wanted};
 use crate::machining::wire_model;
 use crate::operations::surface_milling::{self, Job, Plan};
 use crate::plot::Drawing;
-use crate::toolpath::units::rounded_up_mm;
+use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
 type MillAnswer = Answer<MillReport>;
@@ -63,8 +63,8 @@ fn drawing(surface: &Source) -> Drawing {
 fn proved(report: &surface_milling::Report) -> String {
     format!(
         "PROVED DEVIATION {:.4} MM - GOUGE {:.4} MM",
-        rounded_up_mm(report.deviation_max_mm),
-        rounded_up_mm(report.gouge_max_mm)
+        rounded_up(report.deviation_max_mm),
+        rounded_up(report.gouge_max_mm)
     )
 }
 
@@ -83,7 +83,7 @@ impl From<&surface_milling::Warning> for Warning {
                 code: WarningCode::ShortPiecesLeftOut,
                 detail: format!(
                     "{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm",
-                    rounded_up_mm(*longest_mm)
+                    rounded_up(*longest_mm)
                 ),
             },
             surface_milling::Warning::PartSmallerThanCutter => Self {
@@ -106,7 +106,7 @@ impl From<&surface_milling::Warning> for Warning {
                 code: WarningCode::RoughingPathGouges,
                 detail: format!(
                     "the path is for roughing and cuts up to {:.4} mm into the surface",
-                    rounded_up_mm(*depth_mm)
+                    rounded_up(*depth_mm)
                 ),
             },
             surface_milling::Warning::PassesApart { stepover_mm } => Self {

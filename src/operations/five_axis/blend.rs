@@ -1,8 +1,9 @@
 //! A quintic around a corner, from the rails before it to the rails after it.
 
 use super::deviation::{Deviation, of_line, of_span, part_of};
-use super::path::{Block, angle_between};
+use super::path::Block;
 use super::rail::{Fitted, Span, tip};
+use crate::toolpath::tool_axes::angle_between;
 
 /// The part of a block that a blend may take: the corner at its other end needs room too.
 const ROOM: f64 = 0.45;

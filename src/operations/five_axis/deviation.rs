@@ -19,8 +19,9 @@
 
 use nalgebra::Vector3;
 
-use super::path::{Block, angle_between};
+use super::path::Block;
 use super::rail::{Point6, Span, tip, top};
+use crate::toolpath::tool_axes::angle_between;
 
 /// Halvings of a span, at most.
 const MOST_HALVINGS: usize = 7;
@@ -58,7 +59,7 @@ impl Deviation {
         Self { tip_mm: self.tip_mm + other.tip_mm, axis: self.axis + other.axis }
     }
 
-    /// What is left of both figures, at least half of each.
+    /// This tolerance less what is kept free of it. At least half of the tolerance is left.
     #[must_use]
     pub fn without(self, room: Self) -> Self {
         Self {

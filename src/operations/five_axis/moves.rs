@@ -1,9 +1,10 @@
 //! The toolpath of smooth rails: straight moves whose ends lie on the rails.
 //!
 //! # Method
-//! A polynomial leaves the chord of its ends by at most an eighth of its largest second derivative, which its
-//! Bernstein coefficients bound. So each span is divided evenly into as many chords as the allowed height
-//! needs. The chords are proved against the given path as the rails are (`deviation`).
+//! 1. Each span is divided evenly into chords. An eighth of the largest second derivative bounds how far a
+//!    polynomial leaves its chord, and the Bernstein coefficients bound the second derivative. This gives the
+//!    number of chords.
+//! 2. The chords are proved against the given path by the proof of the rails (`deviation`).
 //!
 //! # Guarantees
 //! * The moves are within the stated deviation of the given path, and the given path within it of the moves.
@@ -121,9 +122,12 @@ impl Moving<'_> {
                 if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
             };
             let places: Vec<_> = (0..=count).map(|i| span.jet(at(i))[0]).collect();
-            let blocks: Vec<Block> = {
-                let [first, last] = piece.sources[n].blocks();
-                (first..=last).map(|block| self.path.block(block)).collect()
+            let blocks: Vec<Block> = match piece.sources[n] {
+                Source::Run(_) => Vec::new(),
+                source => {
+                    let [first, last] = source.blocks();
+                    (first..=last).map(|block| self.path.block(block)).collect()
+                }
             };
             for i in 0..count {
                 let to = pose(&places[i + 1]);
@@ -166,7 +170,7 @@ impl Moving<'_> {
             Source::Run(_) => self.rails.deviation.plus(self.allowed).plus(circle),
             // Around a corner, the nearest block changes along the chord.
             Source::Corner(_) => of_span(&chord, blocks, Deviation::NONE).plus(circle),
-            // What is no farther than the rails need not be known exactly.
+            // The search may end early at a bound that is no larger than that of the rails.
             Source::Block(_) => of_span(&chord, blocks, self.rails.deviation).plus(circle),
         }
     }

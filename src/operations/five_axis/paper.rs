@@ -31,10 +31,11 @@ use nalgebra::Vector3;
 
 use super::Rails;
 use super::deviation::{Deviation, of_span};
-use super::path::{Block, angle_between};
+use super::path::Block;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, join, tip, top};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
+use crate::toolpath::tool_axes::angle_between;
 
 /// (13) for one unit of length: 2 (0.0208 + 0.25 (0.4792 - 0.0208)) with 1/48 for 0.0208.
 const CORRECTION: f64 = 13.0 / 48.0;

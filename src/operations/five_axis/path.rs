@@ -5,15 +5,13 @@ use nalgebra::Vector3;
 use super::FiveAxisError;
 use super::rail::{Point6, join, tip, top};
 use crate::toolpath::pose::{Pace, Waypoint};
+use crate::toolpath::tool_axes::{OPPOSITE, angle_between};
 
 /// Two tips that are nearer to each other are the same, mm: far below what a program can say.
 const SAME_TIP_MM: f64 = 1e-7;
 
 /// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
 const SAME_AXIS: f64 = 1e-9;
-
-/// Axes at a larger angle are opposite, radians: the great circle between them is not certain any more.
-const OPPOSITE: f64 = std::f64::consts::PI - 1e-3;
 
 /// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
 /// with the tip.
@@ -56,11 +54,6 @@ impl Block {
         let sine = self.angle.sin();
         a * (((1.0 - part) * self.angle).sin() / sine) + b * ((part * self.angle).sin() / sine)
     }
-}
-
-/// The angle between two vectors, radians; accurate for small angles too.
-pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    a.cross(b).norm().atan2(a.dot(b))
 }
 
 /// Different poses, with the pace of each block between them.

@@ -37,7 +37,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::operations::five_axis::path::angle_between;
+    use crate::toolpath::tool_axes::angle_between;
 
     #[test]
     fn the_axis_turns_evenly_on_the_great_circle() {

@@ -41,7 +41,6 @@
 //! parabolas and a constant jerk from rest. S. Boyd and L. Vandenberghe, "Convex Optimization", 2004, section
 //! 11.7, for the interior-point method.
 
-mod band;
 mod between;
 mod bounds;
 mod grid;

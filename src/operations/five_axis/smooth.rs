@@ -23,6 +23,7 @@ use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
 use super::{FiveAxisError, Rails, rotation, tube};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spline::{EndCondition, derivatives_over};
+use crate::toolpath::tool_axes::angle_between;
 
 /// Rounds of proof and repair. A path needs a few. After these, every station of a run that leaves the
 /// tolerance is a corner.
@@ -133,7 +134,7 @@ impl<'a> Smoother<'a> {
     }
 
     fn turn(&self, k: usize) -> f64 {
-        super::path::angle_between(&self.blocks[k - 1].direction(), &self.blocks[k].direction())
+        angle_between(&self.blocks[k - 1].direction(), &self.blocks[k].direction())
     }
 
     /// The runs between corners, each within the tolerance.

@@ -9,20 +9,21 @@
 //!    that all spans miss alike, and step 1 begins anew.
 //!
 //! # Guarantees
-//! * At equal parameters the tip is within the tolerance of the blocks, so that this holds both ways. The
-//!   axis is within its tolerance of that of the path at the nearest place. Both are proved for every span.
+//! * At equal parameters the tip of the spline is within `tip_mm` of the blocks. So the blocks are within the
+//!   same distance of the spline.
+//! * The axis of the spline is within the tolerance of the axis that the path has at the nearest place.
+//! * Both bounds are proved for every span.
 //! * The ends of the run are hit exactly.
 //!
 //! # Degenerate input
 //! A run for which no spline is found gets none; the caller interpolates it.
 //!
 //! # Cost
-//! O(n) for n stations in each of some twenty rounds.
+//! O(n log n) for n stations in each round; `MOST_ROUNDS` limits the rounds.
 //!
 //! # Reference
 //! C. de Boor, *A Practical Guide to Splines*, Springer, 2001, chapter XIV, for the smoothing spline.
 
-mod band;
 mod least_jerk;
 #[cfg(test)]
 mod tests;
@@ -42,7 +43,7 @@ const AHEAD: f64 = 1.1;
 const LEAST: f64 = 0.2;
 const MOST: f64 = 64.0;
 
-/// The part of the tolerance that the spline aims at: the rest is for what lies between its targets.
+/// The spline is searched within this part of the tolerance. Between its targets it may use the rest.
 const AIM: f64 = 0.96;
 
 /// No span is shorter than this part of the shortest block it touches.
@@ -113,21 +114,18 @@ fn joints(blocks: &[Block]) -> Vec<f64> {
 
 /// Places that the spline has to be near to, in order, without its ends.
 fn targets(blocks: &[Block], joints: &[f64], knots: &[f64]) -> Vec<Target> {
+    // The number of spans before a parameter, with their fractions.
+    let spans_before = |u: f64| {
+        let k = knots.partition_point(|knot| *knot <= u).clamp(1, knots.len() - 1) - 1;
+        k as f64 + (u - knots[k]) / (knots[k + 1] - knots[k])
+    };
     let mut targets = Vec::new();
-    let mut span = 0;
-    for (k, block) in blocks.iter().enumerate() {
-        while span + 2 < knots.len() && knots[span + 1] <= joints[k] {
-            span += 1;
-        }
-        let crossed = knots[span..].iter().take_while(|knot| **knot < joints[k + 1]).count() as f64;
-        let length = knots[span + 1] - knots[span];
-        let parts = TARGETS * crossed.max(1.0).min(block.length / length + 1.0) * block.length / length;
-        let count = parts.max(crossed * TARGETS * f64::from(u8::from(crossed > 1.0)));
-        let count = (count.ceil() as usize).clamp(1, MOST_TARGETS);
+    for (block, ends) in blocks.iter().zip(joints.windows(2)) {
+        let spans = spans_before(ends[1]) - spans_before(ends[0]);
+        let count = ((TARGETS * spans).ceil() as usize).clamp(1, MOST_TARGETS);
         for n in 1..=count {
             let part = n as f64 / count as f64;
-            let u = joints[k] + part * (joints[k + 1] - joints[k]);
-            targets.push(Target { u, at: block.at(part) });
+            targets.push(Target { u: ends[0] + part * (ends[1] - ends[0]), at: block.at(part) });
         }
     }
     targets.pop();

@@ -23,6 +23,7 @@ use crate::machine::{Joints, Machine};
 use crate::post::nc::{Distance, Effect, FeedMode, Modifier, Motion, Place, effect};
 use crate::toolpath::pose::{Pace, Pose, Waypoint};
 use crate::toolpath::program::Units;
+use crate::toolpath::tool_axes::angle_between;
 use crate::toolpath::units::FeedRate;
 
 /// Reads the poses of a program. `top_mm` is the distance of the point whose speed is the feed where the tip
@@ -275,7 +276,7 @@ impl Reader<'_> {
         if self.feed_mode == FeedMode::InverseTime {
             let per_minute = self.feed.filter(|_| has_feed).ok_or(PathFault::NoFeed)?;
             let length = (to.tip - from.tip).norm();
-            let turned = to.axis.cross(&from.axis).norm().atan2(to.axis.dot(&from.axis)) * self.top_mm;
+            let turned = angle_between(&to.axis, &from.axis) * self.top_mm;
             let way = if length > 1e-7 { length } else { turned };
             // A block that moves nothing has no feed of its own.
             return if way > 0.0 { feed((way * per_minute).clamp(1e-3, 1e6)) } else { feed(1.0) };

@@ -1,11 +1,13 @@
 //! The report and the samples of the motion along a smooth path.
 
 use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::Schema;
+use utoipa::{IntoParams, PartialSchema, ToSchema};
 
+use crate::http::dto::answer::{PathMembers, joined};
 use crate::http::dto::axis::{AxisDirection, components};
 use crate::http::dto::point::{Coordinates, Point};
-use crate::http::dto::toolpath::{Measures, Toolpath};
 use crate::machine::{Joints, Machine};
 use crate::operations::five_axis as core;
 use crate::toolpath::pose::Pose;
@@ -221,22 +223,33 @@ impl Sample {
     }
 }
 
-/// The members of the answer beside the report.
-#[derive(Default, Serialize, ToSchema)]
+/// The members of the answer beside the report: those of every toolpath, and the samples.
+#[derive(Serialize)]
 pub struct SmoothMembers {
-    /// Lengths and times of the toolpath. Absent where the endpoint makes no toolpath, and where
-    /// `/v1/arcs/fit` rewrites an NC program.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub measures: Option<Measures>,
-    /// The text of the NC program. Present with `?nc=true`, and in answers of `/v1/programs/write`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub nc: Option<String>,
-    /// The moves. Absent where `measures` is absent, with `?toolpath=false`, and where the answer has `nc`
-    /// unless `?toolpath=true` asks for the moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub toolpath: Option<Toolpath>,
+    #[serde(flatten)]
+    pub path: PathMembers,
+    #[serde(flatten)]
+    pub motion: SampleMembers,
+}
+
+/// The samples of the motion.
+#[derive(Serialize, ToSchema)]
+pub struct SampleMembers {
     /// The motion at times that are `sample_period_ms` apart; the last step may be shorter. Present with
     /// `?samples=true`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Vec<Sample>>,
+}
+
+impl PartialSchema for SmoothMembers {
+    fn schema() -> RefOr<Schema> {
+        joined([PathMembers::schema(), SampleMembers::schema()])
+    }
+}
+
+impl ToSchema for SmoothMembers {
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        PathMembers::schemas(schemas);
+        SampleMembers::schemas(schemas);
+    }
 }

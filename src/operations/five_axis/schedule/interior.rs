@@ -11,10 +11,10 @@
 //! # Guarantees
 //! All limits hold at the nodes after each step, so that the search may end at any step.
 
-use super::band::Band;
 use super::newton::{Local, Step};
 use super::rows::{Rows, dot};
 use crate::budget::{Budget, Stopped};
+use crate::operations::five_axis::band::Band;
 
 /// The most steps. A search takes 15 to 30; more steps gain less than 1 % of the time.
 const STEPS: usize = 60;
@@ -38,7 +38,7 @@ struct Search<'a> {
     /// b and b' at the nodes, of m and of its change.
     states: Vec<[f64; 2]>,
     state_changes: Vec<[f64; 2]>,
-    band: Band,
+    band: Band<3>,
     /// The gradients of the time and of the sum of the logarithms of the limits.
     sides: Vec<[f64; 2]>,
 }
@@ -245,7 +245,7 @@ impl Search<'_> {
 
 /// Adds the limits at one end of interval k to the equations. Row i of `map` is the state for a value of 1 of
 /// the control value k - 1 + i alone.
-fn add(band: &mut Band, sides: &mut [[f64; 2]], k: usize, local: &Local, map: &[[f64; 3]; 3]) {
+fn add(band: &mut Band<3>, sides: &mut [[f64; 2]], k: usize, local: &Local, map: &[[f64; 3]; 3]) {
     let [q00, q01, q02, q11, q12, q22] = local.curvature;
     for (i, t) in map.iter().enumerate() {
         let product = [

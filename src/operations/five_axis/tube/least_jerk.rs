@@ -15,12 +15,15 @@
 
 use nalgebra::SMatrix;
 
-use super::band::{Band, WIDTH};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
+use crate::operations::five_axis::band::Band;
 use crate::operations::five_axis::rail::{Point6, Span};
 
 const DEGREE: usize = 5;
+
+/// Control points that matter for one value.
+const WIDTH: usize = DEGREE + 1;
 
 /// Iterations, and the first weight of the distances. Every few iterations the weight follows the residuals.
 const ITERATIONS: usize = 200;
@@ -30,11 +33,11 @@ const BETWEEN_WEIGHTS: usize = 15;
 /// Ends the iterations: values and their projections differ by less, as a part of the radius.
 const NEAR: f64 = 2e-3;
 
-/// After so many iterations, values that are farther from their balls will not come into them.
+/// A search is given up if, after `HOPEFUL` iterations, a value is still `HOPELESS` radii away from its ball.
 const HOPEFUL: usize = 40;
 const HOPELESS: f64 = 1.5;
 
-/// Over-relaxation, which saves a third of the iterations.
+/// Over-relaxation: Boyd et al. recommend 1.5 to 1.8 (section 3.4.3).
 const RELAXATION: f64 = 1.6;
 
 /// The weight of the ends, which are then replaced by the exact ones.
@@ -197,9 +200,9 @@ impl Problem<'_> {
         self.targets.iter().map(row).collect()
     }
 
-    /// The matrix of the jerk with the ends, and that of the distances. The parameter is scaled so that a
-    /// span has the length 1 on average.
-    fn matrices(&self, extractions: &[Extraction], rows: &[Row], size: usize) -> (Band, Band) {
+    /// Two matrices: one for the jerk and the ends of the spline, one for the distances from the targets. The
+    /// parameter is scaled such that the mean length of a span is 1.
+    fn matrices(&self, extractions: &[Extraction], rows: &[Row], size: usize) -> (Band<WIDTH>, Band<WIDTH>) {
         // Integrals of products of the Bernstein polynomials of degree 2.
         const GRAM: [[f64; 3]; 3] = [[0.2, 0.1, 1.0 / 30.0], [0.1, 2.0 / 15.0, 0.1], [1.0 / 30.0, 0.1, 0.2]];
         let count = extractions.len() as f64;

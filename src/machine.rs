@@ -37,6 +37,7 @@
 //! R. M. Murray, Z. Li, S. S. Sastry, *A Mathematical Introduction to Robotic Manipulation*, CRC Press, 1994,
 //! chapter 3: products of exponentials and the Paden-Kahan subproblems.
 
+mod ball;
 mod follow;
 pub mod named;
 mod orientation;
@@ -52,6 +53,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use crate::toolpath::pose::Pose;
+pub use ball::Ball;
 pub use follow::FollowError;
 use orientation::{Orientation, RotaryPair};
 pub use rotary_axis::{Kind, RotaryAxis};
@@ -291,13 +293,34 @@ impl Machine {
         let along = |of: &[Vector3<f64>; 4]| {
             [0, 1, 2].map(|k| Series::from_derivatives([of[0][k], of[1][k], of[2][k], of[3][k]]))
         };
-        let Orientation::Two(both) = self.pair.solve(along(axis)) else {
+        let all = self.along(along(tip), along(axis), near)?.map(Series::derivatives);
+        all.iter().flatten().all(|d| d.is_finite()).then_some(all)
+    }
+
+    /// Balls around the Taylor coefficients of X, Y, Z (mm) and the two rotary axes (radians) over a range of
+    /// the parameter of a path: the coefficient of order k is the derivative by k!. `tip` and `axis` hold
+    /// such balls of the tip and of a vector along the tool axis. `near` selects the branch and the number of
+    /// full turns.
+    ///
+    /// `None` where the range may touch the pole or the end of reach.
+    pub fn coefficients<const N: usize>(
+        &self,
+        tip: [[Ball; N]; 3],
+        axis: [[Ball; N]; 3],
+        near: &Joints,
+    ) -> Option<[[Ball; N]; 5]> {
+        let all = self.along(tip.map(Series), axis.map(Series), near)?.map(|series| series.0);
+        all.iter().flatten().all(|ball| ball.most().is_finite()).then_some(all)
+    }
+
+    /// The positions for a tip and a vector along the tool axis.
+    fn along<S: Scalar>(&self, tip: [S; 3], axis: [S; 3], near: &Joints) -> Option<[S; 5]> {
+        let Orientation::Two(both) = self.pair.solve(axis) else {
             return None;
         };
         let rotary = nearer(both.map(|angles| self.in_order(angles)), near.rotary);
-        let [x, y, z] = self.linear(along(tip), rotary);
-        let all = [x, y, z, rotary[0], rotary[1]].map(Series::derivatives);
-        all.iter().flatten().all(|d| d.is_finite()).then_some(all)
+        let [x, y, z] = self.linear(tip, rotary);
+        Some([x, y, z, rotary[0], rotary[1]])
     }
 
     /// The direction of the tool axis in the workpiece frame.

@@ -1,4 +1,5 @@
-//! The numbers that the inverse kinematics calculates with: plain numbers, or numbers with derivatives.
+//! The numbers that the inverse kinematics calculates with: plain numbers, balls, or numbers with
+//! derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -7,14 +8,15 @@ use nalgebra::Vector3;
 /// A number with the functions that the inverse kinematics needs.
 ///
 /// # Guarantees
-/// [`Scalar::value`] of a result equals the result of the same calculation with plain numbers.
+/// [`Scalar::value`] of a result equals the result of the same calculation with plain numbers, but for
+/// rounding.
 pub trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// A number that does not change along the path.
     fn constant(value: f64) -> Self;
 
-    /// The number without its derivatives.
+    /// The number without its derivatives; the centre of a ball.
     fn value(self) -> f64;
 
     fn sqrt(self) -> Self;
@@ -26,9 +28,7 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
 
     /// The number times a constant.
-    fn scale(self, factor: f64) -> Self {
-        self * Self::constant(factor)
-    }
+    fn scale(self, factor: f64) -> Self;
 }
 
 impl Scalar for f64 {
@@ -50,6 +50,10 @@ impl Scalar for f64 {
 
     fn atan2(self, x: Self) -> Self {
         self.atan2(x)
+    }
+
+    fn scale(self, factor: f64) -> Self {
+        self * factor
     }
 }
 

@@ -1,19 +1,21 @@
-//! Numbers with three derivatives, as truncated Taylor series.
+//! Numbers with derivatives, as truncated Taylor series.
 //!
 //! # Method
-//! A function of the path parameter is stored as its first four Taylor coefficients. Each operation computes
-//! the coefficients of its result from those of its operands by the usual recurrences (Griewank and Walther,
-//! table 13.1 and 13.2).
+//! A function of the path parameter is stored as its first N Taylor coefficients. Each operation computes the
+//! coefficients of its result from those of its operands by the usual recurrences (Griewank and Walther,
+//! table 13.1 and 13.2). Coefficients are plain numbers, or balls (`ball`).
 //!
 //! # Guarantees
-//! Coefficients are exact except for rounding. No step size is involved.
+//! * Coefficients are exact except for rounding. No step size is involved.
+//! * Where balls enclose the coefficients of the operands at all places of a range, the balls of the result
+//!   enclose its coefficients at all these places.
 //!
 //! # Degenerate input
 //! A division by zero, the square root of zero and the angle of the zero vector give coefficients that are
 //! infinite or NaN.
 //!
 //! # Cost
-//! Constant for each operation: at most ten products for a product of two series.
+//! Constant for each operation: ten products of coefficients for a product of two series with four of them.
 //!
 //! # Reference
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, second edition, SIAM, 2008, chapter 13.
@@ -23,34 +25,43 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::scalar::Scalar;
 
-/// Value and derivatives: the number of coefficients.
-const TERMS: usize = 4;
-
-/// Factorials of the orders: derivative = factorial times coefficient.
-const FACTORIALS: [f64; TERMS] = [1.0, 1.0, 2.0, 6.0];
-
-/// The Taylor coefficients of orders 0 to 3.
+/// The Taylor coefficients of orders 0 to N - 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Series([f64; TERMS]);
+pub struct Series<C, const N: usize>(pub [C; N]);
 
-impl Series {
-    /// The series of a function with the given value and first three derivatives.
-    pub fn from_derivatives(derivatives: [f64; TERMS]) -> Self {
-        Self(from_fn(|k| derivatives[k] / FACTORIALS[k]))
-    }
-
-    /// The value and the first three derivatives.
-    pub fn derivatives(self) -> [f64; TERMS] {
-        from_fn(|k| self.0[k] * FACTORIALS[k])
-    }
-
+impl<C: Scalar, const N: usize> Series<C, N> {
     /// The derivative as a series. Its last coefficient is not known and stands as zero.
     fn derivative(self) -> Self {
-        Self([self.0[1], 2.0 * self.0[2], 3.0 * self.0[3], 0.0])
+        let order = |k: usize| {
+            self.0.get(k + 1).map_or(C::constant(0.0), |coefficient| coefficient.scale((k + 1) as f64))
+        };
+        Self(from_fn(order))
     }
 }
 
-impl Add for Series {
+impl<const N: usize> Series<f64, N> {
+    /// The series of a function with the given value and first derivatives.
+    pub fn from_derivatives(derivatives: [f64; N]) -> Self {
+        Self(from_fn(|k| derivatives[k] / factorial(k)))
+    }
+
+    /// The value and the first derivatives.
+    pub fn derivatives(self) -> [f64; N] {
+        from_fn(|k| self.0[k] * factorial(k))
+    }
+}
+
+/// The derivative of order k is this times the coefficient.
+pub fn factorial(k: usize) -> f64 {
+    (1..=k).map(|i| i as f64).product()
+}
+
+/// The sum of `term` from 1 to `last`.
+fn sum<C: Scalar>(last: usize, term: impl Fn(usize) -> C) -> C {
+    (1..=last).fold(C::constant(0.0), |sum, k| sum + term(k))
+}
+
+impl<C: Scalar, const N: usize> Add for Series<C, N> {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -58,7 +69,7 @@ impl Add for Series {
     }
 }
 
-impl Sub for Series {
+impl<C: Scalar, const N: usize> Sub for Series<C, N> {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -66,7 +77,7 @@ impl Sub for Series {
     }
 }
 
-impl Neg for Series {
+impl<C: Scalar, const N: usize> Neg for Series<C, N> {
     type Output = Self;
 
     fn neg(self) -> Self {
@@ -74,64 +85,64 @@ impl Neg for Series {
     }
 }
 
-impl Mul for Series {
+impl<C: Scalar, const N: usize> Mul for Series<C, N> {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        Self(from_fn(|k| (0..=k).map(|i| self.0[i] * other.0[k - i]).sum()))
+        Self(from_fn(|k| (1..=k).fold(self.0[0] * other.0[k], |sum, i| sum + self.0[i] * other.0[k - i])))
     }
 }
 
-impl Div for Series {
+impl<C: Scalar, const N: usize> Div for Series<C, N> {
     type Output = Self;
 
     fn div(self, other: Self) -> Self {
-        let mut quotient = [0.0; TERMS];
-        for k in 0..TERMS {
-            let known: f64 = (1..=k).map(|i| other.0[i] * quotient[k - i]).sum();
+        let mut quotient = [C::constant(0.0); N];
+        for k in 0..N {
+            let known = sum(k, |i| other.0[i] * quotient[k - i]);
             quotient[k] = (self.0[k] - known) / other.0[0];
         }
         Self(quotient)
     }
 }
 
-impl Scalar for Series {
+impl<C: Scalar, const N: usize> Scalar for Series<C, N> {
     fn constant(value: f64) -> Self {
-        Self([value, 0.0, 0.0, 0.0])
+        Self(from_fn(|k| C::constant(if k == 0 { value } else { 0.0 })))
     }
 
     fn value(self) -> f64 {
-        self.0[0]
+        self.0[0].value()
     }
 
     fn sqrt(self) -> Self {
-        let mut root = [self.0[0].sqrt(), 0.0, 0.0, 0.0];
-        for k in 1..TERMS {
-            let known: f64 = (1..k).map(|i| root[i] * root[k - i]).sum();
-            root[k] = (self.0[k] - known) / (2.0 * root[0]);
+        let mut root = [C::constant(0.0); N];
+        root[0] = self.0[0].sqrt();
+        for k in 1..N {
+            let known = sum(k - 1, |i| root[i] * root[k - i]);
+            root[k] = (self.0[k] - known) / root[0].scale(2.0);
         }
         Self(root)
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.0[0].sin_cos();
-        let (mut sin, mut cos) = ([sin, 0.0, 0.0, 0.0], [cos, 0.0, 0.0, 0.0]);
-        for k in 1..TERMS {
-            let rate = |of: &[f64; TERMS]| -> f64 { (1..=k).map(|i| i as f64 * self.0[i] * of[k - i]).sum() };
-            let (up, down) = (rate(&cos), rate(&sin));
-            sin[k] = up / k as f64;
-            cos[k] = -down / k as f64;
+        let (mut sin, mut cos) = ([C::constant(0.0); N], [C::constant(0.0); N]);
+        (sin[0], cos[0]) = self.0[0].sin_cos();
+        for k in 1..N {
+            let rate = |of: &[C; N]| sum(k, |i| (self.0[i] * of[k - i]).scale(i as f64 / k as f64));
+            (sin[k], cos[k]) = (rate(&cos), -rate(&sin));
         }
         (Self(sin), Self(cos))
     }
 
     fn atan2(self, x: Self) -> Self {
         let rate = (x * self.derivative() - self * x.derivative()) / (x * x + self * self);
-        Self([self.0[0].atan2(x.0[0]), rate.0[0], rate.0[1] / 2.0, rate.0[2] / 3.0])
+        let angle = self.0[0].atan2(x.0[0]);
+        Self(from_fn(|k| if k == 0 { angle } else { rate.0[k - 1].scale(1.0 / k as f64) }))
     }
 
     fn scale(self, factor: f64) -> Self {
-        Self(self.0.map(|c| c * factor))
+        Self(self.0.map(|c| c.scale(factor)))
     }
 }
 
@@ -139,9 +150,9 @@ impl Scalar for Series {
 mod tests {
     use super::*;
 
-    const T: Series = Series([0.7, 1.0, 0.0, 0.0]);
+    const T: Series<f64, 4> = Series([0.7, 1.0, 0.0, 0.0]);
 
-    fn assert_near(series: Series, expected: [f64; 4]) {
+    fn assert_near(series: Series<f64, 4>, expected: [f64; 4]) {
         for (got, want) in series.derivatives().into_iter().zip(expected) {
             assert!((got - want).abs() < 1e-13 * want.abs().max(1.0), "{series:?} {expected:?}");
         }

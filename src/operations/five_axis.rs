@@ -148,6 +148,8 @@ pub struct Report {
     pub continuity: usize,
     pub length_mm: f64,
     pub cycle_time_s: f64,
+    /// None without limits.
+    pub limits_proof: Option<LimitsProof>,
     /// Of the tip, by differences of the samples: mm/s, mm/s2 and mm/s3.
     pub speed: Peak,
     pub acceleration: Peak,
@@ -155,6 +157,15 @@ pub struct Report {
     /// The largest speed, acceleration and jerk of each axis of the machine, by differences of the samples:
     /// mm or radians by s, s2 and s3.
     pub axis_peaks: Vec<(char, [f64; 3])>,
+}
+
+/// Whether the motion keeps its limits at every time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LimitsProof {
+    Complete,
+    /// At a pole of the machine rotary axes turn without bound. Around the first such place limits are
+    /// checked at single times only.
+    GapAt(Point3<f64>),
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -229,6 +240,9 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         continuity: rails.continuity,
         length_mm: motion.length_mm(),
         cycle_time_s,
+        limits_proof: drive
+            .as_ref()
+            .map(|drive| drive.gap().map_or(LimitsProof::Complete, LimitsProof::GapAt)),
         speed,
         acceleration,
         jerk,

@@ -69,6 +69,8 @@ pub enum WarningCode {
     CoarseSamples,
     /// The requested method ignores the tolerance.
     ToleranceExceeded,
+    /// Where the tool axis passes a pole of the machine, the limits of the axes are not proved.
+    LimitsNotProved,
     /// The cutter is too large for some of the contour.
     ContourNotReached,
     /// The program starts no spindle.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use axum::response::Response;
+use nalgebra::Point3;
 
 use crate::budget::Budget;
 use crate::http::App;
@@ -23,7 +24,7 @@ use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
 use crate::http::v1::programs_write::clearance_chosen;
 use crate::machine::Machine;
-use crate::operations::five_axis::{self, FiveAxisError, Job, Plan, Report, TimedPose};
+use crate::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
 use crate::plot::Drawing;
 use crate::toolpath::units::rounded_up;
 
@@ -94,6 +95,9 @@ fn smooth(
     if !report.is_within_tolerance {
         warnings.push(excess(&report));
     }
+    if let Some(LimitsProof::GapAt(at)) = report.limits_proof {
+        warnings.push(not_proved(at));
+    }
     let mut violations = Violations::default();
     let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
     let cutting = (has_program || wants_program).then(|| conditions(&toolpath, cutting, &mut violations));
@@ -139,6 +143,13 @@ fn excess(report: &Report) -> Warning {
     }
 }
 
+fn not_proved(at: Point3<f64>) -> Warning {
+    let detail = format!(
+        "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
+    );
+    Warning { code: WarningCode::LimitsNotProved, detail }
+}
+
 /// The warning that rounding, and straying between blocks, may leave the tolerance.
 fn rounded(job: &Job, report: &Report) -> Option<Warning> {
     let written_mm = report.moves_deviation_mm + job.rounding_mm;
@@ -151,7 +162,7 @@ fn rounded(job: &Job, report: &Report) -> Option<Warning> {
 }
 
 /// The given tips beside the toolpath.
-fn drawing(given: Vec<nalgebra::Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
+fn drawing(given: Vec<Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
     Box::new(move || Drawing { curve: vec![given.clone()], joints: given.clone(), ..Drawing::default() })
 }
 

@@ -6,11 +6,15 @@
 //!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
 //! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
 //!    to rest within all limits and the feed (`schedule`).
-//! 4. Speed, acceleration and jerk are computed again at places between stations. Where one exceeds its
-//!    limit, the piece is slowed.
+//! 4. The use of the limits is bounded everywhere (`proof`). Where it is far above a limit, stations are added
+//!    and step 3 is repeated. What is left is removed: the piece is slowed.
 //!
 //! # Cost
 //! O(n) for n stations; `benches/five_axis` measures it.
+
+mod proof;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::Point3;
 
@@ -21,14 +25,14 @@ use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, Tip
 use super::stations::{Stations, pose, resolved};
 use crate::budget::Budget;
 use crate::machine::{Inverse, Joints, Machine};
+use proof::Proof;
 
 /// How far beside the pole derivatives are taken, as a part of the span there.
 const BESIDE: f64 = 1e-4;
 
-/// The parts of an interval between two stations at whose ends limits are checked. A piece with few stations
-/// gets more.
-const CHECKED: [usize; 2] = [4, 16];
-const FEW: usize = 600;
+/// How often stations are added where the motion would have to be slowed, and how many to an interval.
+const MOST_REFINEMENTS: usize = 2;
+const MORE_STATIONS: usize = 3;
 
 /// Where the axis turns by less by the parameter, it does not turn, radians by mm.
 const STILL: f64 = 1e-12;
@@ -59,6 +63,7 @@ pub struct Drive<'a> {
     pieces: Vec<Driven<'a>>,
     machine: Option<&'a Machine>,
     duration_s: f64,
+    gap: Option<Point3<f64>>,
 }
 
 /// A place on the rails, with the positions of the axes.
@@ -79,25 +84,26 @@ impl<'a> Drive<'a> {
         let Stations { places, joints } = resolved(rail, machine, budget)?;
         let mut joints = joints.into_iter();
         let limits = Axes::new(machine, limits);
-        let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0 };
+        let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0, gap: None };
         for (piece, places) in rail.pieces.iter().zip(places) {
-            let own: Vec<Option<Joints>> = joints.by_ref().take(places.len()).collect();
-            let path = Path { piece, places: &places, joints: &own, machine, rests: piece.rests() };
-            let schedule = path.scheduled(&limits, budget)?;
+            let stations = places.into_iter().zip(joints.by_ref()).collect();
+            let path = Path { piece, stations, machine, rests: piece.rests() };
+            let Timed { path, schedule, gap } = path.scheduled(&limits, budget)?;
+            drive.gap = drive.gap.or(gap);
             let begins_s = drive.duration_s;
             drive.duration_s += schedule.duration_s();
-            drive.pieces.push(Driven {
-                piece,
-                stations: places.into_iter().zip(own).collect(),
-                schedule,
-                begins_s,
-            });
+            drive.pieces.push(Driven { piece, stations: path.stations, schedule, begins_s });
         }
         Ok(drive)
     }
 
     pub fn duration_s(&self) -> f64 {
         self.duration_s
+    }
+
+    /// The first place around which the limits are not proved: there the axis passes the pole.
+    pub fn gap(&self) -> Option<Point3<f64>> {
+        self.gap
     }
 
     /// Places at times that are `period_s` apart, and the end. The last step may be shorter.
@@ -184,32 +190,79 @@ impl Axes {
 /// One piece with its stations.
 struct Path<'a> {
     piece: &'a Piece,
-    places: &'a [f64],
-    joints: &'a [Option<Joints>],
+    /// The parameters of the stations, and the positions of the axes there.
+    stations: Vec<(f64, Option<Joints>)>,
     machine: Option<&'a Machine>,
     /// Whether the tip rests.
     rests: bool,
 }
 
-impl Path<'_> {
-    fn scheduled(&self, axes: &Axes, budget: &Budget) -> Result<Schedule, FiveAxisError> {
-        let mut stations = Vec::with_capacity(self.places.len());
+/// The motion along one piece, within the limits.
+struct Timed<'a> {
+    path: Path<'a>,
+    schedule: Schedule,
+    /// The first place around which the limits are not proved.
+    gap: Option<Point3<f64>>,
+}
+
+impl<'a> Path<'a> {
+    /// The fastest motion. Where it would have to be slowed for places between stations, it is sought anew
+    /// with more stations there.
+    fn scheduled(self, axes: &Axes, budget: &Budget) -> Result<Timed<'a>, FiveAxisError> {
+        let (mut best, mut tight) = self.fastest(axes, budget)?;
+        for _ in 0..MOST_REFINEMENTS {
+            if tight.is_empty() {
+                break;
+            }
+            let (refined, still_tight) = best.path.with_stations(&tight).fastest(axes, budget)?;
+            if refined.schedule.duration_s() >= best.schedule.duration_s() {
+                break;
+            }
+            (best, tight) = (refined, still_tight);
+        }
+        Ok(best)
+    }
+
+    /// The motion with the given stations, and the intervals between stations for which it was slowed.
+    fn fastest(self, axes: &Axes, budget: &Budget) -> Result<(Timed<'a>, Vec<usize>), FiveAxisError> {
+        let mut stations = Vec::with_capacity(self.stations.len());
         let mut k = 0;
-        for (n, u) in self.places.iter().enumerate() {
+        for (u, joints) in &self.stations {
             let spans = &self.piece.spans;
             while spans[k].to < *u && k + 1 < spans.len() {
                 k += 1;
             }
             let next = if spans[k].to == *u && k + 1 < spans.len() { k + 1 } else { k };
-            stations.push(self.station(*u, [k, next], self.joints[n], axes)?);
+            stations.push(self.station(*u, [k, next], *joints, axes)?);
         }
         let found =
             schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
                 ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
                 error => FiveAxisError::NotScheduled { error, at: tip(&self.piece.spans[0].start()).into() },
             })?;
-        let factor = self.excess(&found, axes);
-        Ok(if factor > 1.0 { found.slowed(factor) } else { found })
+        let Proof { slowdown, tight, gap } = self.proof(&found, axes, budget)?;
+        let schedule = if slowdown > 1.0 { found.slowed(slowdown) } else { found };
+        Ok((Timed { path: self, schedule, gap }, tight))
+    }
+
+    /// The same piece with stations inside the intervals `tight`.
+    fn with_stations(&self, tight: &[usize]) -> Self {
+        let mut stations = Vec::with_capacity(self.stations.len() + tight.len() * MORE_STATIONS);
+        let mut tight = tight.iter().peekable();
+        for (k, (u, joints)) in self.stations.iter().enumerate() {
+            stations.push((*u, *joints));
+            if tight.next_if_eq(&&k).is_none() {
+                continue;
+            }
+            let length = self.stations[k + 1].0 - u;
+            for n in 1..=MORE_STATIONS {
+                let at = u + length * n as f64 / (MORE_STATIONS + 1) as f64;
+                let pose = pose(&self.piece.spans[self.piece.index_at(at)].jet(at)[0]);
+                let joints = self.machine.zip(*joints);
+                stations.push((at, joints.map(|(machine, near)| machine.nearest(&pose, near.rotary))));
+            }
+        }
+        Self { piece: self.piece, stations, machine: self.machine, rests: self.rests }
     }
 
     /// The derivatives at a station, by the spans before and after it. On the pole they are those beside it:
@@ -277,48 +330,5 @@ impl Path<'_> {
         let all = found.ok_or(FiveAxisError::OnPole { at: Point3::from(tips[0]) })?;
         rows.extend(all.map(|[_, first, second, third]| [first, second, third]));
         Ok(rows)
-    }
-
-    /// The factor by which the piece has to be slowed for the limits between stations.
-    fn excess(&self, schedule: &Schedule, axes: &Axes) -> f64 {
-        let mut factor = 1.0_f64;
-        let mut k = 0;
-        let parts = CHECKED[usize::from(self.places.len() < FEW)];
-        let between = self.places.windows(2).enumerate().flat_map(|(n, pair)| {
-            (1..parts).map(move |k| (n, pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64)))
-        });
-        for (n, u) in between {
-            while self.piece.spans[k].to < u && k + 1 < self.piece.spans.len() {
-                k += 1;
-            }
-            let motion = schedule.at(schedule.time_at(u));
-            let jet = self.piece.spans[k].jet(u);
-            let joints = self
-                .machine
-                .zip(self.joints[n])
-                .map(|(machine, joints)| machine.nearest(&pose(&jet[0]), joints.rotary));
-            // A place on the pole counts as the stations beside it do.
-            let Ok(rows) = self.derivatives(&jet, joints, axes) else { continue };
-            let (mut tip_acceleration, mut tip_jerk) = (0.0, 0.0);
-            let (v, a, j) = (motion.speed, motion.acceleration, motion.jerk);
-            factor = factor.max(v / self.speed_cap(k, &jet));
-            for (k, ([first, second, third], limits)) in rows.iter().zip(&axes.limits).enumerate() {
-                let speed = first * v;
-                let acceleration = second * v * v + first * a;
-                let jerk = third * v * v * v + 3.0 * second * v * a + first * j;
-                factor = factor.max(speed.abs() / limits.speed);
-                factor = factor.max((acceleration.abs() / limits.acceleration).sqrt());
-                factor = factor.max((jerk.abs() / limits.jerk).cbrt());
-                if k < 3 {
-                    tip_acceleration += acceleration * acceleration;
-                    tip_jerk += jerk * jerk;
-                }
-            }
-            if let Some(tip) = axes.tip {
-                factor = factor.max((tip_acceleration.sqrt() / tip.acceleration).sqrt());
-                factor = factor.max((tip_jerk.sqrt() / tip.jerk).cbrt());
-            }
-        }
-        factor
     }
 }

@@ -17,8 +17,8 @@
 //! 6. The parabolas give u as a function of time in closed form (`profile`).
 //!
 //! # Guarantees
-//! * At the stations, no limit is exceeded. Between nodes the excess is estimated, not bounded: below 1 % if
-//!   the stations resolve the path. [`Schedule::slowdown_for`] bounds it and [`Schedule::slowed`] removes it.
+//! * At the stations, no limit is exceeded. Between nodes the excess is estimated: below 1 % if the stations
+//!   resolve the path. [`Schedule::slowdown_for`] bounds it and [`Schedule::slowed`] removes it.
 //! * The square of the speed stays below the straight line between the squares of the caps of two stations.
 //! * Speed and acceleration are continuous, and 0 at both ends.
 //! * The problem is not convex. The result is a local optimum. It took at most 1.004 times the time of the
@@ -52,7 +52,7 @@ mod rows;
 mod start;
 mod station;
 
-pub use bounds::DerivativeBounds;
+pub use bounds::{Course, Expansion, Slowdown};
 pub use profile::{Motion, Schedule};
 pub use station::{Derivatives, Limits, ScheduleError, Station, TipLimits};
 

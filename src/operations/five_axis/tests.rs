@@ -87,7 +87,7 @@ fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
-fn limits() -> MotionLimits {
+pub(super) fn limits() -> MotionLimits {
     let of = |speed, acceleration, jerk| schedule::Limits { speed, acceleration, jerk };
     let degree = 1.0_f64.to_radians();
     let linear = of(500.0, 5000.0, 1e5);

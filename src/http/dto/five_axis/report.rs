@@ -63,6 +63,10 @@ pub struct SmoothReport {
     /// Duration of the motion, in s: the time of the last sample. Without `limits` at the feed everywhere,
     /// without ramps.
     cycle_time_s: f64,
+    /// Whether every limit is proved to be kept at every time of the motion. `false` only where the tool axis
+    /// passes a pole of the machine. Absent without `limits`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limits_proved: Option<bool>,
     /// Speed of the tip, in mm/s, by differences of the samples.
     speed: Peaks,
     /// Acceleration of the tip, in mm/s2, by second differences of the samples.
@@ -134,6 +138,7 @@ impl From<&core::Report> for SmoothReport {
             continuity,
             length_mm,
             cycle_time_s,
+            limits_proof,
             speed,
             acceleration,
             jerk,
@@ -152,6 +157,7 @@ impl From<&core::Report> for SmoothReport {
             continuity: if *continuity == 0 { Continuity::C0 } else { Continuity::C2 },
             length_mm: *length_mm,
             cycle_time_s: *cycle_time_s,
+            limits_proved: limits_proof.map(|proof| proof == core::LimitsProof::Complete),
             speed: (*speed).into(),
             acceleration: (*acceleration).into(),
             jerk: (*jerk).into(),

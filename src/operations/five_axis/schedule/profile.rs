@@ -19,7 +19,15 @@ pub struct Schedule {
     slowness: f64,
 }
 
-/// The least and the most of the derivatives of u by time in a part of the path.
+/// The motion in a part of an interval.
+pub(super) enum Part {
+    /// In the first or last interval.
+    Rest(Ranges),
+    /// Elsewhere: the coefficients of the square of the speed, a parabola, about the middle.
+    Moving([f64; 3]),
+}
+
+/// The least and the most of the derivatives of u by time.
 pub(super) struct Ranges {
     pub speed: [f64; 2],
     pub acceleration: [f64; 2],
@@ -85,16 +93,19 @@ impl Schedule {
         (self.times[k] + within) * self.slowness
     }
 
-    /// The ranges of the motion in each interval that meets the range of u.
-    pub(super) fn ranges(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = Ranges> {
-        let last = self.places.len().saturating_sub(1);
-        let first = self.places.partition_point(|&at| at <= from).max(1) - 1;
-        let intervals = if last < 3 { 0..0 } else { first..last };
-        intervals.take_while(move |&k| self.places[k] < to || k == first).map(move |k| {
-            let h = self.places[k + 1] - self.places[k];
-            let x = [from, to].map(|u| (u - self.places[k]).clamp(0.0, h));
-            self.slow(if k == 0 || k + 1 == last { self.rest_ranges(k, x) } else { self.moving_ranges(k, x) })
-        })
+    /// The intervals of the parameter in each of which the motion follows one formula.
+    pub fn intervals(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.places.windows(2).map(|pair| [pair[0], pair[1]])
+    }
+
+    /// The motion over a part of the interval `k`.
+    pub(super) fn part(&self, k: usize, range: [f64; 2]) -> Part {
+        let x = range.map(|u| u - self.places[k]);
+        if k == 0 || k + 2 == self.places.len() {
+            Part::Rest(self.rest_ranges(k, x))
+        } else {
+            Part::Moving(self.parabola(k, 0.5 * (x[0] + x[1])))
+        }
     }
 
     /// The ranges over the part `x` of the first or last interval.
@@ -105,33 +116,20 @@ impl Schedule {
         let time = |d: f64| span * (d / h).cbrt();
         let (near, far) = if k == 0 { (time(from), time(to)) } else { (time(h - to), time(h - from)) };
         let acceleration = if k == 0 { [j * near, j * far] } else { [-j * far, -j * near] };
-        Ranges { speed: [0.5 * j * near * near, 0.5 * j * far * far], acceleration, jerk: [j, j] }
+        let f = 1.0 / self.slowness;
+        Ranges {
+            speed: [near, far].map(|t| 0.5 * j * t * t * f),
+            acceleration: acceleration.map(|a| a * f * f),
+            jerk: [j * f * f * f; 2],
+        }
     }
 
-    /// The ranges over the part `x` of another interval.
-    fn moving_ranges(&self, k: usize, [from, to]: [f64; 2]) -> Ranges {
+    /// The coefficients of the square of the speed in another interval about the place `x`.
+    fn parabola(&self, k: usize, x: f64) -> [f64; 3] {
         let h = self.places[k + 1] - self.places[k];
         let [b, slope] = self.states[k];
         let a = 0.5 * (self.states[k + 1][1] - slope) / h;
-        let at = |x: f64| b + x * (slope + a * x);
-        let half = |x: f64| 0.5 * slope + a * x;
-        let controls = [at(from), at(from) + half(from) * (to - from), at(to)];
-        let least = controls.iter().copied().fold(f64::INFINITY, f64::min).max(0.0);
-        let most = controls.iter().copied().fold(0.0, f64::max);
-        let speed = [least.sqrt(), most.sqrt()];
-        let ends = [half(from), half(to)];
-        let jerk = [a * speed[0], a * speed[1]];
-        let sorted = |[p, q]: [f64; 2]| [p.min(q), p.max(q)];
-        Ranges { speed, acceleration: sorted(ends), jerk: sorted(jerk) }
-    }
-
-    fn slow(&self, ranges: Ranges) -> Ranges {
-        let f = 1.0 / self.slowness;
-        Ranges {
-            speed: ranges.speed.map(|x| x * f),
-            acceleration: ranges.acceleration.map(|x| x * f * f),
-            jerk: ranges.jerk.map(|x| x * f * f * f),
-        }
+        [b + x * (slope + a * x), slope + 2.0 * a * x, a].map(|c| c / (self.slowness * self.slowness))
     }
 
     fn interval_time(&self, k: usize) -> f64 {

@@ -6,7 +6,7 @@
 //!    whole path. Without a machine the axes are X, Y and Z of the workpiece.
 //! 3. The derivatives of all axes are computed at each station. Each piece gets the fastest motion from rest
 //!    to rest within all limits and the feed (`schedule`).
-//! 4. The use of the limits is bounded everywhere (`proof`). Where it is far above a limit, stations are added
+//! 4. The use of the limits is bounded everywhere (`proof`). Where it is far above one, stations are added
 //!    and step 3 is repeated. What is left is removed: the piece is slowed.
 //!
 //! # Cost

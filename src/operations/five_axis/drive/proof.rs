@@ -1,14 +1,14 @@
 //! Proves that a motion keeps its limits at every place of a piece.
 //!
 //! # Method
-//! 1. In each interval of the motion, the Taylor coefficients of tip and axis over the interval are balls. The
+//! 1. In each interval of the motion, the Taylor coefficients of tip and axis are balls that enclose them. The
 //!    kinematics of the machine turns them into balls around the coefficients of all axes
 //!    ([`Machine::coefficients`]).
 //! 2. These bound the use of the limits over the interval ([`Schedule::slowdown_for`]).
 //! 3. An interval whose bound is far above what is used in the middle of any interval is halved.
 //!
 //! # Guarantees
-//! No limit is exceeded after the motion is slowed by the factor of the proof. Where the axis passes the pole,
+//! No limit is exceeded after the motion is slowed by the factor of the proof. Where the axis passes a pole,
 //! rotary axes turn without bound and nothing is proved; there the limits are checked at single places, and
 //! the proof is not complete.
 //!

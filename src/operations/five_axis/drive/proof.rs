@@ -1,7 +1,7 @@
 //! Proves that a motion keeps its limits at every place of a piece.
 //!
 //! # Method
-//! 1. In each interval of the motion, the Taylor coefficients of tip and axis are balls that enclose them. The
+//! 1. In each interval of the motion, balls enclose the Taylor coefficients of tip and axis. The
 //!    kinematics of the machine turns them into balls around the coefficients of all axes
 //!    ([`Machine::coefficients`]).
 //! 2. These bound the use of the limits over the interval ([`Schedule::slowdown_for`]).

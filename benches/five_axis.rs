@@ -28,6 +28,7 @@ fn job(blocks: usize) -> Job {
         rounding_mm: 0.0009,
         tolerance_mm: 0.005,
         tolerance_axis: 0.5_f64.to_radians(),
+        swing_mm: 0.0,
         top_mm: 50.0,
         method: Method::Interpolating,
         machine: None,

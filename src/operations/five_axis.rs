@@ -14,6 +14,7 @@
 //! * The tip of the default method is within the tolerance of the given path everywhere, and the given path
 //!   within the tolerance of the tip. The axis is within its tolerance of the great circle between the given
 //!   axes, at the nearest place of the given path. The report states proved bounds.
+//! * With a tool, its cut is within the tolerance of the cut of the given path: what the axis moves it counts.
 //! * The first and the last pose are hit exactly.
 //!
 //! # Degenerate input
@@ -65,6 +66,9 @@ use rail::{Rail, Source};
 use schedule::ScheduleError;
 use stations::{follow, pose};
 
+/// The part of the tolerance of the cut that turns of the axis may use.
+const SHARE_OF_AXIS: f64 = 0.5;
+
 /// How rails are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
@@ -87,6 +91,8 @@ pub struct Job {
     pub tolerance_mm: f64,
     /// Radians.
     pub tolerance_axis: f64,
+    /// How far a turn of the tool moves its cut, mm per radian; 0 if the tolerance is that of the tip alone.
+    pub swing_mm: f64,
     /// The distance from the tip to the top, mm: the second rail.
     pub top_mm: f64,
     pub method: Method,
@@ -106,8 +112,10 @@ pub struct Job {
 }
 
 impl Job {
+    /// The tolerances of tip and axis. What a turn moves the cut is taken from the tolerance of the tip.
     fn tolerance(&self) -> Deviation {
-        Deviation { tip_mm: self.tolerance_mm, axis: self.tolerance_axis }
+        let axis = self.tolerance_axis.min(SHARE_OF_AXIS * self.tolerance_mm / self.swing_mm);
+        Deviation { tip_mm: self.tolerance_mm - self.swing_mm * axis, axis }
     }
 }
 
@@ -144,6 +152,8 @@ pub struct Report {
     /// Bounds of the deviation of the moves of the toolpath.
     pub moves_deviation_mm: f64,
     pub moves_deviation_axis: f64,
+    /// Bound of how far the cut is moved, where `Job::swing_mm` is given.
+    pub cut_deviation_mm: Option<f64>,
     /// The number of continuous derivatives between stops.
     pub continuity: usize,
     pub length_mm: f64,
@@ -237,6 +247,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         is_within_tolerance: rails.deviation.of(job.tolerance()) <= 1.0,
         moves_deviation_mm: moves.deviation.tip_mm,
         moves_deviation_axis: moves.deviation.axis,
+        cut_deviation_mm: (job.swing_mm > 0.0)
+            .then(|| moves.deviation.tip_mm + job.swing_mm * moves.deviation.axis),
         continuity: rails.continuity,
         length_mm: motion.length_mm(),
         cycle_time_s,

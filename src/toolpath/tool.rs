@@ -39,6 +39,17 @@ impl Tool {
         }
     }
 
+    /// The most that a turn of the tool about its tip moves its cut, mm per radian: the distance of the centres
+    /// of its rounded corner from the tip.
+    pub fn swing_mm(&self) -> f64 {
+        let corner_mm = match self.shape {
+            Shape::Ball => self.radius_mm,
+            Shape::Flat => 0.0,
+            Shape::BullNose { corner_radius_mm } => corner_radius_mm,
+        };
+        corner_mm.hypot(self.radius_mm - corner_mm)
+    }
+
     /// A ball cutter without numbers in the control's tables.
     pub fn ball(radius_mm: f64) -> Self {
         Self { shape: Shape::Ball, radius_mm, number: None, length_offset: None }

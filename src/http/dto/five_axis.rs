@@ -65,10 +65,12 @@ pub struct SmoothRequest {
     /// top of the tool moves at this speed. Default: `cutting.feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     feed_mm_per_min: Option<f64>,
-    /// Largest distance between the smooth path of the tip and the given path, in mm.
+    /// Largest distance between the smooth path of the tip and the given path, in mm. With `tool` also the
+    /// largest distance by which tip and axis together move the surface that the tool cuts.
     #[schema(minimum = 0.000_01, maximum = 10)]
     tolerance_mm: f64,
-    /// Largest angle between the axis and the axis of the given path at the nearest place, in degrees.
+    /// Largest angle between the axis and the axis of the given path at the nearest place, in degrees. With
+    /// `tool` the angle is smaller where it would move the cut surface by more than half of `tolerance_mm`.
     #[schema(minimum = 0.000_1, maximum = 10)]
     tolerance_deg: f64,
     /// Distance from the tip of the tool to its top, in mm. The service smooths the path of the tip and the
@@ -93,7 +95,8 @@ pub struct SmoothRequest {
     /// first pose is reached by a rapid, as in `cl` and `nc`, and where the path ends with a rapid.
     #[schema(minimum = 0, maximum = 1000, default = 20)]
     retract_mm: Option<f64>,
-    /// The tool. Without `tool` the program calls tool 1 with length offset 1.
+    /// The tool. Its size counts in the tolerances. Without `tool` the program calls tool 1 with length offset
+    /// 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
     /// Spindle, coolant, the clearance plane and the traverse rate.
@@ -200,6 +203,7 @@ impl IntoJob for SmoothRequest {
             sent_limits.map(|sent| sent.convert(&root.field("limits"), machine.as_ref(), &mut violations));
         let has_program = program.is_some() || cutting.is_some() || tool.is_some() || axis_output.is_some();
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let swing_mm = tool.map_or(0.0, |tool| tool.swing_mm());
         let sent = SentSetup { tool, cutting, program: program.unwrap_or_default(), meta };
         let (mut setup, cutting, meta) = sent.convert(&mut violations);
 
@@ -223,6 +227,7 @@ impl IntoJob for SmoothRequest {
             rapid_feed: cutting.and_then(|own| own.rapid_feed).unwrap_or(FeedRate::DEFAULT_RAPID),
             tolerance_mm,
             tolerance_axis: tolerance_deg.to_radians(),
+            swing_mm,
             top_mm,
             method: method.into(),
             period_s: sample_period_ms.unwrap_or(DEFAULT_PERIOD_MS) * 1e-3,

@@ -152,7 +152,7 @@ fn not_proved(at: Point3<f64>) -> Warning {
 
 /// The warning that rounding, and straying between blocks, may leave the tolerance.
 fn rounded(job: &Job, report: &Report) -> Option<Warning> {
-    let written_mm = report.moves_deviation_mm + job.rounding_mm;
+    let written_mm = report.cut_deviation_mm.unwrap_or(report.moves_deviation_mm) + job.rounding_mm;
     let detail = format!(
         "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
         rounded_up(written_mm)

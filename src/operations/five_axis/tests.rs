@@ -64,6 +64,7 @@ pub(super) fn job(poses: Vec<Pose>, method: Method) -> Job {
         rounding_mm: 0.0,
         tolerance_mm: 0.005,
         tolerance_axis: 0.5_f64.to_radians(),
+        swing_mm: 0.0,
         top_mm: 50.0,
         method,
         machine: None,
@@ -309,6 +310,46 @@ fn noise_and_zigzags_are_kept_within_the_tolerance() {
         .map(|k| tilted(f64::from(k), if k % 2 == 0 { 0.0 } else { 3.0 * random() }, 0.5 * random()))
         .collect();
     assert_within("zigzag", &job(zigzag, Method::Interpolating));
+}
+
+/// The largest distance of the centre of a ball from where it is on the given path.
+fn farthest_center(given: &[Pose], poses: &[Pose], radius: f64) -> f64 {
+    let center = |pose: &Pose| pose.tip + pose.axis.into_inner() * radius;
+    let path: Vec<Point3<f64>> = given
+        .windows(2)
+        .flat_map(|pair| (0..200).map(|k| center(&pair[0].between(&pair[1], f64::from(k) / 200.0))))
+        .collect();
+    let distance = |pose: &Pose| {
+        path.iter().map(|p| (p - center(pose)).norm_squared()).fold(f64::INFINITY, f64::min).sqrt()
+    };
+    poses.iter().map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_centre_of_a_ball_keeps_the_tolerance_while_the_axis_is_smoothed() {
+    let swing = [0.4, -0.9, 0.7, -0.2, 1.0, -0.6, 0.1, -1.0];
+    let poses: Vec<Pose> = (0..60)
+        .map(|k| {
+            let noise = 0.004 * swing[k % swing.len()] * if k % 3 == 0 { -1.0 } else { 1.0 };
+            let t = k as f64 * 0.5;
+            let axis = Vector3::new(noise, 0.3 + 0.01 * t, 1.0);
+            Pose { tip: Point3::new(t, 4.0 * (t / 9.0).sin(), 0.0), axis: Unit::new_normalize(axis) }
+        })
+        .collect();
+    let mut job = job(poses.clone(), Method::Tube);
+    (job.tolerance_axis, job.period_s) = (1.0_f64.to_radians(), 0.005);
+    let radius = 6.0;
+    let farthest = |job: &Job| {
+        let plan = plan(job, &Budget::unlimited()).unwrap();
+        let samples: Vec<Pose> = plan.samples.iter().map(|sample| sample.pose).collect();
+        (farthest_center(&poses, &samples, radius), plan.report)
+    };
+    assert!(farthest(&job).0 > 2.0 * job.tolerance_mm, "the axis moves the ball far");
+    job.swing_mm = radius;
+    let (found, report) = farthest(&job);
+    let bound = report.cut_deviation_mm.unwrap();
+    // The centres of the given path are known to a hundredth of a micrometre.
+    assert!(found <= bound + 1e-5 && bound <= job.tolerance_mm, "{found} {report:?}");
 }
 
 #[test]

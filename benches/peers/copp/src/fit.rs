@@ -71,6 +71,7 @@ fn job(poses: &[Pose], tolerance_mm: f64) -> Job {
         rapid_feed: FeedRate::DEFAULT_RAPID,
         tolerance_mm,
         tolerance_axis: TOLERANCE_DEG.to_radians(),
+        swing_mm: 0.0,
         top_mm: TOP_MM,
         method: Method::Tube,
         machine: None,

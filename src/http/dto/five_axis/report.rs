@@ -55,6 +55,11 @@ pub struct SmoothReport {
     /// Proved bound of the angle between the axis of the moves and the axis of the given path at the nearest
     /// place, in degrees.
     toolpath_deviation_max_deg: f64,
+    /// Proved bound of the distance by which the moves of `toolpath` move the surface that the tool cuts, in
+    /// mm: the deviation of the tip, and that of the axis times the distance from the tip to the centre of the
+    /// tool's corner. Absent without `tool`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut_deviation_max_mm: Option<f64>,
     /// Which derivatives by the parameter are continuous between stops: `C0` none, `C2` the first and the
     /// second.
     continuity: Continuity,
@@ -135,6 +140,7 @@ impl From<&core::Report> for SmoothReport {
             is_within_tolerance,
             moves_deviation_mm,
             moves_deviation_axis,
+            cut_deviation_mm,
             continuity,
             length_mm,
             cycle_time_s,
@@ -154,6 +160,7 @@ impl From<&core::Report> for SmoothReport {
             within_tolerance: *is_within_tolerance,
             toolpath_deviation_max_mm: *moves_deviation_mm,
             toolpath_deviation_max_deg: moves_deviation_axis.to_degrees(),
+            cut_deviation_max_mm: *cut_deviation_mm,
             continuity: if *continuity == 0 { Continuity::C0 } else { Continuity::C2 },
             length_mm: *length_mm,
             cycle_time_s: *cycle_time_s,

@@ -33,6 +33,7 @@ fn any_job() -> impl Strategy<Value = Job> {
     (path(), -3.0..-0.5_f64, -2.0..0.5_f64, method).prop_map(|(poses, tolerance, degrees, method)| Job {
         tolerance_mm: 10.0_f64.powf(tolerance),
         tolerance_axis: 10.0_f64.powf(degrees).to_radians(),
+        swing_mm: 0.0,
         period_s: 0.002,
         ..job(poses, method)
     })

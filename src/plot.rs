@@ -26,6 +26,7 @@
 mod axes;
 mod class;
 mod column;
+pub mod diagram;
 mod ink;
 mod layout;
 mod marks;

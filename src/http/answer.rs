@@ -29,6 +29,7 @@ use super::pointer::Pointer;
 use super::timing::{SERVER_TIMING, Timing};
 use crate::budget::Budget;
 use crate::plot::Drawing;
+use crate::plot::diagram::Diagram;
 use crate::post::{self, ProgramJob};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
@@ -55,6 +56,16 @@ pub trait Product {
 
     /// The toolpath from which a program is written. `None` where the operation makes no toolpath.
     fn cut(&self) -> Option<&Cut>;
+
+    /// Diagrams of quantities over time, for a second sheet; without any there is no such sheet.
+    fn diagrams(&self) -> &[Diagram] {
+        &[]
+    }
+
+    /// Whether a picture is the sheet of diagrams.
+    fn is_of_diagrams(&self) -> bool {
+        false
+    }
 
     /// The members of the answer; `written` is the text of the program, where the caller asked for the text.
     fn members(self, written: Option<String>, form: &Form) -> Self::Members;
@@ -205,9 +216,19 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     let encoded = match form.representation {
         Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, nc, form)),
         Representation::Gcode => program(&outcome, nc, form.media_type, budget),
-        Representation::Svg => Ok(Encoded::text(sheet::picture(&outcome), form.media_type)),
+        Representation::Svg => {
+            let picture = if outcome.product.is_of_diagrams() {
+                sheet::diagrams(&outcome)
+            } else {
+                sheet::picture(&outcome)
+            };
+            Ok(Encoded::text(picture, form.media_type))
+        }
         Representation::Html => {
-            let (title, svg) = (sheet::title(&outcome), sheet::picture(&outcome));
+            let (title, mut svg) = (sheet::title(&outcome), sheet::picture(&outcome));
+            if !outcome.product.diagrams().is_empty() {
+                svg += &sheet::diagrams(&outcome);
+            }
             let bare = Form { with_toolpath: Some(false), ..form.clone() };
             let figures = serde_json::to_value(envelope(outcome, nc, &bare))
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;

@@ -14,7 +14,7 @@
 //! * The tip of the default method is within the tolerance of the given path everywhere, and the given path
 //!   within the tolerance of the tip. The axis is within its tolerance of the great circle between the given
 //!   axes, at the nearest place of the given path. The report states proved bounds.
-//! * With a tool, its cut is within the tolerance of the cut of the given path: what the axis moves it counts.
+//! * With a tool, its cut is within the tolerance of the cut of the given path. What the axis moves counts.
 //! * The first and the last pose are hit exactly.
 //!
 //! # Degenerate input
@@ -33,6 +33,7 @@ mod band;
 mod blend;
 mod deviation;
 mod drive;
+pub mod history;
 mod linear;
 mod motion;
 mod moves;
@@ -67,7 +68,7 @@ use schedule::ScheduleError;
 use stations::{follow, pose};
 
 /// The part of the tolerance of the cut that turns of the axis may use.
-const SHARE_OF_AXIS: f64 = 0.5;
+const SHARE_OF_AXIS: f64 = 0.25;
 
 /// How rails are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -114,8 +115,10 @@ pub struct Job {
 impl Job {
     /// The tolerances of tip and axis. What a turn moves the cut is taken from the tolerance of the tip.
     fn tolerance(&self) -> Deviation {
-        let axis = self.tolerance_axis.min(SHARE_OF_AXIS * self.tolerance_mm / self.swing_mm);
-        Deviation { tip_mm: self.tolerance_mm - self.swing_mm * axis, axis }
+        let turns = self.path.windows(2).any(|pair| pair[0].pose.axis != pair[1].pose.axis);
+        let swing_mm = if turns { self.swing_mm } else { 0.0 };
+        let axis = self.tolerance_axis.min(SHARE_OF_AXIS * self.tolerance_mm / swing_mm);
+        Deviation { tip_mm: self.tolerance_mm - swing_mm * axis, axis }
     }
 }
 
@@ -248,7 +251,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         moves_deviation_mm: moves.deviation.tip_mm,
         moves_deviation_axis: moves.deviation.axis,
         cut_deviation_mm: (job.swing_mm > 0.0)
-            .then(|| moves.deviation.tip_mm + job.swing_mm * moves.deviation.axis),
+            .then_some(moves.deviation.tip_mm + job.swing_mm * moves.deviation.axis),
         continuity: rails.continuity,
         length_mm: motion.length_mm(),
         cycle_time_s,

@@ -80,12 +80,12 @@ fn ticks(view: &View, side: usize, mut step: RoundNumber) -> Vec<Tick> {
     }
 }
 
-fn text_at(class: &str, x: f64, y: f64, words: &str) -> String {
+pub fn text_at(class: &str, x: f64, y: f64, words: &str) -> String {
     format!("<text class=\"{class}\" x=\"{}\" y=\"{}\">{words}</text>\n", fixed(x), fixed(y))
 }
 
 /// A number that ends at `x`. It is condensed if it would leave the sheet.
-fn number_beside(x: f64, y: f64, number: &str) -> String {
+pub fn number_beside(x: f64, y: f64, number: &str) -> String {
     let condensed = if text::width(number) * text::SIZE_MM > NUMBER_MM {
         format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", fixed(NUMBER_MM))
     } else {

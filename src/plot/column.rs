@@ -12,17 +12,17 @@ use crate::toolpath::measure::measure;
 use crate::toolpath::units::FeedRate;
 
 /// The left end and the width of the column's text.
-const LEFT_MM: f64 = COLUMN_X_MM + 4.0;
-const WIDTH_MM: f64 = BORDER_MM[2] - 4.0 - LEFT_MM;
+pub const LEFT_MM: f64 = COLUMN_X_MM + 4.0;
+pub const WIDTH_MM: f64 = BORDER_MM[2] - 4.0 - LEFT_MM;
 /// The top of the title block.
-const BLOCK_Y_MM: f64 = 141.0;
+pub const BLOCK_Y_MM: f64 = 141.0;
 /// The top of the column's text.
-const TOP_MM: f64 = BORDER_MM[1] + 6.0;
+pub const TOP_MM: f64 = BORDER_MM[1] + 6.0;
 /// Distance between lines of text.
-const LINE_MM: f64 = 4.0;
-const LEGEND_LINE_MM: f64 = 4.8;
+pub const LINE_MM: f64 = 4.0;
+pub const LEGEND_LINE_MM: f64 = 4.8;
 /// Length of the sample strokes in the legend.
-const SAMPLE_MM: f64 = 13.0;
+pub const SAMPLE_MM: f64 = 13.0;
 /// Most lines of one note.
 const LINES_A_NOTE: usize = 2;
 /// Width of a number in the table of bounds.
@@ -97,7 +97,7 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
 }
 
 /// The notes from `y` down to the title block. The line `last` always has a place.
-fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -> String {
+pub fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -> String {
     let place = |text: &str| text::wrap(&text::clean(text), WIDTH_MM / SIZE_MM, LINES_A_NOTE);
     let last = last.map(place).unwrap_or_default();
     let room = ((BLOCK_Y_MM - LINE_MM - y) / LINE_MM) as usize - last.len();
@@ -116,7 +116,7 @@ fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -
     line("head", LEFT_MM, y, "Notes") + &text
 }
 
-fn title(title: &str) -> String {
+pub fn title(title: &str) -> String {
     let lines = text::wrap(&text::clean(title), WIDTH_MM / TITLE_SIZE_MM / 1.1, 2);
     let rows = lines.iter().enumerate();
     rows.map(|(k, text)| line("title", LEFT_MM, BLOCK_Y_MM + 6.5 + 5.3 * k as f64, &escape(text))).collect()
@@ -191,7 +191,7 @@ fn first_angle(at: Point2<f64>) -> String {
     format!("<path d=\"M{x} {y}l6 -1.5v6l-6 -1.5z\"/>\n{}{}\n", circle(1.5), circle(3.0))
 }
 
-fn line(class: &str, x: f64, y: f64, words: &str) -> String {
+pub fn line(class: &str, x: f64, y: f64, words: &str) -> String {
     let class = if class.is_empty() { String::new() } else { format!(" class=\"{}\"", class.trim()) };
     format!("<text{class} x=\"{}\" y=\"{}\">{words}</text>\n", fixed(x), fixed(y))
 }

@@ -39,8 +39,8 @@ impl Tool {
         }
     }
 
-    /// The most that a turn of the tool about its tip moves its cut, mm per radian: the distance of the centres
-    /// of its rounded corner from the tip.
+    /// The most that a turn of the tool about its tip moves its cut, mm per radian: the distance between the
+    /// tip and the centre of the rounded corner.
     pub fn swing_mm(&self) -> f64 {
         let corner_mm = match self.shape {
             Shape::Ball => self.radius_mm,

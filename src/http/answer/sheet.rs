@@ -4,6 +4,7 @@ use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
 use crate::http::dto::setup::Setup;
 use crate::http::dto::toolpath::Warning;
+use crate::plot::diagram::{self, DiagramScene};
 use crate::plot::{self, Scene};
 use crate::post::clock;
 use crate::toolpath::cutting::{Coolant, Cutting};
@@ -17,15 +18,30 @@ const PART_ID: &str = "part_id";
 
 /// The picture as SVG, with the notes below it.
 pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
-    let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
-    let mut notes: Vec<String> = warnings.chain(notes(outcome)).collect();
-    notes.extend(outcome.product.cut().map(setup).into_iter().flatten());
     plot::svg(&Scene {
         title: &title(outcome),
-        notes: &notes,
+        notes: &lines(outcome),
         toolpath: outcome.product.cut().map(|cut| &cut.toolpath),
         drawing: &(outcome.drawing)(),
     })
+}
+
+/// The diagrams of the product as SVG.
+pub fn diagrams<R, P: Product>(outcome: &Outcome<R, P>) -> String {
+    diagram::svg(&DiagramScene {
+        title: &title(outcome),
+        notes: &lines(outcome),
+        diagrams: outcome.product.diagrams(),
+        before: "given path at the feed, no ramps",
+        after: "smooth path",
+    })
+}
+
+/// The lines beside a picture: warnings, notes and what a setter needs.
+fn lines<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
+    let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
+    let setup = outcome.product.cut().map(setup).into_iter().flatten();
+    warnings.chain(notes(outcome)).chain(setup).collect()
 }
 
 /// The title of a picture: the part's id, else the program's name, else what the picture shows.
@@ -89,7 +105,8 @@ fn driving_lines(cutting: &Cutting) -> [String; 3] {
         Coolant::Flood => "flood",
         Coolant::Mist => "mist",
     };
-    let [feed, plunge] = [cutting.feed, cutting.plunge_feed].map(|feed| feed.mm_per_min());
+    let [feed, plunge] =
+        [cutting.feed, cutting.plunge_feed].map(|feed| (feed.mm_per_min() * 1000.0).round() / 1000.0);
     [
         format!("spindle: {spindle}, coolant: {coolant}"),
         format!("feed: {feed}, plunge: {plunge} mm/min"),

@@ -70,7 +70,7 @@ pub struct SmoothRequest {
     #[schema(minimum = 0.000_01, maximum = 10)]
     tolerance_mm: f64,
     /// Largest angle between the axis and the axis of the given path at the nearest place, in degrees. With
-    /// `tool` the angle is smaller where it would move the cut surface by more than half of `tolerance_mm`.
+    /// `tool` the angle moves the cut surface by a quarter of `tolerance_mm` at most.
     #[schema(minimum = 0.000_1, maximum = 10)]
     tolerance_deg: f64,
     /// Distance from the tip of the tool to its top, in mm. The service smooths the path of the tip and the
@@ -95,8 +95,8 @@ pub struct SmoothRequest {
     /// first pose is reached by a rapid, as in `cl` and `nc`, and where the path ends with a rapid.
     #[schema(minimum = 0, maximum = 1000, default = 20)]
     retract_mm: Option<f64>,
-    /// The tool. Its size counts in the tolerances. Without `tool` the program calls tool 1 with length offset
-    /// 1.
+    /// The tool. Its size counts in the tolerances. Without `tool` the program calls tool 1 with length
+    /// offset 1.
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
     /// Spindle, coolant, the clearance plane and the traverse rate.

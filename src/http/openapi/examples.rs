@@ -38,7 +38,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
 const ANSWERS: Texts = texts!("answers", "json", {
     "arcs-fit": ["contour"],
     "curves-interpolate": ["nurbs"],
-    "five-axis-smooth": ["corner"],
+    "five-axis-smooth": ["corner", "table"],
     "pockets-plan": ["circle"],
     "programs-write": ["one-line"],
     "surfaces-drop": ["bull-nose"],

@@ -24,8 +24,10 @@ use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
 use crate::http::v1::programs_write::clearance_chosen;
 use crate::machine::Machine;
+use crate::operations::five_axis::history::{self, Course};
 use crate::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
 use crate::plot::Drawing;
+use crate::plot::diagram::Diagram;
 use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
@@ -53,17 +55,33 @@ pub async fn smooth_path(
     wanted: Wanted<Smooths>,
     body: JobBody<SmoothRequest>,
 ) -> Result<Response, ApiError> {
-    let with_samples = wanted.query.with_samples();
-    let wants_program = wanted.form.with_nc || wanted.form.representation == Representation::Gcode;
-    answer(&app, wanted, body, move |job, budget| smooth(job, with_samples, wants_program, budget)).await
+    let representation = wanted.form.representation;
+    let shown = Shown {
+        samples: wanted.query.with_samples(),
+        program: wanted.form.with_nc || representation == Representation::Gcode,
+        diagrams: match representation {
+            Representation::Svg => wanted.query.shows_motion(),
+            representation => representation == Representation::Html,
+        },
+    };
+    answer(&app, wanted, body, move |job, budget| smooth(job, shown, budget)).await
 }
 
-/// The toolpath and the motion, and whether the answer holds the motion.
+/// What the answer holds beside the toolpath.
+#[derive(Clone, Copy)]
+struct Shown {
+    samples: bool,
+    program: bool,
+    diagrams: bool,
+}
+
+/// The toolpath and the motion.
 struct Motion {
     cut: Cut,
     samples: Vec<TimedPose>,
     machine: Option<Machine>,
-    with_samples: bool,
+    shown: Shown,
+    diagrams: Vec<Diagram>,
 }
 
 impl Product for Motion {
@@ -75,20 +93,24 @@ impl Product for Motion {
         Some(&self.cut)
     }
 
+    fn diagrams(&self) -> &[Diagram] {
+        &self.diagrams
+    }
+
+    fn is_of_diagrams(&self) -> bool {
+        self.shown.diagrams
+    }
+
     fn members(self, written: Option<String>, form: &Form) -> SmoothMembers {
-        let Self { cut, samples, machine, with_samples } = self;
-        let samples: Option<Vec<Sample>> = with_samples
+        let Self { cut, samples, machine, shown, diagrams: _ } = self;
+        let samples: Option<Vec<Sample>> = shown
+            .samples
             .then(|| samples.iter().map(|sample| Sample::new(sample, machine.as_ref())).collect());
         SmoothMembers { path: cut.members(written, form), motion: SampleMembers { samples } }
     }
 }
 
-fn smooth(
-    job: SmoothJob,
-    with_samples: bool,
-    wants_program: bool,
-    budget: &Budget,
-) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
+fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
     let SmoothJob { job, setup, cutting, has_program, meta } = job;
     let Plan { report, samples, toolpath } = five_axis::plan(&job, budget)?;
     let mut warnings = Vec::new();
@@ -100,7 +122,7 @@ fn smooth(
     }
     let mut violations = Violations::default();
     let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
-    let cutting = (has_program || wants_program).then(|| conditions(&toolpath, cutting, &mut violations));
+    let cutting = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
     violations.result()?;
     if let Some(cutting) = cutting {
         warnings.extend(is_chosen.then(|| clearance_chosen(cutting.clearance_z_mm)));
@@ -108,6 +130,7 @@ fn smooth(
     }
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
     let comments = vec![proved(&report)];
+    let diagrams = if shown.diagrams { diagrams(&job, &samples, budget)? } else { Vec::new() };
     Ok(Outcome {
         meta,
         warnings,
@@ -116,10 +139,32 @@ fn smooth(
             cut: Cut { toolpath, cutting, setup, comments, nc: None },
             samples,
             machine: job.machine,
-            with_samples,
+            shown,
+            diagrams,
         },
         drawing: drawing(given),
     })
+}
+
+/// Feed, acceleration, jerk and the angles of the axes, before and after.
+fn diagrams(job: &Job, samples: &[TimedPose], budget: &Budget) -> Result<Vec<Diagram>, ApiError> {
+    let [before, after] = history::before_and_after(job, samples, budget)?;
+    let scaled =
+        |course: Course, factor: f64| course.into_iter().map(|[t, value]| [t, value * factor]).collect();
+    let diagram = |name: String, [before, after]: [Course; 2], factor: f64| Diagram {
+        name,
+        before: scaled(before, factor),
+        after: scaled(after, factor),
+    };
+    let of_tip = [("feed, mm/min", 60.0), ("acceleration, mm/s2", 1.0), ("jerk, mm/s3", 1.0)];
+    let tips = before.tip.into_iter().zip(after.tip).zip(of_tip);
+    let mut all: Vec<Diagram> = tips
+        .map(|((before, after), (name, factor))| diagram(name.to_owned(), [before, after], factor))
+        .collect();
+    for ((_, before), (name, after)) in before.angles.into_iter().zip(after.angles) {
+        all.push(diagram(format!("{name}, degrees"), [before, after], 1.0_f64.to_degrees()));
+    }
+    Ok(all)
 }
 
 /// The line of a program's header about the path.

@@ -252,3 +252,44 @@ async fn faults_of_texts_and_outputs_are_told_with_their_place() {
     let answer = post(&app, &format!("{SMOOTH}?format=gcode"), body, &[]).await;
     assert_eq!(answer.violations(), [("missing_field".to_owned(), "#/machine".to_owned())]);
 }
+
+#[tokio::test]
+async fn a_picture_of_the_motion_shows_feed_and_axes_before_and_after() {
+    let app = app(&[]);
+    let body = include_str!("../../../openapi/examples/five-axis-smooth/table.json");
+    let svg = [("accept", "image/svg+xml")];
+    let motion = post(&app, &format!("{SMOOTH}?picture=motion"), body.to_owned(), &svg).await;
+    assert_eq!(motion.status, 200, "{}", motion.text());
+    let text = motion.text();
+    for name in ["feed, mm/min", "acceleration, mm/s2", "jerk, mm/s3", "A, degrees", "C, degrees"] {
+        assert!(text.contains(&format!(">{name}<")), "{name}");
+    }
+    // Five diagrams and the legend.
+    assert_eq!((text.matches("class=\"before\"").count(), text.matches("class=\"after\"").count()), (6, 6));
+    let path = post(&app, SMOOTH, body.to_owned(), &svg).await.text();
+    assert!(path.contains("id=\"plan\"") && !path.contains("class=\"after\""));
+    let page = post(&app, SMOOTH, body.to_owned(), &[("accept", "text/html")]).await.text();
+    assert_eq!(page.matches("<svg").count(), 2);
+    let refused = post(&app, &format!("{SMOOTH}?picture=front"), body.to_owned(), &svg).await;
+    assert_eq!(refused.status, 400);
+}
+
+#[tokio::test]
+async fn limits_are_proved_and_the_tool_counts_in_the_tolerance() {
+    let app = app(&[]);
+    let body: Value =
+        serde_json::from_str(include_str!("../../../openapi/examples/five-axis-smooth/table.json"))
+            .expect("JSON");
+    let report = post(&app, SMOOTH, body.to_string(), &[]).await.json()["report"].clone();
+    assert_eq!(report["limits_proved"], true);
+    assert_eq!(report.get("cut_deviation_max_mm"), None);
+    let tool = json!({ "shape": "bull_nose", "diameter_mm": 12, "corner_radius_mm": 2 });
+    let answer = post(&app, SMOOTH, with(&body, "tool", tool).to_string(), &[]).await.json();
+    let report = &answer["report"];
+    let figure = |name: &str| report[name].as_f64().expect("a number");
+    let swing = f64::hypot(4.0, 2.0);
+    let expected =
+        figure("toolpath_deviation_max_mm") + swing * figure("toolpath_deviation_max_deg").to_radians();
+    assert!((figure("cut_deviation_max_mm") - expected).abs() < 1e-12, "{report}");
+    assert!(figure("cut_deviation_max_mm") <= body["tolerance_mm"].as_f64().expect("a number"));
+}

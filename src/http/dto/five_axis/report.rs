@@ -18,14 +18,32 @@ use crate::toolpath::pose::Pose;
 pub struct SmoothQuery {
     /// Whether the JSON answer holds the samples of the motion in `samples`. Default: `false`.
     samples: Option<bool>,
+    /// What an answer of `image/svg+xml` shows: the path, or the motion over time. `text/html` shows both.
+    /// Default: `path`.
+    #[param(inline, required = false)]
+    picture: Option<SmoothPicture>,
+}
+
+/// A picture of a smooth path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SmoothPicture {
+    /// The smooth path and the given path in three views.
+    Path,
+    /// Feed, acceleration and jerk of the tip and the angles of the axes over time, before and after.
+    Motion,
 }
 
 impl SmoothQuery {
     /// The names of the parameters.
-    pub const NAMES: [&'static str; 1] = ["samples"];
+    pub const NAMES: [&'static str; 2] = ["samples", "picture"];
 
     pub fn with_samples(&self) -> bool {
         self.samples.unwrap_or(false)
+    }
+
+    pub fn shows_motion(&self) -> bool {
+        self.picture == Some(SmoothPicture::Motion)
     }
 }
 
@@ -56,8 +74,8 @@ pub struct SmoothReport {
     /// place, in degrees.
     toolpath_deviation_max_deg: f64,
     /// Proved bound of the distance by which the moves of `toolpath` move the surface that the tool cuts, in
-    /// mm: the deviation of the tip, and that of the axis times the distance from the tip to the centre of the
-    /// tool's corner. Absent without `tool`.
+    /// mm: the deviation of the tip, and that of the axis times the distance between the tip and the centre of
+    /// the tool's corner. Absent without `tool`.
     #[serde(skip_serializing_if = "Option::is_none")]
     cut_deviation_max_mm: Option<f64>,
     /// Which derivatives by the parameter are continuous between stops: `C0` none, `C2` the first and the

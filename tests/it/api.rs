@@ -11,6 +11,7 @@ mod events;
 mod examples;
 mod five_axis;
 mod models;
+mod mtconnect;
 mod negotiation;
 mod operation;
 mod programs;

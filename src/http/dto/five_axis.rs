@@ -1,6 +1,8 @@
 //! The request to smooth a path of five axes, and the report and the samples of the motion.
 
+mod limits;
 mod machine;
+mod mtconnect;
 mod report;
 
 use nalgebra::Point3;
@@ -29,7 +31,7 @@ use crate::post::path_text::{self, PathTextError, Reading};
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::pose::{Pace, Pose, Waypoint};
 use crate::toolpath::units::FeedRate;
-use machine::SentLimits;
+use limits::SentLimits;
 pub use machine::{Machines, SentMachine, SentRotary};
 pub use report::{Sample, SampleMembers, SmoothMembers, SmoothQuery, SmoothReport};
 

@@ -1,10 +1,13 @@
-//! Machines with five axes, and the limits of their axes, in requests and answers.
+//! Machines with five axes in requests and answers.
+
+use std::array::from_fn;
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use utoipa::openapi::Ref;
 
+use super::mtconnect;
 use crate::http::decode::object;
 use crate::http::dto::axis::{self, AxisDirection};
 use crate::http::dto::check::{Range, Violations};
@@ -14,11 +17,6 @@ use crate::http::dto::schema::{array_of, number, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use crate::machine::{Kind, Machine, RotaryAxis, named};
-use crate::operations::five_axis::MotionLimits;
-use crate::operations::five_axis::schedule::{Limits, TipLimits};
-
-/// Legal limits of speed, acceleration and jerk. A larger one is none.
-const LIMIT: Range = Range { min: 1e-3, max: 1e9 };
 
 /// Legal ends of the travel of a rotary axis, degrees.
 const TRAVEL_DEG: Range = Range { min: -1e6, max: 1e6 };
@@ -38,20 +36,24 @@ pub enum MachineKind {
 into_core!(MachineKind => Kind, [TableTable, HeadTable, HeadHead]);
 from_core!(Kind => MachineKind, [TableTable, HeadTable, HeadHead]);
 
-/// A machine with three linear axes and two rotary axes: either the `name` of a machine of `/v1/machines`
-/// alone, or `kind` and `axes`. At zero of all axes the tool points along z, and the workpiece has the
-/// directions of the machine.
+/// A machine with three linear axes and two rotary axes: the `name` of a machine of `/v1/machines` alone, or
+/// `kind` and `axes`, or `mtconnect` and `kind`. At zero of all axes the tool points along z, and the
+/// workpiece has the directions of the machine.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = Machine)]
 pub struct SentMachine {
     /// Name of a machine of `/v1/machines`.
     name: Option<String>,
+    /// The probe document of the machine's MTConnect agent, as XML: the directions, the points and the travel
+    /// of the axes. Other members of the machine complete and replace what it states.
+    mtconnect: Option<String>,
     /// What the rotary axes carry. Required without `name`.
     kind: Option<MachineKind>,
     /// The letters of the two rotary axes, such as `AC`. A axis turns about x, B about y, C about z, unless
     /// `rotary` says otherwise. With `table_table` and `head_head`, the first axis carries the second axis.
-    /// With `head_table`, the first axis belongs to the head. Required without `name`.
+    /// With `head_table`, the first axis belongs to the head. Required without `name`, unless `mtconnect`
+    /// states which axis carries the other one.
     #[schema(pattern = "^[ABC][ABC]$")]
     axes: Option<String>,
     /// More about the two rotary axes, in the order of `axes`. Default: the defaults of all members.
@@ -115,9 +117,13 @@ pub struct LinearTravel {
 impl SentMachine {
     /// The machine in the core's terms. Adds violations to `violations`.
     pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<Machine> {
-        let Self { name, kind, axes, rotary, travel_mm, pivot_mm } = self;
+        if self.mtconnect.is_some() && self.name.is_none() {
+            return self.probed(at, violations)?.convert(at, violations);
+        }
+        let Self { name, mtconnect, kind, axes, rotary, travel_mm, pivot_mm } = self;
         if let Some(name) = name {
             if kind.is_some()
+                || mtconnect.is_some()
                 || axes.is_some()
                 || rotary.is_some()
                 || travel_mm.is_some()
@@ -179,6 +185,52 @@ impl SentMachine {
     }
 }
 
+impl SentMachine {
+    /// The machine with what its MTConnect document states. Adds violations for what is missing.
+    fn probed(mut self, at: &Pointer, violations: &mut Violations) -> Option<Self> {
+        let text = self.mtconnect.take().unwrap_or_default();
+        let probed = match mtconnect::read(&text) {
+            Ok(probed) => probed,
+            Err(detail) => {
+                violations.add(&at.field("mtconnect"), FieldCode::OutOfRange, detail);
+                return None;
+            }
+        };
+        let before = violations.total();
+        if self.kind.is_none() {
+            let detail = "an MTConnect document does not state which axes carry the tool: send `kind`";
+            violations.add(&at.field("kind"), FieldCode::MissingField, detail);
+        }
+        let axes = self.axes.take().or_else(|| probed.order().map(|letters| letters.iter().collect()));
+        if axes.is_none() {
+            let found: Vec<String> = probed.rotary.iter().map(|own| own.letter.to_string()).collect();
+            let detail = format!(
+                "the document has the rotary axes `{}` and does not state that one of two carries the other: send `axes`",
+                found.join(", ")
+            );
+            violations.add(&at.field("axes"), FieldCode::MissingField, detail);
+        }
+        let letters: Vec<char> = axes.iter().flat_map(|axes| axes.chars()).collect();
+        let mut sent = self.rotary.take().unwrap_or_default();
+        sent.resize_with(sent.len().max(2), SentRotary::default);
+        for (k, (own, letter)) in sent.iter_mut().zip(letters).enumerate() {
+            own.complete(
+                probed.rotary.iter().find(|of| of.letter == letter),
+                &at.field("rotary").index(k),
+                violations,
+            );
+        }
+        let LinearTravel { x, y, z } = self.travel_mm.take().unwrap_or_default();
+        let [x, y, z] = from_fn(|k| [x, y, z][k].or(probed.travel_mm[k]));
+        (violations.total() == before).then_some(Self {
+            axes,
+            rotary: Some(sent),
+            travel_mm: Some(LinearTravel { x, y, z }),
+            ..self
+        })
+    }
+}
+
 /// The direction of the axis with a letter.
 fn direction_of(letter: char) -> UnitVector3<f64> {
     match letter {
@@ -189,6 +241,22 @@ fn direction_of(letter: char) -> UnitVector3<f64> {
 }
 
 impl SentRotary {
+    /// Takes what is absent from an MTConnect document. Adds violations for what stays absent.
+    fn complete(&mut self, found: Option<&mtconnect::Rotary>, at: &Pointer, violations: &mut Violations) {
+        self.direction = self.direction.or(found.and_then(|own| own.direction).map(Coordinates));
+        self.point_mm = self.point_mm.or(found.and_then(|own| own.point_mm).map(Coordinates));
+        self.travel_deg = self.travel_deg.or(found.and_then(|own| own.travel_deg));
+        self.wrapped |= self.travel_deg.is_none() && found.is_some_and(|own| own.is_continuous);
+        for (is_absent, name) in
+            [(self.direction.is_none(), "direction"), (self.point_mm.is_none(), "point_mm")]
+        {
+            if is_absent {
+                let detail = format!("the MTConnect document does not state this: send `{name}`");
+                violations.add(&at.field(name), FieldCode::MissingField, detail);
+            }
+        }
+    }
+
     fn convert(self, letter: char, at: &Pointer, violations: &mut Violations) -> Option<RotaryAxis> {
         let Self { direction, point_mm, travel_deg, wrapped, mirrored } = self;
         let direction = match direction {
@@ -209,113 +277,6 @@ impl SentRotary {
             is_wrapped: wrapped,
             is_mirrored: mirrored,
         })
-    }
-}
-
-/// The limits of the axes of a machine, and of the tip of the tool. An axis without limits is as fast as it
-/// has to be. Without a machine, X, Y and Z are the coordinates of the tip.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = MotionLimits)]
-pub struct SentLimits {
-    /// Limits of X. Default: none.
-    #[serde(rename = "X", default, deserialize_with = "object::optional")]
-    x: Option<SentAxisLimits>,
-    /// Limits of Y. Default: none.
-    #[serde(rename = "Y", default, deserialize_with = "object::optional")]
-    y: Option<SentAxisLimits>,
-    /// Limits of Z. Default: none.
-    #[serde(rename = "Z", default, deserialize_with = "object::optional")]
-    z: Option<SentAxisLimits>,
-    /// Limits of the rotary axis A. Default: none.
-    #[serde(rename = "A", default, deserialize_with = "object::optional")]
-    a: Option<SentAxisLimits>,
-    /// Limits of the rotary axis B. Default: none.
-    #[serde(rename = "B", default, deserialize_with = "object::optional")]
-    b: Option<SentAxisLimits>,
-    /// Limits of the rotary axis C. Default: none.
-    #[serde(rename = "C", default, deserialize_with = "object::optional")]
-    c: Option<SentAxisLimits>,
-    /// Limits of the tip in the frame of the workpiece. Its speed is `feed_mm_per_min`. Default: none.
-    #[serde(default, deserialize_with = "object::optional")]
-    tip: Option<SentTipLimits>,
-}
-
-/// The limits of one axis. Each may be absent.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = AxisLimits)]
-pub struct SentAxisLimits {
-    /// Largest speed, in mm/s, or in degrees by s for a rotary axis. Default: none.
-    #[schema(minimum = 0.001, maximum = 1_000_000_000)]
-    speed: Option<f64>,
-    /// Largest acceleration, in mm/s2, or in degrees by s2 for a rotary axis. Default: none.
-    #[schema(minimum = 0.001, maximum = 1_000_000_000)]
-    acceleration: Option<f64>,
-    /// Largest jerk, in mm/s3, or in degrees by s3 for a rotary axis. Default: none.
-    #[schema(minimum = 0.001, maximum = 1_000_000_000)]
-    jerk: Option<f64>,
-}
-
-/// The limits of the tip. Each may be absent.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = TipMotionLimits)]
-pub struct SentTipLimits {
-    /// Largest acceleration, in mm/s2. Default: none.
-    #[schema(minimum = 0.001, maximum = 1_000_000_000)]
-    acceleration: Option<f64>,
-    /// Largest jerk, in mm/s3. Default: none.
-    #[schema(minimum = 0.001, maximum = 1_000_000_000)]
-    jerk: Option<f64>,
-}
-
-fn checked(value: Option<f64>, at: &Pointer, violations: &mut Violations) -> f64 {
-    let value = value.unwrap_or(f64::INFINITY);
-    if value.is_finite() && !LIMIT.holds(value) {
-        violations.add(
-            at,
-            FieldCode::OutOfRange,
-            format!("{value} is not allowed; send 0.001 to 1000000000"),
-        );
-    }
-    value
-}
-
-impl SentLimits {
-    /// The limits in the core's terms. Adds violations to `violations`.
-    pub fn convert(
-        self,
-        at: &Pointer,
-        machine: Option<&Machine>,
-        violations: &mut Violations,
-    ) -> MotionLimits {
-        let Self { x, y, z, a, b, c, tip } = self;
-        let mut axes = Vec::new();
-        for (name, sent) in [('X', x), ('Y', y), ('Z', z), ('A', a), ('B', b), ('C', c)] {
-            let Some(SentAxisLimits { speed, acceleration, jerk }) = sent else { continue };
-            let at = at.field(&name.to_string());
-            let is_rotary = name < 'X';
-            if is_rotary && !machine.is_some_and(|machine| machine.axis_names().contains(&name)) {
-                let detail = format!(
-                    "the machine has no axis {name}; send a `machine` with this axis, or leave the limits out"
-                );
-                violations.add(&at, FieldCode::Conflict, detail);
-            }
-            let unit = if is_rotary { 1.0_f64.to_radians() } else { 1.0 };
-            let [speed, acceleration, jerk] =
-                [("speed", speed), ("acceleration", acceleration), ("jerk", jerk)]
-                    .map(|(field, value)| checked(value, &at.field(field), violations) * unit);
-            axes.push((name, Limits { speed, acceleration, jerk }));
-        }
-        let tip = tip.map(|SentTipLimits { acceleration, jerk }| {
-            let at = at.field("tip");
-            TipLimits {
-                acceleration: checked(acceleration, &at.field("acceleration"), violations),
-                jerk: checked(jerk, &at.field("jerk"), violations),
-            }
-        });
-        MotionLimits { axes, tip }
     }
 }
 

@@ -74,7 +74,7 @@ pub struct SmoothReport {
     /// place, in degrees.
     toolpath_deviation_max_deg: f64,
     /// Proved bound of the distance by which the moves of `toolpath` move the surface that the tool cuts, in
-    /// mm: the deviation of the tip, and that of the axis times the distance between the tip and the centre of
+    /// mm: the deviation of the tip, and that of the axis times the distance from the tip to the centre of
     /// the tool's corner. Absent without `tool`.
     #[serde(skip_serializing_if = "Option::is_none")]
     cut_deviation_max_mm: Option<f64>,

@@ -4,8 +4,8 @@
 //! The components `Linear` and `Rotary` with the names X, Y, Z and A, B, C count; other components, such as
 //! spindles, do not. Of a rotary axis, `Configuration/Motion` states the direction (`Axis`), a point
 //! (`Origin` or `Transformation/Translation`), whether it turns without end (`CONTINUOUS`), and which axis
-//! carries it (`parentIdRef`). Travel comes from a `Specification` of the position, or from the `Constraints` of a
-//! position.
+//! carries it (`parentIdRef`). Travel comes from a `Specification` of the position, or from the
+//! `Constraints` of a position.
 //!
 //! # Reference
 //! MTConnect Standard, Part 2, Device Information Model, version 2.

@@ -95,29 +95,45 @@ impl Span {
 
     /// The value and the derivatives at a parameter.
     pub fn jet(&self, u: f64) -> Jet {
-        let [value, first, second, third] = self.taylor(u);
-        [value, first, second * 2.0, third * 6.0]
+        let h = self.length();
+        let t = ((u - self.from) / h).clamp(0.0, 1.0);
+        // De Casteljau's triangle: the last rows hold the derivatives.
+        let mut points = self.control;
+        let mut rows = [[Point6::zeros(); 4]; 3];
+        for left in (1..ORDER).rev() {
+            if left <= 3 {
+                rows[left - 1][..=left].copy_from_slice(&points[..=left]);
+            }
+            for k in 0..left {
+                points[k] += (points[k + 1] - points[k]) * t;
+            }
+        }
+        let [one, two, three] = rows;
+        [
+            points[0],
+            (one[1] - one[0]) * (5.0 / h),
+            (two[2] - two[1] * 2.0 + two[0]) * (20.0 / (h * h)),
+            (three[3] - three[2] * 3.0 + three[1] * 3.0 - three[0]) * (60.0 / (h * h * h)),
+        ]
     }
 
-    /// The first Taylor coefficients at a parameter: the derivative of order k divided by k!.
-    pub fn taylor<const N: usize>(&self, u: f64) -> [Point6; N] {
+    /// The Taylor coefficients at a parameter: the derivative of order k divided by k!.
+    pub fn taylor(&self, u: f64) -> [Point6; ORDER] {
         /// The binomial coefficients "k of 5".
         const OF_FIVE: [f64; ORDER] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
         let h = self.length();
         let t = ((u - self.from) / h).clamp(0.0, 1.0);
         // De Casteljau's triangle: the differences of order k of its row of k + 1 points.
         let mut points = self.control;
-        let mut all = [Point6::zeros(); N];
+        let mut all = [Point6::zeros(); ORDER];
         for order in (0..ORDER).rev() {
-            if order < N {
-                let mut row = points;
-                for left in (0..order).rev() {
-                    for k in 0..=left {
-                        row[k] = row[k + 1] - row[k];
-                    }
+            let mut row = points;
+            for left in (0..order).rev() {
+                for k in 0..=left {
+                    row[k] = row[k + 1] - row[k];
                 }
-                all[order] = row[0] * (OF_FIVE[order] / h.powi(order as i32));
             }
+            all[order] = row[0] * (OF_FIVE[order] / h.powi(order as i32));
             for k in 0..order {
                 points[k] += (points[k + 1] - points[k]) * t;
             }
@@ -282,6 +298,19 @@ mod tests {
             for k in 0..3 {
                 assert_near((after[k] - before[k]) / (2.0 * step), at[k + 1], 1e-6);
             }
+        }
+    }
+
+    #[test]
+    fn taylor_coefficients_are_derivatives_by_factorials_and_give_the_values() {
+        let span = Span::quintic([1.0, 3.0], [point(0.0), point(1.0), point(2.0)], [point(3.0); 3]);
+        for u in [1.0, 1.7, 3.0] {
+            let (about, jet) = (span.taylor(u), span.jet(u));
+            for (k, factorial) in [1.0, 1.0, 2.0, 6.0].into_iter().enumerate() {
+                assert_near(about[k] * factorial, jet[k], 1e-9);
+            }
+            let value = about.iter().rev().fold(Point6::zeros(), |sum, c| sum * (2.1 - u) + c);
+            assert_near(value, span.jet(2.1)[0], 1e-9);
         }
     }
 

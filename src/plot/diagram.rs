@@ -3,7 +3,7 @@
 //! # Method
 //! All diagrams share the axis of time. Each has the range of values of the motion after the change. The
 //! motion before the change may take a quarter more; what goes beyond is drawn at the edge. Of all values in
-//! a column of [`COLUMN_MM`] of paper, only the least and the largest are drawn.
+//! a narrow column of paper, only the least and the largest are drawn.
 //!
 //! # Guarantees
 //! * A sheet has about 1 MB at most.

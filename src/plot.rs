@@ -110,15 +110,7 @@ type Paths = [[String; Class::ALL.len()]; 3];
 
 /// Draws `scene` as an SVG document.
 pub fn svg(scene: &Scene) -> String {
-    let title = escape(&text::clean(scene.title));
-    let [width, height] = SHEET_MM;
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"{width}mm\" height=\"{height}mm\" \
-         viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}: plan, front and left side\">\n\
-         <title>{title}</title>\n<style>{}</style>\n",
-        class::style()
-    );
-    out += &column::border();
+    let mut out = opening(scene.title, "plan, front and left side", "");
     match Layout::of(scene) {
         Ok(layout) => {
             let (paths, raster_mm) = draw(scene, &layout);
@@ -142,6 +134,19 @@ pub fn svg(scene: &Scene) -> String {
         Err(reason) => out += &column::refusal(scene, &reason.to_string()),
     }
     out + "</svg>\n"
+}
+
+/// The beginning of a sheet, up to its border. `shows` says what is drawn; `style` adds rules.
+fn opening(title: &str, shows: &str, style: &str) -> String {
+    let title = escape(&text::clean(title));
+    let [width, height] = SHEET_MM;
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"{width}mm\" height=\"{height}mm\" \
+         viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}: {shows}\">\n\
+         <title>{title}</title>\n<style>{}{style}</style>\n{}",
+        class::style(),
+        column::border()
+    )
 }
 
 /// The paths, and the cell size of the raster, mm, if strokes were left out. The paths are drawn without a

@@ -57,14 +57,10 @@ pub trait Product {
     /// The toolpath from which a program is written. `None` where the operation makes no toolpath.
     fn cut(&self) -> Option<&Cut>;
 
-    /// Diagrams of quantities over time, for a second sheet; without any there is no such sheet.
+    /// Diagrams of quantities over time. If there are any, they are the picture, and a second picture of a
+    /// page.
     fn diagrams(&self) -> &[Diagram] {
         &[]
-    }
-
-    /// Whether a picture is the sheet of diagrams.
-    fn is_of_diagrams(&self) -> bool {
-        false
     }
 
     /// The members of the answer; `written` is the text of the program, where the caller asked for the text.
@@ -217,7 +213,7 @@ fn represent<R: Serialize + ToSchema, P: Product>(
         Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, nc, form)),
         Representation::Gcode => program(&outcome, nc, form.media_type, budget),
         Representation::Svg => {
-            let picture = if outcome.product.is_of_diagrams() {
+            let picture = if !outcome.product.diagrams().is_empty() {
                 sheet::diagrams(&outcome)
             } else {
                 sheet::picture(&outcome)

@@ -1,8 +1,8 @@
 //! Numbers that are known but for an error: all numbers at most a radius from a centre.
 //!
 //! # Method
-//! Each operation computes the centre of its result by the processor, and a radius from those of its
-//! operands, the derivatives of the operation, and the rounding of the centre.
+//! Each operation computes the centre of its result in floating point. The radius of the result is a bound of
+//! two errors: what the radii of the operands can change in the result, and the rounding of the centre.
 //!
 //! # Guarantees
 //! The ball of a result contains the exact result for all numbers in the balls of the operands. Only the
@@ -14,7 +14,6 @@
 //!
 //! # Reference
 //! J. van der Hoeven, "Ball arithmetic", Logical Approaches to Barriers in Computing and Complexity, 2009.
-//! Beside intervals with two ends (`geometry::interval`), a product costs a third.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

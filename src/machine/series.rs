@@ -1,9 +1,9 @@
 //! Numbers with derivatives, as truncated Taylor series.
 //!
 //! # Method
-//! A function of the path parameter is stored as its first N Taylor coefficients. Each operation computes the
-//! coefficients of its result from those of its operands by the usual recurrences (Griewank and Walther,
-//! table 13.1 and 13.2). Coefficients are plain numbers, or balls (`ball`).
+//! A function of the path parameter is stored as its first N Taylor coefficients. An operation takes the
+//! coefficients of its operands and computes the coefficients of its result, by the recurrences of Griewank
+//! and Walther, tables 13.1 and 13.2. Coefficients are plain numbers, or balls (`ball`).
 //!
 //! # Guarantees
 //! * Coefficients are exact except for rounding. No step size is involved.

@@ -52,7 +52,8 @@ impl Machine {
         } else {
             0.0
         };
-        // Two bends count: that of the motion in step, and that of the great circle, which is no larger.
+        // The axis of the control and the axis of the toolpath both bend away from the chord of the ends. The
+        // great circle of the toolpath bends no more than the motion of the control: hence twice its bend.
         let axis = all * all / 4.0;
         let axis = if axis < 1.0 { 2.0 * (0.5 * axis).asin() } else { std::f64::consts::PI };
         Straying { tip_mm: (bend + table_bend) / 8.0, axis }

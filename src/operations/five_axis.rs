@@ -92,7 +92,8 @@ pub struct Job {
     pub tolerance_mm: f64,
     /// Radians.
     pub tolerance_axis: f64,
-    /// How far a turn of the tool moves its cut, mm per radian; 0 if the tolerance is that of the tip alone.
+    /// How far a turn of the tool about its tip moves the cut surface, mm per radian. With 0, `tolerance_mm`
+    /// holds for the tip alone.
     pub swing_mm: f64,
     /// The distance from the tip to the top, mm: the second rail.
     pub top_mm: f64,

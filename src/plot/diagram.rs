@@ -15,10 +15,10 @@
 //! # Cost
 //! O(n) for n values.
 
+use super::axes;
 use super::column::{self, BLOCK_Y_MM, LEFT_MM, LEGEND_LINE_MM, LINE_MM, SAMPLE_MM, TOP_MM, WIDTH_MM};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, escape};
-use super::{SHEET_MM, axes, class};
 
 /// Width of a column in which two values are drawn, mm of paper.
 const COLUMN_MM: f64 = 0.15;
@@ -66,15 +66,7 @@ pub struct DiagramScene<'a> {
 
 /// Draws the sheet as an SVG document.
 pub fn svg(scene: &DiagramScene) -> String {
-    let title = escape(&text::clean(scene.title));
-    let [width, height] = SHEET_MM;
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"{width}mm\" height=\"{height}mm\" \
-         viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}: motion over time\">\n\
-         <title>{title}</title>\n<style>{}{STYLE}</style>\n",
-        class::style()
-    );
-    out += &column::border();
+    let mut out = super::opening(scene.title, "motion over time", STYLE);
     let [left, top, right, bottom] = AREA_MM;
     let count = scene.diagrams.len().max(1) as f64;
     let high = (bottom - top - GAP_MM * (count - 1.0)) / count;

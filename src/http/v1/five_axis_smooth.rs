@@ -97,10 +97,6 @@ impl Product for Motion {
         &self.diagrams
     }
 
-    fn is_of_diagrams(&self) -> bool {
-        self.shown.diagrams
-    }
-
     fn members(self, written: Option<String>, form: &Form) -> SmoothMembers {
         let Self { cut, samples, machine, shown, diagrams: _ } = self;
         let samples: Option<Vec<Sample>> = shown

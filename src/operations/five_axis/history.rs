@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{FiveAxisError, Job, Method, TimedPose, plan};
+use super::motion::{ConstantFeed, differences};
+use super::path::Path;
+use super::{FiveAxisError, Job, Method, TimedPose, at_feed, checked, rails};
 use crate::budget::Budget;
 use crate::toolpath::pose::Pose;
 
@@ -30,7 +32,10 @@ pub fn before_and_after(
     budget: &Budget,
 ) -> Result<[History; 2], FiveAxisError> {
     let given = Job { method: Method::Linear, limits: None, machine: None, ..job.clone() };
-    let mut before = plan(&given, budget)?.samples;
+    let rails = rails(&given, &Path::new(&given.path, given.top_mm)?, budget)?;
+    let motion = ConstantFeed::new(&rails.rail);
+    checked(&given, motion.duration_s())?;
+    let mut before = at_feed(&given, &motion, budget)?;
     let start = samples.first().and_then(|sample| sample.joints);
     if let Some((machine, start)) = job.machine.as_ref().zip(start) {
         let poses: Vec<Pose> = before.iter().map(|sample| sample.pose).collect();
@@ -48,7 +53,7 @@ impl History {
         let even = &samples[..samples.len().saturating_sub(1)];
         let mut rows: Vec<Vector3<f64>> = even.iter().map(|sample| sample.pose.tip.coords).collect();
         let tip = [1, 2, 3].map(|order| {
-            rows = rows.windows(2).map(|pair| (pair[1] - pair[0]) / job.period_s).collect();
+            rows = differences(&rows, job.period_s);
             // A difference belongs to the middle of the samples that it is made of.
             let at = |k: usize| (k as f64 + 0.5 * f64::from(order)) * job.period_s;
             rows.iter().enumerate().map(|(k, row)| [at(k), row.norm()]).collect()

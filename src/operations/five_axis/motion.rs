@@ -145,12 +145,17 @@ pub struct Peak {
     pub max: f64,
 }
 
+/// The rates by time of values that are all `period_s` apart.
+pub fn differences(rows: &[nalgebra::Vector3<f64>], period_s: f64) -> Vec<nalgebra::Vector3<f64>> {
+    rows.windows(2).map(|pair| (pair[1] - pair[0]) / period_s).collect()
+}
+
 /// Speed, acceleration and jerk of the tip, by differences of samples that are all `period_s` apart: mm/s,
 /// mm/s2 and mm/s3.
 pub fn peaks(tips: &[nalgebra::Vector3<f64>], period_s: f64) -> [Peak; 3] {
     let mut rows = tips.to_vec();
     [(); 3].map(|()| {
-        rows = rows.windows(2).map(|pair| (pair[1] - pair[0]) / period_s).collect();
+        rows = differences(&rows, period_s);
         let squares: f64 = rows.iter().map(nalgebra::Vector3::norm_squared).sum();
         let rms = if rows.is_empty() { 0.0 } else { (squares / rows.len() as f64).sqrt() };
         Peak { rms, max: rows.iter().map(nalgebra::Vector3::norm).fold(0.0, f64::max) }

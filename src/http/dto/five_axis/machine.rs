@@ -186,7 +186,8 @@ impl SentMachine {
 }
 
 impl SentMachine {
-    /// The machine with what its MTConnect document states. Adds violations for what is missing.
+    /// Reads the MTConnect document into the members that the request leaves out. Adds a violation for each
+    /// member that neither states.
     fn probed(mut self, at: &Pointer, violations: &mut Violations) -> Option<Self> {
         let text = self.mtconnect.take().unwrap_or_default();
         let probed = match mtconnect::read(&text) {
@@ -241,7 +242,8 @@ fn direction_of(letter: char) -> UnitVector3<f64> {
 }
 
 impl SentRotary {
-    /// Takes what is absent from an MTConnect document. Adds violations for what stays absent.
+    /// Fills absent members from the axis `found` in an MTConnect document. Adds a violation for each member
+    /// that is still absent.
     fn complete(&mut self, found: Option<&mtconnect::Rotary>, at: &Pointer, violations: &mut Violations) {
         self.direction = self.direction.or(found.and_then(|own| own.direction).map(Coordinates));
         self.point_mm = self.point_mm.or(found.and_then(|own| own.point_mm).map(Coordinates));

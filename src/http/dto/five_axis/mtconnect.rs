@@ -23,8 +23,9 @@ pub struct Rotary {
     pub point_mm: Option<[f64; 3]>,
     pub travel_deg: Option<[f64; 2]>,
     pub is_continuous: bool,
-    /// The id of its motion, and that of the motion that carries it.
+    /// The id of the element `Motion` of this axis.
     id: Option<String>,
+    /// The id of the element `Motion` of the axis that carries this axis.
     parent: Option<String>,
 }
 

@@ -73,9 +73,10 @@ pub struct SmoothReport {
     /// Proved bound of the angle between the axis of the moves and the axis of the given path at the nearest
     /// place, in degrees.
     toolpath_deviation_max_deg: f64,
-    /// Proved bound of the distance by which the moves of `toolpath` move the surface that the tool cuts, in
-    /// mm: the deviation of the tip, and that of the axis times the distance from the tip to the centre of
-    /// the tool's corner. Absent without `tool`.
+    /// Proved bound of the distance between the surface that the tool cuts along `toolpath` and the surface
+    /// that it cuts along the given path, in mm. It is `toolpath_deviation_max_mm`, plus the angle
+    /// `toolpath_deviation_max_deg` in radians times the distance from the tip to the centre of the tool's
+    /// rounded corner. Absent without `tool`.
     #[serde(skip_serializing_if = "Option::is_none")]
     cut_deviation_max_mm: Option<f64>,
     /// Which derivatives by the parameter are continuous between stops: `C0` none, `C2` the first and the
@@ -254,7 +255,7 @@ impl Sample {
     }
 }
 
-/// The members of the answer beside the report: those of every toolpath, and the samples.
+/// The members of the answer without the report: the members of every answer with a toolpath, and `samples`.
 #[derive(Serialize)]
 pub struct SmoothMembers {
     #[serde(flatten)]

@@ -15,6 +15,7 @@ use toolpathd::operations::pocketing::{
 };
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::program::{Resolution, Units};
+use toolpathd::toolpath::quantize::Curves;
 use toolpathd::toolpath::tool::{Shape, Tool};
 use toolpathd::toolpath::units::FeedRate;
 
@@ -52,6 +53,7 @@ fn job(area: Outlines, pattern: Pattern) -> Job {
         milling: Milling::Climb,
         cutting: CuttingRequest::at_feed(feed),
         resolution: Resolution { units: Units::Mm, decimals: 3 },
+        curves: Curves::ARCS,
     }
 }
 

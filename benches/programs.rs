@@ -12,7 +12,7 @@ use toolpathd::geometry::plane::Plane;
 use toolpathd::post::{self, DIALECTS, ProgramJob};
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::motion_time::motion_time;
-use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
+use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
 use toolpathd::toolpath::tool::Tool;
 use toolpathd::toolpath::units::FeedRate;
 use toolpathd::toolpath::{Role, Toolpath};
@@ -43,6 +43,7 @@ fn write(c: &mut Criterion) {
         block_numbers: true,
         work_offset: None,
         safe_home: SafeHome::None,
+        custom: Custom::default(),
     };
     let tool = Tool::ball(3.0);
     let cutting = CuttingRequest::at_feed(FeedRate::from_mm_per_min(1000.0).unwrap()).at_heights(20.0, 20.0);

@@ -1,8 +1,8 @@
 //! The post-processor: writes a toolpath as the text of an NC program in a dialect.
 //!
 //! # Method
-//! 1. `lower` turns the toolpath into blocks. [`crate::toolpath::quantize`] rounds their coordinates to the
-//!    decimals of the program.
+//! 1. `abilities` refuses what the dialect has no words for. `lower` turns the toolpath into blocks.
+//!    [`crate::toolpath::quantize`] rounds their coordinates to the decimals of the program.
 //! 2. `header` collects the comments for people that stand before the first block.
 //!    Where the tool leans, `posed` turns poses into blocks.
 //! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
@@ -32,8 +32,10 @@ pub mod path_text;
 pub mod read;
 pub mod rewrite;
 
+mod abilities;
 mod block;
 mod check;
+mod custom;
 mod header;
 mod lower;
 mod nc;
@@ -41,12 +43,15 @@ mod posed;
 mod words;
 mod write;
 
-pub use dialect::Dialect;
+pub use abilities::{Missing, missing};
+pub use custom::{CustomPart, MAX_LINES, Refused, refused};
+pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
-pub use posed::{AxisOutput, FiveAxes};
+pub use posed::FiveAxes;
 
 use nalgebra::Point3;
+use write::Written;
 
 use crate::budget::{Budget, Stopped};
 use crate::machine::FollowError;
@@ -119,8 +124,12 @@ pub enum WriteError {
         "a number of the program needs more than the {limit} digits that the control reads; choose fewer decimals"
     )]
     TooManyDigits { limit: u32 },
-    #[error("G{number} is no work offset; choose G54 to G59")]
-    WorkOffset { number: u8 },
+    #[error(transparent)]
+    Missing(#[from] Missing),
+    #[error("line {} of your own lines is refused: {}", .0.index + 1, .0.fault)]
+    Custom(Refused),
+    #[error("the dialect has no word for a dwell; leave dwells out, or choose another dialect")]
+    NoDwells,
     #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
     SpindleSpeed { rpm: f64 },
     #[error("a cutting move of the toolpath has no feed; give every cutting move a feed")]
@@ -143,7 +152,9 @@ pub enum WriteError {
     InverseTime { seconds: f64 },
     #[error("the program needs more than {limit} blocks; split the toolpath")]
     TooManyBlocks { limit: usize },
-    #[error("a line of the program is longer than the {limit} characters that the control reads")]
+    #[error(
+        "a line of the program is longer than the {limit} characters that the control reads; choose fewer decimals, or no block numbers"
+    )]
     LineTooLong { limit: usize },
     #[error("the check of the written program failed: {0}")]
     Unreadable(#[from] read::ReadError),
@@ -161,12 +172,18 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     if !(1..=max).contains(&resolution.decimals) {
         return Err(WriteError::Decimals { decimals: resolution.decimals, max });
     }
+    if let Some(first) = missing(job.dialect, job.program, job.cutting.coolant, job.tool).first() {
+        return Err((*first).into());
+    }
+    if let Some(first) = refused(job.dialect, &job.program.custom).into_iter().next() {
+        return Err(WriteError::Custom(first));
+    }
     let grid = Grid::new(resolution);
     let lowered = lower::lower(toolpath, job, budget)?;
     let remarks = header::remarks(toolpath, &lowered, job)?;
     let blocks = &lowered.blocks;
-    let text = write::text(blocks, &remarks, job)?;
-    let max_radius_mismatch_mm = check::read_back(&text, blocks, job, &grid, budget)?;
+    let Written { text, custom } = write::text(blocks, &remarks, job)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &custom, blocks, job, &grid, budget)?;
     Ok(NcProgram {
         text,
         max_displacement_mm: lowered.displacement_mm,

@@ -289,7 +289,7 @@ mod tests {
     use crate::http::request_id::RequestId;
     use crate::toolpath::Role;
     use crate::toolpath::cutting::CuttingRequest;
-    use crate::toolpath::program::{Program, Resolution, SafeHome, Units};
+    use crate::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
     use crate::toolpath::tool::Tool;
 
     #[derive(Serialize, ToSchema)]
@@ -314,6 +314,7 @@ mod tests {
                     block_numbers: false,
                     work_offset: None,
                     safe_home: SafeHome::None,
+                    custom: Custom::default(),
                 },
                 dialect: post::DIALECTS[0],
                 five_axes: None,

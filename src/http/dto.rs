@@ -8,6 +8,7 @@ pub mod approach;
 pub mod arc_fitting;
 pub mod axis;
 pub mod axis_output;
+pub mod capabilities;
 pub mod check;
 pub mod curve;
 pub mod cutting;

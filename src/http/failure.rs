@@ -5,7 +5,7 @@ use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
 use crate::budget::Stopped;
 use crate::machine::FollowError;
-use crate::post::WriteError;
+use crate::post::{Missing, WriteError};
 use crate::toolpath::cutting::HeightError;
 use crate::toolpath::quantize::QuantizeError;
 
@@ -65,7 +65,19 @@ impl From<WriteError> for ApiError {
             WriteError::ProgramNumber { number: _, max: _ } => out_of_range(program.field("number"), detail),
             // Fewer decimals leave more digits before the point.
             WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
-            WriteError::WorkOffset { number: _ } => out_of_range(program.field("work_offset"), detail),
+            WriteError::Missing(missing) => {
+                Self::invalid(vec![FieldError::new(&place_of(&missing), FieldCode::Unsupported, detail)])
+            }
+            WriteError::Custom(_) => {
+                Self::invalid(vec![FieldError::new(&program.field("custom"), FieldCode::Unsupported, detail)])
+            }
+            WriteError::NoDwells => Self::invalid(vec![FieldError::new(
+                &program.field("dialect"),
+                FieldCode::Unsupported,
+                detail,
+            )]),
+            // Block numbers and decimals make lines long.
+            WriteError::LineTooLong { limit: _ } => out_of_range(program.field("decimals"), detail),
             WriteError::SpindleSpeed { rpm: _ } => out_of_range(cutting.field("spindle_rpm"), detail),
             WriteError::FeedMissing => Self::new(Code::FeedRequired, detail),
             // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
@@ -84,10 +96,22 @@ impl From<WriteError> for ApiError {
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
             // No legal request causes these failures.
             WriteError::Dwell { seconds: _ }
-            | WriteError::LineTooLong { limit: _ }
             | WriteError::Unreadable(_)
             | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
         }
+    }
+}
+
+/// The member of a request that asks for what a dialect cannot write.
+pub fn place_of(missing: &Missing) -> Pointer {
+    let root = Pointer::root();
+    match missing {
+        Missing::Units { .. } => root.field("program").field("units"),
+        Missing::WorkOffset { .. } => root.field("program").field("work_offset"),
+        Missing::SafeHome { .. } => root.field("program").field("safe_home"),
+        Missing::Coolant { .. } => root.field("cutting").field("coolant"),
+        Missing::Tool { .. } => root.field("tool"),
+        Missing::LengthOffset { .. } => root.field("tool").field("length_offset"),
     }
 }
 

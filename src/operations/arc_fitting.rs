@@ -35,7 +35,7 @@ use crate::geometry::plane::Plane;
 use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::{Cutting, CuttingRequest, HeightError};
 use crate::toolpath::program::{Resolution, Units};
-use crate::toolpath::quantize::{Parabolas, QuantizeError, round};
+use crate::toolpath::quantize::{Curves, QuantizeError, round};
 use crate::toolpath::{PathError, Toolpath};
 
 /// Curves between two checks of the budget.
@@ -61,13 +61,17 @@ pub struct Job {
     /// The cutting conditions; without them the toolpath has no feeds.
     pub cutting: Option<CuttingRequest>,
     pub resolution: Resolution,
+    /// What the control of the written program runs. The report counts what rounding does to it.
+    pub curves: Curves,
 }
 
 impl Job {
-    /// The job with the default of everything that has one, written in mm with three decimals.
+    /// The job with the default of everything that has one, written in mm with three decimals for a control
+    /// that runs all arcs.
     pub fn new(points: Vec<Point3<f64>>, tolerance_mm: f64) -> Self {
         let resolution = Resolution { units: Units::Mm, decimals: 3 };
-        Self { points, plane: None, fit: Fit::within(tolerance_mm), cutting: None, resolution }
+        let fit = Fit::within(tolerance_mm);
+        Self { points, plane: None, fit, cutting: None, resolution, curves: Curves::ARCS }
     }
 }
 
@@ -244,7 +248,7 @@ fn measured(
             (Measure::Points, Method::Biarc) => 0.0,
             (Measure::Points, _) => following::from_points(&piece.curve, passed),
         };
-        let rounded = round(&piece.curve, job.resolution, Parabolas::AsLines)?;
+        let rounded = round(&piece.curve, job.resolution, &job.curves)?;
         figures.is_far.push(exceeds(deviation_mm, job.fit.tolerance_mm));
         figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);
         figures.deviation_mm = figures.deviation_mm.max(deviation_mm);

@@ -4,6 +4,7 @@ use super::words::FeedWord;
 use super::{MAX_BLOCKS, WriteError};
 use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
+use crate::toolpath::path::Role;
 
 /// The longest dwell, s: eleven days. A longer dwell is taken for a mistake and refused.
 const MAX_DWELL_S: f64 = 1e6;
@@ -18,6 +19,7 @@ pub enum Block {
     Line {
         to: [i64; 3],
         feed: FeedWord,
+        role: Role,
     },
     /// `center` counts from the start along the plane's first and second axis.
     Arc {
@@ -35,6 +37,10 @@ pub enum Block {
     },
     Dwell {
         milliseconds: u64,
+    },
+    /// A rapid to or from the place where the machine rests between programs.
+    Park {
+        to: [Option<i64>; 3],
     },
     /// Turns the rotary axes alone, as a rapid.
     Rotate {
@@ -73,6 +79,8 @@ pub enum BlockFeed {
     PerMinute(FeedWord),
     /// One by the minutes that the block takes.
     InverseTime(FeedWord),
+    /// The feed of a turn about a resting tip.
+    DegreesPerMinute(FeedWord),
 }
 
 /// The blocks of a program, at most [`MAX_BLOCKS`].

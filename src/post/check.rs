@@ -1,8 +1,11 @@
 //! Reads a written text back, and compares each of its motions and dwells with the block it was written from.
 
+use std::ops::Range;
+
 use nalgebra::Point3;
 
 use super::block::{AxisWords, Block, BlockFeed};
+use super::custom;
 use super::posed::VECTOR_DECIMALS;
 use super::read::{Pace, Placed, Posed, ROTARY, Reader, Step, TipMode};
 use super::words::FeedWord;
@@ -21,18 +24,22 @@ const MISMATCH_LIMIT_STEPS: f64 = 1.5;
 /// fault.
 const AGREEMENT_STEPS: f64 = 0.01;
 
-/// Reads `text` and returns the largest radius mismatch in it, mm.
+/// Reads `text` and returns the largest radius mismatch in it, mm. A shop's own lines stand at `custom`.
 ///
 /// # Errors
 /// When the text cannot be read, or its steps differ from `blocks`.
 pub fn read_back(
     text: &str,
+    custom: &[Range<usize>],
     blocks: &[Block],
     job: &ProgramJob,
     grid: &Grid,
     budget: &Budget,
 ) -> Result<f64, WriteError> {
-    let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm());
+    if !custom::stand_at(text, custom, &job.program.custom) {
+        return Err(WriteError::Differs { line: 0, what: "line of your own" });
+    }
+    let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm()).passing(custom);
     // A block that ends modes moves nothing.
     let blocks = blocks.iter().filter(|block| **block != Block::EndPosed);
     let mut at: [Option<i64>; 3] = [None; 3];
@@ -70,7 +77,7 @@ fn difference(
 ) -> Option<&'static str> {
     let start = *at;
     match *block {
-        Block::Rapid { to } => *at = [0, 1, 2].map(|axis| to[axis].or(at[axis])),
+        Block::Rapid { to } | Block::Park { to } => *at = [0, 1, 2].map(|axis| to[axis].or(at[axis])),
         Block::Line { to, .. }
         | Block::Arc { to, .. }
         | Block::BeginTipControl { to, .. }
@@ -120,15 +127,18 @@ fn difference(
                     (BlockFeed::InverseTime(feed), Pace::Seconds(seconds)) => {
                         (seconds * feed.value() - 60.0).abs() <= 1e-9
                     }
+                    (BlockFeed::DegreesPerMinute(feed), Pace::DegreesPerMinute(rate)) => {
+                        (rate - feed.value()).abs() <= 1e-12 * feed.value()
+                    }
                     _ => false,
                 },
                 "feed",
             ),
         ]),
-        (Block::Rapid { .. }, Step::Posed(posed)) => {
+        (Block::Rapid { .. } | Block::Park { .. }, Step::Posed(posed)) => {
             first_false(&[(place(&posed), "place"), (posed.pace == Pace::Rapid, "mode")])
         }
-        (Block::Rapid { .. }, Step::Rapid { from, to }) => {
+        (Block::Rapid { .. } | Block::Park { .. }, Step::Rapid { from, to }) => {
             first_false(&[(are_near(from, start) && are_near(to, *at), "place")])
         }
         (Block::Line { feed, .. }, Step::Feed { along: along @ Curve::Line(_), rate, .. }) => {
@@ -179,7 +189,7 @@ fn is_axis(axis: AxisWords, posed: &Posed, job: &ProgramJob) -> bool {
                 })
         }
         AxisWords::Angles(angles) => {
-            let scale = 10f64.powi(i32::from(job.dialect.angle_decimals));
+            let scale = 10f64.powi(i32::from(job.dialect.five_axes.angle_decimals));
             posed.mode != TipMode::Vectors
                 && job.rotary_names().iter().zip(angles).all(|(name, units)| {
                     let k = ROTARY.iter().position(|letter| letter == name);

@@ -1,45 +1,231 @@
 //! The differences between the NC languages of different controls, as data.
+//!
+//! A [`Dialect`] says what a control can do, and in which [`Syntax`] its programs are written. Each syntax
+//! has one writer and one reader.
 
-pub use crate::toolpath::quantize::Parabolas;
+pub use crate::toolpath::quantize::{Arcs, Curves, Parabolas};
+
+use crate::toolpath::cutting::Coolant;
+use crate::toolpath::program::{SafeHome, Units};
 
 /// How a program for one control is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dialect {
     pub name: &'static str,
     pub description: &'static str,
+    pub verification: Verification,
     /// The extension without the dot.
     pub file_extension: &'static str,
-    pub comment: Comment,
     pub line_end: &'static str,
     /// Most characters of a line, without the line end.
     pub max_line_length: usize,
-    /// The first and the last line of every program; none where the control needs no tape mark.
-    pub tape_mark: Option<&'static str>,
-    /// The line with the program number; none where the control knows a program by its file.
-    pub program_number: Option<ProgramNumber>,
+    /// The largest number of a program; none where the control knows a program by its file.
+    pub max_program_number: Option<u32>,
     pub default_decimals_mm: u8,
     pub default_decimals_inch: u8,
     pub max_decimals: u8,
     pub numbers: Numbers,
-    pub block_numbers: BlockNumbers,
-    pub dwell: Dwell,
-    pub parabolas: Parabolas,
+    /// The curves that the control runs. All others become lines.
+    pub curves: Curves,
+    pub abilities: Abilities,
+    /// The place where the machine rests between programs, mm. Programs go there first and last. None where a
+    /// program may begin anywhere.
+    pub rests_at_mm: Option<[f64; 3]>,
+    pub five_axes: FiveAxisWords,
+    pub syntax: Syntax,
+}
+
+/// What has read programs of a dialect besides the reader that checks each program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verification {
+    /// The interpreter of the control itself.
+    Interpreter,
+    /// The interpreter of another control, after words that it reads differently are translated.
+    RelatedInterpreter,
+    /// Nothing but a reader that was written from published descriptions, apart from the writer.
+    Reader,
+    /// Nothing: the words are those of the family, as they are commonly described.
+    Unverified,
+}
+
+/// What a control can do, apart from motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Abilities {
+    pub units: &'static [Units],
+    /// The numbers of G54 to G59 that programs may ask for.
+    pub work_offsets: &'static [u8],
+    pub safe_homes: &'static [SafeHome],
+    pub coolants: &'static [Coolant],
+    /// Whether the length offset of a tool has a number of its own.
+    pub has_length_offsets: bool,
+    /// Whether programs state the radius of the tool.
+    pub needs_tool: bool,
+    pub has_dwells: bool,
+    pub has_comments: bool,
+}
+
+impl Abilities {
+    /// What most controls can do.
+    pub const USUAL: Self = Self {
+        units: &[Units::Mm, Units::Inch],
+        work_offsets: &[54, 55, 56, 57, 58, 59],
+        safe_homes: &[SafeHome::None, SafeHome::G28, SafeHome::G53],
+        coolants: &[Coolant::Off, Coolant::Flood, Coolant::Mist],
+        has_length_offsets: true,
+        needs_tool: false,
+        has_dwells: true,
+        has_comments: true,
+    };
+}
+
+/// The numbers that a control reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Numbers {
+    /// Whether whole coordinates and feeds need a decimal point.
+    pub point: Point,
+    /// Most digits of one number, before and after the point together.
+    pub max_digits: u32,
+    pub max_feed_decimals: u8,
+    pub spindle_decimals: u8,
+    pub max_spindle_rpm: u32,
+}
+
+/// How a control is told the axis of a leaning tool.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FiveAxisWords {
     /// Decimals of a written angle, in degrees.
     pub angle_decimals: u8,
-    pub tip_control: TipControl,
+    /// Under tip control X, Y and Z state the place of the tool tip, also while the tool leans: with the
+    /// angles of the rotary axes in the blocks, or with the vector of the tool axis. `None` where the control
+    /// has no such mode.
+    pub angles: Option<TipControl>,
+    pub vectors: Option<TipControl>,
+    /// Whether blocks may state the positions of all five axes of the machine, with the time of each block.
+    pub has_positions: bool,
+    /// How fast the axis turns about a resting tip.
+    pub turns: Turns,
+}
+
+impl FiveAxisWords {
+    /// A control of three axes.
+    pub const NONE: Self = Self {
+        angle_decimals: 0,
+        angles: None,
+        vectors: None,
+        has_positions: false,
+        turns: Turns::InverseTime,
+    };
+
+    /// Whether a program can state the tool axis in this way.
+    pub fn write(&self, output: AxisOutput) -> bool {
+        match output {
+            AxisOutput::Angles => self.angles.is_some(),
+            AxisOutput::Vectors => self.vectors.is_some(),
+            AxisOutput::Machine => self.has_positions,
+        }
+    }
+}
+
+/// How a program states the tool axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisOutput {
+    /// The tip and the angles of the rotary axes; the control keeps the tip on its line.
+    Angles,
+    /// The tip and the vector of the tool axis.
+    Vectors,
+    /// The positions of all five axes of the machine.
+    Machine,
+}
+
+/// The words of tip control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TipControl {
+    /// The blocks that switch it on, each a line. `{offset}` stands for the number of the length offset.
+    pub before: &'static [&'static str],
+    /// The words in the block of the first motion.
+    pub words: Option<&'static str>,
+    pub off: &'static str,
+    /// The letters of the components of a vector.
+    pub vector: [&'static str; 3],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turns {
+    /// By the time that the block takes.
+    InverseTime,
+    /// By a feed in degrees per minute.
+    DegreesPerMinute,
+}
+
+/// The syntax of a family of controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Syntax {
+    /// Words of a letter and a number (ISO 6983).
+    Iso(Iso),
+    /// The same, with the words that Siemens adds.
+    Siemens(Iso),
+    /// Heidenhain Klartext.
+    Klartext,
+    /// Deckel FP-2, as printed in a paper.
+    Deckel,
+}
+
+/// The data of programs of ISO words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Iso {
+    pub comment: Comment,
+    /// The first and the last line of every program; none where the control needs no tape mark.
+    pub tape_mark: Option<&'static str>,
+    /// The line with the program number; none where the control knows a program by its file.
+    pub program_number: Option<ProgramNumber>,
+    pub block_numbers: BlockNumbers,
+    pub dwell: Dwell,
+    /// The word that selects a work offset, before its number.
+    pub work_offset: &'static str,
+    /// The words that change the tool, and the words that select its length offset. `{tool}` and `{offset}`
+    /// stand for their numbers.
+    pub tool_change: &'static str,
+    pub length_offset: &'static str,
+    /// The lines that move up to the machine's end of Z. `{Z0}` stands for a Z word of zero.
+    pub reference_point: &'static [&'static str],
+    pub machine_zero: &'static [&'static str],
+    /// G codes that programs of this dialect have besides those of all dialects, in tenths.
+    pub further_g: &'static [i32],
     /// The lines before the first motion and after the last.
     pub start: &'static [Frame],
     pub end: &'static [Frame],
 }
 
-/// The codes that switch tip control on. Under tip control X, Y and Z state the place of the tool tip, also
-/// while the tool leans. `None` where the control has no such code.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct TipControl {
-    /// With the angles of the rotary axes in the blocks.
-    pub angles: Option<&'static str>,
-    /// With the vector of the tool axis as I, J and K in the blocks.
-    pub vectors: Option<&'static str>,
+impl Dialect {
+    /// Whether the name of a program stands beside its number.
+    pub fn names_programs_at_their_number(&self) -> bool {
+        matches!(self.syntax, Syntax::Iso(iso) | Syntax::Siemens(iso) if iso.program_number.is_some())
+    }
+
+    /// Whether programs are words of a letter and a number and nothing else, so that a program of any origin
+    /// can be read word by word.
+    pub fn has_plain_words(&self) -> bool {
+        matches!(self.syntax, Syntax::Iso(iso) if iso.dwell != Dwell::FeedWord)
+    }
+}
+
+impl Iso {
+    /// The words that most dialects share.
+    pub const USUAL: Self = Self {
+        comment: Comment { open: "(", separator: " = ", close: ")" },
+        tape_mark: None,
+        program_number: None,
+        block_numbers: BlockNumbers { step: 10, max: 99_990 },
+        dwell: Dwell::Seconds,
+        work_offset: "G",
+        tool_change: "T{tool} M6",
+        length_offset: "G43 H{offset}",
+        reference_point: &["G91 G28 {Z0}", "G90"],
+        machine_zero: &["G53 G0 {Z0}"],
+        further_g: &[],
+        start: &[],
+        end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+    };
 }
 
 /// The form of a comment: `open`, a label, `separator`, the text, `close`.
@@ -50,23 +236,11 @@ pub struct Comment {
     pub close: &'static str,
 }
 
-/// The form of a program number: a letter and at least `digits` digits, from 1 to `max`.
+/// The form of a program number: a letter and at least `digits` digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ProgramNumber {
     pub letter: char,
     pub digits: usize,
-    pub max: u32,
-}
-
-/// The numbers that a control reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Numbers {
-    /// Whether whole coordinates and feeds need a decimal point.
-    pub point: Point,
-    /// Most digits of one number, before and after the point together.
-    pub max_digits: u32,
-    pub spindle_decimals: u8,
-    pub max_spindle_rpm: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,13 +258,15 @@ pub struct BlockNumbers {
     pub max: u32,
 }
 
-/// The unit of P in a G4 block.
+/// The time of a G4 block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dwell {
-    /// Seconds with three decimals.
+    /// P counts seconds, with three decimals.
     Seconds,
-    /// Whole milliseconds.
+    /// P counts whole milliseconds.
     Milliseconds,
+    /// F counts seconds, with three decimals.
+    FeedWord,
 }
 
 /// One part of a program's start or end. A part that the job does not ask for writes no line.

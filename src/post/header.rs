@@ -5,6 +5,7 @@
 
 use std::fmt::Write;
 
+use super::dialect::Dialect;
 use super::lower::Lowered;
 use super::words::{self, FeedWord};
 use super::{AxisOutput, FiveAxes, ProgramJob, WriteError};
@@ -37,7 +38,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     let unit = Unit::of(job);
     let mut remarks = Vec::new();
     let mut say = |label, text: String| remarks.push(Remark { label, text });
-    if let Some(name) = job.program.name.as_ref().filter(|_| job.dialect.program_number.is_none()) {
+    if let Some(name) = job.program.name.as_ref().filter(|_| !job.dialect.names_programs_at_their_number()) {
         say("PROGRAM", name.clone());
     }
     for note in job.comments.iter().take(MAX_NOTES) {
@@ -48,7 +49,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     }
     say("WRITTEN", written(job, &unit));
     if let Some(tool) = job.tool {
-        say("TOOL", tool_text(tool, &unit));
+        say("TOOL", tool_text(tool, job.dialect, &unit));
     }
     let feeds = feeds(toolpath, job)?;
     if !feeds.is_empty() {
@@ -107,7 +108,7 @@ fn written(job: &ProgramJob, unit: &Unit) -> String {
     text
 }
 
-fn tool_text(tool: &Tool, unit: &Unit) -> String {
+fn tool_text(tool: &Tool, dialect: &Dialect, unit: &Unit) -> String {
     let &Tool { shape, radius_mm, .. } = tool;
     let (number, length_offset) = tool.places();
     let (shape, corner) = match shape {
@@ -117,7 +118,9 @@ fn tool_text(tool: &Tool, unit: &Unit) -> String {
     };
     let corner = corner.map_or(String::new(), |mm| format!(" CORNER RADIUS {}", unit.length(mm)));
     let diameter = unit.length(2.0 * radius_mm);
-    format!("T{number} H{length_offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
+    let offset =
+        if dialect.abilities.has_length_offsets { format!(" H{length_offset}") } else { String::new() };
+    format!("T{number}{offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
 }
 
 /// The feed of every role in the toolpath, as written; a range where a role has several feeds.
@@ -142,7 +145,8 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
     let mut parts = Vec::new();
     for (range, (_, name)) in ranges.into_iter().zip(ROLES) {
         let Some((least, most)) = range else { continue };
-        let [least, most] = [least, most].map(|rate| words::feed(rate, job.program.resolution.units));
+        let [least, most] =
+            [least, most].map(|rate| words::feed(rate, job.program.resolution.units, &job.dialect.numbers));
         let (least, most) = (least?, most?);
         let number = |FeedWord { digits, decimals }: FeedWord| words::fixed(digits, decimals);
         let to = if least == most { String::new() } else { format!(" TO {}", number(most)) };

@@ -3,15 +3,16 @@
 use nalgebra::Point3;
 
 use super::block::{Block, Blocks};
+use super::dialect::Dialect;
 use super::posed::{self, Posed};
 use super::words;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::toolpath::Toolpath;
-use crate::toolpath::path::Move;
+use crate::toolpath::path::{Move, Role};
 use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{self, Form, Grid, Parabolas, Written};
+use crate::toolpath::quantize::{self, Form, Grid, Written};
 use crate::toolpath::units::FeedRate;
 
 /// A toolpath as blocks, with a bound for their rounding.
@@ -43,9 +44,16 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
     let grid = Grid::new(resolution);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
     let at = grid.round(&toolpath.start())?;
-    let parabolas = job.dialect.parabolas;
-    let mut lowering =
-        Lowering { resolution, grid, parabolas, at, blocks: Blocks::default(), displacement_mm: 0.0 };
+    let rest = rest(toolpath, job.dialect, &grid, clearance)?;
+    let mut lowering = Lowering {
+        rest,
+        resolution,
+        grid,
+        dialect: job.dialect,
+        at,
+        blocks: Blocks::default(),
+        displacement_mm: 0.0,
+    };
     lowering.approach(clearance)?;
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
@@ -58,39 +66,78 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         }
         match step {
             Move::Rapid { line } => lowering.rapid(&line.end)?,
-            Move::Feed { along, rate, .. } => lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?)?,
+            Move::Feed { along, rate, role } => {
+                lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?, *role)?;
+            }
+            Move::Dwell { .. } if !job.dialect.abilities.has_dwells => return Err(WriteError::NoDwells),
             Move::Dwell { seconds } => lowering.blocks.dwell(*seconds)?,
             // A turn to the same axis.
             Move::Turn { .. } => {}
         }
     }
-    if lowering.at[2] < clearance {
-        lowering.blocks.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
-    }
+    lowering.retract(clearance)?;
     let Lowering { blocks, displacement_mm, .. } = lowering;
     Ok(Lowered { blocks: blocks.finish(), displacement_mm, displacement_axis: 0.0 })
 }
 
-struct Lowering {
+/// The place where the machine rests between programs: at least as high as the clearance plane, and as the
+/// place where the toolpath ends.
+fn rest(
+    toolpath: &Toolpath,
+    dialect: &Dialect,
+    grid: &Grid,
+    clearance: i64,
+) -> Result<Option<[i64; 3]>, WriteError> {
+    let Some(rest_mm) = dialect.rests_at_mm else { return Ok(None) };
+    let [x, y, z] = grid.round(&Point3::from(rest_mm))?;
+    let last = toolpath.moves().filter_map(|step| match step {
+        Move::Rapid { line } => Some(line.end),
+        Move::Feed { along, .. } => Some(along.end()),
+        Move::Turn { .. } | Move::Dwell { .. } => None,
+    });
+    let ends = [toolpath.start(), last.last().unwrap_or(toolpath.start())];
+    let [first, last] = [grid.units(ends[0].z)?, grid.units(ends[1].z)?];
+    Ok(Some([x, y, z.max(clearance).max(first).max(last)]))
+}
+
+struct Lowering<'a> {
     resolution: Resolution,
     grid: Grid,
-    parabolas: Parabolas,
+    dialect: &'a Dialect,
+    /// The place where the machine rests between programs.
+    rest: Option<[i64; 3]>,
     at: [i64; 3],
     blocks: Blocks,
     displacement_mm: f64,
 }
 
-impl Lowering {
+impl Lowering<'_> {
     /// Moves from the tool change to the start: across at the height of the tool change, then down to the
     /// clearance plane, then to the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {
         let [x, y, z] = self.at;
+        if let Some(to) = self.rest {
+            self.blocks.push(Block::Park { to: to.map(Some) })?;
+            self.blocks.push(Block::Rapid { to: [Some(x), Some(y), Some(z.max(clearance))] })?;
+            return self.down_to(z, clearance);
+        }
         self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
         self.blocks.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
-        if z < clearance {
-            self.blocks.push(Block::Rapid { to: [None, None, Some(z)] })?;
+        self.down_to(z, clearance)
+    }
+
+    fn down_to(&mut self, z: i64, clearance: i64) -> Result<(), WriteError> {
+        if z < clearance { self.blocks.push(Block::Rapid { to: [None, None, Some(z)] }) } else { Ok(()) }
+    }
+
+    /// Goes up to the clearance plane, and to where the machine rests.
+    fn retract(&mut self, clearance: i64) -> Result<(), WriteError> {
+        if self.at[2] < clearance {
+            self.blocks.push(Block::Rapid { to: [None, None, Some(clearance)] })?;
         }
-        Ok(())
+        let Some([x, y, z]) = self.rest else { return Ok(()) };
+        self.blocks.push(Block::Park { to: [None, None, Some(z)] })?;
+        self.blocks.push(Block::Park { to: [Some(x), Some(y), None] })
     }
 
     /// Writes a rapid along Z and across as two blocks, because a machine does not run such a rapid straight:
@@ -111,9 +158,9 @@ impl Lowering {
         Ok(())
     }
 
-    fn feed(&mut self, along: &Curve, rate: FeedRate) -> Result<(), WriteError> {
-        let feed = words::feed(rate, self.resolution.units)?;
-        let rounded = quantize::round(along, self.resolution, self.parabolas)?;
+    fn feed(&mut self, along: &Curve, rate: FeedRate, role: Role) -> Result<(), WriteError> {
+        let feed = words::feed(rate, self.resolution.units, &self.dialect.numbers)?;
+        let rounded = quantize::round(along, self.resolution, &self.dialect.curves)?;
         self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
         for Written { curve, end_units: to, form, .. } in rounded.curves {
             self.blocks.push(match (curve, form) {
@@ -121,7 +168,7 @@ impl Lowering {
                     Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }
                 }
                 (_, Form::Parabola { control }) => Block::Parabola { to: [to[0], to[1]], control, feed },
-                _ => Block::Line { to, feed },
+                _ => Block::Line { to, feed, role },
             })?;
             self.at = to;
         }

@@ -17,6 +17,6 @@ mod modal;
 
 pub use codes::{Codes, Effect, Function, Place, effect, function, modal_group};
 pub use decimal::{Decimal, SCALES, is_coordinate};
-pub use fault::Fault;
+pub use fault::{Fault, WordFault};
 pub use lexer::{Lexer, Token};
 pub use modal::{Distance, FeedMode, Modal, Modifier, Motion};

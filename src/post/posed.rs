@@ -22,6 +22,7 @@
 use nalgebra::Point3;
 
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
+use super::dialect::{AxisOutput, Numbers, Turns};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use crate::budget::Budget;
@@ -33,17 +34,6 @@ use crate::toolpath::pose::Pose;
 use crate::toolpath::quantize::Grid;
 use crate::toolpath::tool_axes::angle_between;
 use crate::toolpath::units::FeedRate;
-
-/// How a program states the tool axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AxisOutput {
-    /// The tip and the angles of the rotary axes; the control keeps the tip on its line.
-    Angles,
-    /// The tip and the vector of the tool axis.
-    Vectors,
-    /// The positions of all five axes of the machine.
-    Machine,
-}
 
 /// What a program of a leaning tool needs besides the toolpath.
 #[derive(Debug, Clone, Copy)]
@@ -305,20 +295,45 @@ impl Lowering<'_> {
             return Ok(());
         }
         let rests = at == self.at;
-        (self.at, self.axis, self.owed_s) = (at, axis, 0.0);
+        let was = std::mem::replace(&mut self.axis, axis);
+        (self.at, self.owed_s) = (at, 0.0);
         let feed = match pace {
-            Pace::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => {
-                BlockFeed::PerMinute(words::feed(rate, self.job.program.resolution.units)?)
-            }
-            _ => BlockFeed::InverseTime(inverse_time(seconds)?),
+            Pace::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => BlockFeed::PerMinute(
+                words::feed(rate, self.job.program.resolution.units, &self.job.dialect.numbers)?,
+            ),
+            _ => match self.job.dialect.five_axes.turns {
+                Turns::InverseTime => {
+                    BlockFeed::InverseTime(inverse_time(seconds, &self.job.dialect.numbers)?)
+                }
+                Turns::DegreesPerMinute => BlockFeed::DegreesPerMinute(self.turning(was, axis, seconds)?),
+            },
         };
         self.blocks.push(Block::Posed { to: at, axis, feed })
+    }
+
+    /// The F word of a turn about a resting tip, in degrees by the minute: of both rotary axes together, or
+    /// of the tool axis where vectors are written.
+    fn turning(&self, from: AxisWords, to: AxisWords, seconds: f64) -> Result<FeedWord, WriteError> {
+        let degrees = match (from, to) {
+            (AxisWords::Angles(from), AxisWords::Angles(to)) => {
+                let scale = 10f64.powi(i32::from(self.job.dialect.five_axes.angle_decimals));
+                let turned = [0, 1].map(|k| (to[k] - from[k]) as f64 / scale);
+                turned[0].hypot(turned[1])
+            }
+            (AxisWords::Vector(from), AxisWords::Vector(to)) => {
+                let [from, to] = [from, to].map(axis_of);
+                angle_between(&from, &to).to_degrees()
+            }
+            _ => 0.0,
+        };
+        let rate = 60.0 * degrees / seconds.max(SHORTEST_S);
+        words::per_minute(rate, &self.job.dialect.numbers).ok_or(WriteError::Feed { mm_per_min: rate })
     }
 
     /// The positions of the axes that words state; none for vectors.
     fn positions(&self, at: [i64; 3], axis: AxisWords) -> Option<Joints> {
         let AxisWords::Angles(angles) = axis else { return None };
-        let scale = 10f64.powi(i32::from(self.job.dialect.angle_decimals));
+        let scale = 10f64.powi(i32::from(self.job.dialect.five_axes.angle_decimals));
         let rotary = angles.map(|units| (units as f64 / scale).to_radians());
         Some(Joints { linear_mm: at.map(|units| self.grid.mm(units)), rotary })
     }
@@ -331,7 +346,7 @@ impl Lowering<'_> {
             let parts = [0, 1, 2].map(|k| (pose.axis[k] * scale).round() as i64);
             return Ok((tip(&pose.tip)?, AxisWords::Vector(parts)));
         };
-        let scale = 10f64.powi(i32::from(self.job.dialect.angle_decimals));
+        let scale = 10f64.powi(i32::from(self.job.dialect.five_axes.angle_decimals));
         let angles = joints.rotary.map(|angle| (angle.to_degrees() * scale).round() as i64);
         let place = match self.five.output {
             AxisOutput::Machine => Point3::from(joints.linear_mm),
@@ -348,20 +363,22 @@ impl Lowering<'_> {
                 let pose = machine.forward(&joints);
                 if self.five.output == AxisOutput::Machine { pose } else { Pose { tip: place, ..pose } }
             }
-            (AxisWords::Vector(parts), ..) => {
-                let vector = nalgebra::Vector3::from(parts.map(|units| units as f64));
-                Pose { tip: place, axis: nalgebra::Unit::new_normalize(vector) }
-            }
+            (AxisWords::Vector(parts), ..) => Pose { tip: place, axis: axis_of(parts) },
             _ => Pose { tip: place, ..*pose },
         };
         Straying { tip_mm: (written.tip - pose.tip).norm(), axis: angle_between(&written.axis, &pose.axis) }
     }
 }
 
+/// The tool axis that a written vector states.
+fn axis_of(parts: [i64; 3]) -> nalgebra::UnitVector3<f64> {
+    nalgebra::Unit::new_normalize(nalgebra::Vector3::from(parts.map(|units| units as f64)))
+}
+
 /// The F word of a block under G93: one by its minutes.
-fn inverse_time(seconds: f64) -> Result<FeedWord, WriteError> {
+fn inverse_time(seconds: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
     // The F word of no time would be infinite.
-    words::per_minute(60.0 / seconds.max(SHORTEST_S)).ok_or(WriteError::InverseTime { seconds })
+    words::per_minute(60.0 / seconds.max(SHORTEST_S), numbers).ok_or(WriteError::InverseTime { seconds })
 }
 
 /// The shortest time of a block, s.

@@ -359,7 +359,13 @@ impl Rewriter {
             Some(Distance::Absolute) => run.is_known,
             _ => [true; 3],
         };
-        let fitting = Fitting { fit: &self.job.fit, resolution: style.resolution, is_writable, budget };
+        let fitting = Fitting {
+            fit: &self.job.fit,
+            resolution: style.resolution,
+            curves: &self.job.dialect.curves,
+            is_writable,
+            budget,
+        };
         let segments = fitting.segments(&run.points, reach)?;
         self.written.clear();
         let mut writer = Writer {

@@ -16,8 +16,8 @@ pub const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 /// Relative error of a written feed, at most. A feed gets the fewest decimals that keep within it.
 const FEED_AGREEMENT: f64 = 5e-5;
 
-/// Most decimals of a feed. A feed that needs more is refused.
-const MAX_FEED_DECIMALS: u8 = 6;
+/// The same where the control reads no more decimals. A feed that does not keep within it is refused.
+const LEAST_FEED_AGREEMENT: f64 = 5e-4;
 
 /// Largest feed, in units of the program per minute. A larger feed is refused.
 const MAX_FEED: f64 = 1e9;
@@ -64,20 +64,25 @@ impl FeedWord {
 /// The feed word for `rate`, in the units of the program.
 ///
 /// # Errors
-/// When the feed is too small or too large for six decimals and nine digits.
-pub fn feed(rate: FeedRate, units: Units) -> Result<FeedWord, WriteError> {
-    per_minute(rate.mm_per_min() / units.mm()).ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
+/// When the feed is too small or too large for the decimals that the control reads and nine digits.
+pub fn feed(rate: FeedRate, units: Units, numbers: &Numbers) -> Result<FeedWord, WriteError> {
+    let word = per_minute(rate.mm_per_min() / units.mm(), numbers);
+    word.ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
 }
 
 /// The word for a value by the minute. `None` where it is too small or too large.
-pub fn per_minute(value: f64) -> Option<FeedWord> {
-    (0..=MAX_FEED_DECIMALS)
+pub fn per_minute(value: f64, numbers: &Numbers) -> Option<FeedWord> {
+    let with = |decimals: u8| FeedWord {
+        digits: (value * 10f64.powi(i32::from(decimals))).round() as i64,
+        decimals,
+    };
+    let agrees = |word: &FeedWord, part: f64| (word.value() - value).abs() <= part * value;
+    let most = numbers.max_feed_decimals;
+    (0..=most)
         .filter(|_| value <= MAX_FEED)
-        .map(|decimals| FeedWord {
-            digits: (value * 10f64.powi(i32::from(decimals))).round() as i64,
-            decimals,
-        })
-        .find(|word| (word.value() - value).abs() <= FEED_AGREEMENT * value)
+        .map(with)
+        .find(|word| agrees(word, FEED_AGREEMENT))
+        .or_else(|| Some(with(most)).filter(|word| value <= MAX_FEED && agrees(word, LEAST_FEED_AGREEMENT)))
 }
 
 /// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the
@@ -181,16 +186,17 @@ mod tests {
     #[test]
     fn a_feed_has_the_fewest_decimals_that_keep_its_value() {
         let word = |mm_per_min, units| {
-            let word = feed(FeedRate::from_mm_per_min(mm_per_min).unwrap(), units).unwrap();
+            let word =
+                feed(FeedRate::from_mm_per_min(mm_per_min).unwrap(), units, &LINUXCNC.numbers).unwrap();
             fixed(word.digits, word.decimals)
         };
         assert_eq!(word(800.0, Units::Mm), "800");
         assert_eq!(word(333.333, Units::Mm), "333.33");
         assert_eq!(word(1000.0, Units::Inch), "39.37");
         assert_eq!(word(0.05, Units::Mm), "0.05");
-        let tiny = feed(FeedRate::from_mm_per_min(1e-9).unwrap(), Units::Mm);
+        let tiny = feed(FeedRate::from_mm_per_min(1e-9).unwrap(), Units::Mm, &LINUXCNC.numbers);
         assert_eq!(tiny, Err(WriteError::Feed { mm_per_min: 1e-9 }));
-        assert!(feed(FeedRate::from_mm_per_min(1e300).unwrap(), Units::Mm).is_err());
+        assert!(feed(FeedRate::from_mm_per_min(1e300).unwrap(), Units::Mm, &LINUXCNC.numbers).is_err());
     }
 
     #[test]

@@ -210,7 +210,7 @@ pub enum Caution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::program::{Resolution, SafeHome, Units};
+    use crate::toolpath::program::{Custom, Resolution, SafeHome, Units};
 
     const TOP: f64 = 10.0;
 
@@ -283,6 +283,7 @@ mod tests {
             block_numbers: false,
             work_offset,
             safe_home: SafeHome::None,
+            custom: Custom::default(),
         };
         let (given, none) = (program(Some(54)), program(None));
         assert_eq!(cutting.cautions(Some(&other), &given), [Caution::NoSpindleSpeed, differs]);

@@ -44,6 +44,29 @@ pub struct Program {
     /// 54..=59, written as G54 to G59.
     pub work_offset: Option<u8>,
     pub safe_home: SafeHome,
+    pub custom: Custom,
+}
+
+/// A shop's own lines in a program.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Custom {
+    /// Before the first line that sets modes.
+    pub header: Vec<String>,
+    /// In place of the lines that change the tool.
+    pub tool_change: Vec<String>,
+    /// Before the line that ends the program.
+    pub footer: Vec<String>,
+}
+
+impl Custom {
+    /// Number of lines.
+    pub fn len(&self) -> usize {
+        self.header.len() + self.tool_change.len() + self.footer.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 /// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program

@@ -17,8 +17,8 @@
 //! * Every path that a control may run for a written curve has a Frechet distance of at most
 //!   [`MAX_DISPLACEMENT_STEPS`] steps from the part of the given curve that it replaces. Each written curve
 //!   states its own bound of this distance.
-//! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by at most
-//!   [`MAX_MISMATCH_MM`] mm.
+//! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by no more than the
+//!   control accepts ([`Curves::radius_mismatch_mm`]).
 //! * A full circle is written only if the given curve is a full circle. A line whose ends round to the same
 //!   point is left out.
 //!
@@ -44,10 +44,6 @@ pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
 /// The largest difference of the radii at a written arc's ends, in units of the last decimal. The best of the
 /// nine centres is within it for nearly all arcs; the others are split.
 pub const MAX_MISMATCH_STEPS: f64 = 1.0;
-
-/// The largest difference of the radii at a written arc's ends, mm. With few decimals one step is more than
-/// controls accept: LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
-pub const MAX_MISMATCH_MM: f64 = 0.015;
 
 /// Arcs flatter than this, in units of the last decimal, are written as lines: rounding could turn them over,
 /// or into a full circle.
@@ -104,6 +100,45 @@ pub enum Form {
     Parabola {
         control: [i64; 2],
     },
+}
+
+/// The curves that a control runs. All others are written as lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curves {
+    pub arcs: Arcs,
+    pub parabolas: Parabolas,
+    /// The largest difference of the radii at the ends of an arc that the control accepts, mm.
+    pub radius_mismatch_mm: f64,
+}
+
+impl Curves {
+    /// Arcs in all planes, and helices, on a control that accepts as little as most do: with few decimals one
+    /// step is more than that. LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
+    pub const ARCS: Self =
+        Self { arcs: Arcs::WithHelices, parabolas: Parabolas::AsLines, radius_mismatch_mm: 0.015 };
+
+    /// Whether the control runs `arc` as an arc.
+    fn run(&self, arc: &Arc) -> bool {
+        match self.arcs {
+            Arcs::AsLines => false,
+            Arcs::Flat => {
+                let [_, _, normal] = arc.plane().axes();
+                arc.start()[normal] == arc.end()[normal]
+            }
+            Arcs::WithHelices => true,
+        }
+    }
+}
+
+/// Which arcs are written as arcs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arcs {
+    /// None: all arcs become lines.
+    AsLines,
+    /// The arcs that are no helices.
+    Flat,
+    /// Arcs and helices.
+    WithHelices,
 }
 
 /// Which parabolas are written as parabolas.
@@ -191,22 +226,26 @@ pub struct Rounded {
 pub fn quantize(
     curve: &Curve,
     resolution: Resolution,
-    parabolas: Parabolas,
+    curves: &Curves,
 ) -> Result<Vec<Written>, QuantizeError> {
-    round(curve, resolution, parabolas).map(|rounded| rounded.curves)
+    round(curve, resolution, curves).map(|rounded| rounded.curves)
 }
 
 /// As [`quantize`], with the bound for the whole curve.
 ///
 /// # Errors
 /// As [`quantize`].
-pub fn round(curve: &Curve, resolution: Resolution, parabolas: Parabolas) -> Result<Rounded, QuantizeError> {
-    let mut output =
-        Output { grid: Grid::new(resolution), curves: Vec::with_capacity(1), displacement_mm: 0.0 };
+pub fn round(curve: &Curve, resolution: Resolution, curves: &Curves) -> Result<Rounded, QuantizeError> {
+    let mut output = Output {
+        grid: Grid::new(resolution),
+        runs: curves,
+        curves: Vec::with_capacity(1),
+        displacement_mm: 0.0,
+    };
     match curve {
         Curve::Line(line) => output.line(&line.start, &line.end, 0.0)?,
         Curve::Arc(arc) => output.arc(arc)?,
-        Curve::Parabola(source) => parabola::write(&mut output, source, parabolas)?,
+        Curve::Parabola(source) => parabola::write(&mut output, source)?,
     }
     Ok(Rounded { curves: output.curves, displacement_mm: output.displacement_mm })
 }
@@ -264,13 +303,15 @@ impl ArcPart<'_> {
 }
 
 /// The curves written so far for one curve.
-struct Output {
+struct Output<'a> {
     grid: Grid,
+    /// What the control runs.
+    runs: &'a Curves,
     curves: Vec<Written>,
     displacement_mm: f64,
 }
 
-impl Output {
+impl Output<'_> {
     fn arc(&mut self, arc: &Arc) -> Result<(), QuantizeError> {
         let step = self.grid.step_mm();
         let mut open = vec![ArcPart { arc, from: 0.0, to: 1.0 }];
@@ -280,10 +321,10 @@ impl Output {
             }
             if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
                 self.line(&piece.start(), &piece.end(), piece.chord_distance())?;
-            } else if arc.radius() > MAX_RADIUS_MM || arc.radius() < LEAST_RADIUS_MM {
+            } else if !self.runs.run(arc) || arc.radius() > MAX_RADIUS_MM || arc.radius() < LEAST_RADIUS_MM {
                 self.chords(&piece)?;
             } else {
-                match candidate::best(&piece, &self.grid)? {
+                match candidate::best(&piece, &self.grid, self.runs.radius_mismatch_mm)? {
                     Some(block) if block.is_too_small() => self.chords(&piece)?,
                     Some(block) => self.push(block),
                     None => {

@@ -10,6 +10,7 @@ mod drops;
 mod events;
 mod examples;
 mod five_axis;
+mod golden;
 mod models;
 mod mtconnect;
 mod negotiation;

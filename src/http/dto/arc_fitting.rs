@@ -178,7 +178,7 @@ impl ProgramQuery {
     /// The job of the query.
     ///
     /// # Errors
-    /// `invalid_query` when the tolerance is out of range or the dialect is unknown.
+    /// `invalid_query` when the tolerance is out of range, or the dialect is unknown or cannot be rewritten.
     pub fn job(&self) -> Result<RewriteJob, ApiError> {
         let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
         let Self { tolerance_mm, dialect, method, continuity } = self;
@@ -188,7 +188,15 @@ impl ProgramQuery {
         }
         let (method, continuity) = ((*method).into(), (*continuity).into());
         let fit = core_fit::Fit { method, continuity, ..core_fit::Fit::within(*tolerance_mm) };
-        Ok(RewriteJob { dialect: dialect::find(dialect.as_deref()).map_err(invalid)?, fit })
+        let dialect = dialect::find(dialect.as_deref()).map_err(invalid)?;
+        if !dialect.has_plain_words() {
+            let detail = format!(
+                "programs in the dialect `{}` cannot be rewritten; send a program of G and M words, or points as JSON",
+                dialect.name
+            );
+            return Err(invalid(detail));
+        }
+        Ok(RewriteJob { dialect, fit })
     }
 }
 
@@ -309,6 +317,7 @@ impl IntoJob for FitRequest {
             fit,
             cutting,
             resolution: setup.program.resolution,
+            curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

@@ -1,6 +1,6 @@
 //! How a program states the tool axis.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::http::dto::check::Violations;
@@ -11,18 +11,27 @@ use crate::machine::{Machine, Straying};
 use crate::post::{self, Dialect, FiveAxes};
 
 /// How a program states the tool axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AxisOutput {
-    /// The tip and the angles of the rotary axes (Fanuc: G43.4). The control keeps the tip on its line.
+    /// The tip and the angles of the rotary axes (Fanuc: G43.4, Siemens: TRAORI, Heidenhain: TCPM). The
+    /// control keeps the tip on its line.
     Angles,
-    /// The tip and the vector of the tool axis (Fanuc: G43.5).
+    /// The tip and the vector of the tool axis (Fanuc: G43.5, Siemens: A3 B3 C3, Heidenhain: LN).
     Vectors,
     /// The positions of all five axes of the machine, with the time of each block (G93).
     Machine,
 }
 
 into_core!(AxisOutput => post::AxisOutput, [Angles, Vectors, Machine]);
+
+impl AxisOutput {
+    /// All ways in which a dialect can state the tool axis.
+    pub fn all_of(dialect: &Dialect) -> Vec<Self> {
+        let all = [Self::Angles, Self::Vectors, Self::Machine];
+        all.into_iter().filter(|&output| dialect.five_axes.write(output.into())).collect()
+    }
+}
 
 /// What a program of a leaning tool needs besides the toolpath.
 #[derive(Debug, Clone)]
@@ -43,20 +52,24 @@ impl AxisSetup {
         violations: &mut Violations,
     ) -> Option<Self> {
         use post::AxisOutput::{Angles, Machine as Positions, Vectors};
-        let codes = dialect.tip_control;
+        let words = dialect.five_axes;
+        if AxisOutput::all_of(dialect).is_empty() {
+            let at = Pointer::root().field("program").field("dialect");
+            let detail = format!(
+                "the dialect `{}` has no words for a leaning tool; choose a dialect of a control with five axes",
+                dialect.name
+            );
+            violations.add(&at, FieldCode::Unsupported, detail);
+            return None;
+        }
         let output = match sent.map(post::AxisOutput::from) {
             Some(output) => output,
-            None if machine.is_some() && codes.angles.is_some() => Angles,
+            None if machine.is_some() && words.angles.is_some() => Angles,
             None if machine.is_some() => Positions,
-            None if codes.vectors.is_some() => Vectors,
+            None if words.vectors.is_some() => Vectors,
             None => return None,
         };
-        let is_known = match output {
-            Angles => codes.angles.is_some(),
-            Vectors => codes.vectors.is_some(),
-            Positions => true,
-        };
-        if !is_known {
+        if !words.write(output) {
             let at = Pointer::root().field("axis_output");
             let detail = format!("the dialect `{}` cannot write this; leave `axis_output` out", dialect.name);
             violations.add(&at, FieldCode::Unsupported, detail);

@@ -1,10 +1,10 @@
 //! Cutting conditions in requests.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
-use super::names::into_core;
+use super::names::{from_core, into_core};
 use crate::http::pointer::Pointer;
 use crate::toolpath::cutting as core;
 use crate::toolpath::units::{Acceleration, FeedRate};
@@ -65,7 +65,7 @@ pub struct Cutting {
 }
 
 /// The coolant of a program.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Coolant {
     #[default]
@@ -75,6 +75,7 @@ pub enum Coolant {
 }
 
 into_core!(Coolant => core::Coolant, [Off, Flood, Mist]);
+from_core!(core::Coolant => Coolant, [Off, Flood, Mist]);
 
 impl Cutting {
     /// The conditions. Adds violations to `violations`. `None` where `feed_mm_per_min` cannot be a feed at

@@ -239,7 +239,7 @@ impl IntoJob for InterpolateRequest {
             cutting,
             resolution: setup.program.resolution,
             element_limit: limits.elements,
-            parabolas: setup.dialect.parabolas,
+            curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

@@ -203,6 +203,7 @@ impl IntoJob for MillRequest {
             step_length_mm,
             cutting,
             resolution: setup.program.resolution,
+            curves: setup.dialect.curves,
             plane_limit: limits.sections,
         };
         Ok(JobWithSetup { job, setup, meta })

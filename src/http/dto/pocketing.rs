@@ -300,6 +300,7 @@ impl IntoJob for PocketRequest {
             milling: direction.into(),
             cutting,
             resolution: setup.program.resolution,
+            curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

@@ -7,9 +7,10 @@ use super::check::Violations;
 use super::dialect::{self, DialectName};
 use super::meta::MAX_TEXT_CHARACTERS;
 use super::names::{from_core, into_core};
+use crate::http::decode::object;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use crate::post::Dialect;
+use crate::post::{self, CustomPart, Dialect, MAX_LINES};
 use crate::toolpath::program as core;
 
 /// The smallest and the largest legal number of a program.
@@ -35,7 +36,7 @@ pub struct Program {
     #[schema(default = "mm")]
     units: Units,
     /// Number of decimals of a written coordinate. With more decimals, rounding moves the path less. Default:
-    /// 3 in mm, 4 in inches.
+    /// as `/v1/dialects` lists for the dialect, mostly 3 in mm and 4 in inches.
     #[schema(minimum = 1, maximum = 6)]
     decimals: Option<u32>,
     /// Whether blocks are numbered: N10, N20 and so on.
@@ -51,10 +52,34 @@ pub struct Program {
     #[serde(default)]
     #[schema(default = "none")]
     safe_home: SafeHome,
+    /// Lines of your own in the program. The service checks each line, writes it as it is, and sets the modes
+    /// of the program again behind it. Default: none.
+    #[serde(default, deserialize_with = "object::required")]
+    custom: Custom,
+}
+
+/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
+/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; M91 in Klartext). It may
+/// not end or leave the program, nor change units or coordinates for later blocks.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Custom {
+    /// Lines before the first line that sets modes, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    header: Vec<String>,
+    /// Lines in place of the line that changes the tool, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    tool_change: Vec<String>,
+    /// Lines before the line that ends the program, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    footer: Vec<String>,
 }
 
 /// The way up along Z before the tool change and before the end of the program.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SafeHome {
     #[default]
@@ -75,6 +100,7 @@ pub enum Units {
 from_core!(core::Units => Units, [Mm, Inch]);
 into_core!(Units => core::Units, [Mm, Inch]);
 into_core!(SafeHome => core::SafeHome, [None, G28, G53]);
+from_core!(core::SafeHome => SafeHome, [None, G28, G53]);
 
 /// A work offset of the control.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -85,6 +111,13 @@ pub enum WorkOffset {
     G57 = 57,
     G58 = 58,
     G59 = 59,
+}
+
+impl Custom {
+    fn to_core(&self) -> core::Custom {
+        let Self { header, tool_change, footer } = self;
+        core::Custom { header: header.clone(), tool_change: tool_change.clone(), footer: footer.clone() }
+    }
 }
 
 impl Program {
@@ -98,15 +131,17 @@ impl Program {
             block_numbers: _,
             work_offset: _,
             safe_home: _,
+            custom,
         } = self;
         let dialect = dialect::find(dialect.as_deref()).unwrap_or_else(|detail| {
             violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
             dialect::DEFAULT
         });
         if let Some(number) = *number {
-            let max = dialect.program_number.map_or(NUMBERS.1, |numbers| numbers.max);
+            let max = dialect.max_program_number.unwrap_or(NUMBERS.1);
             violations.integer(&at.field("number"), number, (NUMBERS.0, max));
         }
+        Self::check_custom(custom, dialect, &at.field("custom"), violations);
         if let Some(name) = name {
             violations.text(&at.field("name"), name, MAX_TEXT_CHARACTERS);
         }
@@ -115,9 +150,29 @@ impl Program {
         }
     }
 
+    fn check_custom(custom: &Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
+        let Custom { header, tool_change, footer } = custom;
+        for (field, lines) in [("header", header), ("tool_change", tool_change), ("footer", footer)] {
+            if lines.len() > MAX_LINES {
+                let detail = format!("{} lines are too many; send at most {MAX_LINES}", lines.len());
+                violations.add(&at.field(field), FieldCode::TooLong, detail);
+                return;
+            }
+        }
+        for post::Refused { part, index, fault } in post::refused(dialect, &custom.to_core()) {
+            let field = match part {
+                CustomPart::Header => "header",
+                CustomPart::ToolChange => "tool_change",
+                CustomPart::Footer => "footer",
+            };
+            violations.add(&at.field(field).index(index), FieldCode::Unsupported, fault.to_string());
+        }
+    }
+
     /// The dialect and the program. Illegal values, which `check` has reported, become the defaults.
     pub fn convert(self) -> (&'static Dialect, core::Program) {
-        let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home } = self;
+        let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home, custom } =
+            self;
         let dialect = dialect::find(dialect.as_deref()).unwrap_or(dialect::DEFAULT);
         let usual = match units {
             Units::Mm => dialect.default_decimals_mm,
@@ -134,6 +189,7 @@ impl Program {
             block_numbers,
             work_offset: work_offset.map(|offset| offset as u8),
             safe_home: safe_home.into(),
+            custom: custom.to_core(),
         };
         (dialect, program)
     }

@@ -5,9 +5,11 @@ use super::check::Violations;
 use super::cutting::Cutting;
 use super::meta::{self, Meta};
 use super::program::Program;
+use crate::http::error::FieldCode;
+use crate::http::failure::place_of;
 use crate::http::pointer::Pointer;
-use crate::post::Dialect;
-use crate::toolpath::cutting::CuttingRequest;
+use crate::post::{self, Dialect};
+use crate::toolpath::cutting::{Coolant, CuttingRequest};
 use crate::toolpath::{program, tool};
 
 /// The shared members as they were sent. The tool has been checked already.
@@ -46,6 +48,10 @@ impl SentSetup {
         program.check(&root.field("program"), violations);
         meta::check(meta.as_ref(), violations);
         let (dialect, program) = program.convert();
+        let coolant = cutting.as_ref().map_or(Coolant::Off, |cutting| cutting.coolant);
+        for missing in post::missing(dialect, &program, coolant, tool.as_ref()) {
+            violations.add(&place_of(&missing), FieldCode::Unsupported, missing.to_string());
+        }
         (Setup { tool, program, dialect, five_axes: None }, cutting, meta)
     }
 }

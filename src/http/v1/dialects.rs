@@ -1,13 +1,13 @@
 //! `GET /v1/dialects`: the dialects in which programs can be written.
 
-use crate::http::dto::dialect::Dialects;
+use crate::http::dto::capabilities::Dialects;
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
 
 /// List the dialects in which programs can be written.
 ///
-/// Each dialect has the name that `program.dialect` takes, and the decimals and program numbers that the
-/// dialect can write.
+/// Each dialect has the name that `program.dialect` takes, what programs in the dialect can state, and what
+/// has verified such programs.
 #[utoipa::path(get, path = "/v1/dialects", operation_id = "listDialects", tag = "service",
     responses((status = 200, description = "All dialects.", body = Dialects)))]
 pub async fn list_dialects() -> Result<Encoded, ApiError> {

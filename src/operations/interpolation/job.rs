@@ -4,7 +4,7 @@ use crate::geometry::deviation::Band;
 use crate::geometry::offset::Side;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
-use crate::toolpath::quantize::Parabolas;
+use crate::toolpath::quantize::{Curves, Parabolas};
 
 pub use super::source::Source;
 
@@ -57,8 +57,8 @@ pub struct Job {
     pub resolution: Resolution,
     /// A job that needs more elements is refused.
     pub element_limit: usize,
-    /// Whether the control runs parabolas; where it does not, arcs and lines stand for them.
-    pub parabolas: Parabolas,
+    /// What the control runs. Arcs and lines stand for parabolas that it does not run, and lines for arcs.
+    pub curves: Curves,
 }
 
 impl Job {
@@ -76,7 +76,7 @@ impl Job {
             cutting: None,
             resolution: Resolution { units: Units::Mm, decimals: 3 },
             element_limit: DEFAULT_ELEMENT_LIMIT,
-            parabolas: Parabolas::InXy,
+            curves: Curves { parabolas: Parabolas::InXy, ..Curves::ARCS },
         }
     }
 }

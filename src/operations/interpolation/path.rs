@@ -13,7 +13,7 @@ use crate::geometry::plane::Plane;
 use crate::geometry::plane_curve::PlaneCurve;
 use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::quantize::{self, Parabolas};
+use crate::toolpath::quantize::{self, Arcs, Parabolas};
 use crate::toolpath::{Move, PathError, Role, Toolpath};
 
 /// The least uncut distance that causes a warning, mm: less is lost in the program's decimals.
@@ -76,7 +76,7 @@ pub fn path(
             let length = along.length();
             length_mm += length;
             seconds = seconds.zip(*rate).map(|(seconds, rate)| seconds + length / rate.mm_per_s());
-            let rounded = quantize::round(along, job.resolution, job.parabolas)?;
+            let rounded = quantize::round(along, job.resolution, &job.curves)?;
             written = written.max(deviations.next().unwrap_or(0.0) + rounded.displacement_mm);
         }
     }
@@ -87,7 +87,7 @@ pub fn path(
 }
 
 /// The elements as the control runs them. If it runs no parabolas, arcs within the same band replace each
-/// parabola; if arcs do not fit, lines do.
+/// parabola; if it runs no arcs or arcs do not fit, lines do.
 fn runnable(
     curve: &impl PlaneCurve,
     elements: &[ReportedElement],
@@ -97,13 +97,15 @@ fn runnable(
     let mut stretches = Vec::with_capacity(elements.len());
     let fitter = |method| Fitter { curve, method, band: job.band, element_limit: job.element_limit };
     for element in elements {
-        let is_run = job.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
+        let is_run =
+            job.curves.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
         if is_run {
             stretches
                 .push(ProvedElement { element: element.element, deviation_mm: element.spread.largest_mm() });
             continue;
         }
-        let fitted = match least::fewest(&fitter(Method::Arc), element.domain, budget) {
+        let method = if job.curves.arcs == Arcs::AsLines { Method::Linear } else { Method::Arc };
+        let fitted = match least::fewest(&fitter(method), element.domain, budget) {
             // By the vertical measure, an arc that is vertical somewhere is no graph.
             Err(Error::BandInfeasible { .. }) => {
                 bisection::bisect(&fitter(Method::Linear), element.domain, budget)?

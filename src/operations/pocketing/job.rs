@@ -6,6 +6,7 @@ use crate::geometry::height_field::HeightGrid;
 use crate::geometry::surface::source::Source;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::Resolution;
+use crate::toolpath::quantize::Curves;
 use crate::toolpath::tool::Tool;
 
 /// A way to clear a level. All but `Engagement` are from the paper.
@@ -128,4 +129,6 @@ pub struct Job {
     pub milling: Milling,
     pub cutting: CuttingRequest,
     pub resolution: Resolution,
+    /// What the control of the written program runs.
+    pub curves: Curves,
 }

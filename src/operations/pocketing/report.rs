@@ -17,7 +17,7 @@ use crate::geometry::region::Region;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::measure::measure;
 use crate::toolpath::motion_time::motion_time;
-use crate::toolpath::quantize::{self, Parabolas};
+use crate::toolpath::quantize;
 use crate::toolpath::{Move, Toolpath};
 
 /// The paper's time, and the times of the actual moves, s.
@@ -213,7 +213,7 @@ impl Report {
 /// Bound of the depth to which the cutter cuts into walls along a curve as it is written, mm. The walls may
 /// be wrong by `deviation_mm`.
 fn gouge(along: &Curve, walls: &Region, deviation_mm: f64, job: &Job) -> Result<f64, PocketError> {
-    let rounded = quantize::round(along, job.resolution, Parabolas::AsLines)?;
+    let rounded = quantize::round(along, job.resolution, &job.curves)?;
     // A curve that is not near any wall may be left out.
     let bound = job.tool.radius_mm + deviation_mm + rounded.displacement_mm;
     Ok((bound - walls.clearance(&from_above(along), bound)).max(0.0))

@@ -8,7 +8,7 @@ use crate::budget::Budget;
 use crate::geometry::curve::Curve;
 use crate::geometry::surface::Patch;
 use crate::machining::gouge::{GougeProof, Penetration};
-use crate::toolpath::quantize::{Parabolas, quantize};
+use crate::toolpath::quantize::quantize;
 use crate::toolpath::{Move, Role, Toolpath};
 
 /// Moves that one thread examines in a row. A row compares with its own deepest move only, so that the answer
@@ -102,7 +102,7 @@ pub(super) fn penetrate(
     budget: &Budget,
 ) -> Result<(), Error> {
     proof.penetrate(curve, 0.0, gap, deepest, budget)?;
-    for written in quantize(curve, job.resolution, Parabolas::AsLines)? {
+    for written in quantize(curve, job.resolution, &job.curves)? {
         proof.penetrate(&written.curve, written.slack_mm, gap, deepest, budget)?;
     }
     Ok(())

@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use super::{Error, Job};
 use crate::geometry::curve::Curve;
 use crate::machining::offset_section::chord_height;
-use crate::toolpath::quantize::{Grid, Parabolas, round};
+use crate::toolpath::quantize::{Grid, round};
 
 /// The largest distance of a tip from its exact section, mm.
 const ACCURACY_MM: f64 = 2e-10;
@@ -87,7 +87,7 @@ pub(super) fn of(
     let known =
         section_height + seam.jump + seam.bend * chord + ACCURACY_MM + ROUNDING * tips[0].coords.amax();
     let computed = from_tips(curve, tips, chord).and(known);
-    let rounded = round(curve, job.resolution, Parabolas::AsLines)?;
+    let rounded = round(curve, job.resolution, &job.curves)?;
     let written = match &rounded.curves[..] {
         // The curve vanishes on the grid: its length, and the rounding of a point by half a step along each
         // axis, bound the deviation.

@@ -5,6 +5,7 @@ use crate::geometry::surface::source::Source;
 use crate::machining::cutter::Cutter;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
+use crate::toolpath::quantize::Curves;
 use crate::toolpath::tool::Tool;
 use crate::toolpath::units::{FeedRate, Tolerance};
 
@@ -146,12 +147,15 @@ pub struct Job {
     pub cutting: CuttingRequest,
     /// The resolution of the written program. The report's bounds hold after rounding to it.
     pub resolution: Resolution,
+    /// What the control of the written program runs. The report's bounds count what is written as lines.
+    pub curves: Curves,
     /// A job that needs more section planes is refused.
     pub plane_limit: usize,
 }
 
 impl Job {
-    /// The job with the default of everything that has one, written in mm with three decimals.
+    /// The job with the default of everything that has one, written in mm with three decimals for a control
+    /// that runs all arcs.
     pub fn new(surface: Source, tool: Tool, stepover_mm: f64, tolerance: Tolerance, feed: FeedRate) -> Self {
         Self {
             surface,
@@ -170,6 +174,7 @@ impl Job {
             step_length_mm: None,
             cutting: CuttingRequest::at_feed(feed),
             resolution: Resolution { units: Units::Mm, decimals: 3 },
+            curves: Curves::ARCS,
             plane_limit: DEFAULT_PLANE_LIMIT,
         }
     }

@@ -46,7 +46,7 @@ use crate::machining::gouge::{GougeProof, Penetration};
 use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Segment, UpperEnvelope, union};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
-use crate::toolpath::quantize::{Parabolas, round};
+use crate::toolpath::quantize::round;
 use crate::toolpath::{Role, Toolpath};
 use wires::WireModel;
 
@@ -205,7 +205,7 @@ fn pass(
         let off = tips[start..=piece.end].iter().map(|tip| piece.curve.distance_to(tip)).fold(0.0, f64::max);
         let line = Line { start: piece.curve.start(), end: piece.curve.end() };
         for part in divided(&line, job.step_length_mm) {
-            let written = round(&part, job.resolution, Parabolas::AsLines)?;
+            let written = round(&part, job.resolution, &job.curves)?;
             deviation_mm = deviation_mm.max(off + written.displacement_mm + known);
             curves.push(part);
         }

@@ -12,31 +12,46 @@
 //!   G5.1 (contour control).
 
 use crate::post::dialect::{
-    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, ProgramNumber, TipControl,
+    Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax,
+    TipControl, Turns, Verification,
 };
 
 pub const FANUC: Dialect = Dialect {
     name: "fanuc",
     description: "Fanuc 0i and 30i/31i/32i, milling",
+    verification: Verification::RelatedInterpreter,
     file_extension: "nc",
-    // The separator is no colon: in ISO code a colon is the letter O.
-    comment: Comment { open: "(", separator: " = ", close: ")" },
     line_end: "\n",
     // The longest block has some 90 characters. Longer comments would leave the control's screen.
     max_line_length: 120,
-    tape_mark: Some("%"),
-    program_number: Some(ProgramNumber { letter: 'O', digits: 4, max: 9999 }),
+    max_program_number: Some(9999),
     // As in the increment system IS-B. IS-C has one decimal more in mm.
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    numbers: Numbers { point: Point::Always, max_digits: 8, spindle_decimals: 0, max_spindle_rpm: 99_999 },
-    block_numbers: BlockNumbers { step: 10, max: 99_990 },
+    numbers: Numbers { point: Point::Always, max_digits: 8, max_feed_decimals: 6, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    curves: Curves::ARCS,
+    abilities: Abilities::USUAL,
+    rests_at_mm: None,
+    five_axes: FiveAxisWords {
+        // IS-C. A control with IS-B rounds to three decimals.
+        angle_decimals: 4,
+        angles: Some(TipControl { words: Some("G43.4 H{offset}"), ..TIP_CONTROL }),
+        vectors: Some(TipControl { words: Some("G43.5 H{offset}"), ..TIP_CONTROL }),
+        has_positions: true,
+        turns: Turns::InverseTime,
+    },
+    syntax: Syntax::Iso(WORDS),
+};
+
+const TIP_CONTROL: TipControl = TipControl { before: &[], words: None, off: "G49", vector: ["I", "J", "K"] };
+
+/// The words of this and similar controls. The separator of comments is no colon: in ISO code a colon is the
+/// letter O.
+pub const WORDS: Iso = Iso {
+    tape_mark: Some("%"),
+    program_number: Some(ProgramNumber { letter: 'O', digits: 4 }),
     dwell: Dwell::Milliseconds,
-    parabolas: Parabolas::AsLines,
-    // IS-C. A control with IS-B rounds to three decimals.
-    angle_decimals: 4,
-    tip_control: TipControl { angles: Some("G43.4"), vectors: Some("G43.5") },
     start: &[
         Frame::Header,
         // The control wants G20 or G21 in a block of its own, before all other codes.
@@ -50,5 +65,5 @@ pub const FANUC: Dialect = Dialect {
         Frame::CoolantOn,
         Frame::LengthOffsetInFirstMotionAlongZ,
     ],
-    end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+    ..Iso::USUAL
 };

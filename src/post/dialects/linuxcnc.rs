@@ -10,19 +10,18 @@
 //! * The program ends with M30, without percent signs.
 
 use crate::post::dialect::{
-    BlockNumbers, Comment, Dialect, Dwell, Frame, Numbers, Parabolas, Point, TipControl,
+    Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, Syntax, Verification,
 };
 
 pub const LINUXCNC: Dialect = Dialect {
     name: "linuxcnc",
     description: "LinuxCNC 2.8 and later",
+    verification: Verification::Interpreter,
     file_extension: "ngc",
-    comment: Comment { open: "(", separator: ": ", close: ")" },
     line_end: "\n",
     // The interpreter reads at most 255 characters with the line end.
     max_line_length: 240,
-    tape_mark: None,
-    program_number: None,
+    max_program_number: None,
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
@@ -30,28 +29,31 @@ pub const LINUXCNC: Dialect = Dialect {
         point: Point::WhereNeeded,
         // An f64 holds any number of 15 digits without loss.
         max_digits: 15,
+        max_feed_decimals: 6,
         spindle_decimals: 3,
         max_spindle_rpm: 1_000_000,
     },
-    block_numbers: BlockNumbers { step: 10, max: 99_990 },
-    dwell: Dwell::Seconds,
     // G5.1 needs G17, no Z word, and I and J in every block. It is not modal: a block behind it without a G
     // word would run as the last of G0 to G3.
-    parabolas: Parabolas::InXy,
+    curves: Curves { parabolas: Parabolas::InXy, ..Curves::ARCS },
+    abilities: Abilities::USUAL,
     // A ten-thousandth of a degree would move a point 200 mm beside the axis by a third of a micrometre.
-    angle_decimals: 5,
-    tip_control: TipControl { angles: None, vectors: None },
-    start: &[
-        Frame::Header,
-        Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
-        // Q0 forbids the control to merge blocks.
-        Frame::Blending { before: "G64 P", after: " Q0" },
-        Frame::WorkOffset,
-        Frame::SafeHome,
-        Frame::ToolChange,
-        Frame::LengthOffset,
-        Frame::SpindleOn,
-        Frame::CoolantOn,
-    ],
-    end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+    rests_at_mm: None,
+    five_axes: FiveAxisWords { angle_decimals: 5, has_positions: true, ..FiveAxisWords::NONE },
+    syntax: Syntax::Iso(Iso {
+        comment: Comment { open: "(", separator: ": ", close: ")" },
+        start: &[
+            Frame::Header,
+            Frame::ByUnits { mm: "G17 G21 G90 G40 G49 G80 G94", inch: "G17 G20 G90 G40 G49 G80 G94" },
+            // Q0 forbids the control to merge blocks.
+            Frame::Blending { before: "G64 P", after: " Q0" },
+            Frame::WorkOffset,
+            Frame::SafeHome,
+            Frame::ToolChange,
+            Frame::LengthOffset,
+            Frame::SpindleOn,
+            Frame::CoolantOn,
+        ],
+        ..Iso::USUAL
+    }),
 };

@@ -53,4 +53,47 @@ pub enum Fault {
     MissingPoint(char),
     #[error("the number after {0} must not have a decimal point")]
     UnexpectedPoint(char),
+    #[error("{0} {1}")]
+    Word(&'static str, WordFault),
+    #[error("the line has more than {limit} characters")]
+    LongLine { limit: usize },
+    #[error("the block number must be {expected}")]
+    BlockNumber { expected: u32 },
+    #[error("this line must have the form `{0}`")]
+    Frame(&'static str),
+    #[error("the block is of no kind that is known")]
+    UnknownBlock,
+    #[error("text stands after the end of the program")]
+    AfterEnd,
+    #[error("the block needs {0}, which no block has selected")]
+    NoMode(&'static str),
+    #[error("the helix turns more than once; write a block for each turn")]
+    ManyTurns,
+    #[error("tip control is switched on before a tool is called")]
+    NoTool,
+    #[error("the block moves along Z, but no cutting edge of a tool is selected; D1 selects the first")]
+    NoEdge,
+    #[error("the block is not allowed under tip control")]
+    UnderTipControl,
+    #[error("the block states the tool axis as a vector, but tip control with vectors is off")]
+    NoTipControl,
+}
+
+/// What is wrong with a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum WordFault {
+    #[error("is missing")]
+    Missing,
+    #[error("is written twice")]
+    Twice,
+    #[error("has no meaning in this block")]
+    Unused,
+    #[error("stands in the wrong place of the block")]
+    Order,
+    #[error("has no number that can be read")]
+    Number,
+    #[error("has a number that is not written as the control writes it")]
+    Form,
+    #[error("has a number that is not allowed here")]
+    Range,
 }

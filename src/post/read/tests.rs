@@ -1,5 +1,6 @@
 use std::f64::consts::PI;
 
+use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
@@ -132,7 +133,7 @@ fn fanuc_programs_need_points_marks_and_a_number() {
     let cases = [
         ("%\nO0501", "O0501", 1, Fault::TapeMark),
         ("M30\n%\n", "M30\n", 9, Fault::TapeMark),
-        ("M30\n%\n", "M30\n%\nG0 X99.\n", 9, Fault::TapeMark),
+        ("M30\n%\n", "M30\n%\nG0 X99.\n", 11, Fault::TapeMark),
         ("O0501\n", "", 2, Fault::ProgramNumber),
         ("O0501", "O0000", 2, Fault::ProgramNumber),
         ("O0501", "O10000", 2, Fault::ProgramNumber),

@@ -16,7 +16,7 @@ use crate::geometry::arc_fit::{Fit, FitError, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::geometry::following;
 use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{self, Parabolas, Written};
+use crate::toolpath::quantize::{self, Curves, Written};
 
 /// How often the points of a curve are fitted again. More tries rarely succeed and cost time.
 const MAX_TRIES: u8 = 3;
@@ -56,6 +56,8 @@ impl Segment {
 pub struct Fitting<'a> {
     pub fit: &'a Fit,
     pub resolution: Resolution,
+    /// What the control runs.
+    pub curves: &'a Curves,
     /// The axes along which the end of a curve can be written.
     pub is_writable: [bool; 3],
     pub budget: &'a Budget,
@@ -147,8 +149,7 @@ impl Fitting<'_> {
         if blocks == 1 || !joins || !self.can_write(&one.curve) {
             return Ok(Segment::kept(one.end));
         }
-        let rounded =
-            quantize::round(&one.curve, self.resolution, Parabolas::AsLines).map_err(|_| f64::INFINITY)?;
+        let rounded = quantize::round(&one.curve, self.resolution, self.curves).map_err(|_| f64::INFINITY)?;
         let curves = rounded.curves;
         if curves.is_empty() || curves.len() >= blocks {
             return Ok(Segment::kept(one.end));

@@ -48,7 +48,7 @@ fn the_tool_goes_home_along_z_before_it_is_changed_and_at_the_end() {
         [(SafeHome::G28, "Z0.000", "G91 G28 Z0.000\nG90\n"), (SafeHome::G53, "Z0.000", "G53 G0 Z0.000\n")]
     {
         let program = Program { safe_home, work_offset: Some(54), ..program(MM) };
-        for dialect in DIALECTS {
+        for dialect in WORDS {
             let text = written_in(dialect, &sample(), &program, &cutting(), &[]).unwrap().text;
             assert!(text.contains(&format!("G54\n{words}T3 M6\n")), "{text}");
             assert!(text.contains(&format!("Z45.000\n{words}M5\n")), "{text}");
@@ -88,7 +88,7 @@ fn fanuc_refuses_numbers_that_its_control_does_not_read() {
 fn a_header_is_in_the_units_of_the_program_and_a_page_at_most() {
     let bull_nose = Tool { shape: Shape::BullNose { corner_radius_mm: 1.27 }, radius_mm: 6.35, ..TOOL };
     let notes: Vec<String> = (0..100).map(|k| format!("note {k} {}", "x".repeat(1000))).collect();
-    for dialect in DIALECTS {
+    for dialect in WORDS {
         let (program, cutting) = (program(INCH), cutting());
         let job = ProgramJob {
             program: &program,

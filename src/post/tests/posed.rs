@@ -5,7 +5,6 @@ use nalgebra::{Unit, UnitVector3};
 
 use super::*;
 use crate::machine::{Joints, Machine, Straying, named};
-use crate::post::dialects::linuxcnc::LINUXCNC;
 use crate::post::path_text::tokens::words;
 use crate::toolpath::Move;
 use crate::toolpath::pose::Pose;
@@ -199,8 +198,8 @@ fn a_changed_block_fails_the_check() {
         for (from, to, what) in changes {
             assert!(text.contains(from), "{from} {text}");
             let changed = text.replacen(from, to, 1);
-            let error =
-                check::read_back(&changed, &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+            let error = check::read_back(&changed, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited())
+                .unwrap_err();
             assert!(
                 matches!(error, WriteError::Differs { what: found, .. } if found == what)
                     || matches!(error, WriteError::Unreadable(_)),

@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, ArcPart, Form, Grid, MAX_MISMATCH_MM, MAX_MISMATCH_STEPS, MAX_RADIUS_MM,
-    MIN_SAGITTA_STEPS, QuantizeError, Written,
+    ACCEPTED_STEPS, ArcPart, Form, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, QuantizeError,
+    Written,
 };
 use crate::geometry::curve::{Arc, Curve};
 
@@ -24,13 +24,15 @@ struct Rounded<'a> {
     start: Vector3<f64>,
     end: Vector3<f64>,
     source: Circular,
+    /// The largest difference of the radii at the ends that the control accepts, mm.
+    mismatch_mm: f64,
 }
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
 /// The centre of the source is projected onto the perpendicular bisector of the rounded ends. The nine grid
-/// points around it are tried as centres.
-pub fn best(piece: &ArcPart, grid: &Grid) -> Result<Option<Written>, QuantizeError> {
-    let rounded = Rounded::new(piece, grid)?;
+/// points around it are tried as centres. The radii at the ends differ by at most `mismatch_mm`.
+pub fn best(piece: &ArcPart, grid: &Grid, mismatch_mm: f64) -> Result<Option<Written>, QuantizeError> {
+    let rounded = Rounded::new(piece, grid, mismatch_mm)?;
     let [a, b] = rounded.in_plane(rounded.start_units);
     let [to_a, to_b] = rounded.in_plane(rounded.end_units);
     let closes = a == to_a && b == to_b;
@@ -50,7 +52,7 @@ pub fn best(piece: &ArcPart, grid: &Grid) -> Result<Option<Written>, QuantizeErr
 }
 
 impl<'a> Rounded<'a> {
-    fn new(piece: &'a ArcPart<'a>, grid: &'a Grid) -> Result<Self, QuantizeError> {
+    fn new(piece: &'a ArcPart<'a>, grid: &'a Grid, mismatch_mm: f64) -> Result<Self, QuantizeError> {
         let plane = piece.arc.plane();
         let (start, end) = (piece.start(), piece.end());
         let (start_units, end_units) = (grid.round(&start)?, grid.round(&end)?);
@@ -68,6 +70,7 @@ impl<'a> Rounded<'a> {
             start: plane.to_local(&grid.point(start_units)),
             end: plane.to_local(&grid.point(end_units)),
             source,
+            mismatch_mm,
         })
     }
 
@@ -95,7 +98,7 @@ impl<'a> Rounded<'a> {
         let ([a, b], [to_a, to_b]) = (self.in_plane(self.start_units), self.in_plane(self.end_units));
         let (to_i, to_j) = (to_a - a - i, to_b - b - j);
         let mismatch_units = mismatch([i, j], [to_i, to_j])?;
-        if mismatch_units > MAX_MISMATCH_STEPS || mismatch_units * step > MAX_MISMATCH_MM {
+        if mismatch_units > MAX_MISMATCH_STEPS || mismatch_units * step > self.mismatch_mm {
             return None;
         }
         let to_start = Vector2::new(-grid.mm(i), -grid.mm(j));

@@ -19,11 +19,11 @@ use super::{
 use crate::geometry::curve::{Curve, Parabola};
 
 /// Writes `parabola`.
-pub fn write(output: &mut Output, parabola: &Parabola, parabolas: Parabolas) -> Result<(), QuantizeError> {
+pub fn write(output: &mut Output, parabola: &Parabola) -> Result<(), QuantizeError> {
     let grid = output.grid;
     let heights = [parabola.start().z, parabola.control().z, parabola.end().z];
     let [from, between, to] = heights.map(|z| grid.units(z));
-    let is_block = parabolas == Parabolas::InXy && from? == between? && from? == to?;
+    let is_block = output.runs.parabolas == Parabolas::InXy && from? == between? && from? == to?;
     let mut open = vec![[0.0, 1.0]];
     while let Some([from, to]) = open.pop() {
         if output.curves.len() + open.len() >= MAX_PIECES {

@@ -50,7 +50,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
     let grid = Grid::new(resolution);
     let step = grid.step_mm();
     let source = Curve::Arc(*arc);
-    let rounded = round(&source, resolution, Parabolas::AsLines).unwrap();
+    let rounded = round(&source, resolution, &Curves::ARCS).unwrap();
     let written = rounded.curves;
     let limit = MAX_DISPLACEMENT_STEPS * step + 1e-9;
     let (start, end) = (grid.round(&arc.start()).unwrap(), grid.round(&arc.end()).unwrap());
@@ -64,7 +64,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
         assert_eq!(grid.round(&block.curve.start()).unwrap(), at);
         assert_eq!(grid.point(block.end_units), block.curve.end());
         assert!(block.displacement_mm <= limit);
-        assert!(block.radius_mismatch_mm <= (MAX_MISMATCH_STEPS * step).min(MAX_MISMATCH_MM));
+        assert!(block.radius_mismatch_mm <= (MAX_MISMATCH_STEPS * step).min(Curves::ARCS.radius_mismatch_mm));
         if let Curve::Arc(exact) = block.curve {
             assert_eq!((exact.plane(), exact.direction()), (arc.plane(), arc.direction()));
             assert!(exact.sweep() <= arc.sweep() + 1.0);
@@ -182,7 +182,7 @@ proptest! {
         for resolution in [MM, INCH] {
             let grid = Grid::new(resolution);
             let line = Curve::Line(Line { start: p.into(), end: q.into() });
-            let written = quantize(&line, resolution, Parabolas::AsLines).unwrap();
+            let written = quantize(&line, resolution, &Curves::ARCS).unwrap();
             prop_assert_eq!(written[0].end_units, grid.round(&q.into()).unwrap());
             prop_assert_eq!(grid.round(&grid.point(written[0].end_units)).unwrap(), written[0].end_units);
             prop_assert!(written[0].displacement_mm <= 0.87 * grid.step_mm());
@@ -204,7 +204,7 @@ fn nearly_every_arc_stays_one_block_and_its_radii_agree_within_one_unit() {
         let (radius, angles) = (0.5 + 99.5 * next(), [TAU * next(), 0.05 + 6.1 * next()]);
         let center = [next(), next(), next()].map(|x| 100.0 * x - 50.0);
         let Some(arc) = arc(plane, k % 2 == 0, radius, angles, center, 0.0) else { continue };
-        let written = quantize(&Curve::Arc(arc), MM, Parabolas::AsLines).unwrap();
+        let written = quantize(&Curve::Arc(arc), MM, &Curves::ARCS).unwrap();
         arcs += 1;
         blocks += written.len();
         worst = written.iter().fold(worst, |worst, block| worst.max(block.radius_mismatch_mm));
@@ -235,7 +235,7 @@ fn curves_below_the_grid_vanish_and_small_circles_stay_near() {
     let tiny = arc(Plane::Xy, true, 4e-4, [0.0, TAU], [0.0; 3], 0.0).unwrap();
     assert!(check(&tiny, MM).len() <= 4);
     let line = Curve::Line(Line { start: Point3::new(0.0001, 0.0, 0.0), end: Point3::new(0.0004, 0.0, 0.0) });
-    assert_eq!(quantize(&line, MM, Parabolas::AsLines), Ok(Vec::new()));
+    assert_eq!(quantize(&line, MM, &Curves::ARCS), Ok(Vec::new()));
     for k in 1..200 {
         let circle =
             arc(Plane::Yz, true, f64::from(k) * 1e-4, [1.0, TAU], [0.3e-3, 0.1e-3, 0.0], 0.0).unwrap();
@@ -246,13 +246,13 @@ fn curves_below_the_grid_vanish_and_small_circles_stay_near() {
 #[test]
 fn curves_that_cannot_be_written_are_errors() {
     let far = Curve::Line(Line { start: Point3::origin(), end: Point3::new(1e13, 0.0, 0.0) });
-    assert_eq!(quantize(&far, MM, Parabolas::AsLines), Err(QuantizeError::OutOfRange { value_mm: 1e13 }));
+    assert_eq!(quantize(&far, MM, &Curves::ARCS), Err(QuantizeError::OutOfRange { value_mm: 1e13 }));
     let fine = Resolution { units: Units::Mm, decimals: 6 };
     let circle = arc(Plane::Xy, true, 1e6, [0.0, TAU], [0.0; 3], 0.0).unwrap();
     assert_eq!(
-        quantize(&Curve::Arc(circle), fine, Parabolas::AsLines),
+        quantize(&Curve::Arc(circle), fine, &Curves::ARCS),
         Err(QuantizeError::TooManyPieces { limit: MAX_PIECES })
     );
-    let written = quantize(&Curve::Arc(circle), MM, Parabolas::AsLines).unwrap();
+    let written = quantize(&Curve::Arc(circle), MM, &Curves::ARCS).unwrap();
     assert!(written.len() < 100_000 && written.iter().all(|block| block.displacement_mm <= 0.0015));
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use toolpathd::post::read::{Reader, Step};
 use toolpathd::post::{self, DIALECTS};
 
-use super::support::{Answer, MILL, app, get, post};
+use super::support::{Answer, MILL, app, for_dialect, get, post};
 
 const WRITE: &str = "/v1/programs/write";
 
@@ -49,7 +49,7 @@ async fn every_example_of_writing_is_answered_in_every_form_and_dialect() {
     let app = app(&["--workers", "1"]);
     for (name, _) in EXAMPLES {
         for dialect in DIALECTS {
-            let body = with(name, "/program/dialect", json!(dialect.name)).to_string();
+            let body = for_dialect(example(name), dialect).to_string();
             let nc = post(&app, WRITE, body.clone(), &[]).await;
             assert_eq!(nc.status, 200, "{name} {}: refused", dialect.name);
             assert_eq!(nc.header("content-type"), "text/x-gcode; charset=us-ascii");
@@ -300,10 +300,11 @@ async fn program_numbers_are_accepted_up_to_the_maximum_that_the_dialect_lists()
     assert_eq!(listed.len(), DIALECTS.len());
     for (dialect, listed) in DIALECTS.iter().zip(listed) {
         assert_eq!(listed["name"], dialect.name);
-        let Some(number) = dialect.program_number else { continue };
-        assert_eq!(listed["max_program_number"], number.max);
-        for (value, status) in [(number.max, 200), (number.max + 1, 422)] {
-            let mut body = with("one-line", "/program", json!({ "dialect": dialect.name, "number": value }));
+        let Some(max) = dialect.max_program_number else { continue };
+        assert_eq!(listed["max_program_number"], max);
+        for (value, status) in [(max, 200), (max + 1, 422)] {
+            let mut body = with("one-line", "/program", json!({ "number": value }));
+            body = for_dialect(body, dialect);
             body["meta"] = json!({});
             assert_eq!(write(&body).await.status, status, "{}: the program number {value}", dialect.name);
         }
@@ -321,7 +322,7 @@ proptest! {
     ) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
         let value = if long { format!("{value}{}", ")".repeat(900)) } else { value };
-        let mut plain = with("contour", "/program", json!({ "dialect": dialect.name }));
+        let mut plain = for_dialect(with("contour", "/program", json!({})), dialect);
         plain.as_object_mut().expect("an object").remove("meta");
         let mut told = plain.clone();
         told["program"]["name"] = json!(name);
@@ -333,8 +334,12 @@ proptest! {
             assert!(text.is_ascii());
             text.lines().map(str::to_owned).collect()
         };
-        let is_remark = |line: &&String| line.starts_with('(') && line.find(')') == Some(line.len() - 1);
-        let (plain, told) = (lines(&plain), lines(&told));
+        let is_remark = |line: &&String| {
+            line.starts_with("; ") || line.starts_with('(') && line.find(')') == Some(line.len() - 1)
+        };
+        // Remarks have block numbers in Klartext, so that all others move on.
+        let unnumbered = |line: String| line.trim_start_matches(|c: char| c.is_ascii_digit()).trim().to_owned();
+        let [plain, told] = [&plain, &told].map(|body| lines(body).into_iter().map(unnumbered).collect::<Vec<_>>());
         // The name also follows the program number, on the same line.
         let unnamed = |line: &String| match line.split_once(" (") {
             Some((number, _)) if line.starts_with('O') && line.ends_with(')') => number.to_owned(),
@@ -343,8 +348,8 @@ proptest! {
         let blocks = |lines: &[String]| -> Vec<String> { lines.iter().filter(|l| !is_remark(l)).map(unnamed).collect() };
         prop_assert_eq!(blocks(&plain), blocks(&told));
         prop_assert!(told.len() - plain.len() <= 2);
-        for line in told.iter().filter(is_remark) {
-            let labelled = dialect.comment.separator;
+        for line in told.iter().filter(is_remark).filter(|_| dialect.abilities.has_comments) {
+            let labelled = if dialect.name == "linuxcnc" { ": " } else { " = " };
             prop_assert!(line.contains(labelled), "a comment without a label: {line}");
             for word in ["(LOG", "(DEBUG", "(PROBEOPEN", "(PRINT", "(MSG"] {
                 prop_assert!(!line.starts_with(word), "a comment that a control would act on: {line}");

@@ -9,11 +9,14 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Request, StatusCode};
 use clap::Parser;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use toolpathd::config::{Cli, Settings};
 use toolpathd::http::{App, router, serve};
+use toolpathd::post::Dialect;
+use toolpathd::toolpath::cutting::Coolant;
+use toolpathd::toolpath::program::SafeHome;
 use tower::ServiceExt;
 
 pub const ONE_PASS: &str = include_str!("../../../openapi/examples/surfaces-mill/one-pass.json");
@@ -165,4 +168,42 @@ pub fn write(stream: &mut TcpStream, text: &str) {
 /// The head of a POST with a body of `length` bytes.
 pub fn post_head(path: &str, length: usize) -> String {
     format!("POST {path} HTTP/1.1\r\nHost: here\r\nContent-Length: {length}\r\n\r\n")
+}
+
+/// The body with the dialect, and without what the dialect has no words for.
+pub fn for_dialect(mut body: Value, dialect: &Dialect) -> Value {
+    let can = dialect.abilities;
+    if body["program"].is_null() {
+        body["program"] = json!({});
+    }
+    let drop = |body: &mut Value, member: &str, field: &str, is_kept: &dyn Fn(&str) -> bool| {
+        let Some(object) = body.get_mut(member).and_then(Value::as_object_mut) else { return };
+        if object.get(field).is_some_and(|value| !is_kept(value.as_str().unwrap_or_default())) {
+            object.remove(field);
+        }
+    };
+    let offsets: Vec<String> = can.work_offsets.iter().map(|number| format!("G{number}")).collect();
+    drop(&mut body, "program", "work_offset", &|offset| offsets.iter().any(|known| known == offset));
+    drop(&mut body, "program", "units", &|units| units == "mm" || can.units.len() > 1);
+    drop(&mut body, "program", "safe_home", &|home| {
+        let asked = if home == "g28" { SafeHome::G28 } else { SafeHome::G53 };
+        home == "none" || can.safe_homes.contains(&asked)
+    });
+    drop(&mut body, "cutting", "coolant", &|coolant| {
+        let asked = if coolant == "mist" { Coolant::Mist } else { Coolant::Flood };
+        coolant == "off" || can.coolants.contains(&asked)
+    });
+    drop(&mut body, "tool", "length_offset", &|_| can.has_length_offsets);
+    if let Some(passes) = body.pointer_mut("/toolpath/passes").and_then(Value::as_array_mut) {
+        for pass in passes {
+            if let Some(moves) = pass["moves"].as_array_mut() {
+                moves.retain(|step| can.has_dwells || step["kind"] != "dwell");
+            }
+        }
+    }
+    if can.needs_tool && body["tool"].is_null() {
+        body["tool"] = json!({ "shape": "ball", "diameter_mm": 6 });
+    }
+    body["program"]["dialect"] = json!(dialect.name);
+    body
 }

@@ -7,6 +7,7 @@ use toolpathd::geometry::element::{Element, PlaneArc};
 use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern};
 use toolpathd::toolpath::cutting::CuttingRequest;
 use toolpathd::toolpath::program::{Resolution, Units};
+use toolpathd::toolpath::quantize::Curves;
 use toolpathd::toolpath::tool::{Shape, Tool};
 use toolpathd::toolpath::units::FeedRate;
 
@@ -227,5 +228,6 @@ pub fn job(case: &Case, patterns: &[Pattern], slot_feed: Option<f64>) -> Job {
         milling: Milling::Climb,
         cutting: CuttingRequest { slot_feed: slot_feed.map(feed), ..CuttingRequest::at_feed(feed(FEED)) },
         resolution: Resolution { units: Units::Mm, decimals: 3 },
+        curves: Curves::ARCS,
     }
 }

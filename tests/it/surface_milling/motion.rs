@@ -8,7 +8,7 @@ use toolpathd::geometry::plane::Plane;
 use toolpathd::operations::surface_milling::{Job, Plan};
 use toolpathd::post::read::{Reader, Step};
 use toolpathd::post::{self, ProgramJob};
-use toolpathd::toolpath::program::{Program, SafeHome};
+use toolpathd::toolpath::program::{Custom, Program, SafeHome};
 use toolpathd::toolpath::units::FeedRate;
 use toolpathd::toolpath::{Move, Role};
 
@@ -160,6 +160,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         block_numbers: false,
         work_offset: None,
         safe_home: SafeHome::None,
+        custom: Custom::default(),
     };
     let dialect = post::dialect("linuxcnc").unwrap();
     let target = ProgramJob {

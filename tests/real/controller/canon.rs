@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use nalgebra::{Point3, Vector3};
 use toolpathd::geometry::curve::{Direction, Parabola};
 use toolpathd::geometry::plane::Plane;
-use toolpathd::post::dialect::{Dialect, Dwell};
+use toolpathd::post::dialect::{Dialect, Dwell, Syntax};
 
 /// Longest time for one program. If the interpreter takes longer, it hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -46,16 +46,20 @@ fn tool_table() -> String {
     (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect()
 }
 
-/// The text translated for LinuxCNC. A line with only the program's number is left out, because LinuxCNC
-/// takes the number for a subroutine's. A dwell in milliseconds becomes a dwell in seconds.
+/// The text translated for LinuxCNC. The line of the program's number is left out, because LinuxCNC takes the
+/// number for a subroutine's. A dwell in milliseconds becomes a dwell in seconds.
 pub fn translated(text: &str, dialect: &Dialect) -> String {
+    let iso = match dialect.syntax {
+        Syntax::Iso(iso) => iso,
+        Syntax::Siemens(_) | Syntax::Klartext | Syntax::Deckel => return text.to_owned(),
+    };
     let is_number = |line: &str| {
-        let digits = dialect.program_number.and_then(|number| line.strip_prefix(number.letter));
-        digits.is_some_and(|digits| digits.bytes().all(|c| c.is_ascii_digit()))
+        let rest = iso.program_number.and_then(|number| line.strip_prefix(number.letter));
+        rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
     };
     let mut lines: Vec<String> = Vec::new();
     for line in text.lines().filter(|line| !is_number(line)) {
-        lines.push(match (dialect.dwell, line.split_once("G4 P")) {
+        lines.push(match (iso.dwell, line.split_once("G4 P")) {
             (Dwell::Milliseconds, Some((before, count))) => {
                 format!("{before}G4 P{:.3}", count.parse::<f64>().unwrap_or(f64::NAN) / 1000.0)
             }

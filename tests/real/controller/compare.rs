@@ -10,7 +10,7 @@ use toolpathd::toolpath::Toolpath;
 use toolpathd::toolpath::measure::measure;
 use toolpathd::toolpath::path::Move;
 use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::{MAX_DISPLACEMENT_STEPS, Parabolas, quantize};
+use toolpathd::toolpath::quantize::{Curves, MAX_DISPLACEMENT_STEPS, quantize};
 use toolpathd::toolpath::units::FeedRate;
 
 use crate::canon::Motion;
@@ -231,7 +231,7 @@ pub fn with_toolpath(
     toolpath: &Toolpath,
     motions: &[Motion],
     resolution: Resolution,
-    parabolas: Parabolas,
+    curves: &Curves,
 ) -> Result<Figures, String> {
     let is_inch = resolution.units == Units::Inch;
     let printed = if is_inch { 25.4 * 0.5e-4 } else { 0.5e-4 } * 3f64.sqrt();
@@ -242,7 +242,7 @@ pub fn with_toolpath(
     let (mut apart, mut length, mut time) = (0f64, 0.0, 0.0);
     for step in toolpath.moves() {
         let Move::Feed { along, .. } = step else { continue };
-        let count = quantize(along, resolution, parabolas).map_err(|error| error.to_string())?.len();
+        let count = quantize(along, resolution, curves).map_err(|error| error.to_string())?.len();
         let mine: Vec<&Run> = cutting.by_ref().take(count).collect();
         if mine.len() < count {
             return Err("the control cuts less".into());

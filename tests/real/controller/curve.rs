@@ -8,7 +8,7 @@ use toolpathd::geometry::deviation::{Band, Measure};
 use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
 use toolpathd::post::{self, ProgramJob, dialect};
 use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
+use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
 use toolpathd::toolpath::units::FeedRate;
 
 use crate::canon::{self, Motion};
@@ -60,6 +60,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
         block_numbers: false,
         work_offset: None,
         safe_home: SafeHome::None,
+        custom: Custom::default(),
     };
     let cutting = plan.cutting.ok_or("no conditions")?;
     let written = post::write(

@@ -1,8 +1,8 @@
 //! Compares written programs with LinuxCNC's interpreter: the control must move as the toolpath says.
 //!
-//! * 1,000 random toolpaths in three planes, in mm and inches, in each dialect in turn. The control's path
-//!   and the toolpath lie within 1.5 units of the last decimal of each other, in order. Lengths and times
-//!   agree with `measure`.
+//! * 1,000 random toolpaths in three planes, in mm and inches, in each dialect of plain words in turn. The
+//!   control's path and the toolpath lie within 1.5 units of the last decimal of each other, in order.
+//!   Lengths and times agree with `measure`.
 //! * A curve interpolated by parabolas. Every point of the control's path lies within the band of the curve,
 //!   widened by the rounding.
 //! * Programs of G1 blocks, rewritten with arcs. The control's paths before and after lie within the
@@ -29,7 +29,9 @@ use std::{env, fs, process, thread};
 use toolpathd::budget::Budget;
 use toolpathd::post::{self, DIALECTS, Dialect, ProgramJob};
 use toolpathd::toolpath::Toolpath;
-use toolpathd::toolpath::program::{Program, Resolution, SafeHome, Units};
+use toolpathd::toolpath::cutting::{Coolant, Cutting};
+use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd::toolpath::tool::Tool;
 
 /// Number of random toolpaths.
 const TOOLPATHS: usize = 1_000;
@@ -102,18 +104,24 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             block_numbers: seed.is_multiple_of(7),
             work_offset: seed.is_multiple_of(3).then_some(54),
             safe_home: SafeHome::None,
+            custom: Custom::default(),
         };
-        let dialect = DIALECTS[seed % DIALECTS.len()];
+        let dialect = dialects()[seed % dialects().len()];
+        let can = dialect.abilities;
+        let length_offset = case.tool.length_offset.filter(|_| can.has_length_offsets);
+        let tool = Tool { length_offset, ..case.tool };
+        let coolant = Some(case.cutting.coolant).filter(|coolant| can.coolants.contains(coolant));
+        let cutting = Cutting { coolant: coolant.unwrap_or(Coolant::Off), ..case.cutting };
         let job = ProgramJob {
             program: &program,
-            tool: Some(&case.tool),
-            cutting: &case.cutting,
+            tool: Some(&tool),
+            cutting: &cutting,
             dialect,
             comments: &[],
             warnings: &[],
             five_axes: None,
         };
-        let name = format!("random{seed}");
+        let name = format!("random{seed}-{}", dialect.name);
         let found = post::write(&case.toolpath, &job, &Budget::unlimited())
             .map_err(|error| error.to_string())
             .and_then(|written| {
@@ -124,7 +132,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
                     }
                 }
                 let text = compare::with_text(&written.text, dialect, &motions)?;
-                let path = compare::with_toolpath(&case.toolpath, &motions, resolution, dialect.parabolas)?;
+                let path = compare::with_toolpath(&case.toolpath, &motions, resolution, &dialect.curves)?;
                 Ok(text.and(path))
             })
             .map_err(|error| format!("{name}: {error}"))?;
@@ -157,10 +165,15 @@ fn cuts_alike_from_home(
     Ok(())
 }
 
-/// The first dialect whose files have the extension of `path`.
+/// The dialects that LinuxCNC reads, a few words translated.
+fn dialects() -> Vec<&'static Dialect> {
+    DIALECTS.iter().copied().filter(|dialect| dialect.has_plain_words()).collect()
+}
+
+/// The dialect of a file called `name.dialect.extension`.
 fn dialect_of(path: &Path) -> Option<&'static Dialect> {
-    let extension = path.extension()?.to_str()?;
-    DIALECTS.iter().copied().find(|dialect| dialect.file_extension == extension)
+    let name = Path::new(path.file_stem()?).extension()?.to_str()?;
+    post::dialect(name)
 }
 
 /// The paths of the programs in `directory`, sorted. An error where there are none.

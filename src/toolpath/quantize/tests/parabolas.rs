@@ -7,10 +7,15 @@ fn parabola(start: [f64; 3], control: [f64; 3], end: [f64; 3]) -> Parabola {
     Parabola::new(start.into(), control.into(), end.into()).unwrap()
 }
 
+/// A control that runs all arcs and these parabolas.
+fn runs(parabolas: Parabolas) -> Curves {
+    Curves { parabolas, ..Curves::ARCS }
+}
+
 /// Checks every promise of the module for one parabola.
 fn check(source: &Parabola, resolution: Resolution, parabolas: Parabolas) -> Vec<Written> {
     let grid = Grid::new(resolution);
-    let rounded = round(&Curve::Parabola(*source), resolution, parabolas).unwrap();
+    let rounded = round(&Curve::Parabola(*source), resolution, &runs(parabolas)).unwrap();
     assert!(rounded.displacement_mm <= MAX_DISPLACEMENT_STEPS * grid.step_mm());
     let (start, end) = (grid.round(&source.start()).unwrap(), grid.round(&source.end()).unwrap());
     assert_eq!(rounded.curves.last().map_or(start, |block| block.end_units), end);
@@ -128,8 +133,8 @@ fn a_parabola_that_needs_too_many_blocks_is_an_error() {
     let huge = Curve::Parabola(parabola([0.0; 3], [1e6, 1e6, 0.0], [-1e6, 1e6, 0.0]));
     let limit = MAX_PIECES;
     for parabolas in [Parabolas::AsLines, Parabolas::InXy] {
-        let found = quantize(&huge, fine, parabolas);
+        let found = quantize(&huge, fine, &runs(parabolas));
         assert!(found.is_ok() || found == Err(QuantizeError::TooManyPieces { limit }), "{found:?}");
     }
-    assert_eq!(quantize(&huge, fine, Parabolas::AsLines), Err(QuantizeError::TooManyPieces { limit }));
+    assert_eq!(quantize(&huge, fine, &Curves::ARCS), Err(QuantizeError::TooManyPieces { limit }));
 }

@@ -3,32 +3,43 @@
 use super::Writer;
 use crate::post::WriteError;
 use crate::post::block::{AxisWords, BlockFeed};
+use crate::post::dialect::TipControl;
 use crate::post::posed::VECTOR_DECIMALS;
-use crate::post::words::OFFSETS;
 
 impl Writer<'_> {
-    /// The code after which coordinates are those of the tip, with the length offset.
+    /// The words after which coordinates are those of the tip, with the length offset.
     pub(super) fn begin_tip_control(&mut self, axis: AxisWords) -> Result<(), WriteError> {
+        let TipControl { before, words, off, .. } = self.tip_control(axis).ok_or(WriteError::AxisOutput)?;
+        for text in before {
+            self.template(text);
+            self.lines.end()?;
+        }
         self.motion("G0");
         self.owes_length_offset = false;
-        self.has_tip_control = true;
-        let codes = self.job.dialect.tip_control;
-        let code = match axis {
-            AxisWords::Angles(_) => codes.angles,
-            AxisWords::Vector(_) => codes.vectors,
-        };
-        self.word(&format!("{} H{}", code.ok_or(WriteError::AxisOutput)?, self.tool().1));
+        self.tip_control_off = Some(off);
+        if let Some(words) = words {
+            self.template(words);
+        }
         Ok(())
     }
 
-    pub(super) fn end_posed(&mut self) {
-        if std::mem::take(&mut self.has_tip_control) {
-            self.word("G49");
+    fn tip_control(&self, axis: AxisWords) -> Option<TipControl> {
+        let words = self.job.dialect.five_axes;
+        match axis {
+            AxisWords::Angles(_) => words.angles,
+            AxisWords::Vector(_) => words.vectors,
         }
-        self.feed_mode(false);
     }
 
-    pub(super) fn posed(&mut self, to: [i64; 3], axis: AxisWords, feed: BlockFeed) {
+    pub(super) fn end_posed(&mut self) -> Result<(), WriteError> {
+        if let Some(off) = self.tip_control_off.take() {
+            self.lines.line(off)?;
+        }
+        self.feed_mode(false);
+        Ok(())
+    }
+
+    pub(super) fn posed(&mut self, to: [i64; 3], axis: AxisWords, feed: BlockFeed) -> Result<(), WriteError> {
         match feed {
             BlockFeed::Rapid => {
                 self.motion("G0");
@@ -48,13 +59,16 @@ impl Writer<'_> {
                 self.feed = None;
                 self.feed(feed);
             }
+            // No dialect of ISO words has such a feed.
+            BlockFeed::DegreesPerMinute(_) => return Err(WriteError::AxisOutput),
         }
+        Ok(())
     }
 
     /// Selects feeds by inverse time (G93) or by the minute (G94).
     fn feed_mode(&mut self, is_inverse_time: bool) {
         if self.is_inverse_time != is_inverse_time {
-            self.word(if is_inverse_time { "G93" } else { "G94" });
+            self.lines.word(if is_inverse_time { "G93" } else { "G94" });
             self.is_inverse_time = is_inverse_time;
             self.feed = None;
         }
@@ -71,8 +85,9 @@ impl Writer<'_> {
     pub(super) fn axis_words(&mut self, axis: AxisWords) {
         match axis {
             AxisWords::Vector(parts) => {
-                for (letter, part) in OFFSETS.into_iter().zip(parts) {
-                    self.number(letter.encode_utf8(&mut [0; 4]), part, VECTOR_DECIMALS);
+                let Some(TipControl { vector, .. }) = self.tip_control(axis) else { return };
+                for (word, part) in vector.into_iter().zip(parts) {
+                    self.lines.number(word, part, VECTOR_DECIMALS);
                 }
             }
             AxisWords::Angles(angles) => {
@@ -81,8 +96,8 @@ impl Writer<'_> {
                 words.sort_unstable();
                 for (letter, k) in words {
                     if self.angles[k] != Some(angles[k]) {
-                        let decimals = self.job.dialect.angle_decimals;
-                        self.number(letter.encode_utf8(&mut [0; 4]), angles[k], decimals);
+                        let decimals = self.job.dialect.five_axes.angle_decimals;
+                        self.lines.number(letter.encode_utf8(&mut [0; 4]), angles[k], decimals);
                         self.angles[k] = Some(angles[k]);
                     }
                 }

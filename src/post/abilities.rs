@@ -1,0 +1,106 @@
+//! What a request asks of a control that the control, or its dialect, cannot do.
+
+use super::dialect::Dialect;
+use crate::toolpath::cutting::Coolant;
+use crate::toolpath::program::{Program, SafeHome, Units};
+use crate::toolpath::tool::Tool;
+
+/// What a dialect cannot write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Missing {
+    #[error("the dialect `{dialect}` has no programs in {units}; choose other units or another dialect")]
+    Units { dialect: &'static str, units: &'static str },
+    #[error("the dialect `{dialect}` has no word for G{number}; leave `work_offset` out{others}")]
+    WorkOffset { dialect: &'static str, number: u8, others: &'static str },
+    #[error("the dialect `{dialect}` has no word for this move up; choose another `safe_home`")]
+    SafeHome { dialect: &'static str },
+    #[error("the dialect `{dialect}` has no word for this coolant; choose another, or `off`")]
+    Coolant { dialect: &'static str },
+    #[error("the dialect `{dialect}` has no numbers of length offsets; leave `length_offset` out")]
+    LengthOffset { dialect: &'static str },
+    #[error("programs in the dialect `{dialect}` state the radius of the tool; send `tool`")]
+    Tool { dialect: &'static str },
+}
+
+/// All that the dialect cannot write.
+pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Option<&Tool>) -> Vec<Missing> {
+    let (abilities, name) = (&dialect.abilities, dialect.name);
+    let mut missing = Vec::new();
+    let units = program.resolution.units;
+    if !abilities.units.contains(&units) {
+        let units = match units {
+            Units::Mm => "mm",
+            Units::Inch => "inches",
+        };
+        missing.push(Missing::Units { dialect: name, units });
+    }
+    if let Some(number) = program.work_offset.filter(|number| !abilities.work_offsets.contains(number)) {
+        let others = if abilities.work_offsets.is_empty() { "" } else { ", or choose another" };
+        missing.push(Missing::WorkOffset { dialect: name, number, others });
+    }
+    if program.safe_home != SafeHome::None && !abilities.safe_homes.contains(&program.safe_home) {
+        missing.push(Missing::SafeHome { dialect: name });
+    }
+    if coolant != Coolant::Off && !abilities.coolants.contains(&coolant) {
+        missing.push(Missing::Coolant { dialect: name });
+    }
+    let has_own_offset = tool.is_some_and(|tool| {
+        let (number, offset) = tool.places();
+        number != offset
+    });
+    if has_own_offset && !abilities.has_length_offsets {
+        missing.push(Missing::LengthOffset { dialect: name });
+    }
+    if tool.is_none() && abilities.needs_tool {
+        missing.push(Missing::Tool { dialect: name });
+    }
+    missing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::post::DIALECTS;
+    use crate::post::dialects::deckel::DECKEL;
+    use crate::post::dialects::siemens::SIEMENS;
+    use crate::toolpath::program::{Custom, Resolution};
+
+    const PLAIN: Program = Program {
+        resolution: Resolution { units: Units::Mm, decimals: 3 },
+        number: 1,
+        name: None,
+        block_numbers: false,
+        work_offset: None,
+        safe_home: SafeHome::None,
+        custom: Custom { header: Vec::new(), tool_change: Vec::new(), footer: Vec::new() },
+    };
+
+    #[test]
+    fn every_dialect_writes_a_program_that_asks_for_nothing() {
+        for dialect in DIALECTS {
+            assert!(missing(dialect, &PLAIN, Coolant::Off, Some(&Tool::ball(3.0))).is_empty());
+        }
+    }
+
+    #[test]
+    fn everything_that_is_missing_is_named() {
+        let offset = Tool { number: Some(1), length_offset: Some(2), ..Tool::ball(3.0) };
+        let program = Program {
+            resolution: Resolution { units: Units::Inch, decimals: 3 },
+            work_offset: Some(58),
+            safe_home: SafeHome::G28,
+            ..PLAIN
+        };
+        assert_eq!(missing(&DECKEL, &program, Coolant::Flood, Some(&offset)).len(), 5);
+        assert_eq!(missing(&DECKEL, &PLAIN, Coolant::Off, None), [Missing::Tool { dialect: "deckel" }]);
+        let found = missing(&SIEMENS, &program, Coolant::Mist, Some(&offset));
+        let texts: Vec<String> = found.iter().map(Missing::to_string).collect();
+        assert_eq!(
+            texts,
+            [
+                "the dialect `siemens` has no word for G58; leave `work_offset` out, or choose another",
+                "the dialect `siemens` has no word for this move up; choose another `safe_home`"
+            ]
+        );
+    }
+}

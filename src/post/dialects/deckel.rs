@@ -1,0 +1,40 @@
+//! Deckel FP-2, as one paper prints it.
+//!
+//! The only source is Fig. 4-4 of Y. H. Koo, C. G. Lee, S. Namgung, S. H. Kang, *CAD/CAM for die surfaces*,
+//! 1989: two programs of G0 and G1 in mm. What they do not show is not written: arcs become lines, and
+//! inches, dwells, coolant, work offsets, comments and leaning tools are refused.
+
+use crate::post::dialect::{
+    Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, Verification,
+};
+use crate::toolpath::cutting::Coolant;
+use crate::toolpath::program::{SafeHome, Units};
+
+pub const DECKEL: Dialect = Dialect {
+    name: "deckel",
+    description: "Deckel FP-2, as printed by Koo and others (1989)",
+    verification: Verification::Reader,
+    file_extension: "dkl",
+    line_end: "\n",
+    max_line_length: 80,
+    max_program_number: Some(9999),
+    // The least increment of the paper is a micrometre.
+    default_decimals_mm: 3,
+    default_decimals_inch: 4,
+    max_decimals: 3,
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    curves: Curves { arcs: Arcs::AsLines, ..Curves::ARCS },
+    abilities: Abilities {
+        units: &[Units::Mm],
+        work_offsets: &[],
+        safe_homes: &[SafeHome::None],
+        coolants: &[Coolant::Off],
+        has_length_offsets: false,
+        needs_tool: true,
+        has_dwells: false,
+        has_comments: false,
+    },
+    rests_at_mm: Some([0.0, 0.0, 100.0]),
+    five_axes: FiveAxisWords::NONE,
+    syntax: Syntax::Deckel,
+};

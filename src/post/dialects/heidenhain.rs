@@ -1,0 +1,47 @@
+//! Heidenhain Klartext (conversational): iTNC 530, TNC 620, TNC 640, TNC7.
+//!
+//! * Arcs lie in any of the three planes: CC states the centre, C the end. DR+ turns as G3 does.
+//! * In a program in inches, F counts tenths of an inch per minute.
+//! * The feed of a turn about a resting tip is in degrees per minute.
+//! * G54 to G59 are the rows 1 to 6 of the table of presets.
+//! * The move to zero of the machine's coordinates is `M91`; there is no move to a reference point.
+
+use crate::post::dialect::{
+    Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, TipControl, Turns, Verification,
+};
+use crate::toolpath::cutting::Coolant;
+use crate::toolpath::program::SafeHome;
+
+pub const HEIDENHAIN: Dialect = Dialect {
+    name: "heidenhain",
+    description: "Heidenhain iTNC 530, TNC 620, TNC 640 and TNC7, Klartext",
+    verification: Verification::Reader,
+    file_extension: "h",
+    line_end: "\n",
+    max_line_length: 120,
+    max_program_number: Some(99_999_999),
+    default_decimals_mm: 3,
+    default_decimals_inch: 4,
+    max_decimals: 4,
+    // Five digits before the point, and four behind it.
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    curves: Curves { arcs: Arcs::Flat, ..Curves::ARCS },
+    abilities: Abilities {
+        safe_homes: &[SafeHome::None, SafeHome::G53],
+        coolants: &[Coolant::Off, Coolant::Flood],
+        has_length_offsets: false,
+        ..Abilities::USUAL
+    },
+    rests_at_mm: None,
+    five_axes: FiveAxisWords {
+        angle_decimals: 4,
+        angles: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"], ..TIP_CONTROL }),
+        vectors: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS SPAT PATHCTRL VECTOR"], ..TIP_CONTROL }),
+        has_positions: false,
+        turns: Turns::DegreesPerMinute,
+    },
+    syntax: Syntax::Klartext,
+};
+
+const TIP_CONTROL: TipControl =
+    TipControl { before: &[], words: None, off: "FUNCTION RESET TCPM", vector: ["TX", "TY", "TZ"] };

@@ -1,0 +1,13 @@
+//! Mazak in its EIA/ISO language. Nothing has read programs of this dialect but the reader that checks each
+//! of them. The words are those of Fanuc.
+
+use super::fanuc::FANUC;
+use crate::post::dialect::{Dialect, Verification};
+
+pub const MAZAK: Dialect = Dialect {
+    name: "mazak",
+    description: "Mazak, EIA/ISO, milling (unverified)",
+    verification: Verification::Unverified,
+    file_extension: "eia",
+    ..FANUC
+};

@@ -1,0 +1,70 @@
+//! Siemens Sinumerik 840D sl and its relatives, milling, in the control's own language.
+//!
+//! * G710 and G700 select the units of coordinates and of feeds. G70 and G71 would leave feeds alone.
+//! * D selects a cutting edge of the tool, with its length. It is 1 unless the request asks for another.
+//! * The move to zero of the machine's coordinates has D0, so that the length of the tool does not count.
+//! * G54 to G57 are the work offsets; G58 and G59 are something else on this control.
+//! * Under TRAORI coordinates are those of the tip. ORIVECT turns the axis on the great circle. A3, B3 and C3
+//!   state the vector from the tip to the holder.
+//! * Under G93 F is one by the minutes of a block, also under TRAORI.
+
+use crate::post::dialect::{
+    Abilities, BlockNumbers, Point, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Syntax,
+    TipControl, Turns, Verification,
+};
+use crate::toolpath::program::SafeHome;
+
+pub const SIEMENS: Dialect = Dialect {
+    name: "siemens",
+    description: "Siemens Sinumerik 840D sl, 828D and One, milling",
+    verification: Verification::Reader,
+    file_extension: "mpf",
+    line_end: "\n",
+    // The control reads longer lines; its screen does not show them.
+    max_line_length: 120,
+    max_program_number: None,
+    default_decimals_mm: 3,
+    default_decimals_inch: 4,
+    max_decimals: 6,
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
+    // The usual value of the machine data for the differences of radii.
+    curves: Curves { radius_mismatch_mm: 0.01, ..Curves::ARCS },
+    abilities: Abilities {
+        work_offsets: &[54, 55, 56, 57],
+        safe_homes: &[SafeHome::None, SafeHome::G53],
+        ..Abilities::USUAL
+    },
+    rests_at_mm: None,
+    five_axes: FiveAxisWords {
+        angle_decimals: 5,
+        angles: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIAXES"], ..TIP_CONTROL }),
+        vectors: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
+        has_positions: true,
+        turns: Turns::InverseTime,
+    },
+    syntax: Syntax::Siemens(Iso {
+        comment: Comment { open: "; ", separator: " = ", close: "" },
+        block_numbers: BlockNumbers { step: 10, max: 9_999_990 },
+        dwell: Dwell::FeedWord,
+        tool_change: "T{tool} M6",
+        length_offset: "D{edge}",
+        reference_point: &[],
+        machine_zero: &["G0 SUPA {Z0} D0"],
+        start: &[
+            Frame::Header,
+            Frame::ByUnits { mm: "G17 G710 G90 G40 G94", inch: "G17 G700 G90 G40 G94" },
+            // Rounding begins no farther from a corner, and leaves the path by no more.
+            Frame::Blending { before: "G641 ADIS=", after: "" },
+            Frame::WorkOffset,
+            Frame::SafeHome,
+            Frame::ToolChange,
+            Frame::LengthOffset,
+            Frame::SpindleOn,
+            Frame::CoolantOn,
+        ],
+        ..Iso::USUAL
+    }),
+};
+
+const TIP_CONTROL: TipControl =
+    TipControl { before: &[], words: None, off: "TRAFOOF", vector: ["A3=", "B3=", "C3="] };

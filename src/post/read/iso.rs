@@ -1,0 +1,419 @@
+//! Reads programs of ISO words.
+//!
+//! # Method
+//! For each line, `words` collects the words. Then the words take effect in the order in which a control
+//! applies them: units, plane, feed, motion.
+
+mod posed;
+mod words;
+
+use nalgebra::{Point3, Vector3};
+
+use self::posed::Leaning;
+use self::words::Words;
+use super::{Language, Step};
+use crate::geometry::curve::{Arc, Curve, Line, Parabola};
+use crate::geometry::plane::Plane;
+use crate::post::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Parabolas, Point, TipControl};
+use crate::post::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
+use crate::toolpath::program::Units;
+use crate::toolpath::units::FeedRate;
+
+/// G codes that the reader knows, in tenths. In a dialect that writes parabolas, the reader also knows G5.1.
+const KNOWN_G: &[i32] = &[
+    0,
+    10,
+    20,
+    30,
+    40,
+    170,
+    180,
+    190,
+    200,
+    210,
+    280,
+    400,
+    LENGTH_OFFSET,
+    490,
+    530,
+    540,
+    550,
+    560,
+    570,
+    580,
+    590,
+    610,
+    640,
+    800,
+    900,
+    910,
+    930,
+    940,
+];
+const LENGTH_OFFSET: i32 = 430;
+const DWELL: i32 = 40;
+const PARABOLA: i32 = 51;
+const HOME: i32 = 280;
+const MACHINE_COORDINATES: i32 = 530;
+const INVERSE_TIME: i32 = 930;
+const PER_MINUTE: i32 = 940;
+const BLENDING: i32 = 640;
+
+/// M codes that the reader knows, in tenths, and those of them that end a program.
+const KNOWN_M: &[i32] = &[20, 30, 50, 60, 70, 80, 90, 300];
+const ENDS: [i32; 2] = [20, 300];
+
+/// The modal group of G0 to G3, G5.1 and G80.
+const MOTION_GROUP: i32 = 1;
+
+/// The rules of a dialect, with the modal state.
+pub struct Reader<'a> {
+    dialect: &'a Dialect,
+    iso: &'a Iso,
+    expects: Expected,
+    mismatch_limit_mm: f64,
+    /// Position in mm.
+    modal: Modal<f64, FeedRate>,
+    leaning: Leaning,
+    codes: OwnCodes,
+}
+
+/// The G codes, in tenths, that differ between dialects. All stand with an H word.
+#[derive(Debug, Clone, Copy)]
+struct OwnCodes {
+    length_offset: Option<i32>,
+    /// Only where the work offset is the number of an H word.
+    work_offset: Option<i32>,
+    /// The codes after which coordinates are those of the tip: with angles, and with vectors.
+    angles: Option<i32>,
+    vectors: Option<i32>,
+}
+
+impl OwnCodes {
+    fn of(dialect: &Dialect, iso: &Iso) -> Self {
+        let FiveAxisWords { angles, vectors, .. } = dialect.five_axes;
+        let words = |control: Option<TipControl>| control.and_then(|control| control.words);
+        Self {
+            length_offset: code_with_h(iso.length_offset),
+            work_offset: code_with_h(iso.work_offset),
+            angles: words(angles).and_then(code_with_h),
+            vectors: words(vectors).and_then(code_with_h),
+        }
+    }
+
+    fn has(&self, code: i32) -> bool {
+        [self.length_offset, self.work_offset, self.angles, self.vectors].contains(&Some(code))
+    }
+}
+
+/// The code of words such as `G43.4 H{offset}`, in tenths; `None` without an H word.
+fn code_with_h(words: &str) -> Option<i32> {
+    let (code, _) = words.strip_prefix('G')?.split_once(" H")?;
+    code.parse().ok().map(|code: f64| (code * 10.0).round() as i32)
+}
+
+/// The kind of line that has to come next.
+#[derive(Clone, Copy, PartialEq)]
+enum Expected {
+    TapeMark,
+    ProgramNumber,
+    Block,
+    /// The tape mark behind the last block.
+    LastTapeMark,
+    /// Nothing but blank lines.
+    Blank,
+    /// The control reads no more.
+    Nothing,
+}
+
+impl Language for Reader<'_> {
+    fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
+        let is_mark = Some(text.trim()) == self.iso.tape_mark;
+        match self.expects {
+            Expected::TapeMark => {
+                self.expects = Expected::ProgramNumber;
+                if is_mark { Ok(None) } else { Err(Fault::TapeMark) }
+            }
+            Expected::ProgramNumber => {
+                self.expects = Expected::Block;
+                if self.iso.program_number.is_none() { self.line(text) } else { self.program_number(text) }
+            }
+            Expected::Block => {
+                let words = Words::of(text)?;
+                self.check_points(&words)?;
+                self.block(&words)
+            }
+            Expected::LastTapeMark => {
+                self.expects = Expected::Blank;
+                if is_mark { Ok(None) } else { Err(Fault::TapeMark) }
+            }
+            Expected::Blank => {
+                if text.trim().is_empty() {
+                    Ok(None)
+                } else {
+                    Err(Fault::TapeMark)
+                }
+            }
+            Expected::Nothing => Ok(None),
+        }
+    }
+
+    fn pass(&mut self) {
+        self.modal = Modal::UNKNOWN;
+        self.leaning = Leaning::default();
+    }
+
+    fn end(&self) -> Result<(), Fault> {
+        match self.expects {
+            Expected::TapeMark | Expected::ProgramNumber | Expected::Block => Err(Fault::NoEnd),
+            Expected::LastTapeMark => Err(Fault::TapeMark),
+            Expected::Blank | Expected::Nothing => Ok(()),
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(dialect: &'a Dialect, iso: &'a Iso, mismatch_limit_mm: f64) -> Self {
+        Self {
+            dialect,
+            iso,
+            expects: if iso.tape_mark.is_some() { Expected::TapeMark } else { Expected::ProgramNumber },
+            mismatch_limit_mm,
+            modal: Modal::START,
+            leaning: Leaning::default(),
+            codes: OwnCodes::of(dialect, iso),
+        }
+    }
+
+    fn program_number(&self, text: &str) -> Result<Option<Step>, Fault> {
+        let Some(number) = self.iso.program_number else { return Ok(None) };
+        // The program's name may stand beside the number.
+        let line = match text.split_once(" (") {
+            Some((line, name)) if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) => line,
+            _ => text,
+        };
+        let digits = line
+            .trim()
+            .strip_prefix(number.letter)
+            .filter(|digits| digits.len() >= number.digits && digits.bytes().all(|c| c.is_ascii_digit()));
+        let read = digits.and_then(|digits| digits.parse().ok());
+        let max = self.dialect.max_program_number.unwrap_or(u32::MAX);
+        let is_legal = read.is_some_and(|read| (1..=max).contains(&read));
+        if is_legal { Ok(None) } else { Err(Fault::ProgramNumber) }
+    }
+
+    /// In a dialect where a decimal point decides the value, measured numbers need a point and counted
+    /// numbers must not have one.
+    fn check_points(&self, words: &Words) -> Result<(), Fault> {
+        if self.dialect.numbers.point == Point::WhereNeeded {
+            return Ok(());
+        }
+        let missing = words.first_written("XYZABCIJKF", false).map(Fault::MissingPoint);
+        let unexpected = || {
+            words
+                .first_written(if self.iso.dwell == Dwell::Milliseconds { "NHSTP" } else { "NHST" }, true)
+                .map(Fault::UnexpectedPoint)
+        };
+        missing.or_else(unexpected).map_or(Ok(()), Err)
+    }
+
+    fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        self.check_codes(words)?;
+        let g = &words.g;
+        for &code in g.all() {
+            if !self.codes.has(code) || code == LENGTH_OFFSET {
+                self.modal.apply(effect(code));
+            }
+            if code == PARABOLA {
+                // A block without a G word behind it would be run as the last G0 to G3 says, even as a rapid.
+                self.modal.motion = None;
+            }
+            self.leaning.apply(code, &self.codes);
+        }
+        if g.has(INVERSE_TIME) || g.has(PER_MINUTE) {
+            // A feed of the other mode means something else.
+            self.modal.feed = None;
+        }
+        if g.has(HOME) || g.has(MACHINE_COORDINATES) {
+            return self.home(words);
+        }
+        let (is_dwell, is_blending) = (g.has(DWELL), g.has(BLENDING));
+        for (letter, is_used) in [('Q', is_blending), ('P', is_blending || is_dwell)] {
+            if words.has(letter) && !is_used {
+                return Err(Fault::Unused(letter));
+            }
+        }
+        if let Some(feed) = words.get('F').filter(|_| !is_dwell) {
+            let unit =
+                if self.modal.feed_mode == Some(FeedMode::InverseTime) { 1.0 } else { self.unit_mm()? };
+            let rate = FeedRate::from_mm_per_min(feed * unit);
+            self.modal.feed = Some(rate.ok_or(Fault::BadNumber('F'))?);
+        }
+        if ENDS.iter().any(|&code| words.m.has(code)) {
+            let has_mark = self.iso.tape_mark.is_some();
+            self.expects = if has_mark { Expected::LastTapeMark } else { Expected::Nothing };
+        }
+        if is_dwell {
+            return self.dwell(words);
+        }
+        if g.has(PARABOLA) { self.parabola(words) } else { self.motion(words) }
+    }
+
+    /// # Errors
+    /// When a code is unknown, two codes exclude each other, or G43 or its like stands without H.
+    fn check_codes(&self, words: &Words) -> Result<(), Fault> {
+        let Words { g, m, .. } = words;
+        let has_parabolas = self.dialect.curves.parabolas == Parabolas::InXy;
+        let is_known = |code: &i32| match *code {
+            PARABOLA => has_parabolas,
+            LENGTH_OFFSET => self.codes.has(LENGTH_OFFSET),
+            code => KNOWN_G.contains(&code) || self.iso.further_g.contains(&code) || self.codes.has(code),
+        };
+        let number = |code: &i32| f64::from(*code) / 10.0;
+        if let Some(code) = g.all().iter().find(|code| !is_known(code)) {
+            return Err(Fault::UnknownG(number(code)));
+        }
+        if let Some(code) = m.all().iter().find(|code| !KNOWN_M.contains(code)) {
+            return Err(Fault::UnknownM(number(code)));
+        }
+        let mut groups = g.all().iter().map(|&code| modal_group(code)).enumerate();
+        let is_twice = groups.any(|(k, group)| g.all()[..k].iter().any(|&other| modal_group(other) == group));
+        if is_twice || g.has(BLENDING) && g.has(DWELL) {
+            return Err(Fault::Conflict);
+        }
+        match (g.all().iter().any(|&code| self.codes.has(code)), words.has('H')) {
+            (true, false) => Err(Fault::Missing('H')),
+            (false, true) => Err(Fault::Unused('H')),
+            _ => Ok(()),
+        }
+    }
+
+    /// The move to the machine's end of Z: by G28 as a step of no length, or as a rapid to zero of the
+    /// machine's coordinates.
+    fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        let is_relative = self.modal.distance == Some(Distance::Incremental);
+        let is_rapid = self.modal.motion == Some(Motion::Rapid);
+        // The last of the two codes counts.
+        let last = words.g.all().iter().rfind(|code| [HOME, MACHINE_COORDINATES].contains(code));
+        let is_known = if last == Some(&HOME) { is_relative } else { !is_relative && is_rapid };
+        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJKABC").is_some() {
+            return Err(Fault::Conflict);
+        }
+        self.modal.at[2] = None;
+        Ok(None)
+    }
+
+    fn dwell(&self, words: &Words) -> Result<Option<Step>, Fault> {
+        let letter = if self.iso.dwell == Dwell::FeedWord { 'F' } else { 'P' };
+        let count = words.get(letter).ok_or(Fault::Missing(letter))?;
+        let seconds = if self.iso.dwell == Dwell::Milliseconds { count / 1000.0 } else { count };
+        let has_motion = words.g.all().iter().any(|&code| modal_group(code) == MOTION_GROUP);
+        if has_motion || words.first_of("XYZIJKABC").is_some() || seconds < 0.0 {
+            return Err(Fault::Conflict);
+        }
+        Ok(Some(Step::Dwell { seconds }))
+    }
+
+    fn motion(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if words.first_of("XYZIJKABC").is_none() {
+            return Ok(None);
+        }
+        let motion = self.modal.motion.ok_or(Fault::NoMotion)?;
+        if self.modal.distance != Some(Distance::Absolute) {
+            return Err(Fault::Relative);
+        }
+        let from = self.moved(words)?;
+        if self.leaning.is_in_force(words) {
+            return self.posed(words, motion, from).map(Some);
+        }
+        if self.modal.feed_mode == Some(FeedMode::InverseTime) && motion != Motion::Rapid {
+            return Err(Fault::Conflict);
+        }
+        if let (Motion::Rapid | Motion::Line, Some(letter)) = (motion, words.first_of("IJK")) {
+            return Err(Fault::Unused(letter));
+        }
+        if motion == Motion::Rapid {
+            return Ok(Some(Step::Rapid { from, to: self.modal.at }));
+        }
+        let (rate, start, end) = self.cut_from(from)?;
+        let Motion::Arc(direction) = motion else {
+            let along = Curve::Line(Line { start, end });
+            return Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }));
+        };
+        let (plane, center) = (self.plane()?, self.center(words, &start)?);
+        let [s, e, c] = [start, end, center].map(|p| plane.to_local(&p).xy());
+        let radius_mismatch_mm = ((s - c).norm() - (e - c).norm()).abs();
+        if radius_mismatch_mm > self.mismatch_limit_mm {
+            return Err(Fault::RadiusMismatch { mismatch_mm: radius_mismatch_mm });
+        }
+        let arc = Arc::with_center_near(plane, direction, start, end, center).map_err(Fault::Arc)?;
+        Ok(Some(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) }))
+    }
+
+    /// The parabola of a block. Both offsets of its control point have to be written, and it has no Z word.
+    fn parabola(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if self.plane()? != Plane::Xy {
+            return Err(Fault::ParabolaPlane);
+        }
+        if let Some(letter) = words.first_of("ZKABC") {
+            return Err(Fault::Unused(letter));
+        }
+        if words.first_of("XY").is_none() {
+            return Err(Fault::Missing('X'));
+        }
+        let offset = |letter| words.get(letter).ok_or(Fault::Missing(letter));
+        let offset = Vector3::new(offset('I')?, offset('J')?, 0.0) * self.unit_mm()?;
+        let from = self.moved(words)?;
+        let (rate, start, end) = self.cut_from(from)?;
+        let parabola = Parabola::new(start, start + offset, end).map_err(|_| Fault::ParabolaSize)?;
+        let along = Curve::Parabola(parabola);
+        Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }))
+    }
+
+    /// Goes to the coordinates of a block, and returns where the block starts.
+    fn moved(&mut self, words: &Words) -> Result<[Option<f64>; 3], Fault> {
+        let (from, unit_mm) = (self.modal.at, self.unit_mm()?);
+        for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
+            if let Some(value) = words.get(letter) {
+                self.modal.at[axis] = Some(value * unit_mm);
+            }
+        }
+        Ok(from)
+    }
+
+    /// Feed, start and end of a cutting block that has moved the position.
+    fn cut_from(&self, from: [Option<f64>; 3]) -> Result<(FeedRate, Point3<f64>, Point3<f64>), Fault> {
+        let known = |at: [Option<f64>; 3]| match at {
+            [Some(x), Some(y), Some(z)] => Ok(Point3::new(x, y, z)),
+            _ => Err(Fault::UnknownStart),
+        };
+        Ok((self.modal.feed.ok_or(Fault::NoFeed)?, known(from)?, known(self.modal.at)?))
+    }
+
+    /// The written centre: offsets from the start, of which one may be missing.
+    fn center(&self, words: &Words, start: &Point3<f64>) -> Result<Point3<f64>, Fault> {
+        const OFFSETS: [char; 3] = ['I', 'J', 'K'];
+        let [a, b, n] = self.plane()?.axes();
+        if words.has(OFFSETS[n]) {
+            return Err(Fault::Unused(OFFSETS[n]));
+        }
+        let mut center = *start;
+        let offsets = [a, b].map(|axis| (axis, words.get(OFFSETS[axis])));
+        if offsets.iter().all(|(_, offset)| offset.is_none()) {
+            return Err(Fault::MissingCenter);
+        }
+        for (axis, offset) in offsets {
+            center[axis] += offset.unwrap_or(0.0) * self.unit_mm()?;
+        }
+        Ok(center)
+    }
+
+    /// Millimetres in one unit.
+    fn unit_mm(&self) -> Result<f64, Fault> {
+        self.modal.units.map(Units::mm).ok_or(Fault::NoMode("G20 or G21"))
+    }
+
+    fn plane(&self) -> Result<Plane, Fault> {
+        self.modal.plane.ok_or(Fault::NoMode("G17, G18 or G19"))
+    }
+}

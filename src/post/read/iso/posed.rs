@@ -1,0 +1,74 @@
+//! Motions that state the tool axis: by the angles of rotary axes, or as a vector.
+
+use super::super::posed::{Pace, Posed, ROTARY, TipMode};
+use super::super::{Fault, Step};
+use super::words::Words;
+use super::{OwnCodes, Reader};
+use crate::post::nc::{FeedMode, Motion};
+
+const NO_OFFSET: i32 = 490;
+
+/// What is known of the tool axis.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Leaning {
+    mode: TipMode,
+    angles: [Option<f64>; 3],
+}
+
+impl Leaning {
+    pub fn apply(&mut self, code: i32, codes: &OwnCodes) {
+        if Some(code) == codes.angles {
+            self.mode = TipMode::Angles;
+        } else if Some(code) == codes.vectors {
+            self.mode = TipMode::Vectors;
+        } else if code == NO_OFFSET {
+            self.mode = TipMode::Off;
+        }
+    }
+
+    /// Whether a block of motion has a tool axis.
+    pub fn is_in_force(&self, words: &Words) -> bool {
+        self.mode != TipMode::Off
+            || self.angles.iter().any(Option::is_some)
+            || words.first_of("ABC").is_some()
+    }
+}
+
+impl Reader<'_> {
+    /// A straight motion with the tool axis at its end.
+    pub(super) fn posed(
+        &mut self,
+        words: &Words,
+        motion: Motion,
+        from: [Option<f64>; 3],
+    ) -> Result<Step, Fault> {
+        if !matches!(motion, Motion::Rapid | Motion::Line) {
+            return Err(Fault::Conflict);
+        }
+        let has_vectors = self.leaning.mode == TipMode::Vectors;
+        if let Some(letter) = words.first_of(if has_vectors { "ABC" } else { "IJK" }) {
+            return Err(Fault::Unused(letter));
+        }
+        let vector = if has_vectors {
+            let part = |letter| words.get(letter).ok_or(Fault::Missing(letter));
+            Some([part('I')?, part('J')?, part('K')?])
+        } else {
+            None
+        };
+        for (angle, letter) in self.leaning.angles.iter_mut().zip(ROTARY) {
+            *angle = words.get(letter).or(*angle);
+        }
+        let pace = match (motion, self.modal.feed_mode) {
+            (Motion::Rapid, _) => Pace::Rapid,
+            (_, Some(FeedMode::InverseTime)) => {
+                Pace::Seconds(60.0 / words.get('F').filter(|f| *f > 0.0).ok_or(Fault::NoFeed)?)
+            }
+            _ => Pace::Feed(self.modal.feed.ok_or(Fault::NoFeed)?),
+        };
+        if pace != Pace::Rapid && from.iter().any(Option::is_none) {
+            return Err(Fault::UnknownStart);
+        }
+        let Leaning { mode, angles } = self.leaning;
+        Ok(Step::Posed(Posed { from, to: self.modal.at, angles, vector, mode, pace }))
+    }
+}

@@ -1,0 +1,369 @@
+//! Reads programs in Heidenhain Klartext.
+//!
+//! # Method
+//! 1. Each line is a block: its number, a blank and its text. The first word of the text, or all of it, tells
+//!    the kind of block.
+//! 2. `words` reads the words of a block in the order in which the control writes them.
+//! 3. `motion` makes a step of the words and of the modal state: position, circle centre, feed, tip control.
+//!
+//! # Guarantees
+//! * `BEGIN PGM` and `END PGM` state the same name and unit, M30 stands before `END PGM`, and block numbers
+//!   count from 0 in steps of 1.
+//! * DR+ is G3 and DR- is G2 in all three planes. An arc whose end equals its start is a full circle.
+//! * In a program in inches, F counts tenths of an inch per minute. For a turn of the axis about a resting
+//!   tip, F counts degrees per minute. An F of one of these two units is no feed for a motion of the other.
+//! * A tool call loses Z, because the length of the tool changes. Switching tip control on or off loses X, Y
+//!   and Z, because the coordinates are those of another point.
+//! * A motion with a vector leaves the rotary axes at angles that are not known. No cut without tip control
+//!   may follow until a block states the angles.
+//! * Without tip control, a feed block may not turn the axis: the manuals do not say what its F counts.
+//!
+//! A helix of more than one turn is refused, because a step is one curve and turns once at most.
+//!
+//! # Reference
+//! HEIDENHAIN user's manuals: TNC 407 pp. 118-119, 137 (planes, DR, CC, helix); TNC 426/430 p. 154 (`CP IPA
+//! IZ`); iTNC 530 (340 49x-04) p. 254 (arcs outside of the working plane) and p. 457 (`FUNCTION TCPM`); TNC
+//! 620 (2015) p. 455 (`LN` with TX TY TZ); TNC 640 (34059x-01) p. 400 (normalized vectors, order of the words
+//! of LN) and (34059x-05) pp. 115, 631 (names, dwell). Tenths of an inch: the post-processor of Autodesk,
+//! `heidenhain.cps`, 2023.
+
+mod motion;
+mod words;
+
+use nalgebra::Point3;
+
+use self::words::{Functions, Limits, Words};
+use super::number::Number;
+use super::{Language, Step, TipMode};
+use crate::geometry::plane::Plane;
+use crate::post::dialect::Dialect;
+use crate::post::nc::{Fault, WordFault};
+use crate::toolpath::program::Units;
+use crate::toolpath::units::FeedRate;
+
+/// The control has no tool of a larger number.
+const MAX_TOOL: u32 = 32_767;
+
+/// The last row of the table of presets.
+const MAX_PRESET: u32 = 65_535;
+
+/// The longest dwell of one block, s, and its decimals.
+const MAX_DWELL_S: f64 = 3600.0;
+const DWELL_DECIMALS: u8 = 3;
+
+/// The form of the first and of the last line.
+const BEGIN: &str = "0 BEGIN PGM name MM";
+const END: &str = "n END PGM name MM";
+const PRESET: &str = "  Q339=+1 ; DATUM NUMBER";
+const DWELL: &str = "n CYCL DEF 9.1 DWELL seconds";
+
+/// The kind of line that has to come next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Expected {
+    Begin,
+    Block,
+    /// The second block of the cycle for a dwell.
+    DwellTime,
+    /// The second line of the block that activates a preset. It has no number.
+    Preset,
+    /// The last block, after M30.
+    End,
+    /// Nothing but blank lines.
+    Blank,
+}
+
+/// The modal feed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Feed {
+    /// Of the tip along its way.
+    Along(FeedRate),
+    /// Of the axis about a resting tip, degrees per minute.
+    Turning(f64),
+}
+
+/// The rules of Klartext, with the modal state.
+pub struct Reader<'a> {
+    dialect: &'a Dialect,
+    mismatch_limit_mm: f64,
+    expects: Expected,
+    /// The number of the next block.
+    number: u32,
+    name: String,
+    units: Units,
+    /// Position in mm.
+    at: [Option<f64>; 3],
+    /// The centre in mm; its coordinate along the normal of the plane is zero.
+    center: Option<(Plane, Point3<f64>)>,
+    feed: Option<Feed>,
+    has_tool: bool,
+    mode: TipMode,
+    angles: [Option<f64>; 3],
+    vector: Option<[f64; 3]>,
+    /// Whether the last motion with a vector has left the rotary axes at unknown angles.
+    has_lost_axis: bool,
+}
+
+impl Language for Reader<'_> {
+    fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
+        if self.expects == Expected::Blank {
+            return if text.trim().is_empty() { Ok(None) } else { Err(Fault::AfterEnd) };
+        }
+        let limit = self.dialect.max_line_length;
+        if text.chars().count() > limit {
+            return Err(Fault::LongLine { limit });
+        }
+        if self.expects == Expected::Preset {
+            return self.preset(text).map(|()| None);
+        }
+        let block = self.numbered(text)?;
+        match self.expects {
+            Expected::Begin => self.begin(block).ok_or(Fault::Frame(BEGIN)).map(|()| None),
+            Expected::DwellTime => self.dwell(block).map(Some),
+            Expected::End => self.finish(block).map(|()| None),
+            Expected::Block | Expected::Preset | Expected::Blank => self.block(block),
+        }
+    }
+
+    fn pass(&mut self) {
+        self.number += 1;
+        (self.at, self.center, self.feed) = ([None; 3], None, None);
+        (self.mode, self.angles, self.vector) = (TipMode::Off, [None; 3], None);
+        // The line may have called a tool; if it has not, the program runs with the tool that is in place.
+        self.has_tool = true;
+    }
+
+    fn end(&self) -> Result<(), Fault> {
+        match self.expects {
+            Expected::Begin => Err(Fault::Frame(BEGIN)),
+            Expected::Block => Err(Fault::NoEnd),
+            Expected::DwellTime => Err(Fault::Frame(DWELL)),
+            Expected::Preset => Err(Fault::Frame(PRESET)),
+            Expected::End => Err(Fault::Frame(END)),
+            Expected::Blank => Ok(()),
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+        Self {
+            dialect,
+            mismatch_limit_mm,
+            expects: Expected::Begin,
+            number: 0,
+            name: String::new(),
+            units: Units::Mm,
+            at: [None; 3],
+            center: None,
+            feed: None,
+            has_tool: false,
+            mode: TipMode::Off,
+            angles: [None; 3],
+            vector: None,
+            has_lost_axis: false,
+        }
+    }
+
+    /// The text of a block behind its number.
+    fn numbered<'t>(&mut self, line: &'t str) -> Result<&'t str, Fault> {
+        let expected = self.number;
+        self.number += 1;
+        let text = line.strip_prefix(&expected.to_string()).and_then(|text| text.strip_prefix(' '));
+        text.map(str::trim_end).ok_or(Fault::BlockNumber { expected })
+    }
+
+    /// Reads the first block. `None` where it has another form.
+    fn begin(&mut self, block: &str) -> Option<()> {
+        let (name, units) = block.strip_prefix("BEGIN PGM ")?.split_once(' ')?;
+        self.units = match units {
+            "MM" => Units::Mm,
+            "INCH" => Units::Inch,
+            _ => return None,
+        };
+        let is_legal = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-');
+        let is_number = name.bytes().all(|c| c.is_ascii_digit());
+        let max = self.dialect.max_program_number.unwrap_or(u32::MAX);
+        let is_too_large = is_number && name.parse().map_or(true, |number: u32| number > max);
+        if name.is_empty() || is_too_large || !name.chars().all(is_legal) {
+            return None;
+        }
+        self.name = name.to_owned();
+        self.expects = Expected::Block;
+        Some(())
+    }
+
+    /// Reads the last block.
+    fn finish(&mut self, block: &str) -> Result<(), Fault> {
+        let units = match self.units {
+            Units::Mm => "MM",
+            Units::Inch => "INCH",
+        };
+        if block != format!("END PGM {} {units}", self.name) {
+            return Err(if block.starts_with("END") { Fault::Frame(END) } else { Fault::AfterEnd });
+        }
+        self.expects = Expected::Blank;
+        Ok(())
+    }
+
+    fn block(&mut self, block: &str) -> Result<Option<Step>, Fault> {
+        match block {
+            "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS" => return self.begin_tip_control(TipMode::Angles),
+            "FUNCTION TCPM F TCP AXIS SPAT PATHCTRL VECTOR" => {
+                return self.begin_tip_control(TipMode::Vectors);
+            }
+            "FUNCTION RESET TCPM" => {
+                self.switch(TipMode::Off);
+                return Ok(None);
+            }
+            "CYCL DEF 247 DATUM SETTING ~" => {
+                if self.mode != TipMode::Off {
+                    return Err(Fault::UnderTipControl);
+                }
+                self.expects = Expected::Preset;
+                self.at = [None; 3];
+                return Ok(None);
+            }
+            "CYCL DEF 9.0 DWELL TIME" => {
+                self.expects = Expected::DwellTime;
+                return Ok(None);
+            }
+            _ => {}
+        }
+        let (head, tail) = block.split_once(' ').unwrap_or((block, ""));
+        match head {
+            "L" => self.straight(tail),
+            "LN" => self.vector(tail).map(Some),
+            "CC" => self.circle_center(tail),
+            "C" => self.arc(tail).map(Some),
+            "CP" => self.helix(tail).map(Some),
+            "TOOL" => self.tool_call(tail),
+            "END" => Err(Fault::NoEnd),
+            // The control joins a line that ends with a tilde and the line behind it.
+            _ if block.starts_with(';') && !block.ends_with('~') => Ok(None),
+            _ if is_function(head) => {
+                let words = Words::of(block, words::FUNCTIONS, &self.limits())?;
+                self.functions(&words.functions)?;
+                Ok(None)
+            }
+            _ => Err(Fault::UnknownBlock),
+        }
+    }
+
+    /// The row of the table of presets.
+    fn preset(&mut self, line: &str) -> Result<(), Fault> {
+        let row = line.strip_prefix("  Q339=+").and_then(|rest| rest.strip_suffix(" ; DATUM NUMBER"));
+        let row = row.and_then(Number::whole_of).and_then(Number::count).ok_or(Fault::Frame(PRESET))?;
+        if row > MAX_PRESET {
+            return Err(Fault::Word("Q339", WordFault::Range));
+        }
+        self.expects = Expected::Block;
+        Ok(())
+    }
+
+    fn begin_tip_control(&mut self, mode: TipMode) -> Result<Option<Step>, Fault> {
+        if !self.has_tool {
+            return Err(Fault::NoTool);
+        }
+        if self.mode != TipMode::Off {
+            return Err(Fault::UnderTipControl);
+        }
+        self.switch(mode);
+        Ok(None)
+    }
+
+    fn switch(&mut self, mode: TipMode) {
+        if self.mode != mode {
+            self.at = [None; 3];
+            self.vector = None;
+        }
+        self.mode = mode;
+    }
+
+    /// `CALL 3 Z S12000`, or `CALL Z S12000` for the speed alone.
+    fn tool_call(&mut self, tail: &str) -> Result<Option<Step>, Fault> {
+        if self.mode != TipMode::Off {
+            return Err(Fault::UnderTipControl);
+        }
+        let mut words = tail.split_ascii_whitespace().peekable();
+        if words.next() != Some("CALL") {
+            return Err(Fault::UnknownBlock);
+        }
+        // Without a number, the block changes the speed alone.
+        let tool = match words.next_if(|word| *word != "Z") {
+            Some(tool) => {
+                let tool = Number::whole_of(tool).and_then(Number::count);
+                Some(tool.ok_or(Fault::Word("TOOL CALL", WordFault::Number))?)
+            }
+            None => None,
+        };
+        if words.next() != Some("Z") || tool.is_none() && words.peek().is_none() {
+            return Err(Fault::UnknownBlock);
+        }
+        if tool.is_some_and(|tool| tool > MAX_TOOL) {
+            return Err(Fault::Word("TOOL CALL", WordFault::Range));
+        }
+        if let Some(word) = words.next() {
+            let speed = word.strip_prefix('S').ok_or(Fault::UnknownBlock)?;
+            let speed = Number::whole_of(speed).ok_or(Fault::Word("S", WordFault::Number))?;
+            let numbers = &self.dialect.numbers;
+            if speed.sign.is_some() || speed.decimals() > usize::from(numbers.spindle_decimals) {
+                return Err(Fault::Word("S", WordFault::Form));
+            }
+            if !(speed.value > 0.0 && speed.value <= f64::from(numbers.max_spindle_rpm)) {
+                return Err(Fault::Word("S", WordFault::Range));
+            }
+        }
+        if words.next().is_some() {
+            return Err(Fault::UnknownBlock);
+        }
+        if let Some(tool) = tool {
+            // Number 0 stands for no tool.
+            self.has_tool = tool > 0;
+            self.at[2] = None;
+        }
+        Ok(None)
+    }
+
+    fn dwell(&mut self, block: &str) -> Result<Step, Fault> {
+        let text = block.strip_prefix("CYCL DEF 9.1 DWELL ").ok_or(Fault::Frame(DWELL))?;
+        let number = Number::whole_of(text).ok_or(Fault::Word("DWELL", WordFault::Number))?;
+        if number.sign.is_some() || !number.fits(4, DWELL_DECIMALS) {
+            return Err(Fault::Word("DWELL", WordFault::Form));
+        }
+        if number.value > MAX_DWELL_S {
+            return Err(Fault::Word("DWELL", WordFault::Range));
+        }
+        self.expects = Expected::Block;
+        Ok(Step::Dwell { seconds: number.value })
+    }
+
+    /// Lets the M words of a block take effect, but for M91.
+    ///
+    /// # Errors
+    /// When M91 stands in a block other than `L Z+0 FMAX M91`.
+    fn functions(&mut self, functions: &Functions) -> Result<(), Fault> {
+        if functions.has_machine_zero {
+            return Err(Fault::Conflict);
+        }
+        if functions.has_end {
+            self.expects = Expected::End;
+        }
+        Ok(())
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            decimals: self.dialect.max_decimals,
+            angle_decimals: self.dialect.five_axes.angle_decimals,
+            feed_decimals: self.dialect.numbers.max_feed_decimals,
+        }
+    }
+}
+
+/// Whether a word is an M and a number.
+fn is_function(word: &str) -> bool {
+    word.strip_prefix('M').is_some_and(|digits| digits.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+#[cfg(test)]
+mod tests;

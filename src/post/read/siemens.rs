@@ -1,0 +1,275 @@
+//! Reads programs in the language of Siemens controls.
+//!
+//! # Method
+//! 1. `words` reads the words of a line up to the semicolon of its comment.
+//! 2. The words take effect in this order: G codes, tool, cutting edge, feed, end of the program.
+//! 3. `motion` makes a step of the rest and of the modal state.
+//!
+//! # Guarantees
+//! * No mode is assumed. A motion needs G700 or G710, G90 and a code of motion, an arc needs its plane, and a
+//!   feed needs G93 or G94: machine data decide in which modes a program starts.
+//! * A motion along Z needs a cutting edge (D) other than 0. A tool change and D0 end the length offset.
+//! * Under G93 each feed block states F, one by its minutes. A change between G93 and G94 loses the feed.
+//! * Under TRAORI a motion needs ORIVECT, and then A3, B3 and C3, or ORIAXES, and then rotary axes that are
+//!   known. TRAORI, TRAFOOF and a work offset lose the position, and another cutting edge loses Z.
+//! * A motion with a vector leaves the rotary axes at angles that are not known. No cut without TRAORI may
+//!   follow until a block states the angles.
+//! * Under G94 the axis does not turn about a resting tip, and without TRAORI it does not turn in a feed
+//!   block: what F counts there differs between machines.
+//! * N words count as the dialect says; a block may have none.
+//! * Letters are capitals, though the control reads small letters, too.
+//!
+//! # Reference
+//! SINUMERIK 840D/840Di/810D, *Programming Manual Job Planning*, 03/2006 (TRAORI, ORIWKS, ORIVECT, A3=);
+//! SINUMERIK 840D sl, *Programming Manual* (example of ORIVECT); SINUMERIK 840Di sl manual (G93, G700, G710);
+//! SINUMERIK 840De, *Programming Manual*, p. 55 (equal signs, points); SINUMERIK 802D sl, *ISO manual*, p.
+//! 3-42 (SUPA); SINUMERIK ONE, *Programming Manual*, pp. 52, 204 (tool, arcs).
+
+mod motion;
+mod words;
+
+use self::words::{Keyword, Words};
+use super::{Language, Step, TipMode};
+use crate::geometry::plane::Plane;
+use crate::post::dialect::{BlockNumbers, Dialect, Syntax};
+use crate::post::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
+use crate::toolpath::program::Units;
+use crate::toolpath::units::FeedRate;
+
+/// The number of a tool and of its cutting edge, at most.
+const MAX_TOOL: u32 = 99_999_999;
+const MAX_EDGE: u32 = 32_000;
+
+const DWELL: u16 = 4;
+/// Corners are rounded from the distance ADIS on.
+const ROUNDING: u16 = 641;
+
+/// The rules of the language, with the modal state.
+pub struct Reader<'a> {
+    dialect: &'a Dialect,
+    mismatch_limit_mm: f64,
+    block_numbers: Option<BlockNumbers>,
+    /// The last N word.
+    number: Option<u32>,
+    /// Whether M30 has been read.
+    is_over: bool,
+    /// Position in mm.
+    modal: Modal<f64, FeedRate>,
+    /// The cutting edge, 0 without length offset.
+    edge: u32,
+    has_tip_control: bool,
+    /// How the axis is told under tip control.
+    orientation: Option<TipMode>,
+    angles: [Option<f64>; 3],
+    vector: Option<[f64; 3]>,
+    /// Whether the last motion with a vector has left the rotary axes at unknown angles.
+    has_lost_axis: bool,
+}
+
+impl Language for Reader<'_> {
+    fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
+        if self.is_over {
+            return if text.trim().is_empty() { Ok(None) } else { Err(Fault::AfterEnd) };
+        }
+        let limit = self.dialect.max_line_length;
+        if text.chars().count() > limit {
+            return Err(Fault::LongLine { limit });
+        }
+        let words = Words::of(text, self.dialect)?;
+        self.block(&words)
+    }
+
+    fn pass(&mut self) {
+        if let (Some(number), Some(rule)) = (self.number, self.block_numbers) {
+            self.number = Some(if number < rule.max { number + rule.step } else { rule.step });
+        }
+        self.modal = Modal::UNKNOWN;
+        (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
+        (self.angles, self.vector) = ([None; 3], None);
+    }
+
+    fn end(&self) -> Result<(), Fault> {
+        if self.is_over { Ok(()) } else { Err(Fault::NoEnd) }
+    }
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+        let block_numbers = match &dialect.syntax {
+            Syntax::Siemens(iso) => Some(iso.block_numbers),
+            _ => None,
+        };
+        Self {
+            dialect,
+            mismatch_limit_mm,
+            block_numbers,
+            number: None,
+            is_over: false,
+            modal: Modal::UNKNOWN,
+            edge: 0,
+            has_tip_control: false,
+            orientation: None,
+            angles: [None; 3],
+            vector: None,
+            has_lost_axis: false,
+        }
+    }
+
+    fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        self.check_number(words)?;
+        if words.rounding.is_some() != words.g.contains(&ROUNDING) {
+            return Err(Fault::Word("ADIS", WordFault::Unused));
+        }
+        match words.keyword {
+            Some(Keyword::MachineZero) => return self.machine_zero(words),
+            Some(keyword) => return self.switch(keyword, words).map(|()| None),
+            None => {}
+        }
+        for &code in words.g.iter() {
+            self.apply(code);
+        }
+        if words.g.contains(&DWELL) {
+            return dwell(words).map(Some);
+        }
+        self.tool(words)?;
+        self.feed(words)?;
+        self.is_over = words.m.contains(&30);
+        self.motion(words)
+    }
+
+    /// # Errors
+    /// When the N word does not follow the one before it.
+    fn check_number(&mut self, words: &Words) -> Result<(), Fault> {
+        let (Some(number), Some(rule)) = (words.number, self.block_numbers) else { return Ok(()) };
+        let expected = match self.number {
+            Some(last) if last < rule.max => last + rule.step,
+            _ => rule.step,
+        };
+        self.number = Some(number);
+        if number == expected { Ok(()) } else { Err(Fault::BlockNumber { expected }) }
+    }
+
+    /// Lets a G code take effect. `words` has refused all codes but those that are read.
+    fn apply(&mut self, code: u16) {
+        let modal = &mut self.modal;
+        match code {
+            700 | 710 => {
+                let units = if code == 700 { Units::Inch } else { Units::Mm };
+                if modal.units.replace(units) != Some(units) {
+                    modal.feed = None;
+                }
+            }
+            93 | 94 => {
+                let mode = if code == 93 { FeedMode::InverseTime } else { FeedMode::PerMinute };
+                if modal.feed_mode.replace(mode) != Some(mode) {
+                    modal.feed = None;
+                }
+            }
+            54..=57 => modal.at = [None; 3],
+            // These have no effect on the steps.
+            DWELL | 40 | 64 => {}
+            code => modal.apply(effect(i32::from(code) * 10)),
+        }
+    }
+
+    /// A block of one word that changes how the axis is told.
+    fn switch(&mut self, keyword: Keyword, words: &Words) -> Result<(), Fault> {
+        if !words.is_empty() {
+            return Err(Fault::Conflict);
+        }
+        match keyword {
+            Keyword::BeginTipControl if self.has_tip_control => return Err(Fault::UnderTipControl),
+            Keyword::BeginTipControl | Keyword::EndTipControl => {
+                let begins = keyword == Keyword::BeginTipControl;
+                if self.has_tip_control != begins {
+                    self.modal.at = [None; 3];
+                    self.vector = None;
+                }
+                self.has_tip_control = begins;
+            }
+            Keyword::ByAxes => self.orientation = Some(TipMode::Angles),
+            Keyword::ByVectors => self.orientation = Some(TipMode::Vectors),
+            Keyword::InWorkpiece | Keyword::MachineZero => {}
+        }
+        Ok(())
+    }
+
+    /// `G0 SUPA Z0 D0`, a rapid in the machine's coordinates without length offset.
+    fn machine_zero(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        if self.has_tip_control {
+            return Err(Fault::UnderTipControl);
+        }
+        let has_others = words.first_of("XYIJKABCFST").is_some() || words.has_vector() || !words.m.is_empty();
+        let is_known =
+            words.g.as_slice() == [0] && words.get('Z') == Some(0.0) && words.get('D') == Some(0.0);
+        if has_others || !is_known {
+            return Err(Fault::Conflict);
+        }
+        self.modal.motion = Some(Motion::Rapid);
+        self.modal.at[2] = None;
+        self.edge = 0;
+        Ok(None)
+    }
+
+    /// Tool, cutting edge and spindle speed.
+    fn tool(&mut self, words: &Words) -> Result<(), Fault> {
+        let count = |name: &'static str, letter, max| match words.get(letter) {
+            Some(value) if value > f64::from(max) => Err(Fault::Word(name, WordFault::Range)),
+            // `words` has read it as a whole number.
+            value => Ok(value.map(|value| value as u32)),
+        };
+        let tool = count("T", 'T', MAX_TOOL)?;
+        match (tool.is_some(), words.m.contains(&6)) {
+            (true, false) => return Err(Fault::Word("M6", WordFault::Missing)),
+            (false, true) => return Err(Fault::Word("T", WordFault::Missing)),
+            (true, true) if self.has_tip_control => return Err(Fault::UnderTipControl),
+            (true, true) => (self.edge, self.modal.at[2]) = (0, None),
+            (false, false) => {}
+        }
+        if let Some(edge) = count("D", 'D', MAX_EDGE)? {
+            if edge != self.edge {
+                self.modal.at[2] = None;
+            }
+            self.edge = edge;
+        }
+        let max_rpm = f64::from(self.dialect.numbers.max_spindle_rpm);
+        match words.get('S') {
+            Some(rpm) if !(rpm > 0.0 && rpm <= max_rpm) => Err(Fault::Word("S", WordFault::Range)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The feed by the minute. Under G93, `motion` reads F.
+    fn feed(&mut self, words: &Words) -> Result<(), Fault> {
+        let Some(feed) = words.get('F') else { return Ok(()) };
+        if feed <= 0.0 {
+            return Err(Fault::Word("F", WordFault::Range));
+        }
+        if self.modal.feed_mode.ok_or(Fault::NoMode("G93 or G94"))? == FeedMode::PerMinute {
+            let rate = FeedRate::from_mm_per_min(feed * self.unit_mm()?);
+            self.modal.feed = Some(rate.ok_or(Fault::Word("F", WordFault::Range))?);
+        }
+        Ok(())
+    }
+
+    fn unit_mm(&self) -> Result<f64, Fault> {
+        self.modal.units.map(Units::mm).ok_or(Fault::NoMode("G700 or G710"))
+    }
+
+    fn plane(&self) -> Result<Plane, Fault> {
+        self.modal.plane.ok_or(Fault::NoMode("G17, G18 or G19"))
+    }
+}
+
+/// `G4 F0.25`, in a block of its own.
+fn dwell(words: &Words) -> Result<Step, Fault> {
+    let seconds = words.get('F').ok_or(Fault::Word("F", WordFault::Missing))?;
+    let has_others = words.first_of("XYZIJKABCSTD").is_some() || words.has_vector() || !words.m.is_empty();
+    if has_others || words.g.as_slice() != [DWELL] {
+        return Err(Fault::Conflict);
+    }
+    Ok(Step::Dwell { seconds })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,230 @@
+//! A shop's own lines in programs.
+
+use super::*;
+use crate::post::custom::refused;
+use crate::post::dialects::{grbl::GRBL, heidenhain::HEIDENHAIN, siemens::SIEMENS};
+use crate::toolpath::program::Custom;
+
+fn lines(lines: &[&str]) -> Vec<String> {
+    lines.iter().map(|&line| line.to_owned()).collect()
+}
+
+fn with(dialect: &Dialect, custom: Custom) -> Result<String, WriteError> {
+    let tool = Tool { length_offset: None, ..TOOL };
+    let decimals = dialect.default_decimals_mm;
+    let program =
+        Program { custom, block_numbers: true, ..program(Resolution { units: Units::Mm, decimals }) };
+    let cutting = Cutting { coolant: Coolant::Off, ..cutting() };
+    let job = ProgramJob {
+        program: &program,
+        tool: Some(&tool),
+        cutting: &cutting,
+        dialect,
+        comments: &[],
+        warnings: &[],
+        five_axes: None,
+    };
+    let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 45.0));
+    path.line(Point3::new(0.0, 0.0, -1.0), feed(400.0), Role::Plunge).unwrap();
+    path.line(Point3::new(10.5, 0.0, -1.0), feed(800.0), Role::Cut).unwrap();
+    path.rapid(Point3::new(10.5, 0.0, 45.0)).unwrap();
+    write(&path.finish().unwrap(), &job, &Budget::unlimited()).map(|program| program.text)
+}
+
+#[test]
+fn own_lines_stand_in_their_places_and_the_modes_are_set_again() {
+    let custom = Custom {
+        header: lines(&["G91 G28 Z0.", "(SHOP 7 - 3-AXIS)", "G90"]),
+        tool_change: lines(&["G65 P9000 T3 X1.5", "T3 M6"]),
+        footer: lines(&["M98 P8000", "M1"]),
+    };
+    let text = with(&FANUC, custom).unwrap();
+    let body: Vec<&str> = text.lines().skip_while(|line| !line.contains("G28")).collect();
+    assert_eq!(
+        body,
+        [
+            "N80 G91 G28 Z0.",
+            "N90 (SHOP 7 - 3-AXIS)",
+            "N100 G90",
+            "N110 G21",
+            "N120 G17 G90 G40 G49 G80 G94",
+            "N130 G65 P9000 T3 X1.5",
+            "N140 T3 M6",
+            "N150 G21",
+            "N160 G17 G90 G40 G49 G80 G94",
+            "N170 S12000 M3",
+            "N180 G0 X0.000 Y0.000",
+            "N190 G43 H3 Z45.000",
+            "N200 G1 Z-1.000 F400.",
+            "N210 X10.500 F800.",
+            "N220 G0 Z45.000",
+            "N230 M5",
+            "N240 M9",
+            "N250 M98 P8000",
+            "N260 M1",
+            "N270 M30",
+            "%",
+        ]
+    );
+}
+
+#[test]
+fn klartext_and_siemens_have_lines_of_their_own_kind() {
+    let custom = Custom {
+        header: lines(&["CYCL DEF 247 DATUM SETTING Q339=+1", "L Z+0 R0 FMAX M91"]),
+        tool_change: lines(&["TOOL CALL 3 Z", "M27"]),
+        footer: lines(&["CALL PGM TNC:\\END.H", "; DONE"]),
+    };
+    let text = with(&HEIDENHAIN, custom).unwrap();
+    assert!(text.contains(" TOOL CALL 3 Z\n") && text.contains(" TOOL CALL Z S12000\n"), "{text}");
+    assert!(text.contains(" CALL PGM TNC:\\END.H\n"), "{text}");
+    let custom = Custom {
+        header: lines(&["CYCLE800()", "G0 SUPA Z0 D0 ; up", "MSG(\"SHOP 7\")"]),
+        tool_change: lines(&["T=\"BALL 10\"", "M6", "L9000"]),
+        footer: lines(&["M1"]),
+    };
+    let text = with(&SIEMENS, custom).unwrap();
+    assert!(text.contains(" T=\"BALL 10\"\n") && text.contains("D1\n"), "{text}");
+}
+
+#[test]
+fn lines_that_break_the_program_are_refused() {
+    let cases: [(&Dialect, &[&str]); 4] = [
+        (
+            &FANUC,
+            &[
+                "",
+                " ",
+                "M30",
+                "M2",
+                "M02",
+                "M99",
+                "M97 P1",
+                "%",
+                "O1234",
+                "N10 M1",
+                "G20",
+                "G68 X0 Y0 R45",
+                "G92 X0",
+                "G52 X1",
+                "G10 L2 P1 X0",
+                "G41 D1",
+                "G51 X0 P2",
+                "G1 Z-50 F100",
+                "X5",
+                "#500=1",
+                "GOTO 10",
+                "/M1",
+                "IF [#1 EQ 1] GOTO 2",
+                "(OPEN",
+                "M1 ; G0 Z-9",
+                "(A) G0 Z-9",
+                "(MSG, X)",
+                "( PROBEOPEN X)",
+                "G90.1",
+                "M72",
+                "M1\nM30",
+                "Ü",
+                "G43.4 H1",
+                "T3 M6 Z",
+                "(A:O1)",
+                "(A(B)",
+            ],
+        ),
+        (&GRBL, &["G0 X5", "$H", "!", "~", "?"]),
+        (
+            &SIEMENS,
+            &[
+                "M17",
+                "RET",
+                "GOTOF A",
+                "A: G0",
+                "IF R1==1",
+                "TRANS X5",
+                "ROT Z45",
+                "$P_UIFR[1]=0",
+                "G58 X1",
+                "MSG(\"A)",
+                "T=\"A",
+                "CYCLE832(0.01",
+                "STOPRE GOTOB X",
+                "R1=5",
+            ],
+        ),
+        (
+            &HEIDENHAIN,
+            &[
+                "M30",
+                "M99",
+                "L X+5 R0 FMAX",
+                "LBL 1",
+                "CALL LBL 1",
+                "END PGM 1 MM",
+                "BEGIN PGM 1 MM",
+                "FN 0: Q1 = +5",
+                "CYCL DEF 7.1 X+5",
+                "; A ~",
+                "M3 M30",
+                "M2.0",
+                "L Z+0 R0 FMAX M91 M30",
+                "M002",
+            ],
+        ),
+    ];
+    for (dialect, refusals) in cases {
+        for line in refusals {
+            for k in 0..3 {
+                let mut custom = Custom::default();
+                [&mut custom.header, &mut custom.tool_change, &mut custom.footer][k].push((*line).to_owned());
+                let error = with(dialect, custom);
+                assert!(matches!(error, Err(WriteError::Custom(_))), "{} {line:?} {error:?}", dialect.name);
+            }
+        }
+    }
+    let deckel = crate::post::dialect("deckel").unwrap();
+    assert_eq!(refused(deckel, &Custom { header: lines(&["M1"]), ..Custom::default() }).len(), 1);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Lines are refused, or they are lines of the program, and all other lines are as without them.
+    #[test]
+    fn own_lines_are_refused_or_stand_as_they_are(
+        header in prop::collection::vec(line(), 0..3), tool_change in prop::collection::vec(line(), 0..3),
+        footer in prop::collection::vec(line(), 0..3), dialect in prop::sample::select(DIALECTS),
+    ) {
+        let custom = Custom { header, tool_change, footer };
+        let Ok(text) = with(dialect, custom.clone()) else { return Ok(()) };
+        let plain = with(dialect, Custom::default()).unwrap();
+        let count = |text: &str| text.split(['\n', '\r', '\u{b}', '\u{c}', '\u{85}', '\u{2028}']).count();
+        prop_assert_eq!(count(&text), text.lines().count() + 1);
+        prop_assert!(text.is_ascii());
+        for own in [&custom.header, &custom.tool_change, &custom.footer].into_iter().flatten() {
+            prop_assert!(text.lines().any(|line| line.ends_with(own.as_str())), "{own:?}");
+        }
+        prop_assert_eq!(text.matches('%').count(), plain.matches('%').count());
+        // Both end with the same block, and move alike.
+        let bare = |line: &str| line.trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit()).trim().to_owned();
+        let last = |text: &str| text.lines().rev().take(2).map(bare).collect::<Vec<_>>();
+        let has_end = |line: &String| line.contains("M30") || line.contains("M2") || line.contains("END PGM");
+        prop_assert!(last(&text).iter().any(has_end), "{text}");
+        let cuts = |text: &str| -> Vec<String> {
+            text.lines().map(bare).filter(|line| line.contains("10.5") || line.contains("-1.0")).collect()
+        };
+        prop_assert_eq!(cuts(&text), cuts(&plain));
+    }
+}
+
+/// Words, comments and noise in any order.
+fn line() -> impl Strategy<Value = String> {
+    let word = prop_oneof![
+        8 => "[A-Z]-?[0-9]{1,2}[.]?[0-9]? ?",
+        4 => prop::sample::select(vec!["M1", "M0 ", "G65 ", "P9000 ", "T3 M6", "G28", "G53 ", "(SHOP)", "; x", "M30", "M6 "])
+            .prop_map(str::to_owned),
+        2 => prop::sample::select(vec!["CALL PGM A", "L Z+0 FMAX M91", "STOP", "MSG(\"A\")", "SUPA ", "END PGM 1 MM", "%\n"])
+            .prop_map(str::to_owned),
+        1 => "(?s).{0,4}",
+    ];
+    prop::collection::vec(word, 1..4).prop_map(|words| words.concat())
+}

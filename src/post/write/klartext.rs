@@ -1,0 +1,292 @@
+//! Writes programs in Heidenhain Klartext.
+//!
+//! Every block is numbered, and every coordinate has a sign. CC states the centre of the arcs behind it. F is
+//! modal, FMAX (a rapid) holds for its block only.
+//!
+//! # Source
+//! HEIDENHAIN, *User's Manual iTNC 530 Conversational Programming* and *TNC 640 Klartext Programming*.
+
+use super::lines::{Lines, Numbering, Written};
+use super::{program_number, remarks, tool_of};
+use crate::geometry::curve::Direction;
+use crate::post::block::{AxisWords, Block, BlockFeed};
+use crate::post::dialect::{Comment, TipControl};
+use crate::post::header::Remark;
+use crate::post::posed::VECTOR_DECIMALS;
+use crate::post::words::{self, AXES, FeedWord};
+use crate::post::{ProgramJob, WriteError};
+use crate::toolpath::cutting::Coolant;
+use crate::toolpath::program::{SafeHome, Units};
+
+const COMMENT: Comment = Comment { open: "; ", separator: " = ", close: "" };
+const NUMBERING: Numbering = Numbering { prefix: "", first: 0, step: 1, max: u32::MAX };
+
+/// The text of a whole program; see [`super::text`].
+pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<Written, WriteError> {
+    let mut writer = Writer {
+        job,
+        lines: Lines::new(job.dialect, Some(NUMBERING), blocks.len()),
+        at: [None; 3],
+        center: None,
+        angles: [None; 2],
+        feed: None,
+        tip_control_off: None,
+    };
+    writer.begin(remarks)?;
+    for block in blocks {
+        writer.block(block)?;
+    }
+    writer.end()
+}
+
+struct Writer<'a> {
+    job: &'a ProgramJob<'a>,
+    lines: Lines<'a>,
+    /// The position as last written.
+    at: [Option<i64>; 3],
+    /// The centre as last written, with its axes.
+    center: Option<[(usize, i64); 2]>,
+    angles: [Option<i64>; 2],
+    feed: Option<Feed>,
+    /// The words that end tip control, while it is in force.
+    tip_control_off: Option<&'static str>,
+}
+
+/// A feed as last written.
+#[derive(Clone, Copy, PartialEq)]
+enum Feed {
+    OfTip(FeedWord),
+    OfTurns(FeedWord),
+}
+
+impl Writer<'_> {
+    fn name(&self) -> Result<String, WriteError> {
+        let units = match self.job.program.resolution.units {
+            Units::Mm => "MM",
+            Units::Inch => "INCH",
+        };
+        Ok(format!("{} {units}", program_number(self.job)?.unwrap_or(1)))
+    }
+
+    fn begin(&mut self, remarks: &[Remark]) -> Result<(), WriteError> {
+        let job = self.job;
+        let name = self.name()?;
+        self.lines.line(&format!("BEGIN PGM {name}"))?;
+        for remark in remarks {
+            remarks::write(&mut self.lines, job.dialect, &COMMENT, remark)?;
+        }
+        let custom = &job.program.custom;
+        self.lines.custom(&custom.header)?;
+        self.preset()?;
+        self.safe_home()?;
+        self.lines.custom(&custom.tool_change)?;
+        let has_own_change = !custom.tool_change.is_empty();
+        if !has_own_change {
+            self.lines.word(&format!("TOOL CALL {} Z", tool_of(job).0));
+        }
+        if let Some(rpm) = job.cutting.spindle_rpm {
+            let speed = words::spindle(rpm, &job.dialect.numbers)?;
+            if has_own_change {
+                // The speed alone.
+                self.lines.word("TOOL CALL Z");
+            }
+            self.lines.number("S", speed.digits, speed.decimals);
+            self.lines.end()?;
+            self.lines.word("M3");
+        }
+        self.lines.end()?;
+        if job.cutting.coolant == Coolant::Flood {
+            self.lines.line("M8")?;
+        }
+        Ok(())
+    }
+
+    fn end(mut self) -> Result<Written, WriteError> {
+        self.safe_home()?;
+        self.lines.line("M5")?;
+        self.lines.line("M9")?;
+        self.lines.custom(&self.job.program.custom.footer)?;
+        self.lines.line("M30")?;
+        let name = self.name()?;
+        self.lines.line(&format!("END PGM {name}"))?;
+        Ok(self.lines.finish())
+    }
+
+    /// Activates a row of the table of presets: 1 for G54. The second line belongs to the block of the first.
+    fn preset(&mut self) -> Result<(), WriteError> {
+        let Some(number) = self.job.program.work_offset else { return Ok(()) };
+        self.lines.line("CYCL DEF 247 DATUM SETTING ~")?;
+        self.lines.word(&format!("  Q339=+{} ; DATUM NUMBER", number.saturating_sub(53)));
+        self.lines.end_unnumbered()
+    }
+
+    /// Moves up to zero of the machine's coordinates.
+    fn safe_home(&mut self) -> Result<(), WriteError> {
+        if self.job.program.safe_home == SafeHome::None {
+            return Ok(());
+        }
+        self.lines.word("L");
+        self.coordinate('Z', 0);
+        self.at[2] = None;
+        self.lines.line("R0 FMAX M91")
+    }
+
+    fn block(&mut self, block: &Block) -> Result<(), WriteError> {
+        match *block {
+            Block::Rapid { to } | Block::Park { to } => {
+                self.lines.word("L");
+                for (axis, to) in to.into_iter().enumerate() {
+                    if let Some(to) = to {
+                        self.axis(axis, to);
+                    }
+                }
+                self.lines.word("R0 FMAX");
+            }
+            Block::Line { to, feed, .. } => {
+                self.lines.word("L");
+                self.changed(to);
+                self.lines.word("R0");
+                self.feed(Feed::OfTip(feed));
+            }
+            Block::Arc { plane, direction, to, center, feed } => {
+                let offsets = words::center_offsets(plane, center);
+                let center = offsets.map(|(axis, offset)| (axis, self.at[axis].unwrap_or(0) + offset));
+                if self.center != Some(center) {
+                    self.lines.word("CC");
+                    for (axis, at) in center {
+                        self.coordinate(AXES[axis], at);
+                    }
+                    self.lines.end()?;
+                    self.center = Some(center);
+                }
+                self.lines.word("C");
+                for (axis, _) in center {
+                    self.axis(axis, to[axis]);
+                }
+                self.lines.word(match direction {
+                    Direction::Cw => "DR-",
+                    Direction::Ccw => "DR+",
+                });
+                self.lines.word("R0");
+                self.feed(Feed::OfTip(feed));
+            }
+            // The control has no such block, and `quantize` makes none for it.
+            Block::Parabola { .. } => return Err(WriteError::Differs { line: 0, what: "kind" }),
+            Block::Dwell { milliseconds } => {
+                self.lines.line("CYCL DEF 9.0 DWELL TIME")?;
+                let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);
+                self.lines.word("CYCL DEF 9.1");
+                self.lines.number("DWELL ", digits, 3);
+            }
+            Block::Rotate { angles } => {
+                self.lines.word("L");
+                self.angles(angles);
+                self.lines.word("R0 FMAX");
+            }
+            Block::BeginTipControl { to, axis } => {
+                let words = self.job.dialect.five_axes;
+                let control = match axis {
+                    AxisWords::Angles(_) => words.angles,
+                    AxisWords::Vector(_) => words.vectors,
+                };
+                let TipControl { before, off, .. } = control.ok_or(WriteError::AxisOutput)?;
+                for text in before {
+                    self.lines.line(text)?;
+                }
+                self.tip_control_off = Some(off);
+                self.place(to, axis);
+                self.lines.word("R0 FMAX");
+            }
+            Block::Posed { to, axis, feed } => {
+                self.place(to, axis);
+                self.lines.word("R0");
+                match feed {
+                    BlockFeed::Rapid => self.lines.word("FMAX"),
+                    BlockFeed::PerMinute(feed) => self.feed(Feed::OfTip(feed)),
+                    BlockFeed::DegreesPerMinute(feed) => self.feed(Feed::OfTurns(feed)),
+                    BlockFeed::InverseTime(_) => return Err(WriteError::AxisOutput),
+                }
+            }
+            Block::EndPosed => {
+                if let Some(off) = self.tip_control_off.take() {
+                    self.lines.word(off);
+                }
+            }
+        }
+        self.lines.end()
+    }
+
+    /// The place of the tip with the tool axis. A block of vectors states all of them.
+    fn place(&mut self, to: [i64; 3], axis: AxisWords) {
+        match axis {
+            AxisWords::Angles(angles) => {
+                self.lines.word("L");
+                self.changed(to);
+                self.angles(angles);
+            }
+            AxisWords::Vector(parts) => {
+                self.lines.word("LN");
+                for (axis, to) in to.into_iter().enumerate() {
+                    self.axis(axis, to);
+                }
+                for (word, part) in ["TX", "TY", "TZ"].into_iter().zip(parts) {
+                    self.signed(word, part, VECTOR_DECIMALS);
+                }
+            }
+        }
+    }
+
+    /// The angles that differ from those last written, in the order of their letters.
+    fn angles(&mut self, angles: [i64; 2]) {
+        let names = self.job.rotary_names();
+        let mut words: Vec<(char, usize)> = names.into_iter().zip(0..).collect();
+        words.sort_unstable();
+        for (letter, k) in words {
+            if self.angles[k] != Some(angles[k]) {
+                let decimals = self.job.dialect.five_axes.angle_decimals;
+                self.signed(letter.encode_utf8(&mut [0; 4]), angles[k], decimals);
+                self.angles[k] = Some(angles[k]);
+            }
+        }
+    }
+
+    /// The coordinates that differ from those last written.
+    fn changed(&mut self, to: [i64; 3]) {
+        for (axis, to) in to.into_iter().enumerate() {
+            if self.at[axis] != Some(to) {
+                self.axis(axis, to);
+            }
+        }
+    }
+
+    fn axis(&mut self, axis: usize, to: i64) {
+        self.coordinate(AXES[axis], to);
+        self.at[axis] = Some(to);
+    }
+
+    fn coordinate(&mut self, letter: char, units: i64) {
+        self.signed(letter.encode_utf8(&mut [0; 4]), units, self.job.program.resolution.decimals);
+    }
+
+    fn signed(&mut self, word: &str, digits: i64, decimals: u8) {
+        let sign = if digits < 0 { "" } else { "+" };
+        self.lines.number(&format!("{word}{sign}"), digits, decimals);
+    }
+
+    /// In a program in inches, the feed of the tip counts tenths of an inch.
+    fn feed(&mut self, feed: Feed) {
+        if self.feed == Some(feed) {
+            return;
+        }
+        self.feed = Some(feed);
+        let is_inch = self.job.program.resolution.units == Units::Inch;
+        let (digits, decimals) = match feed {
+            Feed::OfTip(FeedWord { digits, decimals: 0 }) if is_inch => (10 * digits, 0),
+            Feed::OfTip(FeedWord { digits, decimals }) if is_inch => (digits, decimals - 1),
+            Feed::OfTip(FeedWord { digits, decimals }) | Feed::OfTurns(FeedWord { digits, decimals }) => {
+                (digits, decimals)
+            }
+        };
+        self.lines.number("F", digits, decimals);
+    }
+}

@@ -35,4 +35,4 @@ pub use run::{Stop, run};
 pub use sender::{Delivery, Failure, Left, Outcome, Progress, Sender};
 pub use settings::{Ends, Flow, Marks, Settings};
 pub use tape::{Tape, TapeError};
-pub use target::{Address, NamedTarget, SendError, Target, send};
+pub use target::{Address, NamedTarget, SendError, Target, send, send_by};

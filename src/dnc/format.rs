@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn seven_bits_carry_ascii_alone() {
         for format in all() {
-            assert_eq!(format.carries(0x7f), true);
+            assert!(format.carries(0x7f));
             assert_eq!(format.carries(0x80), !format.has_seven_bits);
         }
     }

@@ -16,7 +16,7 @@ pub enum Step<'a> {
 
 /// Decides what is written when. Times are measured from the beginning of the sending. `queued` is the number
 /// of characters in the system's output queue.
-pub trait Sender {
+pub trait Sender: Send {
     /// Takes characters that the control has sent.
     fn receive(&mut self, bytes: &[u8], now: Duration);
 
@@ -124,20 +124,6 @@ pub enum Left {
     Reset { is_confirmed: bool },
 }
 
-impl Left {
-    /// The name of the state, for software.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::Whole => "whole_program",
-            Self::Blocks { has_end_mark: true, .. } => "blocks_and_end_mark",
-            Self::Blocks { has_end_mark: false, .. } => "blocks",
-            Self::HalfBlock { .. } => "half_block",
-            Self::Reset { .. } => "reset",
-        }
-    }
-}
-
 impl fmt::Display for Left {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -181,16 +167,6 @@ pub enum Delivery {
 }
 
 impl Delivery {
-    /// The name of the state, for software.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Transmitted => "transmitted",
-            Self::HandedOver => "handed_over",
-            Self::PeerClosed => "peer_closed",
-            Self::Answered => "answered",
-        }
-    }
-
     /// What is known, for people.
     pub fn meaning(self) -> &'static str {
         match self {

@@ -120,30 +120,50 @@ pub enum SendError {
     Open { address: Address, error: io::Error },
 }
 
-/// Sends a program to a target and blocks until the sending has ended.
+/// Makes the sender of a program.
 ///
 /// # Errors
-/// When nothing was sent: the line cannot carry the program, or cannot be opened. The outcome tells of
-/// failures that happen later.
+/// When the line to the target cannot carry the program.
+pub fn sender(program: &[u8], target: &Target) -> Result<Box<dyn Sender>, TapeError> {
+    let settings = &target.settings;
+    Ok(match settings.flow {
+        Flow::Grbl => Box::new(Grbl::new(grbl::program(program)?, settings, target.is_paced())),
+        Flow::None | Flow::XonXoff | Flow::RtsCts => {
+            Box::new(Handshake::new(Tape::new(program, settings)?, settings, target.is_paced()))
+        }
+    })
+}
+
+/// Opens the line to a target and lets `sender` send. Blocks until the sending has ended.
+///
+/// # Errors
+/// When the line cannot be opened. The outcome tells of failures that happen later.
+pub fn send_by(
+    sender: &mut dyn Sender,
+    target: &Target,
+    stop: &Stop,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Outcome, SendError> {
+    let Target { address, settings } = target;
+    let opened: io::Result<Box<dyn Line>> = match address {
+        Address::Serial(path) => Serial::open(path, settings).map(|line| Box::new(line) as _),
+        Address::Tcp(address) => Tcp::open(address).map(|line| Box::new(line) as _),
+    };
+    let mut line = opened.map_err(|error| SendError::Open { address: address.clone(), error })?;
+    Ok(run(&mut *line, sender, stop, observe))
+}
+
+/// Sends a program to a target. Blocks until the sending has ended.
+///
+/// # Errors
+/// When nothing was sent: the line cannot carry the program, or cannot be opened.
 pub fn send(
     program: &[u8],
     target: &Target,
     stop: &Stop,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, SendError> {
-    let Target { address, settings } = target;
-    let mut sender: Box<dyn Sender> = match settings.flow {
-        Flow::Grbl => Box::new(Grbl::new(grbl::program(program)?, settings, target.is_paced())),
-        Flow::None | Flow::XonXoff | Flow::RtsCts => {
-            Box::new(Handshake::new(Tape::new(program, settings)?, settings, target.is_paced()))
-        }
-    };
-    let opened: io::Result<Box<dyn Line>> = match address {
-        Address::Serial(path) => Serial::open(path, settings).map(|line| Box::new(line) as _),
-        Address::Tcp(address) => Tcp::open(address).map(|line| Box::new(line) as _),
-    };
-    let mut line = opened.map_err(|error| SendError::Open { address: address.clone(), error })?;
-    Ok(run(&mut *line, &mut *sender, stop, observe))
+    send_by(&mut *sender(program, target)?, target, stop, observe)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod command;
 mod grbl;
+mod http;
 mod mock;
 mod serial;
 mod speed;

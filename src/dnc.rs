@@ -5,7 +5,7 @@
 //!    line cannot carry is refused before the first character is sent.
 //! 2. A [`Sender`] decides what is written when. It does no input or output and reads no clock: the time and
 //!    the characters of the control go in, the characters to write come out.
-//! 3. [`run`] connects a sender with a [`Line`]: a serial port or a TCP connection.
+//! 3. [`run()`] connects a sender with a [`Line`]: a serial port or a TCP connection.
 //!
 //! # Guarantees
 //! * At most [`pace::IN_FLIGHT`] characters are on their way: given to the system and not yet taken by the

@@ -100,8 +100,8 @@ impl App {
         }))
     }
 
-    /// Begins the shutdown: `/readyz` answers 503, so that load balancers send new work elsewhere, and programs
-    /// that are being sent to controls are ended.
+    /// Begins the shutdown: `/readyz` answers 503, so that load balancers send new work elsewhere, and
+    /// programs that are being sent to controls are ended.
     pub fn drain(&self) {
         self.draining.store(true, Ordering::Relaxed);
         self.controls.close();

@@ -1,10 +1,12 @@
 //! Sends a program to GRBL, line by line, and counts the characters in its receive buffer.
 //!
-//! GRBL 1.1 knows no XON and XOFF. It answers each line by `ok` or `error:N` when it takes the line out of its
-//! receive buffer of 128 characters. So the lines that are not answered yet are the content of the buffer.
+//! GRBL 1.1 knows no XON and XOFF. It answers each line by `ok` or `error:N` when it takes the line out of
+//! its receive buffer of 128 characters. So the lines that are not answered yet are the content of the
+//! buffer.
 //!
 //! # Method
-//! 1. Ask for the status (`?`) until GRBL answers. A board that restarts when its port is opened greets first.
+//! 1. Ask for the status (`?`) until GRBL answers. A board that restarts when its port is opened greets
+//!    first.
 //! 2. Send the next line if it fits beside the lines that are not answered. A line that writes to the EEPROM
 //!    travels alone, because GRBL loses characters while it writes.
 //! 3. On `error:N`, `ALARM:N`, silence or cancel: stop sending, hold the feed (`!`), ask for the status until
@@ -38,8 +40,8 @@ const RESET: u8 = 0x18;
 const GREETING_LIMIT: Duration = Duration::from_secs(10);
 const GREETING_INTERVAL: Duration = Duration::from_secs(1);
 
-/// How long the machine may take to come to rest, and how often it is asked meanwhile. A machine that does not
-/// tell is reset all the same: that stops it at once.
+/// How long the machine may take to come to rest, and how often it is asked meanwhile. A machine that does
+/// not tell is reset all the same: that stops it at once.
 const REST_LIMIT: Duration = Duration::from_secs(10);
 const REST_INTERVAL: Duration = Duration::from_millis(200);
 

@@ -34,6 +34,12 @@ pub trait Line {
     /// When the system cannot wait.
     fn wait(&self, for_room: bool, time: Duration) -> io::Result<()>;
 
+    /// Throws away the output queue of the system, so that nothing goes out after the report of a failure.
+    ///
+    /// # Errors
+    /// When the line is gone.
+    fn discard(&mut self) -> io::Result<()>;
+
     /// Ends the sending, after everything was written, and tells what is known of its arrival.
     ///
     /// # Errors

@@ -14,6 +14,9 @@ const LOOK_INTERVAL: Duration = Duration::from_millis(50);
 /// Shortest time between two reports of progress while nothing else changes.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
+/// Most reads before the next write. A control that never stops talking must not keep a stop from being seen.
+const MOST_READS: usize = 64;
+
 /// Asks a sending to stop. Clones ask the same sending.
 #[derive(Debug, Clone, Default)]
 pub struct Stop(Arc<AtomicU8>);
@@ -63,8 +66,14 @@ pub fn run(
     if let Some(error) = failed {
         sender.give_up(Failure::Disconnected(error.to_string()), now);
     }
-    let mut outcome = sender.outcome(now, line.queued().unwrap_or_default());
-    if !is_line_gone && outcome.delivery.is_none() {
+    let queued = line.queued().unwrap_or_default();
+    let mut outcome = sender.outcome(now, queued);
+    if is_line_gone || outcome.delivery.is_some() {
+        // There is nothing to finish.
+    } else if queued > 0 {
+        // The failure is told already, and a line that does not even discard is gone.
+        let _ = line.discard();
+    } else {
         // A cancelled sending ends its connection properly too, so that the end mark arrives.
         let finished = line.finish();
         if outcome.failure.is_none() {
@@ -81,7 +90,7 @@ pub fn run(
 /// Takes one step. Returns whether there is another one.
 fn advance(line: &mut dyn Line, sender: &mut dyn Sender, stop: &Stop, begun: Instant) -> io::Result<bool> {
     let mut answer = [0; 256];
-    loop {
+    for _ in 0..MOST_READS {
         let count = line.read(&mut answer)?;
         if count == 0 {
             break;

@@ -47,7 +47,8 @@ pub struct Progress {
     /// Number of characters that the line has taken. Those that are on their way do not count.
     pub n_characters: usize,
     pub n_characters_total: usize,
-    /// Number of whole lines of the program that the line has taken; with GRBL, that the control has answered.
+    /// Number of whole lines of the program that the line has taken; with GRBL, that the control has
+    /// answered.
     pub n_lines: usize,
     pub n_lines_total: usize,
     /// Whether the control holds up the sender.

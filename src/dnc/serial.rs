@@ -29,8 +29,8 @@ impl Serial {
     /// # Errors
     /// When there is no such device, another program uses it, or it cannot have these settings.
     pub fn open(path: &str, settings: &Settings) -> io::Result<Self> {
-        // The device is opened twice, because `TTYPort` blocks when the system has no room. The second opening
-        // locks the device, so it comes last.
+        // The device is opened twice, because `TTYPort` blocks when the system has no room. The second
+        // opening locks the device, so it comes last.
         let flags = (OFlags::NONBLOCK | OFlags::NOCTTY).bits();
         let flags = i32::try_from(flags).map_err(io::Error::other)?;
         let file = File::options().read(true).write(true).custom_flags(flags).open(path)?;
@@ -48,8 +48,8 @@ impl Serial {
                 Flow::None | Flow::XonXoff | Flow::Grbl => FlowControl::None,
             });
         let port = TTYPort::open(&builder)?;
-        // What an earlier program left behind concerns nobody.
-        port.clear(ClearBuffer::All)?;
+        // An XOFF that came before the port was opened concerns an earlier sender.
+        port.clear(ClearBuffer::Input)?;
         Ok(Self { file, port })
     }
 }
@@ -69,6 +69,10 @@ impl Line for Serial {
 
     fn wait(&self, for_room: bool, time: Duration) -> io::Result<()> {
         wait_for(&self.file, for_room, time)
+    }
+
+    fn discard(&mut self) -> io::Result<()> {
+        Ok(self.port.clear(ClearBuffer::Output)?)
     }
 
     fn finish(&mut self) -> io::Result<Delivery> {

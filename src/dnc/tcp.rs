@@ -1,8 +1,8 @@
 //! A TCP connection to a device server, which passes the characters on to a serial line.
 //!
-//! A write that returns is no delivery: the characters may wait in the system, in the network or in the device
-//! server. After the last character the connection is closed for writing. A peer that closes its side too has
-//! received everything.
+//! A write that returns is no delivery: the characters may wait in the system, in the network or in the
+//! device server. After the last character the connection is closed for writing. A peer that closes its
+//! side too has received everything.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
@@ -59,6 +59,10 @@ impl Line for Tcp {
 
     fn wait(&self, for_room: bool, time: Duration) -> io::Result<()> {
         wait_for(&self.stream, for_room, time)
+    }
+
+    fn discard(&mut self) -> io::Result<()> {
+        Ok(())
     }
 
     fn finish(&mut self) -> io::Result<Delivery> {

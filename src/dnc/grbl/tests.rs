@@ -53,8 +53,8 @@ impl Mock {
         let line: Vec<u8> = self.buffer.drain(..=end).collect();
         let number = self.lines.len();
         self.lines.push(String::from_utf8_lossy(&line).trim_end().to_owned());
-        // Data with the characters XON and XOFF.
-        self.say("[MSG:\x11 pump \x13 on]");
+        // Data with the characters XON and XOFF. No XON follows the last XOFF.
+        self.say("[MSG:\x11 pump \x13ok\x13]");
         if self.refused == Some(number) { self.say("error:20") } else { self.say("ok") }
     }
 }
@@ -196,8 +196,8 @@ fn a_setting_is_sent_alone() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the lines and the speeds are: the buffer never overruns, every line arrives once and in order,
-    /// and the buffer is kept as full as the lines allow.
+    /// Whatever the lines and the speeds are: the buffer never overruns, every line arrives once and in
+    /// order, and the buffer is kept as full as the lines allow.
     #[test]
     fn the_buffer_never_overruns_and_no_line_is_lost(
         blocks in prop::collection::vec("[GXYZF][0-9.]{0,60}|\\$[0-9]{1,3}=[0-9]|G10L2P1X[0-9]", 1..60),

@@ -79,7 +79,7 @@ fn live(mut port: TTYPort, interval: Duration, refused: Option<usize>, ended: &R
             line_at = Instant::now();
             let line: Vec<u8> = buffer.drain(..=end).collect();
             seen.lines.push(String::from_utf8(line).expect("ASCII").trim_end().to_owned());
-            say("[MSG:\x13 data \x11]");
+            say("[MSG:\x11 data \x13ok\x13]");
             say(if refused == Some(seen.lines.len() - 1) { "error:22" } else { "ok" });
         }
         if count == 0 && ended.try_recv().is_ok() {

@@ -48,6 +48,7 @@ pub enum LogFormat {
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Settings of the service")]
 pub struct Settings {
     /// Address to listen on; port 0 takes a free port, and the program prints the address that it uses
     #[arg(long, env = "TOOLPATHD_LISTEN", default_value = "127.0.0.1:8080", global = true)]

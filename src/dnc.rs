@@ -8,9 +8,9 @@
 //! 3. [`run()`] connects a sender with a [`Line`]: a serial port or a TCP connection.
 //!
 //! # Guarantees
-//! * At most [`pace::IN_FLIGHT`] characters are on their way: given to the system and not yet taken by the
-//!   line. So a control that sends XOFF receives at most so many more, and those that arrive while its XOFF
-//!   is on its way.
+//! * On a line with a known speed, at most [`pace::IN_FLIGHT`] characters are on their way: given to the
+//!   system and not yet taken by the line. So a control that sends XOFF receives at most so many more, and
+//!   those that arrive while its XOFF is on its way.
 //! * A sending ends in a state that [`Left`] names. Nothing is appended to half a block, so half a block is
 //!   never run.
 

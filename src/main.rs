@@ -151,10 +151,7 @@ fn send_program(sending: &Sending) -> Result<(), Failure> {
     )?;
     if n_pauses > 0 {
         let waited = waited.as_secs_f64();
-        writeln!(
-            std::io::stdout(),
-            "the control held up the sender {n_pauses} times, for {waited:.1} s in all"
-        )?;
+        writeln!(std::io::stdout(), "pauses that the control made: {n_pauses}, {waited:.1} s in all")?;
     }
     Ok(())
 }
@@ -185,7 +182,7 @@ fn tell_estimate(estimate: &Estimate, target: &Target) -> Result<(), Failure> {
 /// A progress bar on standard error; it shows nothing where standard error is no terminal.
 fn bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} % {msg}");
+    let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}");
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 

@@ -68,23 +68,28 @@ pub fn run(
     }
     let queued = line.queued().unwrap_or_default();
     let mut outcome = sender.outcome(now, queued);
-    if is_line_gone || outcome.delivery.is_some() {
-        // There is nothing to finish.
-    } else if queued > 0 {
-        // The failure is told already, and a line that does not even discard is gone.
-        let _ = line.discard();
-    } else {
-        // A cancelled sending ends its connection properly too, so that the end mark arrives.
-        let finished = line.finish();
-        if outcome.failure.is_none() {
-            match finished {
-                Ok(delivery) => outcome.delivery = Some(delivery),
-                Err(error) => outcome.failure = Some(Failure::Disconnected(error.to_string())),
-            }
-        }
+    if !is_line_gone && outcome.delivery.is_none() {
+        end(line, queued, &mut outcome);
     }
     observe(&outcome.progress);
     outcome
+}
+
+/// Ends a line that still stands. `queued` is the number of characters in its output queue.
+fn end(line: &mut dyn Line, queued: usize, outcome: &mut Outcome) {
+    if queued > 0 {
+        // The failure is told already; a line that does not discard is gone, and so are its characters.
+        let _ = line.discard();
+        return;
+    }
+    // A cancelled sending ends its connection properly too, so that the end mark arrives.
+    let finished = line.finish();
+    if outcome.failure.is_none() {
+        match finished {
+            Ok(delivery) => outcome.delivery = Some(delivery),
+            Err(error) => outcome.failure = Some(Failure::Disconnected(error.to_string())),
+        }
+    }
 }
 
 /// Takes one step. Returns whether there is another one.

@@ -45,7 +45,10 @@ pub struct SentPart {
     /// Number of characters that were sent for certain, with leader and `%`.
     #[schema(minimum = 0)]
     n_characters: usize,
-    /// What the control was left with.
+    /// What the control was left with: `nothing` of the program, the `whole_program`, whole blocks with the
+    /// end mark `%` after them (`blocks_and_end_mark`), whole `blocks` after which the control waits for
+    /// more, or perhaps a part of a block (`half_block`). In the last two cases, reset the control.
+    /// `reset`: GRBL was reset after a feed hold.
     control: ControlState,
 }
 

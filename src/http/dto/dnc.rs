@@ -157,7 +157,9 @@ pub struct SentProgram {
     waited_s: f64,
     /// Number of characters that the control has sent, XON and XOFF included.
     n_received: usize,
-    /// What is known of the arrival of the characters.
+    /// What is known of the arrival of the characters: the serial port has `transmitted` them, the system has
+    /// them for the other side of the connection (`handed_over`), the other side has received them and closed
+    /// the connection (`peer_closed`), or GRBL has `answered` every line.
     arrival: Arrival,
 }
 

@@ -30,6 +30,8 @@ const MAX_DETAIL_CHARACTERS: usize = 500;
 pub enum Code {
     BadRequest,
     InvalidQuery,
+    /// A page of another origin must not send programs to controls.
+    OriginRefused,
     MalformedJson,
     NotFound,
     MethodNotAllowed,
@@ -79,6 +81,7 @@ impl Code {
     pub fn status(self) -> StatusCode {
         match self {
             Code::BadRequest | Code::InvalidQuery | Code::MalformedJson => StatusCode::BAD_REQUEST,
+            Code::OriginRefused => StatusCode::FORBIDDEN,
             Code::NotFound => StatusCode::NOT_FOUND,
             Code::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,
             Code::NotAcceptable => StatusCode::NOT_ACCEPTABLE,
@@ -120,6 +123,7 @@ impl Code {
         match self {
             Code::BadRequest => "The request is not understood",
             Code::InvalidQuery => "A query parameter is not legal",
+            Code::OriginRefused => "Pages of this origin may not send programs",
             Code::MalformedJson => "The body is not JSON",
             Code::NotFound => "There is nothing at this path",
             Code::MethodNotAllowed => "The path does not have this method",

@@ -31,8 +31,8 @@ const BODY_FAILURE: [StatusCode; 7] = [
 ];
 
 /// Further statuses of failures when a program is sent to a control.
-const SENDING_FAILURE: [StatusCode; 3] =
-    [StatusCode::NOT_FOUND, StatusCode::CONFLICT, StatusCode::BAD_GATEWAY];
+const SENDING_FAILURE: [StatusCode; 4] =
+    [StatusCode::FORBIDDEN, StatusCode::NOT_FOUND, StatusCode::CONFLICT, StatusCode::BAD_GATEWAY];
 
 /// The headers of answers, by their names in the `components` of the contract.
 fn headers() -> Value {

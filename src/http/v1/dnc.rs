@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, Path, Request, State};
+use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::http::App;
 use crate::http::admission::Share;
 use crate::http::dto::dnc::{DncTargets, SentProgram};
-use crate::http::error::ApiError;
+use crate::http::error::{ApiError, Code};
 use crate::http::events;
 use crate::http::extract::{aside, program_body};
 use crate::http::negotiation::{NoQuery, Offers, Wanted};
@@ -45,6 +46,7 @@ pub async fn send_program(
     Path(target): Path<String>,
     request: Request,
 ) -> Result<Response, ApiError> {
+    check_origin(request.headers(), &app)?;
     let control = app.controls.find(&target)?;
     let (mut parts, body) = request.into_parts();
     let form = Wanted::<Sendings>::from_request_parts(&mut parts, &app).await?.form;
@@ -61,6 +63,20 @@ pub async fn send_program(
         return Ok(response);
     }
     Ok(taken.send(sender, share, None).await?.into_response())
+}
+
+/// Refuses a page of another origin that `--cors-origin` does not list. A browser sends plain text to any
+/// address without asking first, so any page that somebody opens could start a machine.
+fn check_origin(headers: &HeaderMap, app: &App) -> Result<(), ApiError> {
+    let Some(origin) = headers.get(header::ORIGIN) else { return Ok(()) };
+    let text = origin.to_str().unwrap_or_default();
+    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
+    let is_own = text.split_once("://").is_some_and(|(_, authority)| Some(authority) == host);
+    if is_own || app.cors_origins.contains(origin) {
+        return Ok(());
+    }
+    let detail = format!("pages of `{text}` may not send programs; list the origin in `--cors-origin`");
+    Err(ApiError::new(Code::OriginRefused, detail))
 }
 
 /// The forms of the answer to a program that is sent.

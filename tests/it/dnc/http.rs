@@ -154,6 +154,23 @@ async fn a_control_that_goes_away_is_a_problem_that_tells_what_was_sent() {
     );
 }
 
+#[tokio::test]
+async fn a_page_of_another_origin_may_not_send() {
+    let target = "lathe=serial:/dev/no-such-port";
+    let flags = ["--workers", "1", "--dnc-target", target, "--cors-origin", "https://mes.example"];
+    let app = support::app(&flags);
+    for (origin, code) in [
+        ("https://elsewhere.example", "origin_refused"),
+        ("null", "origin_refused"),
+        ("http://127.0.0.1:9", "origin_refused"),
+        ("http://127.0.0.1:8080", "target_unreachable"),
+        ("https://mes.example", "target_unreachable"),
+    ] {
+        let headers = [("content-type", "text/plain"), ("host", "127.0.0.1:8080"), ("origin", origin)];
+        assert_eq!(post(&app, "/v1/dnc/lathe", "M30\n", &headers).await.code(), code, "{origin}");
+    }
+}
+
 /// Begins to send over a socket, and reads until the first progress event if `accept` asks for events.
 fn begin(address: std::net::SocketAddr, program: &[u8], accept: &str) -> std::net::TcpStream {
     let mut stream = connect(address);

@@ -1,10 +1,15 @@
 //! The settings of the program. Each setting can be given as a flag or as an environment variable.
 
+mod sending;
+
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use axum::http::{HeaderValue, Uri};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::dnc::NamedTarget;
+pub use sending::Sending;
 
 /// The command line of the program.
 #[derive(Debug, Parser)]
@@ -16,7 +21,7 @@ pub struct Cli {
     pub settings: Settings,
 }
 
-#[derive(Debug, Clone, Copy, Subcommand)]
+#[derive(Debug, Clone, Subcommand)]
 pub enum Command {
     /// Serve requests; also the default without a subcommand
     Serve,
@@ -24,6 +29,15 @@ pub enum Command {
     Openapi,
     /// Check that the service at the listen address answers; exit code 0 if it does
     Healthcheck,
+    /// Send NC programs to machine controls
+    #[command(subcommand)]
+    Dnc(Dnc),
+}
+
+#[derive(Debug, Clone, Subcommand)]
+pub enum Dnc {
+    /// Send a program over a serial port or a TCP connection; Ctrl-C ends it at the end of a block
+    Send(Sending),
 }
 
 /// How log lines are written.
@@ -34,6 +48,7 @@ pub enum LogFormat {
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Settings of the service")]
 pub struct Settings {
     /// Address to listen on; port 0 takes a free port, and the program prints the address that it uses
     #[arg(long, env = "TOOLPATHD_LISTEN", default_value = "127.0.0.1:8080", global = true)]
@@ -122,6 +137,12 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
 
+    /// Control to which the service may send programs: `NAME=serial:/dev/ttyUSB0,baud=9600,format=7e2` or
+    /// `NAME=tcp:HOST:PORT`, with the settings of `dnc send`; separate several with semicolons, or repeat the
+    /// flag
+    #[arg(long, env = "TOOLPATHD_DNC_TARGET", value_delimiter = ';', global = true)]
+    pub dnc_target: Vec<NamedTarget>,
+
     /// How log lines are written
     #[arg(long, env = "TOOLPATHD_LOG_FORMAT", value_enum, default_value = "text", global = true)]
     pub log_format: LogFormat,
@@ -143,6 +164,19 @@ impl Settings {
                  --allow-public (TOOLPATHD_ALLOW_PUBLIC=true)",
                 self.listen
             ));
+        }
+        for (k, target) in self.dnc_target.iter().enumerate() {
+            let earlier = &self.dnc_target[..k];
+            if earlier.iter().any(|other| other.name == target.name) {
+                return Err(format!("--dnc-target names `{}` twice", target.name));
+            }
+            let address = &target.target.address;
+            if let Some(other) = earlier.iter().find(|other| other.target.address == *address) {
+                return Err(format!(
+                    "--dnc-target `{}` and `{}` both lead to {address}",
+                    other.name, target.name
+                ));
+            }
         }
         if self.body_memory < self.body_limit {
             return Err(format!(
@@ -274,6 +308,19 @@ mod tests {
             assert_eq!(check(&["--listen", public, "--allow-public"]), Ok(()));
         }
         assert!(check(&["--body-limit", "1000", "--body-memory", "999"]).is_err());
+    }
+
+    #[test]
+    fn targets_are_separated_by_semicolons_and_each_has_a_name_and_an_address_of_its_own() {
+        let parse = |list: &str| Cli::try_parse_from(["toolpathd", "--dnc-target", list]);
+        let two = "lathe=serial:/dev/ttyS0,baud=4800,format=7e1;mill=tcp:10.0.0.5:4001,flow=none";
+        let settings = parse(two).expect("two targets").settings;
+        assert_eq!(settings.dnc_target.len(), 2);
+        assert_eq!(settings.check(), Ok(()));
+        assert!(parse("lathe=serial:/dev/ttyS0,bauds=4800").is_err());
+        for twice in ["a=tcp:box:1;a=tcp:box:2", "a=tcp:box:1;b=tcp:box:1"] {
+            assert!(parse(twice).expect("targets").settings.check().is_err(), "{twice}");
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod answer;
 mod compression;
 pub mod compute;
 mod decode;
+mod dnc;
 mod docs;
 mod dto;
 mod envelope;
@@ -27,6 +28,7 @@ mod pointer;
 mod program_stream;
 mod refusal;
 mod request_id;
+mod sent_part;
 pub mod serve;
 mod timing;
 mod trace;
@@ -47,6 +49,7 @@ use tower_http::cors::CorsLayer;
 use crate::config::{Limits, Settings};
 use admission::BodyMemory;
 use compute::Compute;
+use dnc::Controls;
 use metrics::Metrics;
 pub use openapi::contract;
 use program_stream::Streams;
@@ -64,6 +67,7 @@ pub struct App {
     body_memory: Arc<BodyMemory>,
     connections: Connections,
     streams: Streams,
+    controls: Controls,
     cors_origins: Vec<HeaderValue>,
     limits: Limits,
     queue: usize,
@@ -85,6 +89,7 @@ impl App {
             body_memory: BodyMemory::new(settings.body_memory),
             connections: Connections::new(settings),
             streams: Streams::new(settings),
+            controls: Controls::new(&settings.dnc_target),
             cors_origins: settings.cors_origin.clone(),
             limits: settings.limits(),
             queue,
@@ -95,9 +100,11 @@ impl App {
         }))
     }
 
-    /// Begins the shutdown: `/readyz` answers 503, so that load balancers send new work elsewhere.
+    /// Begins the shutdown: `/readyz` answers 503, so that load balancers send new work elsewhere, and
+    /// programs that are being sent to controls are ended.
     pub fn drain(&self) {
         self.draining.store(true, Ordering::Relaxed);
+        self.controls.close();
     }
 
     pub fn is_draining(&self) -> bool {

@@ -3,6 +3,7 @@
 
 pub mod budget;
 pub mod config;
+pub mod dnc;
 pub mod geometry;
 pub mod http;
 pub mod language;

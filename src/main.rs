@@ -1,15 +1,18 @@
-//! The binary. It reads the settings and runs one of three commands: start the service, check a running
-//! service, or print the contract (the OpenAPI description of the service).
+//! The binary. It reads the settings and runs one of four commands: start the service, check a running
+//! service, print the contract (the OpenAPI description of the service), or send a program to a control.
 
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
+use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Parser;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
-use toolpathd::config::{Cli, Command, LogFormat, Settings};
+use toolpathd::config::{Cli, Command, Dnc, LogFormat, Sending, Settings};
+use toolpathd::dnc::{Estimate, Outcome, Progress, Stop, Target, estimate, send};
 use toolpathd::http::{App, contract, router, serve};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
@@ -22,6 +25,7 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Some(Command::Openapi) => print_contract(),
         Some(Command::Healthcheck) => check_health(&cli.settings),
+        Some(Command::Dnc(Dnc::Send(sending))) => send_program(&sending),
         None | Some(Command::Serve) => run(&cli.settings),
     };
     match outcome {
@@ -97,4 +101,100 @@ fn start_log(settings: &Settings) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Sends a program to a control. The first signal ends the sending at the end of a block, the second at once.
+fn send_program(sending: &Sending) -> Result<(), Failure> {
+    let target = sending.target()?;
+    let program = read_program(&sending.file)?;
+    let name = sending.file.display();
+    if sending.estimate {
+        let estimate =
+            Estimate::of(&program, &target.settings).map_err(|error| format!("{name}: {error}"))?;
+        return tell_estimate(&estimate, &target);
+    }
+    let stop = Stop::default();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let begun = Instant::now();
+    let outcome = runtime.block_on(async {
+        let mut terminate = signal(SignalKind::terminate())?;
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        let asked = stop.clone();
+        let mut sending = tokio::task::spawn_blocking(move || {
+            let bar = bar();
+            let outcome = send(&program, &target, &asked, &mut |progress| show(&bar, progress, begun));
+            bar.finish_and_clear();
+            outcome
+        });
+        loop {
+            tokio::select! {
+                outcome = &mut sending => return Ok::<_, Failure>(outcome?),
+                _ = terminate.recv() => {}
+                _ = interrupt.recv() => {}
+            }
+            if stop.is_asked() { stop.at_once() } else { stop.at_block() }
+        }
+    })?;
+    let outcome = outcome.map_err(|error| format!("{name}: {error}"))?;
+    let Outcome { progress, n_pauses, waited, n_received: _, failure, left, delivery } = outcome;
+    let Progress { n_characters, n_lines, n_lines_total, .. } = progress;
+    if let Some(failure) = failure {
+        let sent =
+            format!("{n_lines} of {n_lines_total} lines and {n_characters} characters were sent for certain");
+        return Err(format!("{name}: {failure}; {sent}; {left}").into());
+    }
+    let seconds = begun.elapsed().as_secs_f64();
+    let known = delivery.map_or("", |delivery| delivery.meaning());
+    writeln!(
+        std::io::stdout(),
+        "sent {n_lines} lines, {n_characters} characters in {seconds:.1} s; {known}"
+    )?;
+    if n_pauses > 0 {
+        let waited = waited.as_secs_f64();
+        writeln!(std::io::stdout(), "pauses that the control made: {n_pauses}, {waited:.1} s in all")?;
+    }
+    Ok(())
+}
+
+fn read_program(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut program = Vec::new();
+    if path == Path::new("-") {
+        std::io::stdin().read_to_end(&mut program)?;
+    } else {
+        program = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    Ok(program)
+}
+
+fn tell_estimate(estimate: &Estimate, target: &Target) -> Result<(), Failure> {
+    let Estimate { n_characters, n_lines, characters_per_s, time, blocks_per_s, starving_feed } = estimate;
+    let (baud, format, seconds) = (target.settings.baud(), target.settings.format(), time.as_secs_f64());
+    writeln!(
+        std::io::stdout(),
+        "{n_lines} lines, {n_characters} characters: {seconds:.1} s at {baud} baud in {format}, which is \
+         {characters_per_s:.0} characters a second\n\
+         {blocks_per_s:.1} blocks a second: with moves of {} mm the control starves above {starving_feed:.0} mm/min",
+        estimate::MOVE_MM
+    )?;
+    Ok(())
+}
+
+/// A progress bar on standard error; it shows nothing where standard error is no terminal.
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}");
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn show(bar: &ProgressBar, progress: &Progress, begun: Instant) {
+    let Progress { n_characters, n_characters_total, n_lines, n_lines_total, is_waiting } = *progress;
+    bar.set_length(n_characters_total as u64);
+    bar.set_position(n_characters as u64);
+    let rate = n_characters as f64 / begun.elapsed().as_secs_f64().max(1e-3);
+    let state = match (n_characters_total - n_characters) as f64 / rate {
+        _ if is_waiting => "waiting for the control".to_owned(),
+        left if left.is_finite() => format!("{rate:.0} characters/s, {left:.0} s left"),
+        _ => "starting".to_owned(),
+    };
+    bar.set_message(format!("line {n_lines} of {n_lines_total}, {n_characters} characters, {state}"));
 }

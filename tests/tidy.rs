@@ -32,20 +32,22 @@ const LAYERS: &[(&str, &[&str])] = &[
             "post",
             "plot",
             "config",
+            "dnc",
         ],
     ),
-    ("config", &[]),
-    ("main", &["http", "config"]),
+    ("dnc", &[]),
+    ("config", &["dnc"]),
+    ("main", &["http", "config", "dnc"]),
     ("lib", &[]),
 ];
 
 /// The layers that may name files, sockets, the terminal and frameworks.
-const OUTER: &[&str] = &["http", "config", "main"];
+const OUTER: &[&str] = &["http", "config", "dnc", "main"];
 
 /// Words that no other layer may name: frameworks, files, sockets, processes, the clock and the terminal.
 #[rustfmt::skip]
 const OUTSIDE: &[&str] = &[
-    "axum", "clap", "eprintln!", "http_body", "hyper", "mime", "println!", "prometheus_client", "rayon", "serde", "sha2",
+    "axum", "clap", "eprintln!", "http_body", "hyper", "indicatif", "mime", "println!", "prometheus_client", "rayon", "rustix", "serde", "serialport", "sha2",
     "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
     "utoipa",
 ];

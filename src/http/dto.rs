@@ -13,6 +13,7 @@ pub mod check;
 pub mod curve;
 pub mod cutting;
 pub mod dialect;
+pub mod dnc;
 pub mod dropping;
 pub mod five_axis;
 pub mod interpolation;

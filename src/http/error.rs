@@ -1,6 +1,8 @@
 //! Errors as the caller sees them: problem documents (RFC 9457). Only this module turns failures into status
 //! codes.
 
+mod field;
+
 use std::fmt;
 
 use axum::http::StatusCode;
@@ -10,6 +12,8 @@ use utoipa::ToSchema;
 
 use super::place::Place;
 use super::pointer::Pointer;
+use super::sent_part::SentPart;
+pub use field::{FieldCode, FieldError};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -26,6 +30,8 @@ const MAX_DETAIL_CHARACTERS: usize = 500;
 pub enum Code {
     BadRequest,
     InvalidQuery,
+    /// A page of another origin must not send programs to controls.
+    OriginRefused,
     MalformedJson,
     NotFound,
     MethodNotAllowed,
@@ -60,6 +66,12 @@ pub enum Code {
     /// No block of the text moves the machine, so the text is not an NC program.
     NoMotion,
     BandInfeasible,
+    /// The line to the control cannot carry the program.
+    NotSendable,
+    TargetBusy,
+    TargetUnreachable,
+    /// The program was not sent to its end. `sent` tells how far it was.
+    SendingStopped,
     InternalError,
     Overloaded,
     DeadlinePassed,
@@ -69,6 +81,7 @@ impl Code {
     pub fn status(self) -> StatusCode {
         match self {
             Code::BadRequest | Code::InvalidQuery | Code::MalformedJson => StatusCode::BAD_REQUEST,
+            Code::OriginRefused => StatusCode::FORBIDDEN,
             Code::NotFound => StatusCode::NOT_FOUND,
             Code::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,
             Code::NotAcceptable => StatusCode::NOT_ACCEPTABLE,
@@ -96,7 +109,10 @@ impl Code {
             | Code::AxisOnPole
             | Code::NoValidPattern
             | Code::NoMotion
-            | Code::BandInfeasible => StatusCode::UNPROCESSABLE_ENTITY,
+            | Code::BandInfeasible
+            | Code::NotSendable => StatusCode::UNPROCESSABLE_ENTITY,
+            Code::TargetBusy => StatusCode::CONFLICT,
+            Code::TargetUnreachable | Code::SendingStopped => StatusCode::BAD_GATEWAY,
             Code::InternalError => StatusCode::INTERNAL_SERVER_ERROR,
             Code::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
             Code::DeadlinePassed => StatusCode::GATEWAY_TIMEOUT,
@@ -107,6 +123,7 @@ impl Code {
         match self {
             Code::BadRequest => "The request is not understood",
             Code::InvalidQuery => "A query parameter is not legal",
+            Code::OriginRefused => "Pages of this origin may not send programs",
             Code::MalformedJson => "The body is not JSON",
             Code::NotFound => "There is nothing at this path",
             Code::MethodNotAllowed => "The path does not have this method",
@@ -137,6 +154,10 @@ impl Code {
             Code::NoValidPattern => "No pattern clears the pocket",
             Code::NoMotion => "The program moves nothing",
             Code::BandInfeasible => "The band leaves no room for an element",
+            Code::NotSendable => "The line to the control cannot carry the program",
+            Code::TargetBusy => "A program is being sent to the control",
+            Code::TargetUnreachable => "The line to the control cannot be opened",
+            Code::SendingStopped => "The program was not sent to its end",
             Code::InternalError => "The server failed",
             Code::Overloaded => "The server is full",
             Code::DeadlinePassed => "The computation took too long",
@@ -170,71 +191,6 @@ impl fmt::Display for Code {
     }
 }
 
-/// What is wrong at one place of the body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = FieldCode)]
-pub enum FieldCode {
-    UnknownField,
-    MissingField,
-    WrongType,
-    WrongLength,
-    UnknownValue,
-    Conflict,
-    UnknownDialect,
-    Unsupported,
-    OutOfRange,
-    TooLarge,
-    TooLong,
-    TooFewPoints,
-    RaggedGrid,
-    PatchesApart,
-    LimitExceeded,
-    HeightBelowTop,
-    ToleranceBelowDecimals,
-    /// The points do not make an arc.
-    NoArc,
-    /// The expression or section curve cannot be parsed; `offset` says where.
-    Syntax,
-    /// The expression has no value somewhere in its domain; `offset` is the place of the operation.
-    Undefined,
-    /// Neighbouring points, rows or columns are the same.
-    Coincident,
-    /// A row of points runs the other way than the row before.
-    ReversedRow,
-    /// A point lies far away from all of its neighbours.
-    Outlier,
-    FeedRequired,
-}
-
-/// One violation of the rules for a request.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-pub struct FieldError {
-    /// The place in the request's body: a JSON pointer as URI fragment (RFC 6901).
-    #[schema(example = "#/surface/points/2/3/1")]
-    pub pointer: String,
-    /// What is wrong at that place, for software.
-    pub code: FieldCode,
-    /// What is wrong at that place, for people: the received value, the limit, and what to do.
-    pub detail: String,
-    /// Number of the byte at fault, counted from 0, in an expression or a section curve. Absent for other
-    /// fields.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 0, maximum = 16_777_216)]
-    pub offset: Option<usize>,
-}
-
-impl FieldError {
-    pub fn new(at: &Pointer, code: FieldCode, detail: impl Into<String>) -> Self {
-        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()), offset: None }
-    }
-
-    /// As [`FieldError::new`], for byte `offset` of an expression or a section curve.
-    pub fn in_text(at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) -> Self {
-        Self { offset: Some(offset), ..Self::new(at, code, detail) }
-    }
-}
-
 /// A failure, by RFC 9457: the body of every answer with a status of 400 and above.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Problem {
@@ -264,6 +220,9 @@ pub struct Problem {
     /// The media types that the endpoint can answer. Present with `not_acceptable`.
     #[serde(skip_serializing_if = "Option::is_none")]
     offers: Option<Vec<&'static str>>,
+    /// What was sent of the program. Present with `sending_stopped`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sent: Option<Box<SentPart>>,
 }
 
 /// A failure on its way to the caller. It becomes a [`Problem`] where the request's id is known.
@@ -276,12 +235,21 @@ pub struct ApiError {
     errors: Vec<FieldError>,
     place: Option<[f64; 3]>,
     offers: Option<Vec<&'static str>>,
+    sent: Option<Box<SentPart>>,
 }
 
 impl ApiError {
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
         let detail = shortened(detail.into());
-        Self { code, status: code.status(), detail, errors: Vec::new(), place: None, offers: None }
+        Self {
+            code,
+            status: code.status(),
+            detail,
+            errors: Vec::new(),
+            place: None,
+            offers: None,
+            sent: None,
+        }
     }
 
     /// The error of a body that violates rules. The code is `unsupported` or `feed_required` when all
@@ -334,6 +302,12 @@ impl ApiError {
         self
     }
 
+    /// The same error, with what was sent of a program.
+    pub fn after(mut self, sent: SentPart) -> Self {
+        self.sent = Some(Box::new(sent));
+        self
+    }
+
     pub fn code(&self) -> Code {
         self.code
     }
@@ -362,6 +336,7 @@ impl ApiError {
             errors: self.errors,
             place: self.place.map(Place),
             offers: self.offers,
+            sent: self.sent,
         }
     }
 }

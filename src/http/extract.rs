@@ -1,4 +1,4 @@
-//! Reads the body of a request and decodes it into a job.
+//! Reads the body of a request, and decodes it into a job where it is JSON.
 
 use std::future::poll_fn;
 use std::pin::Pin;
@@ -15,6 +15,7 @@ use super::admission::Share;
 use super::compression::{Coding, gunzip};
 use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
+use super::output::GCODE;
 
 /// A body with more bytes is decoded on a thread of its own, so that it does not delay other connections. So
 /// is every body in gzip, because its decoded size is not known beforehand.
@@ -25,6 +26,32 @@ pub struct JobBody<T: IntoJob> {
     pub job: T::Job,
     /// Time of decoding and converting.
     pub parsing: Duration,
+}
+
+/// Reads a body of NC text. A body without a type counts as NC text, and so does the type that `curl --data`
+/// sends unless told otherwise.
+///
+/// # Errors
+/// `unsupported_media_type`, `unsupported_coding`, and the failures of reading.
+pub async fn program_body(request: Request, app: &App) -> Result<Bytes, ApiError> {
+    let media_type = media_type(request.headers());
+    let is_text = |name: &str| GCODE.contains(&name) || name == "application/x-www-form-urlencoded";
+    if let Some(name) = media_type.filter(|name| !is_text(name)) {
+        let detail = format!("`{name}` is not read here; send `{}`", GCODE[0]);
+        return Err(ApiError::new(Code::UnsupportedMediaType, detail));
+    }
+    let coding = Coding::of(request.headers())?;
+    let share = Share::of(&request)?;
+    let bytes = read(request.into_body(), &share, app).await?;
+    let limit = app.limits.body_bytes;
+    match coding {
+        Coding::Identity => Ok(bytes),
+        Coding::Gzip => {
+            let bytes = aside(app, move || gunzip(&bytes, limit)).await?;
+            share.take(bytes.len())?;
+            Ok(bytes.into())
+        }
+    }
 }
 
 impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
@@ -56,7 +83,7 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
 
 /// Runs `work` on a blocking thread, so that it does not delay other connections. At most one `work` for each
 /// worker runs at a time. A caller that goes away while it waits gives up its turn.
-async fn aside<T: Send + 'static>(
+pub async fn aside<T: Send + 'static>(
     app: &App,
     work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,
 ) -> Result<T, ApiError> {

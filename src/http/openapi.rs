@@ -35,6 +35,7 @@ use super::{App, health, metrics, v1};
         (name = "pockets", description = "Pockets and islands"),
         (name = "five-axis", description = "Tips and tool axes"),
         (name = "programs", description = "NC programs"),
+        (name = "dnc", description = "Programs sent to controls"),
         (name = "service", description = "What this server accepts, and its contract"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
@@ -55,6 +56,8 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::surfaces_model::model_surface))
         .routes(routes!(v1::pockets_plan::plan_pocket))
         .routes(routes!(v1::programs_write::write_program))
+        .routes(routes!(v1::dnc::list_controls))
+        .routes(routes!(v1::dnc::send_program))
         .routes(routes!(v1::limits::get_limits))
         .routes(routes!(v1::dialects::list_dialects))
         .routes(routes!(v1::machines::list_machines))

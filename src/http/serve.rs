@@ -102,6 +102,10 @@ pub async fn serve(
     Ok(())
 }
 
+/// Marks an answer that may take any time: a program goes out to a control meanwhile.
+#[derive(Debug, Clone, Copy)]
+pub struct Endless;
+
 /// The limits of connections: how many may be open, and the time limits of each.
 #[derive(Debug)]
 pub struct Connections {
@@ -124,9 +128,11 @@ struct Patience {
 }
 
 impl Patience {
-    /// How long the last answer of a connection may take.
-    fn last(&self, streams: bool) -> Duration {
-        if streams { self.last_answer.max(self.last_stream) } else { self.last_answer }
+    /// How long the last answer of a connection may take. `None` if it may take any time.
+    fn last(&self, activity: &Activity) -> Option<Duration> {
+        let longest =
+            if activity.streams() { self.last_answer.max(self.last_stream) } else { self.last_answer };
+        (!activity.is_endless()).then_some(longest)
     }
 }
 
@@ -251,7 +257,10 @@ async fn connection(
                 if is_idle || is_draining {
                     // The connection answers the requests in progress, reads no further request, and closes.
                     connection.as_mut().graceful_shutdown();
-                    let _ = timeout(patience.last(activity.streams()), &mut connection).await;
+                    match patience.last(&activity) {
+                        Some(longest) => drop(timeout(longest, &mut connection).await),
+                        None => drop(connection.await),
+                    }
                     return;
                 }
                 seen = now;
@@ -267,6 +276,7 @@ struct Activity {
     begun: AtomicUsize,
     running: AtomicUsize,
     streams: AtomicBool,
+    endless: AtomicBool,
 }
 
 impl Activity {
@@ -276,6 +286,11 @@ impl Activity {
 
     fn is_busy(&self) -> bool {
         self.running.load(Ordering::Relaxed) > 0
+    }
+
+    /// Whether an answer of the connection was, or is, one that may take any time.
+    fn is_endless(&self) -> bool {
+        self.endless.load(Ordering::Relaxed)
     }
 
     /// Whether an answer of the connection was, or is, a stream.
@@ -299,6 +314,9 @@ impl Busy {
         if response.extensions().get::<Streamed>().is_some() {
             self.0.streams.store(true, Ordering::Relaxed);
         }
+        if response.extensions().get::<Endless>().is_some() {
+            self.0.endless.store(true, Ordering::Relaxed);
+        }
     }
 }
 
@@ -321,12 +339,17 @@ mod tests {
         let patience = Connections::new(&settings.settings).patience;
         let activity = Arc::new(Activity::default());
         Busy::new(&activity).finish(&Response::default());
-        assert_eq!(patience.last(activity.streams()), Duration::from_secs(330));
+        assert_eq!(patience.last(&activity), Some(Duration::from_secs(330)));
 
         let mut streamed = Response::default();
         streamed.extensions_mut().insert(Streamed);
         Busy::new(&activity).finish(&streamed);
         assert!(!activity.is_busy());
-        assert_eq!(patience.last(activity.streams()), Duration::from_secs(3900));
+        assert_eq!(patience.last(&activity), Some(Duration::from_secs(3900)));
+
+        let mut endless = Response::default();
+        endless.extensions_mut().insert(Endless);
+        Busy::new(&activity).finish(&endless);
+        assert_eq!(patience.last(&activity), None);
     }
 }

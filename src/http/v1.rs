@@ -3,6 +3,7 @@
 pub mod arcs_fit;
 pub mod curves_interpolate;
 pub mod dialects;
+pub mod dnc;
 pub mod five_axis_smooth;
 pub mod limits;
 pub mod machines;

@@ -2,6 +2,7 @@
 
 mod api;
 mod arc_fitting;
+mod dnc;
 mod docs;
 mod interpolation;
 mod laws;

@@ -30,6 +30,10 @@ const BODY_FAILURE: [StatusCode; 7] = [
     StatusCode::GATEWAY_TIMEOUT,
 ];
 
+/// Further statuses of failures when a program is sent to a control.
+const SENDING_FAILURE: [StatusCode; 4] =
+    [StatusCode::FORBIDDEN, StatusCode::NOT_FOUND, StatusCode::CONFLICT, StatusCode::BAD_GATEWAY];
+
 /// The headers of answers, by their names in the `components` of the contract.
 fn headers() -> Value {
     let text = |description: &str| json!({ "description": description, "schema": { "type": "string" } });
@@ -79,7 +83,8 @@ fn add_problems(path: &str, operation: &mut Value) {
         "/readyz" => &[StatusCode::SERVICE_UNAVAILABLE],
         _ => &[],
     };
-    for status in ANY_FAILURE.iter().chain(extra) {
+    let sending: &[StatusCode] = if path == "/v1/dnc/{target}" { &SENDING_FAILURE } else { &[] };
+    for status in ANY_FAILURE.iter().chain(extra).chain(sending) {
         let response = &mut operation["responses"][status.as_str()];
         *response = json!({
             "description": status.canonical_reason(),

@@ -1,7 +1,7 @@
 //! Sends every curl command of the documents to a service and compares the answers with those shown.
 
 use std::collections::HashMap;
-use std::net::SocketAddr;
+use std::net::{SocketAddr, TcpListener};
 
 use serde_json::Value;
 
@@ -18,7 +18,15 @@ const GAP: &str = "...";
 
 #[tokio::test(flavor = "multi_thread")]
 async fn every_curl_command_of_the_documents_gets_the_answer_shown() {
-    let app = app(&["--workers", "1"]);
+    // The documents send to a control named `lathe` behind a device server.
+    let lathe = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let target = format!("lathe=tcp:{}", lathe.local_addr().expect("an address"));
+    std::thread::spawn(move || {
+        for mut stream in lathe.incoming().flatten() {
+            let _ = std::io::copy(&mut stream, &mut std::io::sink());
+        }
+    });
+    let app = app(&["--workers", "1", "--dnc-target", &target]);
     let server = Server::start(&app).await;
     let address = server.address;
     let faults =

@@ -86,6 +86,12 @@ pub struct ProgramJob<'a> {
 }
 
 impl ProgramJob<'_> {
+    /// The rotary axes in the order of their letters: each letter, and the place of its angle in a block.
+    fn rotary_words(&self) -> [(char, usize); 2] {
+        let [first, second] = self.rotary_names();
+        if second < first { [(second, 1), (first, 0)] } else { [(first, 0), (second, 1)] }
+    }
+
     /// The letters of the rotary axes. A job whose angles are written has a machine.
     fn rotary_names(&self) -> [char; 2] {
         let machine = self.five_axes.and_then(|five| five.machine);

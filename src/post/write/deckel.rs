@@ -9,7 +9,8 @@
 //! * A cutting block states X and Z also where they do not change; leads state what changes.
 //!
 //! # Source
-//! Fig. 4-4 of Y. H. Koo and others, *CAD/CAM for die surfaces*, 1989.
+//! Fig. 4-4 of Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, *A Study on the Construction of CAD/CAM System
+//! for Machining of Sculptured Surface of Die*, 1989.
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, tool_of};

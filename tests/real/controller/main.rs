@@ -13,6 +13,9 @@
 //! For spline blocks the check compares the curve that the interpreter computes. The control then replaces
 //! the curve by arcs; `toolpath/quantize/biarcs` bounds how far these arcs leave the curve.
 //!
+//! Where the variable `GVALIDATE` names the parser of GRBL (`gvalidate` of grbl-sim), that parser has to accept
+//! every program in the dialect of GRBL.
+//!
 //! A program in the dialect of another control is translated where LinuxCNC reads the same words differently.
 
 mod arcs;
@@ -33,7 +36,7 @@ use toolpathd::toolpath::cutting::{Coolant, Cutting};
 use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
 use toolpathd::toolpath::tool::Tool;
 
-/// Number of random toolpaths.
+/// Number of random toolpaths, unless the variable `CONTROLLER_TOOLPATHS` says another.
 const TOOLPATHS: usize = 1_000;
 /// Threads that check random toolpaths.
 const WORKERS: usize = 2;
@@ -79,7 +82,7 @@ fn run(directory: &Path) -> Result<(), String> {
         workers.into_iter().map(|worker| worker.join().map_err(|_| "a worker stopped".to_string())?).collect()
     });
     let figures = all?.into_iter().fold(compare::Figures::default(), compare::Figures::and);
-    println!("{TOOLPATHS} random toolpaths: {figures}");
+    println!("{} random toolpaths: {figures}", toolpaths());
     Ok(())
 }
 
@@ -87,7 +90,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
     let mut figures = compare::Figures::default();
     loop {
         let seed = next.fetch_add(1, Ordering::Relaxed);
-        if seed >= TOOLPATHS {
+        if seed >= toolpaths() {
             return Ok(figures);
         }
         let case = random::case(seed as u64);
@@ -125,6 +128,9 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
         let found = post::write(&case.toolpath, &job, &Budget::unlimited())
             .map_err(|error| error.to_string())
             .and_then(|written| {
+                if dialect.name == "grbl" {
+                    accepted_by_grbl(&written.text, directory, &name)?;
+                }
                 let motions = canon::interpret(&canon::translated(&written.text, dialect), directory, &name)?;
                 for safe_home in [SafeHome::G28, SafeHome::G53] {
                     if seed.is_multiple_of(HOMED) {
@@ -138,6 +144,24 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             .map_err(|error| format!("{name}: {error}"))?;
         figures = figures.and(found);
     }
+}
+
+/// Number of random toolpaths.
+fn toolpaths() -> usize {
+    env::var("CONTROLLER_TOOLPATHS").ok().and_then(|count| count.parse().ok()).unwrap_or(TOOLPATHS)
+}
+
+/// Checks that GRBL's parser accepts a program, where one is named.
+fn accepted_by_grbl(text: &str, directory: &Path, name: &str) -> Result<(), String> {
+    let Ok(parser) = env::var("GVALIDATE") else { return Ok(()) };
+    let file = directory.join(format!("{name}.gcode"));
+    let fault = |error: std::io::Error| error.to_string();
+    fs::write(&file, text).map_err(fault)?;
+    let output = process::Command::new(parser).arg(&file).output().map_err(fault)?;
+    if !output.status.success() {
+        return Err(format!("GRBL: {}", String::from_utf8_lossy(&output.stdout)));
+    }
+    fs::remove_file(&file).map_err(fault)
 }
 
 /// Checks that with `safe_home` the control makes more rapids and the same other motions.

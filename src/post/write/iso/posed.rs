@@ -91,10 +91,7 @@ impl Writer<'_> {
                 }
             }
             AxisWords::Angles(angles) => {
-                let names = self.job.rotary_names();
-                let mut words: Vec<(char, usize)> = names.into_iter().zip(0..).collect();
-                words.sort_unstable();
-                for (letter, k) in words {
+                for (letter, k) in self.job.rotary_words() {
                     if self.angles[k] != Some(angles[k]) {
                         let decimals = self.job.dialect.five_axes.angle_decimals;
                         self.lines.number(letter.encode_utf8(&mut [0; 4]), angles[k], decimals);

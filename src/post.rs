@@ -40,6 +40,7 @@ mod header;
 mod lower;
 mod nc;
 mod posed;
+mod rails;
 mod words;
 mod write;
 
@@ -188,8 +189,8 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     let lowered = lower::lower(toolpath, job, budget)?;
     let remarks = header::remarks(toolpath, &lowered, job)?;
     let blocks = &lowered.blocks;
-    let Written { text, custom } = write::text(blocks, &remarks, job)?;
-    let max_radius_mismatch_mm = check::read_back(&text, &custom, blocks, job, &grid, budget)?;
+    let Written { text, custom } = write::text(&lowered, &remarks, job)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &custom, &lowered, job, &grid, budget)?;
     Ok(NcProgram {
         text,
         max_displacement_mm: lowered.displacement_mm,

@@ -20,6 +20,7 @@ pub mod path;
 pub mod pose;
 pub mod program;
 pub mod quantize;
+pub mod rail;
 pub mod tool;
 pub mod tool_axes;
 pub mod units;

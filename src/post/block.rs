@@ -58,6 +58,17 @@ pub enum Block {
         axis: AxisWords,
         feed: BlockFeed,
     },
+    /// Begins rails where the tip is: `second` is the second point of the tool.
+    BeginRails {
+        second: [i64; 3],
+        feed: FeedWord,
+    },
+    /// One rail, by its index.
+    Rail {
+        index: u32,
+    },
+    /// Ends rails: the next blocks state vectors.
+    EndRails,
     /// Ends the modes of leaning tools.
     EndPosed,
 }

@@ -6,8 +6,10 @@ use nalgebra::Point3;
 
 use super::block::{AxisWords, Block, BlockFeed};
 use super::custom;
+use super::lower::Lowered;
 use super::posed::VECTOR_DECIMALS;
-use super::read::{Pace, Placed, Posed, ROTARY, Reader, Step, TipMode};
+use super::rails::{FineGrid, RailWords};
+use super::read::{Pace, Placed, Posed, ROTARY, RailStep, Reader, Step, TipMode};
 use super::words::FeedWord;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use crate::budget::Budget;
@@ -31,7 +33,7 @@ const AGREEMENT_STEPS: f64 = 0.01;
 pub fn read_back(
     text: &str,
     custom: &[Range<usize>],
-    blocks: &[Block],
+    lowered: &Lowered,
     job: &ProgramJob,
     grid: &Grid,
     budget: &Budget,
@@ -41,7 +43,7 @@ pub fn read_back(
     }
     let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm()).passing(custom);
     // A block that ends modes moves nothing.
-    let blocks = blocks.iter().filter(|block| **block != Block::EndPosed);
+    let blocks = lowered.blocks.iter().filter(|block| !matches!(block, Block::EndPosed | Block::EndRails));
     let mut at: [Option<i64>; 3] = [None; 3];
     let mut largest_mismatch: f64 = 0.0;
     let mut line = 0;
@@ -52,7 +54,7 @@ pub fn read_back(
         let Some(placed) = steps.next() else { return Err(WriteError::Differs { line, what: "end" }) };
         let placed = placed?;
         line = placed.line;
-        if let Some(what) = difference(block, &mut at, &placed, job, grid) {
+        if let Some(what) = difference(block, &lowered.rails, &mut at, &placed, job, grid) {
             return Err(WriteError::Differs { line, what });
         }
         if let Step::Feed { radius_mismatch_mm, .. } = placed.step {
@@ -70,6 +72,7 @@ pub fn read_back(
 /// where the block starts, and afterwards where the block ends.
 fn difference(
     block: &Block,
+    rails: &[RailWords],
     at: &mut [Option<i64>; 3],
     placed: &Placed,
     job: &ProgramJob,
@@ -83,7 +86,12 @@ fn difference(
         | Block::BeginTipControl { to, .. }
         | Block::Posed { to, .. } => *at = to.map(Some),
         Block::Parabola { to: [x, y], .. } => *at = [Some(x), Some(y), at[2]],
-        Block::Dwell { .. } | Block::Rotate { .. } | Block::EndPosed => {}
+        Block::Rail { index } => *at = rails[index as usize].to.map(Some),
+        Block::Dwell { .. }
+        | Block::Rotate { .. }
+        | Block::BeginRails { .. }
+        | Block::EndRails
+        | Block::EndPosed => {}
     }
     let is_near = |mm: f64, units: i64| (mm - grid.mm(units)).abs() <= AGREEMENT_STEPS * grid.step_mm();
     let are_near = |read: [Option<f64>; 3], units: [Option<i64>; 3]| {
@@ -164,6 +172,12 @@ fn difference(
             (are_offsets(&along, parabola.control(), [0, 1], control), "control"),
             (is_feed(rate, feed), "feed"),
         ]),
+        (Block::BeginRails { second, feed }, Step::Rail(rail)) => {
+            let words =
+                RailWords { to: at.map(Option::unwrap_or_default), second, powers: [[[0; 3]; 4]; 2], feed };
+            is_rail(&words, &rail, start, grid)
+        }
+        (Block::Rail { index }, Step::Rail(rail)) => is_rail(&rails[index as usize], &rail, start, grid),
         (Block::Dwell { milliseconds }, Step::Dwell { seconds }) => {
             first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= 1e-3, "dwell")])
         }
@@ -173,6 +187,26 @@ fn difference(
 
 fn first_false(checks: &[(bool, &'static str)]) -> Option<&'static str> {
     checks.iter().find(|(holds, _)| !holds).map(|(_, what)| *what)
+}
+
+/// What differs between a rail and what was read for it.
+fn is_rail(words: &RailWords, read: &RailStep, start: [Option<i64>; 3], grid: &Grid) -> Option<&'static str> {
+    let fine = FineGrid::new(grid);
+    let is_near = |read: f64, wanted: f64, step: f64| (read - wanted).abs() <= AGREEMENT_STEPS * step;
+    let unit = fine.mm(1);
+    let are_fine =
+        |read: [f64; 3], units: [i64; 3]| (0..3).all(|k| is_near(read[k], fine.mm(units[k]), unit));
+    let begins =
+        (0..3).all(|k| start[k].is_some_and(|at| is_near(read.from[k], grid.mm(at), grid.step_mm())));
+    let ends = (0..3).all(|k| is_near(read.to[k], grid.mm(words.to[k]), grid.step_mm()));
+    let powers = (0..2).all(|p| (0..4).all(|k| are_fine(read.powers[p][k], words.powers[p][k])));
+    let wanted = words.feed.value() * grid.unit_mm();
+    first_false(&[
+        (begins && ends, "place"),
+        (are_fine(read.second, words.second), "axis"),
+        (powers, "polynomial"),
+        ((read.rate.mm_per_min() - wanted).abs() <= 1e-12 * wanted, "feed"),
+    ])
 }
 
 /// Whether a step has the tool axis of a block, in the mode in which it was written.

@@ -100,6 +100,8 @@ pub struct FiveAxisWords {
     /// has no such mode.
     pub angles: Option<TipControl>,
     pub vectors: Option<TipControl>,
+    /// With polynomials of the tip and of a second point on the axis.
+    pub rails: Option<TipControl>,
     /// Whether blocks may state the positions of all five axes of the machine, with the time of each block.
     pub has_positions: bool,
     /// How fast the axis turns about a resting tip.
@@ -112,6 +114,7 @@ impl FiveAxisWords {
         angle_decimals: 0,
         angles: None,
         vectors: None,
+        rails: None,
         has_positions: false,
         turns: Turns::InverseTime,
     };
@@ -121,6 +124,7 @@ impl FiveAxisWords {
         match output {
             AxisOutput::Angles => self.angles.is_some(),
             AxisOutput::Vectors => self.vectors.is_some(),
+            AxisOutput::Rails => self.rails.is_some(),
             AxisOutput::Machine => self.has_positions,
         }
     }
@@ -133,6 +137,9 @@ pub enum AxisOutput {
     Angles,
     /// The tip and the vector of the tool axis.
     Vectors,
+    /// The tip and the vector of the tool axis, and polynomials of the tip and of a second point where the
+    /// toolpath has them.
+    Rails,
     /// The positions of all five axes of the machine.
     Machine,
 }

@@ -164,6 +164,7 @@ fn axes(five: &FiveAxes) -> String {
     match five.output {
         AxisOutput::Angles => format!("TIP OF THE TOOL AND ANGLES{machine}"),
         AxisOutput::Vectors => "TIP OF THE TOOL AND VECTOR OF ITS AXIS".to_owned(),
+        AxisOutput::Rails => "TIP OF THE TOOL AND VECTOR OF ITS AXIS - POLYNOMIALS OF TWO POINTS".to_owned(),
         AxisOutput::Machine => format!("POSITIONS OF ALL AXES OF THE MACHINE{machine}"),
     }
 }

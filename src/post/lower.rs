@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use super::block::{Block, Blocks};
 use super::dialect::Dialect;
 use super::posed::{self, Posed};
+use super::rails::RailWords;
 use super::words;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use crate::budget::Budget;
@@ -18,6 +19,8 @@ use crate::toolpath::units::FeedRate;
 /// A toolpath as blocks, with a bound for their rounding.
 pub struct Lowered {
     pub blocks: Vec<Block>,
+    /// The rails of the blocks.
+    pub rails: Vec<RailWords>,
     /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
     /// ways.
     pub displacement_mm: f64,
@@ -28,9 +31,9 @@ pub struct Lowered {
 /// The blocks of the approach, of every move and of the retract.
 pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
     if let Some(five) = job.five_axes {
-        let Posed { blocks, displacement_mm, displacement_axis } =
+        let Posed { blocks, rails, displacement_mm, displacement_axis } =
             posed::lower(toolpath, &five, job, budget)?;
-        return Ok(Lowered { blocks, displacement_mm, displacement_axis });
+        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis });
     }
     if !toolpath.is_upright() {
         return Err(WriteError::MachineMissing);
@@ -77,7 +80,7 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
     }
     lowering.retract(clearance)?;
     let Lowering { blocks, displacement_mm, .. } = lowering;
-    Ok(Lowered { blocks: blocks.finish(), displacement_mm, displacement_axis: 0.0 })
+    Ok(Lowered { blocks: blocks.finish(), rails: Vec::new(), displacement_mm, displacement_axis: 0.0 })
 }
 
 /// The place where the machine rests between programs: at least as high as the clearance plane, and as the

@@ -1,7 +1,7 @@
 //! Toolpaths whose tool axis leans: from moves to blocks that state the axis.
 //!
 //! # Method
-//! 1. Every move becomes straight motions between poses (`legs`): the tip on a line, the axis on a great
+//! 1. Every move becomes straight motions between poses ([`legs`]): the tip on a line, the axis on a great
 //!    circle in step with it. Curves are divided, because a control runs no arc in step with an axis.
 //! 2. [`Machine::follow`] chooses the angles of the rotary axes over the whole toolpath.
 //! 3. A control that is told angles moves all five axes, or the tip and both angles, in step. Between two
@@ -19,19 +19,22 @@
 //! # Cost
 //! O(n) for n blocks.
 
+mod legs;
+
 use nalgebra::Point3;
 
+use self::legs::{Leg, Pace};
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
 use super::dialect::{AxisOutput, Numbers, Turns};
+use super::rails::{self, FineGrid, RailWords, Rounded};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use crate::budget::Budget;
-use crate::geometry::curve::Curve;
 use crate::machine::{Joints, Machine, Straying};
-use crate::toolpath::flatten::flatten;
-use crate::toolpath::path::{Move, Toolpath};
+use crate::toolpath::path::Toolpath;
 use crate::toolpath::pose::Pose;
 use crate::toolpath::quantize::Grid;
+use crate::toolpath::rail::Rail;
 use crate::toolpath::tool_axes::angle_between;
 use crate::toolpath::units::FeedRate;
 
@@ -39,7 +42,7 @@ use crate::toolpath::units::FeedRate;
 #[derive(Debug, Clone, Copy)]
 pub struct FiveAxes<'a> {
     pub output: AxisOutput,
-    /// Required but for [`AxisOutput::Vectors`].
+    /// Required but for [`AxisOutput::Vectors`] and [`AxisOutput::Rails`].
     pub machine: Option<&'a Machine>,
     /// How far the tool may stray from the toolpath between two blocks, before rounding.
     pub allowed: Straying,
@@ -48,29 +51,16 @@ pub struct FiveAxes<'a> {
 /// The decimals of a component of a vector.
 pub const VECTOR_DECIMALS: u8 = 7;
 
+/// The shortest time of a block, s.
+const SHORTEST_S: f64 = 1e-4;
+
 /// Halvings of one motion, at most. Each divides the straying by four.
 const MOST_HALVINGS: u32 = 16;
-
-/// How fast the tool turns between two passes, radians per second: 29 degrees by s.
-const TURN_PER_S: f64 = 0.5;
-
-/// One straight motion.
-struct Leg {
-    to: Pose,
-    pace: Pace,
-}
-
-#[derive(Clone, Copy)]
-enum Pace {
-    Feed(FeedRate),
-    Seconds(f64),
-    /// The tool rests.
-    Dwell(f64),
-}
 
 /// The blocks of a leaning toolpath.
 pub struct Posed {
     pub blocks: Vec<Block>,
+    pub rails: Vec<RailWords>,
     pub displacement_mm: f64,
     /// Radians.
     pub displacement_axis: f64,
@@ -85,9 +75,9 @@ pub fn lower(
     budget: &Budget,
 ) -> Result<Posed, WriteError> {
     let grid = Grid::new(job.program.resolution);
-    let (start, legs) = legs(toolpath, job, 0.5 * grid.step_mm())?;
+    let (start, legs) = legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
     let joints = match (five.output, five.machine) {
-        (AxisOutput::Vectors, _) => None,
+        (AxisOutput::Vectors | AxisOutput::Rails, _) => None,
         (_, None) => return Err(WriteError::MachineMissing),
         (_, Some(machine)) => Some(followed(machine, &start, &legs)?),
     };
@@ -98,6 +88,8 @@ pub fn lower(
         at: [i64::MIN; 3],
         axis: AxisWords::Angles([i64::MIN; 2]),
         owed_s: 0.0,
+        rails: Vec::new(),
+        is_on_rails: false,
         blocks: Blocks::default(),
         displacement_mm: 0.0,
         displacement_axis: 0.0,
@@ -113,9 +105,10 @@ pub fn lower(
             budget.progress("lowering", k, legs.len());
             checked = lowering.blocks.len();
         }
-        match leg.pace {
-            Pace::Dwell(seconds) => lowering.blocks.dwell(seconds)?,
-            pace => {
+        match (leg.rail, leg.pace) {
+            (Some(rail), Pace::Feed(rate)) => lowering.rail(rail, &leg.to, rate)?,
+            (_, Pace::Dwell(seconds)) => lowering.blocks.dwell(seconds)?,
+            (_, pace) => {
                 let ends = [joints_at(k), joints_at(k + 1)];
                 lowering.motion([&from, &leg.to], ends, pace, MOST_HALVINGS)?;
             }
@@ -123,59 +116,8 @@ pub fn lower(
         from = leg.to;
     }
     lowering.retract(clearance)?;
-    let Lowering { blocks, displacement_mm, displacement_axis, .. } = lowering;
-    Ok(Posed { blocks: blocks.finish(), displacement_mm, displacement_axis })
-}
-
-/// The start and the straight motions of a toolpath. Chords stay within `chord_mm` of curves.
-fn legs(toolpath: &Toolpath, job: &ProgramJob, chord_mm: f64) -> Result<(Pose, Vec<Leg>), WriteError> {
-    let mut tip = toolpath.start();
-    let first = toolpath.passes().first().map(|pass| pass.axes().start());
-    let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
-    let mut axis = start.axis;
-    let mut legs = Vec::new();
-    let mut push = |to: Pose, pace: Pace| {
-        legs.push(Leg { to, pace });
-        if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
-    };
-    for pass in toolpath.passes() {
-        let begins = pass.axes().start();
-        if begins != axis {
-            let angle = angle_between(&axis, &begins);
-            push(Pose { tip, axis: begins }, Pace::Seconds(angle / TURN_PER_S))?;
-            axis = begins;
-        }
-        for (k, step) in pass.moves().iter().enumerate() {
-            let from = Pose { tip, axis };
-            axis = pass.axes().after(k);
-            match step {
-                Move::Rapid { line } => {
-                    tip = line.end;
-                    push(Pose { tip, axis }, Pace::Feed(job.cutting.rapid_feed))?;
-                }
-                Move::Feed { along, rate, .. } => {
-                    let rate = rate.ok_or(WriteError::FeedMissing)?;
-                    let points = match along {
-                        Curve::Line(line) => vec![line.start, line.end],
-                        curve => flatten(curve, chord_mm, MAX_BLOCKS)
-                            .map_err(|_| WriteError::TooManyBlocks { limit: MAX_BLOCKS })?,
-                    };
-                    let parts = (points.len() - 1) as f64;
-                    tip = along.end();
-                    let to = Pose { tip, axis };
-                    for (n, point) in points.into_iter().enumerate().skip(1) {
-                        let axis = from.between(&to, n as f64 / parts).axis;
-                        push(Pose { tip: point, axis }, Pace::Feed(rate))?;
-                    }
-                }
-                Move::Turn { seconds, .. } => {
-                    push(Pose { tip, axis }, Pace::Seconds(seconds.ok_or(WriteError::FeedMissing)?))?;
-                }
-                Move::Dwell { seconds } => push(from, Pace::Dwell(*seconds))?,
-            }
-        }
-    }
-    Ok((start, legs))
+    let Lowering { blocks, rails, displacement_mm, displacement_axis, .. } = lowering;
+    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis })
 }
 
 /// The positions at the start and at the end of each motion.
@@ -196,6 +138,8 @@ struct Lowering<'a> {
     axis: AxisWords,
     /// The time of motions that are too short to be written.
     owed_s: f64,
+    rails: Vec<RailWords>,
+    is_on_rails: bool,
     blocks: Blocks,
     displacement_mm: f64,
     displacement_axis: f64,
@@ -220,8 +164,34 @@ impl Lowering<'_> {
         Ok(())
     }
 
+    /// A motion along a rail.
+    fn rail(&mut self, rail: &Rail, to: &Pose, rate: FeedRate) -> Result<(), WriteError> {
+        let numbers = &self.job.dialect.numbers;
+        let feed = words::feed(rate, self.job.program.resolution.units, numbers)?;
+        let Rounded { words, tip_mm, axis } = rails::round(rail, self.at, feed, &self.grid)?;
+        if !std::mem::replace(&mut self.is_on_rails, true) {
+            let from = self.grid.point(self.at);
+            let second = FineGrid::new(&self.grid).second(from, rail.to_second[0])?;
+            self.blocks.push(Block::BeginRails { second, feed })?;
+        }
+        let index =
+            u32::try_from(self.rails.len()).map_err(|_| WriteError::TooManyBlocks { limit: MAX_BLOCKS })?;
+        self.rails.push(words);
+        self.blocks.push(Block::Rail { index })?;
+        self.displacement_mm = self.displacement_mm.max(tip_mm);
+        self.displacement_axis = self.displacement_axis.max(axis);
+        (self.at, self.axis) = (words.to, self.rounded(to, None)?.1);
+        self.owed_s = 0.0;
+        Ok(())
+    }
+
+    fn end_rails(&mut self) -> Result<(), WriteError> {
+        if std::mem::take(&mut self.is_on_rails) { self.blocks.push(Block::EndRails) } else { Ok(()) }
+    }
+
     /// Goes up to the clearance plane, and ends the modes.
     fn retract(&mut self, clearance: i64) -> Result<(), WriteError> {
+        self.end_rails()?;
         if self.at[2] < clearance {
             self.at[2] = clearance;
             self.blocks.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
@@ -266,7 +236,9 @@ impl Lowering<'_> {
         match self.five.output {
             AxisOutput::Machine => straying,
             // The control keeps the tip on its line.
-            AxisOutput::Angles | AxisOutput::Vectors => Straying { tip_mm: 0.0, ..straying },
+            AxisOutput::Angles | AxisOutput::Vectors | AxisOutput::Rails => {
+                Straying { tip_mm: 0.0, ..straying }
+            }
         }
     }
 
@@ -295,6 +267,7 @@ impl Lowering<'_> {
             return Ok(());
         }
         let rests = at == self.at;
+        self.end_rails()?;
         let was = std::mem::replace(&mut self.axis, axis);
         (self.at, self.owed_s) = (at, 0.0);
         let feed = match pace {
@@ -350,7 +323,7 @@ impl Lowering<'_> {
         let angles = joints.rotary.map(|angle| (angle.to_degrees() * scale).round() as i64);
         let place = match self.five.output {
             AxisOutput::Machine => Point3::from(joints.linear_mm),
-            AxisOutput::Angles | AxisOutput::Vectors => pose.tip,
+            AxisOutput::Angles | AxisOutput::Vectors | AxisOutput::Rails => pose.tip,
         };
         Ok((tip(&place)?, AxisWords::Angles(angles)))
     }
@@ -380,6 +353,3 @@ fn inverse_time(seconds: f64, numbers: &Numbers) -> Result<FeedWord, WriteError>
     // The F word of no time would be infinite.
     words::per_minute(60.0 / seconds.max(SHORTEST_S), numbers).ok_or(WriteError::InverseTime { seconds })
 }
-
-/// The shortest time of a block, s.
-const SHORTEST_S: f64 = 1e-4;

@@ -22,7 +22,7 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 
-pub use self::posed::{Pace, Posed, ROTARY, TipMode};
+pub use self::posed::{Pace, Posed, ROTARY, RailStep, TipMode};
 use super::dialect::{Dialect, Syntax};
 pub use super::nc::Fault;
 use crate::geometry::curve::Curve;
@@ -45,6 +45,8 @@ pub enum Step {
     },
     /// A motion with the tool axis.
     Posed(Posed),
+    /// A motion of the tip and of a second point of the tool, both along polynomials.
+    Rail(RailStep),
     Dwell {
         seconds: f64,
     },

@@ -24,6 +24,7 @@ mod dialects;
 mod golden;
 mod parabolas;
 mod posed;
+mod rails;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };
@@ -199,7 +200,7 @@ fn a_changed_program_fails_the_check() {
         warnings: &[],
         five_axes: None,
     };
-    let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap().blocks;
+    let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap();
     let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
     let grid = Grid::new(MM);
     assert!(check::read_back(&text, &[], &blocks, &job, &grid, &Budget::unlimited()).is_ok());
@@ -309,7 +310,7 @@ proptest! {
                     time += along.length() / rate.mm_per_min() * 60.0;
                 }
                 Step::Dwell { seconds } => dwell += seconds,
-                Step::Rapid { .. } | Step::Posed(_) => {}
+                Step::Rapid { .. } | Step::Posed(_) | Step::Rail(_) => {}
             }
         }
         let measures = measure(&path, feed(10_000.0));

@@ -9,9 +9,9 @@ mod remarks;
 
 pub use lines::Written;
 
-use super::block::Block;
 use super::dialect::Syntax;
 use super::header::Remark;
+use super::lower::Lowered;
 use super::{ProgramJob, WriteError};
 use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
 
@@ -20,9 +20,10 @@ use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
 /// # Errors
 /// When a word of the frame cannot be written, a number has more digits or a line more characters than the
 /// control takes.
-pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<Written, WriteError> {
+pub fn text(lowered: &Lowered, remarks: &[Remark], job: &ProgramJob) -> Result<Written, WriteError> {
+    let blocks = &lowered.blocks;
     match &job.dialect.syntax {
-        Syntax::Iso(iso) | Syntax::Siemens(iso) => iso::text(blocks, remarks, job, iso),
+        Syntax::Iso(iso) | Syntax::Siemens(iso) => iso::text(lowered, remarks, job, iso),
         Syntax::Klartext => klartext::text(blocks, remarks, job),
         Syntax::Deckel => deckel::text(blocks, job),
     }

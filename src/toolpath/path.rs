@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
+use super::rail::Rail;
 use super::tool_axes::{ToolAxes, are_opposite};
 use super::units::FeedRate;
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola, ParabolaError};
@@ -48,6 +49,7 @@ pub struct Pass {
     level: Option<u32>,
     moves: Vec<Move>,
     axes: ToolAxes,
+    rails: Vec<Rail>,
 }
 
 impl Pass {
@@ -63,6 +65,11 @@ impl Pass {
     /// resting tip between the passes.
     pub fn axes(&self) -> &ToolAxes {
         &self.axes
+    }
+
+    /// Polynomials that stand for moves of the pass, in order and without overlap. Most passes have none.
+    pub fn rails(&self) -> &[Rail] {
+        &self.rails
     }
 }
 
@@ -143,7 +150,19 @@ impl Builder {
     /// Begins a pass with another tool axis. Unless it is the first pass, the tool turns about its tip.
     pub fn begin_leaning_pass(&mut self, level: Option<u32>, axis: UnitVector3<f64>) {
         self.axis = axis;
-        self.passes.push(Pass { level, moves: Vec::new(), axes: ToolAxes::Fixed(axis) });
+        self.passes.push(Pass { level, moves: Vec::new(), axes: ToolAxes::Fixed(axis), rails: Vec::new() });
+    }
+
+    /// Number of moves of the pass.
+    pub fn n_moves_of_pass(&self) -> usize {
+        self.passes.last().map_or(0, |pass| pass.moves.len())
+    }
+
+    /// A rail stands for the last moves of the pass: all from `rail.moves.start` on.
+    pub fn rail(&mut self, rail: Rail) {
+        if let Some(pass) = self.passes.last_mut() {
+            pass.rails.push(rail);
+        }
     }
 
     /// During the next move the tool axis turns to `axis`.

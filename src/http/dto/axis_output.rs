@@ -19,16 +19,19 @@ pub enum AxisOutput {
     Angles,
     /// The tip and the vector of the tool axis (Fanuc: G43.5, Siemens: A3 B3 C3, Heidenhain: LN).
     Vectors,
+    /// As `vectors`, and the smooth path as polynomials of the tip and of a second point where
+    /// `/v1/five-axis/smooth` has made it (Siemens: ORICURVE, POLY).
+    Rails,
     /// The positions of all five axes of the machine, with the time of each block (G93).
     Machine,
 }
 
-into_core!(AxisOutput => post::AxisOutput, [Angles, Vectors, Machine]);
+into_core!(AxisOutput => post::AxisOutput, [Angles, Vectors, Rails, Machine]);
 
 impl AxisOutput {
     /// All ways in which a dialect can state the tool axis.
     pub fn all_of(dialect: &Dialect) -> Vec<Self> {
-        let all = [Self::Angles, Self::Vectors, Self::Machine];
+        let all = [Self::Angles, Self::Vectors, Self::Rails, Self::Machine];
         all.into_iter().filter(|&output| dialect.five_axes.write(output.into())).collect()
     }
 }
@@ -51,7 +54,7 @@ impl AxisSetup {
         allowed: Straying,
         violations: &mut Violations,
     ) -> Option<Self> {
-        use post::AxisOutput::{Angles, Machine as Positions, Vectors};
+        use post::AxisOutput::{Angles, Machine as Positions, Rails, Vectors};
         let words = dialect.five_axes;
         if AxisOutput::all_of(dialect).is_empty() {
             let at = Pointer::root().field("program").field("dialect");
@@ -73,7 +76,7 @@ impl AxisSetup {
             let at = Pointer::root().field("axis_output");
             let detail = format!("the dialect `{}` cannot write this; leave `axis_output` out", dialect.name);
             violations.add(&at, FieldCode::Unsupported, detail);
-        } else if machine.is_none() && output != Vectors {
+        } else if machine.is_none() && output != Vectors && output != Rails {
             let detail = "angles and positions of axes need a machine: send `machine`";
             violations.add(&Pointer::root().field("machine"), FieldCode::MissingField, detail);
         }

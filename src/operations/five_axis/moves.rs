@@ -25,6 +25,7 @@ use super::{FiveAxisError, Job, Rails};
 use crate::budget::Budget;
 use crate::toolpath::path::{Builder, Role, Toolpath};
 use crate::toolpath::pose::{Pace, Pose};
+use crate::toolpath::rail::Rail;
 use crate::toolpath::units::FeedRate;
 
 /// The part of a tolerance that chords may take beside the rails.
@@ -129,6 +130,7 @@ impl Moving<'_> {
                     (first..=last).map(|block| self.path.block(block)).collect()
                 }
             };
+            let first = self.builder.n_moves_of_pass();
             for i in 0..count {
                 let to = pose(&places[i + 1]);
                 let ends = [at(i), at(i + 1)];
@@ -149,6 +151,11 @@ impl Moving<'_> {
                     self.builder.turn_next(to.axis)?;
                     self.builder.line(to.tip, rate(speed), Role::Cut)?;
                 }
+            }
+            if !rests {
+                let moves = first..self.builder.n_moves_of_pass();
+                let (tip, to_second) = (span.control.map(|p| tip(&p).into()), span.control.map(|p| top(&p)));
+                self.builder.rail(Rail { moves, tip, to_second });
             }
             if is_blend {
                 let tips: Vec<Vector3<f64>> = places.iter().map(tip).collect();

@@ -1,8 +1,9 @@
 //! Deckel FP-2, as one paper prints it.
 //!
 //! The only source is Fig. 4-4 of Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, *A Study on the Construction
-//! of CAD/CAM System for Machining of Sculptured Surface of Die*, 1989: two programs of G0 and G1 in mm. What they do not show is not written: arcs become lines, and
-//! inches, dwells, coolant, work offsets, comments and leaning tools are refused.
+//! of CAD/CAM System for Machining of Sculptured Surface of Die*, 1989: two programs of G0 and G1 in mm. What
+//! they do not show is not written: arcs become lines, and inches, dwells, coolant, work offsets, comments
+//! and leaning tools are refused.
 
 use crate::post::dialect::{
     Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, Verification,

@@ -39,6 +39,7 @@ pub const FANUC: Dialect = Dialect {
         angles: Some(TipControl { words: Some("G43.4 H{offset}"), ..TIP_CONTROL }),
         vectors: Some(TipControl { words: Some("G43.5 H{offset}"), ..TIP_CONTROL }),
         has_positions: true,
+        rails: None,
         turns: Turns::InverseTime,
     },
     syntax: Syntax::Iso(WORDS),

@@ -3,8 +3,8 @@
 //! * GRBL knows no tool: T, M6 and G43 are not written. The tool stands in the header.
 //! * It reads at most 79 characters of a line. Blanks and comments do not count, but here they do.
 //! * M7 exists only where it was compiled in, so mist is refused.
-//! * An arc whose radii differ by more than 0.005 mm and 0.1 % is an error 33. An arc that rounding would make so
-//!   is divided, or written as lines.
+//! * An arc whose radii differ by more than 0.005 mm and 0.1 % is an error 33. An arc that rounding would
+//!   make so is divided, or written as lines.
 //! * M30 resets the work offset to G54 and motion to G1, which harms no program that starts as these do.
 
 use crate::post::dialect::{

@@ -22,6 +22,7 @@ pub const HAAS: Dialect = Dialect {
         }),
         vectors: None,
         has_positions: true,
+        rails: None,
         turns: Turns::InverseTime,
     },
     syntax: Syntax::Iso(Iso { program_number: Some(ProgramNumber { letter: 'O', digits: 5 }), ..WORDS }),

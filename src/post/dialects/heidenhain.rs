@@ -38,6 +38,7 @@ pub const HEIDENHAIN: Dialect = Dialect {
         angles: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"], ..TIP_CONTROL }),
         vectors: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS SPAT PATHCTRL VECTOR"], ..TIP_CONTROL }),
         has_positions: false,
+        rails: None,
         turns: Turns::DegreesPerMinute,
     },
     syntax: Syntax::Klartext,

@@ -6,6 +6,9 @@
 //! * G54 to G57 are the work offsets; G58 and G59 are something else on this control.
 //! * Under TRAORI coordinates are those of the tip. ORIVECT turns the axis on the great circle. A3, B3 and C3
 //!   state the vector from the tip to the holder.
+//! * Rails are polynomials of degree 5 (POLY) of the tip and of a second point on the axis (XH, YH, ZH) under
+//!   ORICURVE. The control would also take them as BSPLINE, but no degree above 3, and no printed example
+//!   says where the distances of its knots stand.
 //! * Under G93 F is one by the minutes of a block, also under TRAORI.
 
 use crate::post::dialect::{
@@ -20,8 +23,8 @@ pub const SIEMENS: Dialect = Dialect {
     verification: Verification::Reader,
     file_extension: "mpf",
     line_end: "\n",
-    // The control reads longer lines; its screen does not show them.
-    max_line_length: 120,
+    // A block of polynomials is long.
+    max_line_length: 500,
     max_program_number: None,
     default_decimals_mm: 3,
     default_decimals_inch: 4,
@@ -40,6 +43,7 @@ pub const SIEMENS: Dialect = Dialect {
         angles: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIAXES"], ..TIP_CONTROL }),
         vectors: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
         has_positions: true,
+        rails: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
         turns: Turns::InverseTime,
     },
     syntax: Syntax::Siemens(Iso {

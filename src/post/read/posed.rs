@@ -25,6 +25,19 @@ pub enum Pace {
     DegreesPerMinute(f64),
 }
 
+/// One motion along polynomials of a parameter from 0 to 1, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RailStep {
+    pub from: [f64; 3],
+    pub to: [f64; 3],
+    /// The second point at the start and at the end.
+    pub second_from: [f64; 3],
+    pub second: [f64; 3],
+    /// The coefficients of the powers 2 to 5 of the tip and of the second point.
+    pub powers: [[[f64; 3]; 4]; 2],
+    pub rate: FeedRate,
+}
+
 /// One motion. Coordinates in mm, angles of A, B and C in degrees, where they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posed {

@@ -26,6 +26,7 @@
 //! 3-42 (SUPA); SINUMERIK ONE, *Programming Manual*, pp. 52, 204 (tool, arcs).
 
 mod motion;
+mod rails;
 mod words;
 
 use self::words::{Keyword, Words};
@@ -62,6 +63,11 @@ pub struct Reader<'a> {
     orientation: Option<TipMode>,
     angles: [Option<f64>; 3],
     vector: Option<[f64; 3]>,
+    /// ORICURVE is in force: blocks state a second point of the tool.
+    is_on_rails: bool,
+    is_polynomial: bool,
+    /// The second point, mm.
+    second: Option<[f64; 3]>,
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
 }
@@ -75,6 +81,9 @@ impl Language for Reader<'_> {
         if text.chars().count() > limit {
             return Err(Fault::LongLine { limit });
         }
+        if self.is_on_rails && rails::is_rail(text) {
+            return self.rail(text).map(|rail| Some(Step::Rail(rail)));
+        }
         let words = Words::of(text, self.dialect)?;
         self.block(&words)
     }
@@ -85,7 +94,7 @@ impl Language for Reader<'_> {
         }
         self.modal = Modal::UNKNOWN;
         (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
-        (self.angles, self.vector) = ([None; 3], None);
+        (self.angles, self.vector, self.is_on_rails) = ([None; 3], None, false);
     }
 
     fn end(&self) -> Result<(), Fault> {
@@ -111,12 +120,15 @@ impl<'a> Reader<'a> {
             orientation: None,
             angles: [None; 3],
             vector: None,
+            is_on_rails: false,
+            is_polynomial: false,
+            second: None,
             has_lost_axis: false,
         }
     }
 
     fn block(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        self.check_number(words)?;
+        self.check_number(words.number)?;
         if words.rounding.is_some() != words.g.contains(&ROUNDING) {
             return Err(Fault::Word("ADIS", WordFault::Unused));
         }
@@ -139,8 +151,8 @@ impl<'a> Reader<'a> {
 
     /// # Errors
     /// When the N word does not follow the one before it.
-    fn check_number(&mut self, words: &Words) -> Result<(), Fault> {
-        let (Some(number), Some(rule)) = (words.number, self.block_numbers) else { return Ok(()) };
+    fn check_number(&mut self, number: Option<u32>) -> Result<(), Fault> {
+        let (Some(number), Some(rule)) = (number, self.block_numbers) else { return Ok(()) };
         let expected = match self.number {
             Some(last) if last < rule.max => last + rule.step,
             _ => rule.step,
@@ -187,8 +199,10 @@ impl<'a> Reader<'a> {
                 }
                 self.has_tip_control = begins;
             }
-            Keyword::ByAxes => self.orientation = Some(TipMode::Angles),
-            Keyword::ByVectors => self.orientation = Some(TipMode::Vectors),
+            Keyword::ByAxes => (self.orientation, self.is_on_rails) = (Some(TipMode::Angles), false),
+            Keyword::ByVectors => (self.orientation, self.is_on_rails) = (Some(TipMode::Vectors), false),
+            Keyword::ByCurve if !self.has_tip_control => return Err(Fault::NoTipControl),
+            Keyword::ByCurve => (self.is_on_rails, self.is_polynomial, self.second) = (true, false, None),
             Keyword::InWorkpiece | Keyword::MachineZero => {}
         }
         Ok(())

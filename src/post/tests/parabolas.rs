@@ -85,7 +85,7 @@ fn a_changed_spline_fails_the_check() {
         warnings: &[],
         five_axes: None,
     };
-    let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap().blocks;
+    let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap();
     let text = write(&wave(), &job, &Budget::unlimited()).unwrap().text;
     for (from, to, what) in [
         ("I5.000 J4.000", "I5.001 J4.000", "control"),

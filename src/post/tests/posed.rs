@@ -193,7 +193,7 @@ fn a_changed_block_fails_the_check() {
             warnings: &[],
             five_axes,
         };
-        let blocks = lower::lower(&leaning(), &job, &Budget::unlimited()).unwrap().blocks;
+        let blocks = lower::lower(&leaning(), &job, &Budget::unlimited()).unwrap();
         let text = write(&leaning(), &job, &Budget::unlimited()).unwrap().text;
         for (from, to, what) in changes {
             assert!(text.contains(from), "{from} {text}");
@@ -255,7 +255,7 @@ fn pose_at(
     match output {
         AxisOutput::Machine => pose,
         AxisOutput::Angles => Pose { tip: place.into(), ..pose },
-        AxisOutput::Vectors => {
+        AxisOutput::Vectors | AxisOutput::Rails => {
             let [a, b] = [from.2, to.2].map(|v| unit(v[0], v[1], v[2]));
             Pose { tip: place.into(), axis: crate::toolpath::tool_axes::between(&a, &b, part) }
         }

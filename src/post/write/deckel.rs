@@ -127,6 +127,9 @@ impl Writer<'_> {
             | Block::Rotate { .. }
             | Block::BeginTipControl { .. }
             | Block::Posed { .. }
+            | Block::BeginRails { .. }
+            | Block::Rail { .. }
+            | Block::EndRails
             | Block::EndPosed => return Err(WriteError::Differs { line: 0, what: "kind" }),
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! Writes programs of ISO words.
 
 mod posed;
+mod rails;
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks, tool_of};
@@ -8,6 +9,8 @@ use crate::geometry::plane::Plane;
 use crate::post::block::{AxisWords, Block};
 use crate::post::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point};
 use crate::post::header::Remark;
+use crate::post::lower::Lowered;
+use crate::post::rails::RailWords;
 use crate::post::words::{self, AXES, FeedWord, OFFSETS};
 use crate::post::{ProgramJob, WriteError};
 use crate::toolpath::cutting::Coolant;
@@ -18,7 +21,7 @@ const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 
 /// The text of a whole program; see [`super::text`].
 pub fn text(
-    blocks: &[Block],
+    lowered: &Lowered,
     remarks: &[Remark],
     job: &ProgramJob,
     iso: &Iso,
@@ -30,7 +33,8 @@ pub fn text(
         job,
         iso,
         remarks,
-        lines: Lines::new(job.dialect, numbering, blocks.len()),
+        rails: &lowered.rails,
+        lines: Lines::new(job.dialect, numbering, lowered.blocks.len()),
         owes_length_offset: false,
         motion: None,
         // The safety line selects it.
@@ -46,7 +50,7 @@ pub fn text(
     for frame in iso.start {
         writer.frame(*frame)?;
     }
-    for block in blocks {
+    for block in &lowered.blocks {
         writer.block(block)?;
     }
     let (last, end) = iso.end.split_last().map_or((None, iso.end), |(last, end)| (Some(last), end));
@@ -65,6 +69,7 @@ struct Writer<'a> {
     job: &'a ProgramJob<'a>,
     iso: &'a Iso,
     remarks: &'a [Remark],
+    rails: &'a [RailWords],
     lines: Lines<'a>,
     /// The next motion along Z has to take the length offset.
     owes_length_offset: bool,
@@ -268,6 +273,12 @@ impl Writer<'_> {
                 self.place(to, axis);
             }
             Block::Posed { to, axis, feed } => self.posed(to, axis, feed)?,
+            Block::BeginRails { second, feed } => self.begin_rails(second, feed)?,
+            Block::Rail { index } => self.rail(index as usize),
+            Block::EndRails => {
+                self.lines.word("ORIVECT");
+                self.motion = None;
+            }
             Block::EndPosed => self.end_posed()?,
         }
         self.lines.end()

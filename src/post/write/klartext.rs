@@ -170,8 +170,10 @@ impl Writer<'_> {
                 self.lines.word("R0");
                 self.feed(Feed::OfTip(feed));
             }
-            // The control has no such block, and `quantize` makes none for it.
-            Block::Parabola { .. } => return Err(WriteError::Differs { line: 0, what: "kind" }),
+            // The control has no such blocks, and none are made for it.
+            Block::Parabola { .. } | Block::BeginRails { .. } | Block::Rail { .. } | Block::EndRails => {
+                return Err(WriteError::Differs { line: 0, what: "kind" });
+            }
             Block::Dwell { milliseconds } => {
                 self.lines.line("CYCL DEF 9.0 DWELL TIME")?;
                 let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);

@@ -196,7 +196,9 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let motion = Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap());
                 Some((kind_of(&motion), motion))
             }
-            Step::Posed(_) | Step::Dwell { .. } => panic!("milling neither dwells nor leans the tool"),
+            Step::Posed(_) | Step::Rail(_) | Step::Dwell { .. } => {
+                panic!("milling neither dwells nor leans the tool")
+            }
         })
         .collect()
 }

@@ -13,8 +13,8 @@
 //! For spline blocks the check compares the curve that the interpreter computes. The control then replaces
 //! the curve by arcs; `toolpath/quantize/biarcs` bounds how far these arcs leave the curve.
 //!
-//! Where the variable `GVALIDATE` names the parser of GRBL (`gvalidate` of grbl-sim), that parser has to accept
-//! every program in the dialect of GRBL.
+//! Where the variable `GVALIDATE` names the parser of GRBL (`gvalidate` of grbl-sim), that parser has to
+//! accept every program in the dialect of GRBL.
 //!
 //! A program in the dialect of another control is translated where LinuxCNC reads the same words differently.
 

@@ -23,6 +23,10 @@ impl Reader<'_> {
         if !has_motion {
             return Ok(None);
         }
+        if self.is_on_rails {
+            // Each block under ORICURVE states the second point.
+            return Err(Fault::Word("XH", WordFault::Missing));
+        }
         let motion = self.modal.motion.ok_or(Fault::NoMotion)?;
         self.modal.distance.ok_or(Fault::NoMode("G90"))?;
         if (words.get('Z').is_some() || self.has_tip_control) && self.edge == 0 {

@@ -227,8 +227,8 @@ fn every_fault_of_a_line_is_found() {
             ("M30\n", "M2\n", 24, Fault::UnknownM(2.0)),
         ],
     );
-    let long = THREE_AXES.replacen("DIE", &"D".repeat(120), 1);
-    assert_eq!(read(&long).unwrap_err(), ReadError { line: 1, fault: Fault::LongLine { limit: 120 } });
+    let long = THREE_AXES.replacen("DIE", &"D".repeat(500), 1);
+    assert_eq!(read(&long).unwrap_err(), ReadError { line: 1, fault: Fault::LongLine { limit: 500 } });
     assert_eq!(read(&format!("{THREE_AXES}\n \n")), read(THREE_AXES));
 }
 

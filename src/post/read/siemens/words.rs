@@ -34,16 +34,19 @@ pub enum Keyword {
     ByAxes,
     /// ORIVECT: the tool axis turns on a great circle.
     ByVectors,
+    /// ORICURVE: the path of a second point of the tool turns the axis.
+    ByCurve,
     /// SUPA: the coordinates of the block are those of the machine.
     MachineZero,
 }
 
-const KEYWORDS: [(&str, Keyword); 6] = [
+const KEYWORDS: [(&str, Keyword); 7] = [
     ("TRAORI", Keyword::BeginTipControl),
     ("TRAFOOF", Keyword::EndTipControl),
     ("ORIWKS", Keyword::InWorkpiece),
     ("ORIAXES", Keyword::ByAxes),
     ("ORIVECT", Keyword::ByVectors),
+    ("ORICURVE", Keyword::ByCurve),
     ("SUPA", Keyword::MachineZero),
 ];
 

@@ -3,7 +3,7 @@
 use super::Writer;
 use crate::post::WriteError;
 use crate::post::block::{AxisWords, BlockFeed};
-use crate::post::dialect::TipControl;
+use crate::post::dialect::{AxisOutput, TipControl};
 use crate::post::posed::VECTOR_DECIMALS;
 
 impl Writer<'_> {
@@ -27,6 +27,11 @@ impl Writer<'_> {
         let words = self.job.dialect.five_axes;
         match axis {
             AxisWords::Angles(_) => words.angles,
+            AxisWords::Vector(_)
+                if self.job.five_axes.is_some_and(|five| five.output == AxisOutput::Rails) =>
+            {
+                words.rails
+            }
             AxisWords::Vector(_) => words.vectors,
         }
     }
@@ -66,7 +71,7 @@ impl Writer<'_> {
     }
 
     /// Selects feeds by inverse time (G93) or by the minute (G94).
-    fn feed_mode(&mut self, is_inverse_time: bool) {
+    pub(super) fn feed_mode(&mut self, is_inverse_time: bool) {
         if self.is_inverse_time != is_inverse_time {
             self.lines.word(if is_inverse_time { "G93" } else { "G94" });
             self.is_inverse_time = is_inverse_time;

@@ -1,7 +1,8 @@
 //! Reads a pocket as JSON from the standard input, lets BREP_cam plan it, and writes the path as G-code.
 //!
-//! The pocket: `radius`, `stepover`, `floor`, `feed`, `operation` (`pocket` or `adaptive`), `helix` (diameter, 0 to plunge), `tolerance`,
-//! `loops` (outlines of edges `[x0, y0, x1, y1]` or `[x0, y0, x1, y1, xc, yc, ccw]`) and `triangles` of the part, nine numbers each.
+//! The pocket: `radius`, `stepover`, `floor`, `feed`, `operation` (`pocket` or `adaptive`), `helix`
+//! (diameter, 0 to plunge), `tolerance`, `loops` (outlines of edges `[x0, y0, x1, y1]` or `[x0, y0, x1, y1,
+//! xc, yc, ccw]`) and `triangles` of the part, nine numbers each.
 
 use std::io::Read;
 use std::time::Instant;

@@ -1,0 +1,101 @@
+//! A leaning toolpath as straight motions between poses, and motions along rails.
+
+use super::super::{MAX_BLOCKS, ProgramJob, WriteError};
+use crate::geometry::curve::Curve;
+use crate::toolpath::flatten::flatten;
+use crate::toolpath::path::{Move, Toolpath};
+use crate::toolpath::pose::Pose;
+use crate::toolpath::rail::Rail;
+use crate::toolpath::tool_axes::angle_between;
+use crate::toolpath::units::FeedRate;
+
+/// How fast the tool turns between two passes, radians per second: 29 degrees by s.
+const TURN_PER_S: f64 = 0.5;
+
+/// One straight motion, or one along a rail.
+pub struct Leg<'a> {
+    pub to: Pose,
+    pub pace: Pace,
+    pub rail: Option<&'a Rail>,
+}
+
+#[derive(Clone, Copy)]
+pub enum Pace {
+    Feed(FeedRate),
+    Seconds(f64),
+    /// The tool rests.
+    Dwell(f64),
+}
+
+/// The start and the straight motions of a toolpath. Chords stay within `chord_mm` of curves. Rails stand for
+/// their moves where `has_rails`.
+pub fn divide<'a>(
+    toolpath: &'a Toolpath,
+    job: &ProgramJob,
+    chord_mm: f64,
+    has_rails: bool,
+) -> Result<(Pose, Vec<Leg<'a>>), WriteError> {
+    let mut tip = toolpath.start();
+    let first = toolpath.passes().first().map(|pass| pass.axes().start());
+    let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
+    let mut axis = start.axis;
+    let mut legs = Vec::new();
+    let mut push = |to: Pose, pace: Pace, rail: Option<&'a Rail>| {
+        legs.push(Leg { to, pace, rail });
+        if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
+    };
+    for pass in toolpath.passes() {
+        let begins = pass.axes().start();
+        if begins != axis {
+            let angle = angle_between(&axis, &begins);
+            push(Pose { tip, axis: begins }, Pace::Seconds(angle / TURN_PER_S), None)?;
+            axis = begins;
+        }
+        let mut rails = pass.rails().iter().filter(|rail| has_rails && !rail.moves.is_empty()).peekable();
+        for (k, step) in pass.moves().iter().enumerate() {
+            if let Some(rail) = rails.next_if(|rail| rail.moves.end == k + 1) {
+                let rates = pass.moves()[rail.moves.clone()].iter().filter_map(|step| match step {
+                    Move::Feed { rate, .. } => *rate,
+                    _ => None,
+                });
+                // One feed for the whole rail: none of its moves is faster than it may be.
+                let slowest =
+                    rates.reduce(|a, b| if b < a { b } else { a }).ok_or(WriteError::FeedMissing)?;
+                (tip, axis) = (rail.tip[5], pass.axes().after(k));
+                push(Pose { tip, axis }, Pace::Feed(slowest), Some(rail))?;
+                continue;
+            }
+            if rails.peek().is_some_and(|rail| rail.moves.contains(&k)) {
+                continue;
+            }
+            let from = Pose { tip, axis };
+            axis = pass.axes().after(k);
+            match step {
+                Move::Rapid { line } => {
+                    tip = line.end;
+                    push(Pose { tip, axis }, Pace::Feed(job.cutting.rapid_feed), None)?;
+                }
+                Move::Feed { along, rate, .. } => {
+                    let rate = rate.ok_or(WriteError::FeedMissing)?;
+                    let points = match along {
+                        Curve::Line(line) => vec![line.start, line.end],
+                        curve => flatten(curve, chord_mm, MAX_BLOCKS)
+                            .map_err(|_| WriteError::TooManyBlocks { limit: MAX_BLOCKS })?,
+                    };
+                    let parts = (points.len() - 1) as f64;
+                    tip = along.end();
+                    let to = Pose { tip, axis };
+                    for (n, point) in points.into_iter().enumerate().skip(1) {
+                        let axis = from.between(&to, n as f64 / parts).axis;
+                        push(Pose { tip: point, axis }, Pace::Feed(rate), None)?;
+                    }
+                }
+                Move::Turn { seconds, .. } => {
+                    push(Pose { tip, axis }, Pace::Seconds(seconds.ok_or(WriteError::FeedMissing)?), None)?;
+                }
+                Move::Dwell { seconds } => push(from, Pace::Dwell(*seconds), None)?,
+            }
+        }
+    }
+    Ok((start, legs))
+}

@@ -7,12 +7,12 @@
 //! * Under TRAORI coordinates are those of the tip. ORIVECT turns the axis on the great circle. A3, B3 and C3
 //!   state the vector from the tip to the holder.
 //! * Rails are polynomials of degree 5 (POLY) of the tip and of a second point on the axis (XH, YH, ZH) under
-//!   ORICURVE. The control would also take them as BSPLINE, but no degree above 3, and no printed example
-//!   says where the distances of its knots stand.
+//!   ORICURVE. POLYPATH says that polynomials move both. BSPLINE stops at degree 3, and the manual of
+//!   SINUMERIK ONE (*NC programming*, 12/2019, p. 684) excludes polynomials of XH, YH and ZH under it.
 //! * Under G93 F is one by the minutes of a block, also under TRAORI.
 
 use crate::post::dialect::{
-    Abilities, BlockNumbers, Point, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Syntax,
+    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, Syntax,
     TipControl, Turns, Verification,
 };
 use crate::toolpath::program::SafeHome;
@@ -43,7 +43,10 @@ pub const SIEMENS: Dialect = Dialect {
         angles: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIAXES"], ..TIP_CONTROL }),
         vectors: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
         has_positions: true,
-        rails: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
+        rails: Some(TipControl {
+            before: &["TRAORI", "ORIWKS", "ORIVECT", "POLYPATH(\"AXES\",\"VECT\")"],
+            ..TIP_CONTROL
+        }),
         turns: Turns::InverseTime,
     },
     syntax: Syntax::Siemens(Iso {

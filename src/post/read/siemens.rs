@@ -66,6 +66,8 @@ pub struct Reader<'a> {
     /// ORICURVE is in force: blocks state a second point of the tool.
     is_on_rails: bool,
     is_polynomial: bool,
+    /// POLYPATH has let polynomials move the second point.
+    has_polynomials: bool,
     /// The second point, mm.
     second: Option<[f64; 3]>,
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
@@ -94,7 +96,8 @@ impl Language for Reader<'_> {
         }
         self.modal = Modal::UNKNOWN;
         (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
-        (self.angles, self.vector, self.is_on_rails) = ([None; 3], None, false);
+        (self.angles, self.vector) = ([None; 3], None);
+        (self.is_on_rails, self.has_polynomials) = (false, false);
     }
 
     fn end(&self) -> Result<(), Fault> {
@@ -122,6 +125,7 @@ impl<'a> Reader<'a> {
             vector: None,
             is_on_rails: false,
             is_polynomial: false,
+            has_polynomials: false,
             second: None,
             has_lost_axis: false,
         }
@@ -203,6 +207,7 @@ impl<'a> Reader<'a> {
             Keyword::ByVectors => (self.orientation, self.is_on_rails) = (Some(TipMode::Vectors), false),
             Keyword::ByCurve if !self.has_tip_control => return Err(Fault::NoTipControl),
             Keyword::ByCurve => (self.is_on_rails, self.is_polynomial, self.second) = (true, false, None),
+            Keyword::Polynomials => self.has_polynomials = true,
             Keyword::InWorkpiece | Keyword::MachineZero => {}
         }
         Ok(())

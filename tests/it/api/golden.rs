@@ -53,6 +53,20 @@ async fn every_operation_has_its_golden_program_in_every_dialect() {
     }
 }
 
+#[tokio::test]
+async fn a_smooth_path_has_its_golden_rails() {
+    let app = app(&["--workers", "1"]);
+    let (_, path, body) = OPERATIONS[3];
+    let body: Value = serde_json::from_str(body).expect("JSON");
+    for dialect in DIALECTS.iter().filter(|dialect| dialect.five_axes.rails.is_some()) {
+        let mut body = for_dialect(body.clone(), dialect);
+        body["axis_output"] = json!("rails");
+        let answer = post(&app, &format!("{path}?format=gcode"), body.to_string(), &[]).await;
+        assert_eq!(answer.status, 200, "{}: {}", dialect.name, answer.text());
+        check(&golden(dialect, "rails"), &shortened(&answer.text()));
+    }
+}
+
 /// The move home that a dialect has.
 fn safe_home(dialect: &Dialect) -> &'static str {
     use toolpathd::toolpath::program::SafeHome;

@@ -61,6 +61,9 @@ impl Reader<'_> {
         let rate = self.modal.feed.ok_or(Fault::NoFeed)?;
         self.is_polynomial = words.has_polynomial || self.is_polynomial && !words.has_line;
         if self.is_polynomial {
+            if !self.has_polynomials {
+                return Err(Fault::NoMode("POLYPATH"));
+            }
             if words.length != Some(1.0) {
                 return Err(Fault::Word("PL", WordFault::Range));
             }

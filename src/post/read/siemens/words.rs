@@ -36,19 +36,25 @@ pub enum Keyword {
     ByVectors,
     /// ORICURVE: the path of a second point of the tool turns the axis.
     ByCurve,
+    /// POLYPATH: polynomials move the path and the second point.
+    Polynomials,
     /// SUPA: the coordinates of the block are those of the machine.
     MachineZero,
 }
 
-const KEYWORDS: [(&str, Keyword); 7] = [
+const KEYWORDS: [(&str, Keyword); 8] = [
     ("TRAORI", Keyword::BeginTipControl),
     ("TRAFOOF", Keyword::EndTipControl),
     ("ORIWKS", Keyword::InWorkpiece),
     ("ORIAXES", Keyword::ByAxes),
     ("ORIVECT", Keyword::ByVectors),
     ("ORICURVE", Keyword::ByCurve),
+    ("POLYPATH", Keyword::Polynomials),
     ("SUPA", Keyword::MachineZero),
 ];
+
+/// The arguments of POLYPATH that are read.
+const BOTH_GROUPS: &str = "(\"AXES\",\"VECT\")";
 
 /// The words of a line.
 #[derive(Debug, Default)]
@@ -136,6 +142,12 @@ impl Words {
         if self.keyword.replace(keyword).is_some() {
             return Err(Fault::Conflict);
         }
+        let rest = match keyword {
+            Keyword::Polynomials => {
+                rest.strip_prefix(BOTH_GROUPS).ok_or(Fault::Word(name, WordFault::Form))?
+            }
+            _ => rest,
+        };
         // A number or an equal sign behind it would be an argument.
         if rest.is_empty() || rest.starts_with([' ', '\t', ';']) {
             Ok(rest)

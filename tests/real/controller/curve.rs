@@ -49,7 +49,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
     let job = Job {
         cutting: Some(CuttingRequest::at_feed(feed)),
         resolution,
-        parabolas: linuxcnc.parabolas,
+        curves: linuxcnc.curves,
         ..Job::new(curve, Method::Parabolic, Subdivision::Least(Joints::OnCurve), band)
     };
     let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;

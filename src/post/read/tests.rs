@@ -8,6 +8,7 @@ use crate::geometry::curve::ArcError;
 use crate::post::DIALECTS;
 use crate::post::dialects::fanuc::FANUC;
 use crate::post::dialects::linuxcnc::LINUXCNC;
+use crate::post::nc::WordFault;
 
 const LIMIT_MM: f64 = 0.0015;
 
@@ -15,8 +16,22 @@ fn read(text: &str) -> Result<Vec<Step>, ReadError> {
     read_as(&LINUXCNC, text)
 }
 
-fn read_as(dialect: &Dialect, text: &str) -> Result<Vec<Step>, ReadError> {
+pub fn read_as(dialect: &Dialect, text: &str) -> Result<Vec<Step>, ReadError> {
     Reader::new(text, dialect, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
+}
+
+/// Checks that each change of a program gives a fault in its line.
+pub fn check_faults(dialect: &Dialect, program: &str, cases: &[(&str, &str, usize, Fault)]) {
+    read_as(dialect, program).unwrap();
+    for &(from, to, line, fault) in cases {
+        assert!(program.contains(from), "{from}");
+        let error = read_as(dialect, &program.replacen(from, to, 1)).unwrap_err();
+        assert_eq!(error, ReadError { line, fault }, "{from} -> {to}");
+    }
+}
+
+pub const fn word(name: &'static str, fault: WordFault) -> Fault {
+    Fault::Word(name, fault)
 }
 
 fn fault(text: &str) -> (usize, Fault) {

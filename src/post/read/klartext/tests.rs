@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 
+use super::super::tests::{check_faults, read_as, word};
 use super::super::{Pace, Posed, ReadError, Reader as Steps};
 use super::*;
 use crate::geometry::curve::{ArcError, Curve};
@@ -15,7 +16,7 @@ fn numbered(blocks: &str) -> String {
 }
 
 fn read(text: &str) -> Result<Vec<Step>, ReadError> {
-    Steps::new(text, &HEIDENHAIN, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
+    read_as(&HEIDENHAIN, text)
 }
 
 const THREE_AXES: &str = "BEGIN PGM 501 MM\n; DIE 7\nL Z+0.000 R0 FMAX M91\nTOOL CALL 3 Z S12000\nM3\nM8\n\
@@ -137,28 +138,14 @@ fn vectors_are_read_under_tip_control_with_vectors() {
     assert!(matches!(steps[0], Step::Posed(Posed { pace: Pace::Rapid, from: [None, None, None], .. })));
 }
 
-/// Checks that each change of a program gives a fault in its line.
-fn check_faults(program: &str, cases: &[(&str, &str, usize, Fault)]) {
-    let text = numbered(program);
-    read(&text).unwrap();
-    for &(from, to, line, fault) in cases {
-        assert!(text.contains(from), "{from}");
-        let error = read(&text.replacen(from, to, 1)).unwrap_err();
-        assert_eq!(error, ReadError { line, fault }, "{from} -> {to}");
-    }
-}
-
 use WordFault::{Form, Missing, Number as NoNumber, Order, Range, Twice, Unused};
-
-const fn word(name: &'static str, fault: WordFault) -> Fault {
-    Fault::Word(name, fault)
-}
 
 #[test]
 fn every_fault_of_the_frame_is_found_with_its_line() {
     let number = |expected| Fault::BlockNumber { expected };
     check_faults(
-        THREE_AXES,
+        &HEIDENHAIN,
+        &numbered(THREE_AXES),
         &[
             ("0 BEGIN PGM 501 MM\n", "", 1, number(0)),
             ("0 BEGIN", "1 BEGIN", 1, number(0)),
@@ -194,7 +181,8 @@ fn every_fault_of_the_frame_is_found_with_its_line() {
 #[test]
 fn every_fault_of_a_block_is_found_with_its_line() {
     check_faults(
-        THREE_AXES,
+        &HEIDENHAIN,
+        &numbered(THREE_AXES),
         &[
             ("TOOL CALL 3 Z S12000", "TOOL CALL 3 Y S12000", 4, Fault::UnknownBlock),
             ("TOOL CALL 3 Z S12000", "TOOL CALL Z", 4, Fault::UnknownBlock),
@@ -280,7 +268,7 @@ fn every_fault_of_an_arc_is_found_with_its_line() {
         ("CP IPA-90.0000 IZ+5.000 DR-", "CP IPA-90.0000 Z+5.000 DR-", 21, word("Z", Unused)),
         ("CP IPA-90.0000 IZ+5.000 DR-", "CP IPA-90.0000 DR- FMAX", 21, Fault::Conflict),
     ];
-    check_faults(THREE_AXES, &cases);
+    check_faults(&HEIDENHAIN, &numbered(THREE_AXES), &cases);
     let text = numbered(THREE_AXES).replacen("CC X+10.000 Y+5.000", "CC X+10.000 Y+5.001", 1);
     let error = read(&text).unwrap_err();
     let Fault::RadiusMismatch { mismatch_mm } = error.fault else { panic!("{error}") };
@@ -294,7 +282,8 @@ fn every_fault_of_an_arc_is_found_with_its_line() {
 #[test]
 fn every_fault_of_tip_control_is_found_with_its_line() {
     check_faults(
-        ANGLES,
+        &HEIDENHAIN,
+        &numbered(ANGLES),
         &[
             ("TOOL CALL 3 Z", "; NO TOOL", 4, Fault::NoTool),
             ("TOOL CALL 3 Z", "TOOL CALL 0 Z", 4, Fault::NoTool),
@@ -323,7 +312,8 @@ fn every_fault_of_tip_control_is_found_with_its_line() {
         ],
     );
     check_faults(
-        VECTORS,
+        &HEIDENHAIN,
+        &numbered(VECTORS),
         &[
             ("LN X+2.000 Y+2.000", "LN X+2.000", 5, word("Y", Missing)),
             ("LN X+2.000 Y+2.000", "LN Y+2.000 X+2.000", 5, word("X", Order)),

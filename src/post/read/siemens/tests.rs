@@ -3,6 +3,7 @@ use std::f64::consts::PI;
 use nalgebra::Point3;
 use proptest::prelude::*;
 
+use super::super::tests::{check_faults, read_as, word};
 use super::super::{Pace, Posed, ReadError, Reader as Steps};
 use super::*;
 use crate::geometry::curve::{ArcError, Curve};
@@ -11,7 +12,7 @@ use crate::post::dialects::siemens::SIEMENS;
 const LIMIT_MM: f64 = 0.0015;
 
 fn read(text: &str) -> Result<Vec<Step>, ReadError> {
-    Steps::new(text, &SIEMENS, LIMIT_MM).map(|placed| placed.map(|placed| placed.step)).collect()
+    read_as(&SIEMENS, text)
 }
 
 const THREE_AXES: &str = "; DIE (7)\nN10 G17 G710 G90 G40 G94\nG64\nG54\nG0 SUPA Z0.000 D0\nN20 T3 M6\nD1\n\
@@ -129,26 +130,13 @@ fn positions_of_five_axes_have_the_time_of_the_block() {
     assert_eq!(posed[4].angles, [Some(12.0), None, Some(20.0)]);
 }
 
-/// Checks that each change of a program gives a fault in its line.
-fn check_faults(program: &str, cases: &[(&str, &str, usize, Fault)]) {
-    read(program).unwrap();
-    for &(from, to, line, fault) in cases {
-        assert!(program.contains(from), "{from}");
-        let error = read(&program.replacen(from, to, 1)).unwrap_err();
-        assert_eq!(error, ReadError { line, fault }, "{from} -> {to}");
-    }
-}
-
 use WordFault::{Form, Missing, Number as NoNumber, Order, Range, Twice, Unused};
-
-const fn word(name: &'static str, fault: WordFault) -> Fault {
-    Fault::Word(name, fault)
-}
 
 #[test]
 fn every_fault_of_a_line_is_found() {
     let number = |expected| Fault::BlockNumber { expected };
     check_faults(
+        &SIEMENS,
         THREE_AXES,
         &[
             ("; DIE (7)", "(DIE)", 1, Fault::UnknownWord('(')),
@@ -235,6 +223,7 @@ fn every_fault_of_a_line_is_found() {
 #[test]
 fn every_fault_of_an_arc_is_found() {
     check_faults(
+        &SIEMENS,
         THREE_AXES,
         &[
             ("G17 G710", "G710", 14, Fault::NoMode("G17, G18 or G19")),
@@ -256,6 +245,7 @@ fn every_fault_of_an_arc_is_found() {
 #[test]
 fn every_fault_of_five_axes_is_found() {
     check_faults(
+        &SIEMENS,
         ANGLES,
         &[
             ("G0 B10 C-20.5\nTRAORI", "G0 B10.000001\nTRAORI", 4, word("B", Form)),
@@ -284,6 +274,7 @@ fn every_fault_of_five_axes_is_found() {
         ],
     );
     check_faults(
+        &SIEMENS,
         VECTORS,
         &[
             ("G0 X1 Y2 Z30 A3=0 B3=0 C3=1", "G1 X1 Y2 Z30 A3=0 B3=0 C3=1 F5", 7, Fault::UnknownStart),
@@ -299,6 +290,7 @@ fn every_fault_of_five_axes_is_found() {
         ],
     );
     check_faults(
+        &SIEMENS,
         POSITIONS,
         &[
             ("G93\nG1", "G1", 7, Fault::Conflict),

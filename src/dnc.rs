@@ -1,18 +1,18 @@
 //! DNC: sends NC programs to machine controls over serial lines and TCP connections.
 //!
 //! # Method
-//! 1. [`Tape`] checks the program and makes the characters that go over the line of it. A program that the
-//!    line cannot carry is refused before the first character is sent.
+//! 1. [`Tape`], or [`grbl::program`] for GRBL, checks the program and turns it into characters for the line.
+//!    A program that the line cannot carry is refused before the first character is sent.
 //! 2. A [`Sender`] decides what is written when. It does no input or output and reads no clock: the time and
 //!    the characters of the control go in, the characters to write come out.
 //! 3. [`run()`] connects a sender with a [`Line`]: a serial port or a TCP connection.
 //!
 //! # Guarantees
 //! * On a line with a known speed, at most [`pace::IN_FLIGHT`] characters are on their way: given to the
-//!   system and not yet taken by the line. So a control that sends XOFF receives at most so many more, and
-//!   those that arrive while its XOFF is on its way.
-//! * A sending ends in a state that [`Left`] names. Nothing is appended to half a block, so half a block is
-//!   never run.
+//!   system and not yet taken by the line. A control that sends XOFF then receives at most these characters, and
+//!   those sent while its XOFF is under way.
+//! * A sending ends in a state that [`Left`] names. The sender appends nothing to half a block. Until the
+//!   control is reset, a next program would continue that half.
 
 pub mod estimate;
 pub mod format;

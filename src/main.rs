@@ -169,11 +169,13 @@ fn read_program(path: &Path) -> Result<Vec<u8>, Failure> {
 fn tell_estimate(estimate: &Estimate, target: &Target) -> Result<(), Failure> {
     let Estimate { n_characters, n_lines, characters_per_s, time, blocks_per_s, starving_feed } = estimate;
     let (baud, format, seconds) = (target.settings.baud(), target.settings.format(), time.as_secs_f64());
+    let pace = if target.is_paced() { "" } else { " (the sender itself keeps no pace)" };
     writeln!(
         std::io::stdout(),
         "{n_lines} lines, {n_characters} characters: {seconds:.1} s at {baud} baud in {format}, which is \
-         {characters_per_s:.0} characters a second\n\
-         {blocks_per_s:.1} blocks a second: with moves of {} mm the control starves above {starving_feed:.0} mm/min",
+         {characters_per_s:.0} characters a second{pace}\n\
+         {blocks_per_s:.1} blocks a second: moves of {} mm arrive too slowly for feeds above \
+         {starving_feed:.0} mm/min",
         estimate::MOVE_MM
     )?;
     Ok(())

@@ -131,9 +131,13 @@ pub enum WriteError {
         "a number of the program needs more than the {limit} digits that the control reads; choose fewer decimals"
     )]
     TooManyDigits { limit: u32 },
+    #[error(
+        "a coordinate or a feed of the program has more than the {limit} digits before the point that the control reads; move the part nearer to the origin, lower the feed, or choose another dialect"
+    )]
+    TooManyWholeDigits { limit: u32 },
     #[error(transparent)]
     Missing(#[from] Missing),
-    #[error("line {} of your own lines is refused: {}", .0.index + 1, .0.fault)]
+    #[error("line {} of `program.custom.{}` is refused: {}", .0.index + 1, .0.part.name(), .0.fault)]
     Custom(Refused),
     #[error("the dialect has no word for a dwell; leave dwells out, or choose another dialect")]
     NoDwells,
@@ -143,12 +147,18 @@ pub enum WriteError {
     FeedMissing,
     #[error("a feed of {mm_per_min} mm/min is too small or too large for a program; choose another feed")]
     Feed { mm_per_min: f64 },
-    #[error("a dwell of {seconds} s is longer than a million seconds; choose a shorter dwell")]
-    Dwell { seconds: f64 },
-    #[error("the toolpath leans or turns the tool; send `machine`, or write vectors where the dialect can")]
+    #[error("a dwell of {seconds} s is longer than the {most_s} s that the control reads; divide the dwell")]
+    Dwell { seconds: f64, most_s: f64 },
+    #[error(
+        "the toolpath leans or turns the tool; send `machine`, or `axis_output: vectors` in a dialect that has vectors"
+    )]
     MachineMissing,
     #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]
     AxisOutput,
+    #[error(
+        "the second point of a rail is too near the tip for the decimals of the program; send `axis_output: vectors`"
+    )]
+    SecondPointTooNear,
     #[error("near {at} {}", error.told())]
     NotFollowed { error: FollowError, at: Point3<f64> },
     #[error(

@@ -23,7 +23,8 @@ pub struct Sending {
     #[arg(long, value_parser = host_and_port)]
     tcp: Option<String>,
 
-    /// Bits a second [default: 9600; 115200 with `--flow grbl`]; over TCP the pace of the sender
+    /// Bits a second [default: 9600; 115200 with `--flow grbl`]; over TCP the sender has no
+    /// pace unless this is given
     #[arg(long, value_parser = baud)]
     baud: Option<u32>,
 
@@ -43,7 +44,7 @@ pub struct Sending {
     #[arg(long, default_value_t = Settings::default().ends)]
     ends: Ends,
 
-    /// Whether a program without `%` at its start and end gets them: `add` or `as-is`
+    /// Whether a missing `%` is added at the start and at the end: `add` or `as-is`
     #[arg(long, default_value_t = Settings::default().marks)]
     marks: Marks,
 
@@ -97,7 +98,11 @@ impl Sending {
 }
 
 fn host_and_port(text: &str) -> Result<String, String> {
-    if has_port(text) { Ok(text.to_owned()) } else { Err(format!("`{text}` is not `HOST:PORT`")) }
+    if has_port(text) {
+        Ok(text.to_owned())
+    } else {
+        Err(format!("`{text}` is not an address; write `HOST:PORT`, such as `192.168.0.5:4001`"))
+    }
 }
 
 #[cfg(test)]

@@ -147,7 +147,7 @@ impl Grbl {
             }
             Phase::Sending if is_greeting => {
                 self.failure = Some(Failure::Restarted);
-                self.end(Left::Reset { is_confirmed: true }, now);
+                self.end(Left::Restarted, now);
             }
             Phase::Sending | Phase::Holding if answer == "ok" => self.pop(now),
             Phase::Sending if answer.starts_with("error:") => {

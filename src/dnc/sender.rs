@@ -100,8 +100,14 @@ impl fmt::Display for Failure {
         match self {
             Self::Cancelled => write!(f, "the sending was cancelled"),
             Self::Disconnected(why) => write!(f, "the line is gone ({why})"),
-            Self::Silent(time) => write!(f, "the control took nothing for {} s", time.as_secs_f64()),
-            Self::NoGrbl => write!(f, "the control does not answer as GRBL does"),
+            Self::Silent(time) => write!(
+                f,
+                "the control took nothing for {} s: check its reader and its XON, or raise `patience`",
+                time.as_secs_f64()
+            ),
+            Self::NoGrbl => {
+                write!(f, "the control does not answer as GRBL 1.1 does: check the port, `baud` and `format`")
+            }
             Self::Refused { line, answer } => write!(f, "GRBL refused line {line} with `{answer}`"),
             Self::Alarm { after_line: 0, answer } => write!(f, "GRBL raised `{answer}` before line 1"),
             Self::Alarm { after_line, answer } => write!(f, "GRBL raised `{answer}` after line {after_line}"),
@@ -121,8 +127,11 @@ pub enum Left {
     Blocks { line: usize, has_end_mark: bool },
     /// Half a block, from this line of the program.
     HalfBlock { line: usize },
-    /// GRBL at rest after a soft reset, with empty buffers. `is_confirmed` if GRBL has said so.
+    /// GRBL at rest after a feed hold and a soft reset, with empty buffers. `is_confirmed` if GRBL has said
+    /// so.
     Reset { is_confirmed: bool },
+    /// GRBL, which something else has reset, perhaps in motion.
+    Restarted,
 }
 
 impl fmt::Display for Left {
@@ -130,7 +139,12 @@ impl fmt::Display for Left {
         match self {
             Self::Nothing => write!(f, "the control has nothing of the program"),
             Self::Whole => write!(f, "the control has the whole program"),
-            Self::Blocks { line: 0, .. } => write!(f, "the control has no block of the program"),
+            Self::Blocks { line: 0, has_end_mark: true } => {
+                write!(f, "the control has no block of the program")
+            }
+            Self::Blocks { line: 0, has_end_mark: false } => {
+                write!(f, "the control has no block of the program, but waits for more: reset the control")
+            }
             Self::Blocks { line, has_end_mark: true } => {
                 write!(f, "the control has whole blocks up to line {line} and the end mark % after them")
             }
@@ -146,6 +160,9 @@ impl fmt::Display for Left {
             ),
             Self::Reset { is_confirmed: true } => {
                 write!(f, "GRBL was reset after a feed hold and its buffers are empty")
+            }
+            Self::Restarted => {
+                write!(f, "GRBL was reset by something else: home the machine before the next program")
             }
             Self::Reset { is_confirmed: false } => {
                 write!(f, "GRBL was told to hold and to reset, but did not confirm: look at the machine")

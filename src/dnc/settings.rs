@@ -204,7 +204,7 @@ impl Settings {
     /// A message for people that names the settings which contradict each other.
     pub fn check(&self) -> Result<(), String> {
         if self.flow == Flow::Grbl && self.format().has_seven_bits {
-            return Err(format!("GRBL takes 8 data bits; `format` is `{}`", self.format()));
+            return Err("GRBL reads 8 data bits; set `format` to `8n1`".to_owned());
         }
         if self.flow == Flow::Grbl && (self.leader() > 0 || self.trailer > 0) {
             return Err("GRBL takes no NUL characters; set `leader` and `trailer` to 0".to_owned());

@@ -10,16 +10,21 @@ pub const XOFF: u8 = 0x13;
 /// Why a program cannot be sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TapeError {
-    #[error("the program is empty")]
+    #[error("the program has no block to send")]
     Empty,
-    #[error("line {line} holds the byte 0x{byte:02X}, which {bits} data bits cannot carry: use ASCII only")]
-    NotCarried { line: usize, byte: u8, bits: u8 },
+    #[error(
+        "line {line} holds the byte 0x{byte:02X}, which 7 data bits cannot carry: write ASCII only, or set \
+         `format` to `8n1` if the control reads 8 bits"
+    )]
+    NotCarried { line: usize, byte: u8 },
     #[error(
         "line {line} holds the byte 0x{byte:02X}, which is XON or XOFF: remove it, or use another `flow` \
          than `xon-xoff`"
     )]
     Handshake { line: usize, byte: u8 },
-    #[error("line {line} has {length} characters; GRBL takes at most {most} a line: shorten the block")]
+    #[error(
+        "line {line} has {length} characters; GRBL reads at most {most} in a line, without blanks and comments: shorten the block"
+    )]
     LineTooLong { line: usize, length: usize, most: usize },
     #[error(
         "line {line} holds the byte 0x{byte:02X}, which GRBL would obey at once instead of reading it as \
@@ -202,7 +207,7 @@ fn check(program: &[u8], settings: &Settings) -> Result<(), TapeError> {
     Err(if format.carries(byte) {
         TapeError::Handshake { line, byte }
     } else {
-        TapeError::NotCarried { line, byte, bits: 7 }
+        TapeError::NotCarried { line, byte }
     })
 }
 
@@ -241,7 +246,7 @@ mod tests {
     fn a_program_that_the_line_cannot_carry_is_refused_with_its_line() {
         let refused = |program: &[u8], list: &str| Tape::new(program, &settings(list)).expect_err("refused");
         let umlaut = "G0\r\nX1\r\n(\u{fc})\r\n".as_bytes();
-        assert_eq!(refused(umlaut, ""), TapeError::NotCarried { line: 3, byte: 0xc3, bits: 7 });
+        assert_eq!(refused(umlaut, ""), TapeError::NotCarried { line: 3, byte: 0xc3 });
         assert!(Tape::new(umlaut, &settings("format=8n1")).is_ok());
         assert_eq!(refused(b"G0\n\x13", ""), TapeError::Handshake { line: 2, byte: 0x13 });
         assert!(Tape::new(b"G0\n\x13", &settings("flow=none")).is_ok());

@@ -49,7 +49,7 @@ impl Target {
     /// A message for people.
     pub fn check(&self) -> Result<(), String> {
         if matches!(self.address, Address::Tcp(_)) && self.settings.flow == Flow::RtsCts {
-            return Err("a TCP connection has no wires: `flow` cannot be `rts-cts`".to_owned());
+            return Err("a TCP connection has no RTS and CTS; set `flow` to `xon-xoff` or `none`".to_owned());
         }
         self.settings.check()
     }
@@ -95,9 +95,9 @@ impl FromStr for NamedTarget {
         };
         let mut settings = Settings::default();
         for part in parts {
-            let (key, value) = part
-                .split_once('=')
-                .ok_or_else(|| in_target(format!("`{part}` is not a setting; write `baud=9600`")))?;
+            let (key, value) = part.split_once('=').ok_or_else(|| {
+                in_target(format!("`{part}` is not a setting; write `NAME=VALUE`, such as `baud=9600`"))
+            })?;
             settings.set(key, value).map_err(|error| in_target(format!("{key}: {error}")))?;
         }
         let target = Target { address, settings };
@@ -116,7 +116,10 @@ pub fn has_port(address: &str) -> bool {
 pub enum SendError {
     #[error(transparent)]
     Tape(#[from] TapeError),
-    #[error("{address} cannot be opened: {error}")]
+    #[error(
+        "{address} cannot be opened: {error}; check the address, the right to open it, and that no other program \
+         uses it"
+    )]
     Open { address: Address, error: io::Error },
 }
 
@@ -191,7 +194,7 @@ mod tests {
             ("a=serial:/dev/ttyS0,bauds=9600", "`bauds`"),
             ("a=serial:/dev/ttyS0,baud=fast", "`fast`"),
             ("a=serial:/dev/ttyS0,baud", "`baud`"),
-            ("a=tcp:box:1,flow=rts-cts", "wires"),
+            ("a=tcp:box:1,flow=rts-cts", "no RTS and CTS"),
             ("a=serial:/dev/ttyS0,flow=grbl,leader=5", "NUL"),
         ] {
             let error = read(wrong).expect_err("not a target");

@@ -1,7 +1,7 @@
 //! Sends programs to the controls that the configuration names: to each control one program at a time.
 //!
-//! A sending runs on a thread of its own until it has ended, also when its caller goes away: then it is asked
-//! to stop, and brings the control into a known state first. A shutdown of the service asks all of them.
+//! A sending runs on its own thread. If the caller goes away, the service asks the sending to stop; the
+//! sending first brings the control into a known state. A shutdown of the service asks all of them.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -112,7 +112,10 @@ impl Found {
         match *state {
             State::Free => {}
             State::Busy(_) => {
-                let detail = format!("another program is being sent to `{}`", self.0.named.name);
+                let detail = format!(
+                    "another program is being sent to `{}`; wait until `is_busy` in `GET /v1/dnc` is `false`",
+                    self.0.named.name
+                );
                 return Err(ApiError::new(Code::TargetBusy, detail));
             }
             State::Closed => {
@@ -172,7 +175,12 @@ impl Taken {
             answer(name, outcome?, begun)
         };
         let ended = tokio::task::spawn_blocking(sending).await;
-        ended.map_err(|_| ApiError::new(Code::InternalError, "the sending failed"))?
+        ended.map_err(|_| {
+            ApiError::new(
+                Code::InternalError,
+                "the service failed while sending: look at the machine, and report the request id",
+            )
+        })?
     }
 }
 
@@ -211,9 +219,10 @@ impl From<SendError> for ApiError {
         match error {
             SendError::Tape(error) => error.into(),
             // The address is a setting of the server, and none of the caller's business.
-            SendError::Open { address: _, error } => {
-                Self::new(Code::TargetUnreachable, format!("the line cannot be opened: {error}"))
-            }
+            SendError::Open { address: _, error } => Self::new(
+                Code::TargetUnreachable,
+                format!("the line cannot be opened: {error}; check the cable and `--dnc-target`"),
+            ),
         }
     }
 }

@@ -65,6 +65,7 @@ impl From<WriteError> for ApiError {
             WriteError::ProgramNumber { number: _, max: _ } => out_of_range(program.field("number"), detail),
             // Fewer decimals leave more digits before the point.
             WriteError::TooManyDigits { limit: _ } => out_of_range(program.field("decimals"), detail),
+            WriteError::TooManyWholeDigits { limit: _ } => out_of_range(program.field("dialect"), detail),
             WriteError::Missing(missing) => {
                 Self::invalid(vec![FieldError::new(&place_of(&missing), FieldCode::Unsupported, detail)])
             }
@@ -86,7 +87,7 @@ impl From<WriteError> for ApiError {
                 let at = Pointer::root().field("machine");
                 Self::invalid(vec![FieldError::new(&at, FieldCode::MissingField, detail)])
             }
-            WriteError::AxisOutput => {
+            WriteError::AxisOutput | WriteError::SecondPointTooNear => {
                 let at = Pointer::root().field("axis_output");
                 Self::invalid(vec![FieldError::new(&at, FieldCode::Unsupported, detail)])
             }
@@ -94,10 +95,11 @@ impl From<WriteError> for ApiError {
             WriteError::NearPole { at } => Self::new(Code::AxisOnPole, detail).at(at.into()),
             WriteError::InverseTime { seconds: _ } => Self::new(Code::LimitExceeded, detail),
             WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, detail),
-            // No legal request causes these failures.
-            WriteError::Dwell { seconds: _ }
-            | WriteError::Unreadable(_)
-            | WriteError::Differs { line: _, what: _ } => Self::new(Code::InternalError, detail),
+            WriteError::Dwell { seconds: _, most_s: _ } => out_of_range(program.field("dialect"), detail),
+            // These are faults of the service.
+            WriteError::Unreadable(_) | WriteError::Differs { line: _, what: _ } => {
+                Self::new(Code::InternalError, detail)
+            }
         }
     }
 }
@@ -111,7 +113,10 @@ pub fn place_of(missing: &Missing) -> Pointer {
         Missing::SafeHome { .. } => root.field("program").field("safe_home"),
         Missing::Coolant { .. } => root.field("cutting").field("coolant"),
         Missing::Tool { .. } => root.field("tool"),
-        Missing::LengthOffset { .. } => root.field("tool").field("length_offset"),
+        Missing::ToolNumber { .. } => root.field("tool").field("number"),
+        Missing::LengthOffset { .. } | Missing::LengthOffsetNumber { .. } => {
+            root.field("tool").field("length_offset")
+        }
     }
 }
 

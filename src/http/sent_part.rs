@@ -21,6 +21,10 @@ pub enum ControlState {
     HalfBlock,
     /// GRBL was reset after a feed hold. Its buffers are empty.
     Reset,
+    /// GRBL was told to hold and to reset, but did not confirm. Look at the machine.
+    ResetUnconfirmed,
+    /// Something else has reset GRBL. Home the machine before the next program.
+    Restarted,
 }
 
 impl From<Left> for ControlState {
@@ -31,7 +35,9 @@ impl From<Left> for ControlState {
             Left::Blocks { has_end_mark: true, .. } => Self::BlocksAndEndMark,
             Left::Blocks { has_end_mark: false, .. } => Self::Blocks,
             Left::HalfBlock { .. } => Self::HalfBlock,
-            Left::Reset { .. } => Self::Reset,
+            Left::Reset { is_confirmed: true } => Self::Reset,
+            Left::Reset { is_confirmed: false } => Self::ResetUnconfirmed,
+            Left::Restarted => Self::Restarted,
         }
     }
 }
@@ -47,8 +53,10 @@ pub struct SentPart {
     n_characters: usize,
     /// What the control was left with: `nothing` of the program, the `whole_program`, whole blocks with the
     /// end mark `%` after them (`blocks_and_end_mark`), whole `blocks` after which the control waits for
-    /// more, or perhaps a part of a block (`half_block`). In the last two cases, reset the control.
-    /// `reset`: GRBL was reset after a feed hold.
+    /// more, or perhaps a part of a block (`half_block`). With `blocks` and `half_block`, reset the control
+    /// before the next program. `reset`: GRBL was reset after a feed hold. `reset_unconfirmed`: GRBL was told
+    /// to hold and to reset, but did not confirm; look at the machine. `restarted`: something else has reset
+    /// GRBL; home the machine.
     control: ControlState,
 }
 

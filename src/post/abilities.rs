@@ -1,6 +1,6 @@
 //! What a request asks of a control that the control, or its dialect, cannot do.
 
-use super::dialect::Dialect;
+use super::dialect::{Dialect, LengthOffsets};
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::{Program, SafeHome, Units};
 use crate::toolpath::tool::Tool;
@@ -18,6 +18,10 @@ pub enum Missing {
     Coolant { dialect: &'static str },
     #[error("the dialect `{dialect}` has no numbers of length offsets; leave `length_offset` out")]
     LengthOffset { dialect: &'static str },
+    #[error("the dialect `{dialect}` has no tool {number}; send a number of at most {most}")]
+    ToolNumber { dialect: &'static str, number: u32, most: u32 },
+    #[error("the dialect `{dialect}` has no length offset {number}; send a number of at most {most}")]
+    LengthOffsetNumber { dialect: &'static str, number: u32, most: u32 },
     #[error("programs in the dialect `{dialect}` state the radius of the tool; send `tool`")]
     Tool { dialect: &'static str },
 }
@@ -44,12 +48,18 @@ pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Opt
     if coolant != Coolant::Off && !abilities.coolants.contains(&coolant) {
         missing.push(Missing::Coolant { dialect: name });
     }
-    let has_own_offset = tool.is_some_and(|tool| {
-        let (number, offset) = tool.places();
-        number != offset
-    });
-    if has_own_offset && !abilities.has_length_offsets {
-        missing.push(Missing::LengthOffset { dialect: name });
+    let number = tool.and_then(|tool| tool.number);
+    if let Some(number) = number.filter(|number| *number > abilities.max_tool) {
+        missing.push(Missing::ToolNumber { dialect: name, number, most: abilities.max_tool });
+    }
+    if let Some((tool, number)) = tool.and_then(|tool| Some((tool, tool.length_offset?))) {
+        match abilities.length_offsets {
+            Some(LengthOffsets { most, .. }) if number > most => {
+                missing.push(Missing::LengthOffsetNumber { dialect: name, number, most });
+            }
+            None if number != tool.places().0 => missing.push(Missing::LengthOffset { dialect: name }),
+            _ => {}
+        }
     }
     if tool.is_none() && abilities.needs_tool {
         missing.push(Missing::Tool { dialect: name });

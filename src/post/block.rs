@@ -6,9 +6,6 @@ use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 use crate::toolpath::path::Role;
 
-/// The longest dwell, s: eleven days. A longer dwell is taken for a mistake and refused.
-const MAX_DWELL_S: f64 = 1e6;
-
 /// One block of motion or dwell. Positions are absolute, in units of the last decimal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Block {
@@ -113,10 +110,10 @@ impl Blocks {
         Ok(())
     }
 
-    /// Adds a pause, unless it rounds to no time.
-    pub fn dwell(&mut self, seconds: f64) -> Result<(), WriteError> {
-        if seconds > MAX_DWELL_S {
-            return Err(WriteError::Dwell { seconds });
+    /// Adds a pause of at most `most_s`, unless it rounds to no time.
+    pub fn dwell(&mut self, seconds: f64, most_s: f64) -> Result<(), WriteError> {
+        if seconds > most_s {
+            return Err(WriteError::Dwell { seconds, most_s });
         }
         let milliseconds = (seconds * 1000.0).round() as u64;
         if milliseconds > 0 { self.push(Block::Dwell { milliseconds }) } else { Ok(()) }

@@ -1,15 +1,16 @@
 //! A shop's own lines in a program: what they may hold.
 //!
 //! A line must not end, leave or skip a part of the program, must not change what later coordinates mean
-//! where the program does not restate it, and moves nothing but to places of the machine. Calls of the shop's
-//! own programs and macros are allowed; what those do is the shop's.
+//! where the program does not state it again, and moves nothing but to places of the machine. The program
+//! selects its work offset behind the lines of `header` and before those of `tool_change`, so only the former
+//! may select another. Calls of the shop's own programs and macros are allowed; what those do is the shop's.
 //!
-//! The program restates its modes behind such lines, and the reader that checks the program takes every mode
-//! and the position for unknown behind them.
+//! The program states its modes again behind such lines. The reader that checks the program skips them, and
+//! takes units, plane, distance mode, feed and position for unknown behind them.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
-use super::dialect::{Dialect, Syntax};
+use super::dialect::{Dialect, Frame, Syntax};
 use super::nc::{Effect, Function, Lexer, Place, Token, effect, function};
 use crate::toolpath::program::Custom;
 
@@ -20,12 +21,16 @@ pub const MAX_LINES: usize = 50;
 const NUMBER_LENGTH: usize = 12;
 
 /// G28, G30, G53 and G65, in tenths: a move to a place of the machine, or the call of a macro with values.
-const WITH_AXIS_WORDS: [i32; 4] = [280, 300, 530, 650];
+const PLACES: [i32; 4] = [280, 300, 530, 650];
+
+/// The codes that select a work offset, in tenths: G54 to G59, Haas's G110 to G129 and G154, Okuma's G15,
+/// Siemens's G500 to G599.
+const WORK_OFFSETS: [RangeInclusive<i32>; 5] = [540..=599, 1100..=1299, 1540..=1549, 150..=159, 5000..=5999];
 
 /// Codes after which lines of other programs run, and then the next line of this one.
 const CALLS: [i32; 2] = [980, 1980];
 
-/// What other controls take for a command in a comment.
+/// Words at the start of a comment that some controls obey.
 const ACTIVE_COMMENTS: [&str; 6] = ["LOG", "DEBUG", "PROBEOPEN", "PROBECLOSE", "PRINT", "MSG"];
 
 /// Where a line stands.
@@ -45,18 +50,51 @@ pub enum CustomFault {
     TooLong { found: usize, most: usize },
     #[error("the line holds {0:?}, which has no place in a program; send printable ASCII without `%`")]
     Character(char),
-    #[error(
-        "the line cannot be read from {0:?} on; send words of a letter and a number, or a comment in parentheses"
-    )]
-    Unreadable(String),
-    #[error(
-        "{0:?} has no place in a line of your own: it would end or leave the program, or change what later blocks mean"
-    )]
+    #[error("the line cannot be read from {text:?} on; send {form}")]
+    Unreadable { text: String, form: &'static str },
+    #[error("{0:?} ends the program, leaves it, or changes what later blocks mean; leave it out")]
     Forbidden(String),
-    #[error("the line moves an axis; lines of your own may move only with G28, G30 or G53, or with M91")]
-    Moves,
+    #[error("{0:?} stands where a block number would; leave it out, and set `program.block_numbers`")]
+    BlockNumber(String),
+    #[error("{0:?} is a program number; leave it out, and set `program.number`")]
+    ProgramNumber(String),
+    #[error(
+        "{0:?} selects another work offset behind that of the program; set `program.work_offset`, or move it to `header`"
+    )]
+    WorkOffset(String),
+    #[error("the line moves an axis; {0}, or leave the axis words out")]
+    Moves(&'static str),
+    #[error("the dialect has no tool change; move the line to `header`")]
+    NoToolChange,
     #[error("the dialect has no place for lines of your own; leave `custom` out, or choose another dialect")]
     NoPlace,
+}
+
+/// Why a part of a line is refused, before the language of the line is known.
+enum Fault {
+    Unreadable(String),
+    Is(CustomFault),
+}
+
+impl Fault {
+    fn forbidden(text: &str) -> Self {
+        Self::Is(CustomFault::Forbidden(text.to_owned()))
+    }
+
+    fn unreadable(text: &str) -> Self {
+        Self::Unreadable(text.to_owned())
+    }
+}
+
+impl CustomPart {
+    /// Its name in a request.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Header => "header",
+            Self::ToolChange => "tool_change",
+            Self::Footer => "footer",
+        }
+    }
 }
 
 /// A line that is refused, by its place and its index.
@@ -76,14 +114,14 @@ pub fn refused(dialect: &Dialect, custom: &Custom) -> Vec<Refused> {
     ];
     let of_part = |(part, lines): (CustomPart, &Vec<String>)| {
         let faults = lines.iter().enumerate().filter_map(move |(index, line)| {
-            check(dialect, line).err().map(|fault| Refused { part, index, fault })
+            check(dialect, part, line).err().map(|fault| Refused { part, index, fault })
         });
         faults.collect::<Vec<_>>()
     };
     parts.into_iter().flat_map(of_part).collect()
 }
 
-fn check(dialect: &Dialect, line: &str) -> Result<(), CustomFault> {
+fn check(dialect: &Dialect, part: CustomPart, line: &str) -> Result<(), CustomFault> {
     let most = dialect.max_line_length - NUMBER_LENGTH;
     if line.trim().is_empty() {
         return Err(CustomFault::Empty);
@@ -94,33 +132,65 @@ fn check(dialect: &Dialect, line: &str) -> Result<(), CustomFault> {
     if let Some(c) = line.chars().find(|c| !(' '..='~').contains(c) || *c == '%') {
         return Err(CustomFault::Character(c));
     }
-    match dialect.syntax {
-        Syntax::Iso(_) => check_words(line),
-        Syntax::Siemens(_) => check_siemens(line),
-        Syntax::Klartext => check_klartext(line),
-        Syntax::Deckel => Err(CustomFault::NoPlace),
+    let (checked, form, to_move) = match dialect.syntax {
+        Syntax::Iso(iso) if part == CustomPart::ToolChange && !iso.start.contains(&Frame::ToolChange) => {
+            return Err(CustomFault::NoToolChange);
+        }
+        Syntax::Iso(_) => (check_words(line), ISO_FORM, "add G28, G30 or G53"),
+        Syntax::Siemens(_) => (check_siemens(line), SIEMENS_FORM, "add SUPA"),
+        Syntax::Klartext => (check_klartext(line), KLARTEXT_FORM, "add M91 or M92"),
+        Syntax::Deckel => return Err(CustomFault::NoPlace),
+    };
+    let found = checked.map_err(|fault| match fault {
+        Fault::Unreadable(text) => CustomFault::Unreadable { text, form },
+        Fault::Is(fault) => fault,
+    })?;
+    match found.work_offset {
+        Some(text) if part == CustomPart::ToolChange => Err(CustomFault::WorkOffset(text)),
+        _ if found.has_axis && !found.may_move => Err(CustomFault::Moves(to_move)),
+        _ => Ok(()),
+    }
+}
+
+const ISO_FORM: &str = "words of a letter and a number, or a comment in parentheses that no control obeys";
+const SIEMENS_FORM: &str = "words of a letter and a number, SUPA, CYCLE800(), CYCLE832, COMPCAD, COMPCURV, COMPOF, FFWON, FFWOF, SOFT, BRISK, STOPRE, MSG, or a comment behind a semicolon";
+const KLARTEXT_FORM: &str = "TOOL CALL, TOOL DEF, CALL PGM, CYCL DEF 32, CYCL DEF 247, STOP, M words, L with M91 or M92, or a comment behind a semicolon";
+
+/// What the words of a line do.
+#[derive(Default)]
+struct Found {
+    has_axis: bool,
+    /// The axis words are places of the machine.
+    may_move: bool,
+    /// The word that selects a work offset.
+    work_offset: Option<String>,
+}
+
+impl Found {
+    fn add(&mut self, other: Self) {
+        self.has_axis |= other.has_axis;
+        self.may_move |= other.may_move;
+        self.work_offset = self.work_offset.take().or(other.work_offset);
     }
 }
 
 /// A line of ISO words and comments in parentheses.
-fn check_words(line: &str) -> Result<(), CustomFault> {
-    let (mut has_axis, mut may_move) = (false, false);
+fn check_words(line: &str) -> Result<Found, Fault> {
+    let mut found = Found::default();
     for (place, token) in Lexer::new(line.as_bytes()) {
         let text = &line[place.clone()];
         match token {
             Token::Word { letter, number, .. } => {
                 let number = std::str::from_utf8(number).unwrap_or_default();
-                let (axis, home) = check_word(letter, number, &line[place])?;
-                has_axis |= axis;
-                may_move |= home;
+                found.add(check_word(letter, number, &line[place], &PLACES)?);
             }
             Token::Comment { is_closed: true } if is_plain_comment(text) => {}
             Token::Comment { .. } | Token::BlockDelete | Token::TapeMark | Token::Unknown => {
-                return Err(CustomFault::Unreadable(line[place.start..].to_owned()));
+                return Err(Fault::unreadable(&line[place.start..]));
             }
         }
     }
-    if has_axis && !may_move { Err(CustomFault::Moves) } else { Ok(()) }
+    Ok(found)
 }
 
 /// Whether a comment is in parentheses, and no control acts on it.
@@ -131,28 +201,32 @@ fn is_plain_comment(text: &str) -> bool {
     inside.chars().all(is_allowed) && !ACTIVE_COMMENTS.iter().any(|active| word.starts_with(active))
 }
 
-/// Whether a word moves an axis, and whether it allows its line to do so.
-fn check_word(letter: u8, number: &str, text: &str) -> Result<(bool, bool), CustomFault> {
-    let value: f64 = number.parse().map_err(|_| CustomFault::Unreadable(text.to_owned()))?;
+/// What a word does. `places` are the codes, in tenths, whose axis words are places of the machine.
+fn check_word(letter: u8, number: &str, text: &str, places: &[i32]) -> Result<Found, Fault> {
+    let value: f64 = number.parse().map_err(|_| Fault::unreadable(text))?;
     let tenths = (value * 10.0).round() as i32;
-    let forbidden = || Err(CustomFault::Forbidden(text.to_owned()));
+    let found = Found::default();
     match letter {
+        b'G' if places.contains(&tenths) => Ok(Found { may_move: true, ..found }),
+        b'G' if WORK_OFFSETS.iter().any(|codes| codes.contains(&tenths)) => {
+            Ok(Found { work_offset: Some(text.to_owned()), ..found })
+        }
         b'G' => match effect(tenths) {
-            _ if WITH_AXIS_WORDS.contains(&tenths) => Ok((false, true)),
-            Effect::Begins(..) | Effect::Units(_) | Effect::Centers(_) => forbidden(),
-            Effect::Place(Place::Taken | Place::Elsewhere) => forbidden(),
-            _ => Ok((false, false)),
+            Effect::Begins(..) | Effect::Units(_) | Effect::Centers(_) => Err(Fault::forbidden(text)),
+            Effect::Place(Place::Taken | Place::Elsewhere) => Err(Fault::forbidden(text)),
+            _ => Ok(found),
         },
         b'M' => match function(tenths) {
-            Function::Ends | Function::Restores => forbidden(),
-            Function::Leaves if !CALLS.contains(&tenths) => forbidden(),
-            _ => Ok((false, false)),
+            Function::Ends | Function::Restores => Err(Fault::forbidden(text)),
+            Function::Leaves if !CALLS.contains(&tenths) => Err(Fault::forbidden(text)),
+            _ => Ok(found),
         },
-        b'N' | b'O' => forbidden(),
+        b'N' => Err(Fault::Is(CustomFault::BlockNumber(text.to_owned()))),
+        b'O' => Err(Fault::Is(CustomFault::ProgramNumber(text.to_owned()))),
         b'A' | b'B' | b'C' | b'I' | b'J' | b'K' | b'U' | b'V' | b'W' | b'X' | b'Y' | b'Z' => {
-            Ok((true, false))
+            Ok(Found { has_axis: true, ..found })
         }
-        _ => Ok((false, false)),
+        _ => Ok(found),
     }
 }
 
@@ -163,75 +237,82 @@ const SIEMENS_NAMES: [&str; 12] = [
 ];
 
 /// A line of words and of [`SIEMENS_NAMES`], some of them with arguments, and a comment behind a semicolon.
-fn check_siemens(line: &str) -> Result<(), CustomFault> {
+fn check_siemens(line: &str) -> Result<Found, Fault> {
     let code = line.split(';').next().unwrap_or_default();
-    let (mut has_axis, mut may_move) = (false, false);
+    let mut found = Found::default();
     let mut rest = code.trim_start();
     while !rest.is_empty() {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let name = &rest[..rest.find(|c| !is_name(c)).unwrap_or(rest.len())];
         if let Some(known) = SIEMENS_NAMES.iter().find(|known| name.eq_ignore_ascii_case(known)) {
-            may_move |= *known == "SUPA";
-            rest = arguments(rest[name.len()..].trim_start())?;
+            found.may_move |= *known == "SUPA";
+            let after = arguments(rest[name.len()..].trim_start())?;
+            if *known == "CYCLE800" && !rest[name.len()..].trim_start().starts_with("()") {
+                // It tilts the plane.
+                return Err(Fault::forbidden(&rest[..rest.len() - after.len()]));
+            }
+            rest = after;
         } else if let Some(after) = rest.strip_prefix("T=") {
             rest = quoted(after)?;
         } else {
             let Some((place, Token::Word { letter, number, .. })) = Lexer::new(rest.as_bytes()).next() else {
-                return Err(CustomFault::Unreadable(rest.to_owned()));
+                return Err(Fault::unreadable(rest));
             };
             let number = std::str::from_utf8(number).unwrap_or_default();
             let text = &rest[place.clone()];
             if letter == b'M' && number == "17" {
-                return Err(CustomFault::Forbidden(text.to_owned()));
+                return Err(Fault::forbidden(text));
             }
             // L calls a program; it is a word like others.
-            let (axis, home) = check_word(letter, number, text)?;
-            has_axis |= axis;
-            may_move |= home;
+            found.add(check_word(letter, number, text, &[])?);
             rest = &rest[place.end..];
             if rest.starts_with(is_name) && !rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
-                return Err(CustomFault::Unreadable(rest.to_owned()));
+                return Err(Fault::unreadable(rest));
             }
         }
         rest = rest.trim_start();
     }
-    if has_axis && !may_move { Err(CustomFault::Moves) } else { Ok(()) }
+    Ok(found)
 }
 
 /// What follows arguments in parentheses, or the text itself without them. Arguments are numbers and strings.
-fn arguments(text: &str) -> Result<&str, CustomFault> {
+fn arguments(text: &str) -> Result<&str, Fault> {
     let Some(mut rest) = text.strip_prefix('(') else { return Ok(text) };
     loop {
         match rest.chars().next() {
             Some(')') => return Ok(&rest[1..]),
             Some('"') => rest = quoted(rest)?,
             Some(c) if c.is_ascii_digit() || " ,.-+".contains(c) => rest = &rest[1..],
-            _ => return Err(CustomFault::Unreadable(text.to_owned())),
+            _ => return Err(Fault::unreadable(text)),
         }
     }
 }
 
 /// What follows a string in quotes.
-fn quoted(text: &str) -> Result<&str, CustomFault> {
+fn quoted(text: &str) -> Result<&str, Fault> {
     let end = text.strip_prefix('"').and_then(|inside| inside.find('"'));
-    end.map(|end| &text[end + 2..]).ok_or_else(|| CustomFault::Unreadable(text.to_owned()))
+    end.map(|end| &text[end + 2..]).ok_or_else(|| Fault::unreadable(text))
 }
 
 /// Beginnings of Klartext blocks that a line may be.
 const KLARTEXT_BLOCKS: [&str; 7] =
     [";", "STOP", "TOOL CALL ", "TOOL DEF ", "CALL PGM ", "CYCL DEF 32.", "CYCL DEF 247 "];
 
-/// The end of a program, the calls of cycles, and moves to places of the machine.
-const FORBIDDEN_M: [f64; 7] = [2.0, 30.0, 89.0, 91.0, 92.0, 98.0, 99.0];
+/// The end of a program, and M89 to M149 and M197, which call cycles or change how paths are run.
+fn is_forbidden_m(number: f64) -> bool {
+    [2.0, 30.0, 197.0].contains(&number) || (89.0..150.0).contains(&number)
+}
 
 /// A Klartext block that calls, comments, or moves to a place of the machine.
-fn check_klartext(line: &str) -> Result<(), CustomFault> {
+fn check_klartext(line: &str) -> Result<Found, Fault> {
     let line = line.trim();
     if let Some(at) = line.find('~') {
-        return Err(CustomFault::Unreadable(line[at..].to_owned()));
+        return Err(Fault::unreadable(&line[at..]));
     }
+    let found = Found::default();
     if KLARTEXT_BLOCKS.iter().any(|block| line.starts_with(block)) {
-        return Ok(());
+        let work_offset = line.starts_with("CYCL DEF 247").then(|| line.to_owned());
+        return Ok(Found { work_offset, ..found });
     }
     let mut words = line.split_ascii_whitespace();
     let first = words.next().unwrap_or_default();
@@ -244,17 +325,17 @@ fn check_klartext(line: &str) -> Result<(), CustomFault> {
             "R0" | "FMAX" if is_move => {}
             "M91" | "M92" if is_move => is_of_machine = true,
             _ if word.contains('.') && word.starts_with('M') => {
-                return Err(CustomFault::Unreadable(word.to_owned()));
+                return Err(Fault::unreadable(word));
             }
-            _ if number('M').is_some_and(|m| FORBIDDEN_M.contains(&m)) => {
-                return Err(CustomFault::Forbidden(word.to_owned()));
+            _ if number('M').is_some_and(is_forbidden_m) => {
+                return Err(Fault::forbidden(word));
             }
             _ if number('M').is_some_and(|m| m.is_finite() && m >= 0.0) => {}
             _ if is_move && ['X', 'Y', 'Z'].iter().any(|&axis| number(axis).is_some()) => {}
-            _ => return Err(CustomFault::Unreadable(word.to_owned())),
+            _ => return Err(Fault::unreadable(word)),
         }
     }
-    if is_move && !is_of_machine { Err(CustomFault::Moves) } else { Ok(()) }
+    Ok(Found { has_axis: is_move, may_move: is_of_machine, ..found })
 }
 
 /// Whether the lines of a text at `places` are the lines of `custom`, in order; block numbers aside.

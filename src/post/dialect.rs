@@ -1,12 +1,13 @@
 //! The differences between the NC languages of different controls, as data.
 //!
 //! A [`Dialect`] says what a control can do, and in which [`Syntax`] its programs are written. Each syntax
-//! has one writer and one reader.
+//! has its own reader. ISO words and Siemens share one writer. No reader shares code with a writer.
 
 pub use crate::toolpath::quantize::{Arcs, Curves, Parabolas};
 
 use crate::toolpath::cutting::Coolant;
 use crate::toolpath::program::{SafeHome, Units};
+use crate::toolpath::tool::Tool;
 
 /// How a program for one control is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,19 +50,23 @@ pub enum Verification {
 }
 
 /// What a control can do, apart from motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Abilities {
     pub units: &'static [Units],
     /// The numbers of G54 to G59 that programs may ask for.
     pub work_offsets: &'static [u8],
     pub safe_homes: &'static [SafeHome],
     pub coolants: &'static [Coolant],
-    /// Whether the length offset of a tool has a number of its own.
-    pub has_length_offsets: bool,
+    /// None where the offset of a tool has no number of its own.
+    pub length_offsets: Option<LengthOffsets>,
     /// Whether programs state the radius of the tool.
     pub needs_tool: bool,
     pub has_dwells: bool,
+    /// The longest pause of one block, s.
+    pub max_dwell_s: f64,
     pub has_comments: bool,
+    /// The largest number of a tool.
+    pub max_tool: u32,
 }
 
 impl Abilities {
@@ -71,11 +76,22 @@ impl Abilities {
         work_offsets: &[54, 55, 56, 57, 58, 59],
         safe_homes: &[SafeHome::None, SafeHome::G28, SafeHome::G53],
         coolants: &[Coolant::Off, Coolant::Flood, Coolant::Mist],
-        has_length_offsets: true,
+        length_offsets: Some(LengthOffsets { letter: 'H', usual: None, most: 99_999_999 }),
         needs_tool: false,
         has_dwells: true,
+        max_dwell_s: 1e6,
         has_comments: true,
+        max_tool: 99_999_999,
     };
+}
+
+/// The numbers of length offsets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LengthOffsets {
+    pub letter: char,
+    /// The number where none is asked for; none for that of the tool.
+    pub usual: Option<u32>,
+    pub most: u32,
 }
 
 /// The numbers that a control reads.
@@ -85,6 +101,8 @@ pub struct Numbers {
     pub point: Point,
     /// Most digits of one number, before and after the point together.
     pub max_digits: u32,
+    /// Most digits before the point.
+    pub max_whole_digits: u32,
     pub max_feed_decimals: u8,
     pub spindle_decimals: u8,
     pub max_spindle_rpm: u32,
@@ -204,6 +222,12 @@ pub struct Iso {
 }
 
 impl Dialect {
+    /// The number of the length offset that programs select for a tool.
+    pub fn length_offset_of(&self, tool: &Tool) -> u32 {
+        let usual = self.abilities.length_offsets.and_then(|offsets| offsets.usual);
+        tool.length_offset.or(usual).unwrap_or(tool.places().0)
+    }
+
     /// Whether the name of a program stands beside its number.
     pub fn names_programs_at_their_number(&self) -> bool {
         matches!(self.syntax, Syntax::Iso(iso) | Syntax::Siemens(iso) if iso.program_number.is_some())

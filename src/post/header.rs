@@ -63,7 +63,8 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
     let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
     if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
-        say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
+        let [plain, with_ramps] = [plain, with_ramps].map(|seconds| clock(seconds + lowered.delay_s));
+        say("TIME", format!("{plain} - WITH ACCELERATION {with_ramps}"));
     }
     let axis = match lowered.displacement_axis.to_degrees() {
         0.0 => String::new(),
@@ -110,7 +111,7 @@ fn written(job: &ProgramJob, unit: &Unit) -> String {
 
 fn tool_text(tool: &Tool, dialect: &Dialect, unit: &Unit) -> String {
     let &Tool { shape, radius_mm, .. } = tool;
-    let (number, length_offset) = tool.places();
+    let number = tool.places().0;
     let (shape, corner) = match shape {
         Shape::Ball => ("BALL", None),
         Shape::Flat => ("FLAT", None),
@@ -118,8 +119,10 @@ fn tool_text(tool: &Tool, dialect: &Dialect, unit: &Unit) -> String {
     };
     let corner = corner.map_or(String::new(), |mm| format!(" CORNER RADIUS {}", unit.length(mm)));
     let diameter = unit.length(2.0 * radius_mm);
-    let offset =
-        if dialect.abilities.has_length_offsets { format!(" H{length_offset}") } else { String::new() };
+    let offset = dialect
+        .abilities
+        .length_offsets
+        .map_or(String::new(), |offsets| format!(" {}{}", offsets.letter, dialect.length_offset_of(tool)));
     format!("T{number}{offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
 }
 

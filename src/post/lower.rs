@@ -26,14 +26,16 @@ pub struct Lowered {
     pub displacement_mm: f64,
     /// The same for the tool axis, radians; zero where the axis does not lean.
     pub displacement_axis: f64,
+    /// How much longer the blocks take than the moves they stand for, s.
+    pub delay_s: f64,
 }
 
 /// The blocks of the approach, of every move and of the retract.
 pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
     if let Some(five) = job.five_axes {
-        let Posed { blocks, rails, displacement_mm, displacement_axis } =
+        let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s } =
             posed::lower(toolpath, &five, job, budget)?;
-        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis });
+        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s });
     }
     if !toolpath.is_upright() {
         return Err(WriteError::MachineMissing);
@@ -73,14 +75,20 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
                 lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?, *role)?;
             }
             Move::Dwell { .. } if !job.dialect.abilities.has_dwells => return Err(WriteError::NoDwells),
-            Move::Dwell { seconds } => lowering.blocks.dwell(*seconds)?,
+            Move::Dwell { seconds } => lowering.blocks.dwell(*seconds, job.dialect.abilities.max_dwell_s)?,
             // A turn to the same axis.
             Move::Turn { .. } => {}
         }
     }
     lowering.retract(clearance)?;
     let Lowering { blocks, displacement_mm, .. } = lowering;
-    Ok(Lowered { blocks: blocks.finish(), rails: Vec::new(), displacement_mm, displacement_axis: 0.0 })
+    Ok(Lowered {
+        blocks: blocks.finish(),
+        rails: Vec::new(),
+        displacement_mm,
+        displacement_axis: 0.0,
+        delay_s: 0.0,
+    })
 }
 
 /// The place where the machine rests between programs: at least as high as the clearance plane, and as the

@@ -23,7 +23,7 @@ mod legs;
 
 use nalgebra::Point3;
 
-use self::legs::{Leg, Pace};
+use self::legs::{Leg, Legs, Pace};
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
 use super::dialect::{AxisOutput, Numbers, Turns};
 use super::rails::{self, FineGrid, RailWords, Rounded};
@@ -64,6 +64,8 @@ pub struct Posed {
     pub displacement_mm: f64,
     /// Radians.
     pub displacement_axis: f64,
+    /// How much longer the rails take than their moves, s.
+    pub delay_s: f64,
 }
 
 /// # Errors
@@ -75,7 +77,8 @@ pub fn lower(
     budget: &Budget,
 ) -> Result<Posed, WriteError> {
     let grid = Grid::new(job.program.resolution);
-    let (start, legs) = legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
+    let Legs { start, legs, delay_s } =
+        legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
     let joints = match (five.output, five.machine) {
         (AxisOutput::Vectors | AxisOutput::Rails, _) => None,
         (_, None) => return Err(WriteError::MachineMissing),
@@ -107,7 +110,7 @@ pub fn lower(
         }
         match (leg.rail, leg.pace) {
             (Some(rail), Pace::Feed(rate)) => lowering.rail(rail, &leg.to, rate)?,
-            (_, Pace::Dwell(seconds)) => lowering.blocks.dwell(seconds)?,
+            (_, Pace::Dwell(seconds)) => lowering.blocks.dwell(seconds, job.dialect.abilities.max_dwell_s)?,
             (_, pace) => {
                 let ends = [joints_at(k), joints_at(k + 1)];
                 lowering.motion([&from, &leg.to], ends, pace, MOST_HALVINGS)?;
@@ -117,7 +120,7 @@ pub fn lower(
     }
     lowering.retract(clearance)?;
     let Lowering { blocks, rails, displacement_mm, displacement_axis, .. } = lowering;
-    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis })
+    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s })
 }
 
 /// The positions at the start and at the end of each motion.

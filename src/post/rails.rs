@@ -98,7 +98,7 @@ pub fn round(rail: &Rail, from: [i64; 3], feed: FeedWord, grid: &Grid) -> Result
     let of_vector = 2.0 * of_powers + fine.half_mm();
     let height = rail.height_mm();
     if height <= 2.0 * of_vector {
-        return Err(WriteError::AxisOutput);
+        return Err(WriteError::SecondPointTooNear);
     }
     let words = RailWords { to, second, powers, feed };
     Ok(Rounded { words, tip_mm: at_ends + of_powers, axis: (of_vector / height).asin() })

@@ -4,8 +4,9 @@
 //! has a reader of its own.
 //!
 //! # Guarantees
-//! A word, code or combination of words that the reader does not know is an error. Nothing is skipped. A feed
-//! move from a position that is not known is an error, too.
+//! A word, code or combination of words that the reader does not know is an error. Nothing is
+//! skipped but comments and the lines given to [`Reader::passing`]. A feed move from a position that is not
+//! known is an error, too.
 //!
 //! # Cost
 //! O(n) for n characters. Only one line is in memory at a time.

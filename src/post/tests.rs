@@ -181,7 +181,10 @@ fn a_value_that_no_program_can_hold_is_an_error() {
     let mut path = Toolpath::builder(Point3::origin());
     path.dwell(1e9).unwrap();
     let long = path.finish().unwrap();
-    assert_eq!(written(&long, &program(MM), &cutting(), &[]), Err(WriteError::Dwell { seconds: 1e9 }));
+    assert_eq!(
+        written(&long, &program(MM), &cutting(), &[]),
+        Err(WriteError::Dwell { seconds: 1e9, most_s: 1e6 })
+    );
     let mut path = Toolpath::builder(Point3::origin());
     path.line(Point3::new(1.0, 0.0, 0.0), feed(1e-12), Role::Cut).unwrap();
     let slow = path.finish().unwrap();

@@ -13,11 +13,12 @@ use crate::toolpath::units::FeedRate;
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
 pub const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 
-/// Relative error of a written feed, at most. A feed gets the fewest decimals that keep within it.
+/// Relative error that a feed word should keep. The word gets the fewest decimals that keep it.
 const FEED_AGREEMENT: f64 = 5e-5;
 
-/// The same where the control reads no more decimals. A feed that does not keep within it is refused.
-const LEAST_FEED_AGREEMENT: f64 = 5e-4;
+/// Largest relative error of a feed word with all decimals that the control reads. A feed with a larger error
+/// is refused.
+const LARGEST_FEED_ERROR: f64 = 5e-4;
 
 /// Largest feed, in units of the program per minute. A larger feed is refused.
 const MAX_FEED: f64 = 1e9;
@@ -82,7 +83,7 @@ pub fn per_minute(value: f64, numbers: &Numbers) -> Option<FeedWord> {
         .filter(|_| value <= MAX_FEED)
         .map(with)
         .find(|word| agrees(word, FEED_AGREEMENT))
-        .or_else(|| Some(with(most)).filter(|word| value <= MAX_FEED && agrees(word, LEAST_FEED_AGREEMENT)))
+        .or_else(|| Some(with(most)).filter(|word| value <= MAX_FEED && agrees(word, LARGEST_FEED_ERROR)))
 }
 
 /// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the

@@ -13,7 +13,7 @@ use super::dialect::Syntax;
 use super::header::Remark;
 use super::lower::Lowered;
 use super::{ProgramJob, WriteError};
-use crate::toolpath::tool::{DEFAULT_NUMBER, Tool};
+use crate::toolpath::tool::DEFAULT_NUMBER;
 
 /// Returns the text of a whole program.
 ///
@@ -31,7 +31,9 @@ pub fn text(lowered: &Lowered, remarks: &[Remark], job: &ProgramJob) -> Result<W
 
 /// The numbers of the tool and of its length offset.
 fn tool_of(job: &ProgramJob) -> (u32, u32) {
-    job.tool.map_or((DEFAULT_NUMBER, DEFAULT_NUMBER), Tool::places)
+    job.tool.map_or((DEFAULT_NUMBER, DEFAULT_NUMBER), |tool| {
+        (tool.places().0, job.dialect.length_offset_of(tool))
+    })
 }
 
 /// The number of the program, where the dialect has one.

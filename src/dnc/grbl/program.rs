@@ -3,6 +3,10 @@
 use super::BUFFER;
 use crate::dnc::tape::{TapeError, lines};
 
+/// Most characters of a block, without blanks. GRBL reads a line into 80 bytes with a zero at the end
+/// (LINE_BUFFER_SIZE in its protocol.h), and answers a longer one with error 11.
+const LINE: usize = 79;
+
 /// A block of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Block {
@@ -41,7 +45,7 @@ impl Program {
 /// command. Every block ends with LF: GRBL would take CR LF for two lines.
 ///
 /// # Errors
-/// When there is no block, a block does not fit into the buffer of GRBL, or holds a byte that GRBL obeys at
+/// When there is no block, a block is longer than GRBL reads, or holds a byte that GRBL obeys at
 /// once. The error names the first line at fault.
 pub fn program(bytes: &[u8]) -> Result<Program, TapeError> {
     let mut program = Program { text: Vec::with_capacity(bytes.len()), blocks: Vec::new(), n_lines: 0 };
@@ -62,12 +66,21 @@ pub fn program(bytes: &[u8]) -> Result<Program, TapeError> {
         let is_alone = may_write_eeprom(block);
         program.text.push(b'\n');
         let end = program.text.len();
+        let length = text_length(&program.text[start..]);
+        if length > LINE {
+            return Err(TapeError::LineTooLong { line, length, most: LINE });
+        }
         if end - start >= BUFFER {
             return Err(TapeError::LineTooLong { line, length: end - start - 1, most: BUFFER - 2 });
         }
         program.blocks.push(Block { end, line, is_alone });
     }
     if program.blocks.is_empty() { Err(TapeError::Empty) } else { Ok(program) }
+}
+
+/// The characters of a block that GRBL keeps.
+fn text_length(block: &[u8]) -> usize {
+    block.iter().filter(|byte| **byte > b' ').count()
 }
 
 /// Appends a line without comments and without white space at its ends.
@@ -115,9 +128,11 @@ mod tests {
         assert_eq!(refused("G0\nG1 X1 ! Y2"), TapeError::Realtime { line: 2, byte: b'!' });
         assert_eq!(refused("G0\u{e9}"), TapeError::Realtime { line: 1, byte: 0xc3 });
         assert_eq!(refused("(nothing)\n%"), TapeError::Empty);
-        let long = format!("G0\n{}\n", "X".repeat(127));
-        assert_eq!(refused(&long), TapeError::LineTooLong { line: 2, length: 127, most: 126 });
-        assert!(program("X".repeat(126).as_bytes()).is_ok());
+        let long = format!("G0\n{}\n", "X".repeat(80));
+        assert_eq!(refused(&long), TapeError::LineTooLong { line: 2, length: 80, most: 79 });
+        assert!(program(format!("{} (seen)", "X ".repeat(63)).as_bytes()).is_ok());
+        let blank = format!("G0{}X1\n", " ".repeat(140));
+        assert_eq!(refused(&blank), TapeError::LineTooLong { line: 1, length: 144, most: 126 });
     }
 
     #[test]

@@ -146,7 +146,8 @@ pub struct ProgramQuery {
     /// blocks and the straight moves that they replace, in mm. A larger tolerance makes fewer blocks.
     #[param(required = false, minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// Dialect of a body of NC text, as listed by `/v1/dialects`; refused with a body of JSON. Default:
+    /// Dialect of a body of NC text, as listed by `/v1/dialects`; refused with a body of JSON. `siemens`,
+    /// `heidenhain`, `deckel` and `okuma` are not read. Default:
     /// `linuxcnc`.
     #[param(value_type = Option<DialectName>)]
     dialect: Option<String>,
@@ -191,7 +192,7 @@ impl ProgramQuery {
         let dialect = dialect::find(dialect.as_deref()).map_err(invalid)?;
         if !dialect.has_plain_words() {
             let detail = format!(
-                "programs in the dialect `{}` cannot be rewritten; send a program of G and M words, or points as JSON",
+                "programs in the dialect `{}` are not read here; choose another dialect, or send points as JSON",
                 dialect.name
             );
             return Err(invalid(detail));

@@ -74,7 +74,10 @@ impl AxisSetup {
         };
         if !words.write(output) {
             let at = Pointer::root().field("axis_output");
-            let detail = format!("the dialect `{}` cannot write this; leave `axis_output` out", dialect.name);
+            let detail = format!(
+                "the dialect `{}` cannot write this `axis_output`; send one that `/v1/dialects` lists, or leave it out",
+                dialect.name
+            );
             violations.add(&at, FieldCode::Unsupported, detail);
         } else if machine.is_none() && output != Vectors && output != Rails {
             let detail = "angles and positions of axes need a machine: send `machine`";

@@ -35,7 +35,8 @@ pub struct Dialect {
     default_decimals: DefaultDecimals,
     /// Largest number of decimals of a written coordinate.
     max_decimals: u8,
-    /// Largest number of decimals of a written feed. A feed that needs more is refused.
+    /// Largest number of decimals of a written feed. A feed is refused if
+    /// rounding to these decimals changes it by more than 0.05 %.
     max_feed_decimals: u8,
     /// The largest `program.number`: a plain number. Absent where the dialect has no program numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -138,7 +139,7 @@ impl From<&post::Dialect> for Dialect {
             dwells: abilities.has_dwells,
             comments: abilities.has_comments,
             needs_tool: abilities.needs_tool,
-            length_offsets: abilities.has_length_offsets,
+            length_offsets: abilities.length_offsets.is_some(),
             axis_output: AxisOutput::all_of(dialect),
         }
     }

@@ -52,15 +52,16 @@ pub struct Program {
     #[serde(default)]
     #[schema(default = "none")]
     safe_home: SafeHome,
-    /// Lines of your own in the program. The service checks each line, writes it as it is, and sets the modes
-    /// of the program again behind it. Default: none.
+    /// Lines of your own in the program. The service checks each line, writes it as it is, and behind the
+    /// lines sets the modes of the program again. Default: none.
     #[serde(default, deserialize_with = "object::required")]
     custom: Custom,
 }
 
 /// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
-/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; M91 in Klartext). It may
-/// not end or leave the program, nor change units or coordinates for later blocks.
+/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
+/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
+/// lines of `header` may select a work offset; `work_offset` comes after them.
 #[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Custom {

@@ -38,7 +38,8 @@ pub async fn list_controls(State(app): State<Arc<App>>) -> Result<Encoded, ApiEr
 /// `patience_s` ends it.
 #[utoipa::path(post, path = "/v1/dnc/{target}", operation_id = "sendProgram", tag = "dnc",
     params(("target" = String, Path, description = "Name of the control, as listed by `/v1/dnc`.")),
-    request_body(content((String = "text/x-gcode"), (String = "text/plain")), description = "The NC program."),
+    request_body(content((String = "text/x-gcode")),
+        description = "The NC program. `text/plain` is read, too."),
     responses((status = 200, description = "The whole program was sent.",
         content((SentProgram = "application/json"), (String = "text/event-stream")))))]
 pub async fn send_program(

@@ -2,7 +2,6 @@
 //!
 //! The words are those of Fanuc, with these differences:
 //! * A program number has five digits.
-//! * A dwell without a decimal point counts milliseconds.
 //! * Tip control is G234, in a block of G0 and without G43. It knows angles, no vectors.
 
 use super::fanuc::{FANUC, WORDS};

@@ -23,13 +23,14 @@ pub const HEIDENHAIN: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    // Five digits before the point, and four behind it.
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_whole_digits: 5, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     curves: Curves { arcs: Arcs::Flat, ..Curves::ARCS },
     abilities: Abilities {
         safe_homes: &[SafeHome::None, SafeHome::G53],
         coolants: &[Coolant::Off, Coolant::Flood],
-        has_length_offsets: false,
+        length_offsets: None,
+        max_dwell_s: 3600.0,
+        max_tool: 32_767,
         ..Abilities::USUAL
     },
     rests_at_mm: None,

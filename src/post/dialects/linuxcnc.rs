@@ -28,7 +28,7 @@ pub const LINUXCNC: Dialect = Dialect {
     numbers: Numbers {
         point: Point::WhereNeeded,
         // An f64 holds any number of 15 digits without loss.
-        max_digits: 15,
+        max_digits: 15, max_whole_digits: 15,
         max_feed_decimals: 6,
         spindle_decimals: 3,
         max_spindle_rpm: 1_000_000,

@@ -21,7 +21,7 @@ pub const OKUMA: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    numbers: Numbers { point: Point::Always, max_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     curves: Curves::ARCS,
     abilities: Abilities { safe_homes: &[SafeHome::None], ..Abilities::USUAL },
     rests_at_mm: None,

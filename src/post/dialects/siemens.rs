@@ -1,7 +1,7 @@
 //! Siemens Sinumerik 840D sl and its relatives, milling, in the control's own language.
 //!
 //! * G710 and G700 select the units of coordinates and of feeds. G70 and G71 would leave feeds alone.
-//! * D selects a cutting edge of the tool, with its length. It is 1 unless the request asks for another.
+//! * D selects a cutting edge of the tool, and so its length: `length_offset` of the request, or 1.
 //! * The move to zero of the machine's coordinates has D0, so that the length of the tool does not count.
 //! * G54 to G57 are the work offsets; G58 and G59 are something else on this control.
 //! * Under TRAORI coordinates are those of the tip. ORIVECT turns the axis on the great circle. A3, B3 and C3
@@ -9,10 +9,10 @@
 //! * Rails are polynomials of degree 5 (POLY) of the tip and of a second point on the axis (XH, YH, ZH) under
 //!   ORICURVE. POLYPATH says that polynomials move both. BSPLINE stops at degree 3, and the manual of
 //!   SINUMERIK ONE (*NC programming*, 12/2019, p. 684) excludes polynomials of XH, YH and ZH under it.
-//! * Under G93 F is one by the minutes of a block, also under TRAORI.
+//! * Under G93, F is 1 divided by the minutes that the block takes, also under TRAORI.
 
 use crate::post::dialect::{
-    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, Syntax,
+    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, Syntax,
     TipControl, Turns, Verification,
 };
 use crate::toolpath::program::SafeHome;
@@ -29,12 +29,14 @@ pub const SIEMENS: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
     // The usual value of the machine data for the differences of radii.
     curves: Curves { radius_mismatch_mm: 0.01, ..Curves::ARCS },
     abilities: Abilities {
         work_offsets: &[54, 55, 56, 57],
         safe_homes: &[SafeHome::None, SafeHome::G53],
+        // Each tool has its own cutting edges, of which the first is the usual one.
+        length_offsets: Some(LengthOffsets { letter: 'D', usual: Some(1), most: 32_000 }),
         ..Abilities::USUAL
     },
     rests_at_mm: None,
@@ -54,7 +56,7 @@ pub const SIEMENS: Dialect = Dialect {
         block_numbers: BlockNumbers { step: 10, max: 9_999_990 },
         dwell: Dwell::FeedWord,
         tool_change: "T{tool} M6",
-        length_offset: "D{edge}",
+        length_offset: "D{offset}",
         reference_point: &[],
         machine_zero: &["G0 SUPA {Z0} D0"],
         start: &[

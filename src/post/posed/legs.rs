@@ -27,19 +27,26 @@ pub enum Pace {
     Dwell(f64),
 }
 
-/// The start and the straight motions of a toolpath. Chords stay within `chord_mm` of curves. Rails stand for
-/// their moves where `has_rails`.
+/// A toolpath as motions from a start.
+pub struct Legs<'a> {
+    pub start: Pose,
+    pub legs: Vec<Leg<'a>>,
+    /// How much longer the rails take than their moves, s.
+    pub delay_s: f64,
+}
+
+/// Chords stay within `chord_mm` of curves. Rails stand for their moves where `has_rails`.
 pub fn divide<'a>(
     toolpath: &'a Toolpath,
     job: &ProgramJob,
     chord_mm: f64,
     has_rails: bool,
-) -> Result<(Pose, Vec<Leg<'a>>), WriteError> {
+) -> Result<Legs<'a>, WriteError> {
     let mut tip = toolpath.start();
     let first = toolpath.passes().first().map(|pass| pass.axes().start());
     let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
     let mut axis = start.axis;
-    let mut legs = Vec::new();
+    let (mut legs, mut delay_s) = (Vec::new(), 0.0);
     let mut push = |to: Pose, pace: Pace, rail: Option<&'a Rail>| {
         legs.push(Leg { to, pace, rail });
         if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
@@ -54,15 +61,10 @@ pub fn divide<'a>(
         let mut rails = pass.rails().iter().filter(|rail| has_rails && !rail.moves.is_empty()).peekable();
         for (k, step) in pass.moves().iter().enumerate() {
             if let Some(rail) = rails.next_if(|rail| rail.moves.end == k + 1) {
-                let rates = pass.moves()[rail.moves.clone()].iter().filter_map(|step| match step {
-                    Move::Feed { rate, .. } => *rate,
-                    _ => None,
-                });
-                // One feed for the whole rail: none of its moves is faster than it may be.
-                let slowest =
-                    rates.reduce(|a, b| if b < a { b } else { a }).ok_or(WriteError::FeedMissing)?;
+                let (rate, longer_s) = slowest(&pass.moves()[rail.moves.clone()])?;
+                delay_s += longer_s;
                 (tip, axis) = (rail.tip[5], pass.axes().after(k));
-                push(Pose { tip, axis }, Pace::Feed(slowest), Some(rail))?;
+                push(Pose { tip, axis }, Pace::Feed(rate), Some(rail))?;
                 continue;
             }
             if rails.peek().is_some_and(|rail| rail.moves.contains(&k)) {
@@ -97,5 +99,20 @@ pub fn divide<'a>(
             }
         }
     }
-    Ok((start, legs))
+    Ok(Legs { start, legs, delay_s })
+}
+
+/// The one feed of a rail, which is no faster than any of its moves may be, and how much longer they take
+/// with it, s.
+fn slowest(moves: &[Move]) -> Result<(FeedRate, f64), WriteError> {
+    let feeds = || {
+        moves.iter().filter_map(|step| match step {
+            Move::Feed { along, rate: Some(rate), .. } => Some((along.length(), *rate)),
+            _ => None,
+        })
+    };
+    let rates = feeds().map(|(_, rate)| rate);
+    let slowest = rates.reduce(|a, b| if b < a { b } else { a }).ok_or(WriteError::FeedMissing)?;
+    let delay_s = feeds().map(|(mm, rate)| mm / slowest.mm_per_s() - mm / rate.mm_per_s()).sum();
+    Ok((slowest, delay_s))
 }

@@ -1,7 +1,7 @@
 //! A shop's own lines in programs.
 
 use super::*;
-use crate::post::custom::refused;
+use crate::post::custom::{CustomFault, Refused, refused};
 use crate::post::dialects::{grbl::GRBL, heidenhain::HEIDENHAIN, siemens::SIEMENS};
 use crate::toolpath::program::Custom;
 
@@ -149,6 +149,10 @@ fn lines_that_break_the_program_are_refused() {
                 "CYCLE832(0.01",
                 "STOPRE GOTOB X",
                 "R1=5",
+                "CYCLE800(1,\"TABLE\",0)",
+                "CYCLE800",
+                "G0 G53 Z0",
+                "G28 Z0",
             ],
         ),
         (
@@ -168,6 +172,10 @@ fn lines_that_break_the_program_are_refused() {
                 "M2.0",
                 "L Z+0 R0 FMAX M91 M30",
                 "M002",
+                "M128",
+                "L X+0 M128",
+                "M94",
+                "M107",
             ],
         ),
     ];
@@ -183,6 +191,37 @@ fn lines_that_break_the_program_are_refused() {
     }
     let deckel = crate::post::dialect("deckel").unwrap();
     assert_eq!(refused(deckel, &Custom { header: lines(&["M1"]), ..Custom::default() }).len(), 1);
+}
+
+/// The program selects its work offset before the tool change: a line there must not select another.
+#[test]
+fn only_lines_before_the_work_offset_may_select_another() {
+    for (dialect, line) in [
+        (&FANUC, "G55"),
+        (&FANUC, "G54.1 P12"),
+        (&LINUXCNC, "T3 M6 G59.3"),
+        (&SIEMENS, "G505"),
+        (&SIEMENS, "G500"),
+        (&HEIDENHAIN, "CYCL DEF 247 Q339=+5"),
+    ] {
+        let header = Custom { header: lines(&[line]), ..Custom::default() };
+        assert!(with(dialect, header).is_ok(), "{} {line}", dialect.name);
+        let error = with(dialect, Custom { tool_change: lines(&[line]), ..Custom::default() }).unwrap_err();
+        let WriteError::Custom(Refused { fault: CustomFault::WorkOffset(_), .. }) = error else {
+            panic!("{} {line}: {error}", dialect.name)
+        };
+        assert!(
+            error.to_string().starts_with("line 1 of `program.custom.tool_change` is refused"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_dialect_without_a_tool_change_has_no_lines_for_it() {
+    let custom = Custom { tool_change: lines(&["M0"]), ..Custom::default() };
+    let error = with(&GRBL, custom).unwrap_err().to_string();
+    assert!(error.contains("no tool change; move the line to `header`"), "{error}");
 }
 
 proptest! {

@@ -30,6 +30,20 @@ fn in_dialect(
     write(path, &job, &Budget::unlimited())
 }
 
+fn with_tool(dialect: &Dialect, path: &Toolpath, tool: &Tool) -> Result<NcProgram, WriteError> {
+    let (program, cutting) = (program(usual(dialect, Units::Mm)), plain());
+    let job = ProgramJob {
+        program: &program,
+        tool: Some(tool),
+        cutting: &cutting,
+        dialect,
+        comments: &[],
+        warnings: &[],
+        five_axes: None,
+    };
+    write(path, &job, &Budget::unlimited())
+}
+
 /// As many cases as `PROPTEST_CASES` says, or enough for each dialect to be drawn several times.
 fn cases() -> u32 {
     let usual = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() }.cases;
@@ -132,17 +146,20 @@ proptest! {
         prop_assert!(written.max_radius_mismatch_mm <= mismatch_limit_mm(dialect.name));
         let apart_mm = apart(&path, &written.text, dialect, resolution);
         prop_assert!(apart_mm <= limit_mm + 1e-9, "{apart_mm} mm");
-        let (mut length, mut time) = (0.0, 0.0);
+        let (mut length, mut time, mut slowest) = (0.0, 0.0, f64::INFINITY);
         for placed in Reader::new(&written.text, dialect, limit_mm) {
             if let Step::Feed { along, rate, .. } = placed.unwrap().step {
                 length += along.length();
                 time += along.length() / rate.mm_per_s();
+                slowest = rate.mm_per_s().min(slowest);
             }
         }
         let measures = measure(&path, feed(10_000.0));
         prop_assert!((length - measures.cutting_length_mm).abs() <= 1e-3 * measures.cutting_length_mm + 0.01);
         let cutting_time_s = measures.cutting_time_s.unwrap();
-        prop_assert!((time - cutting_time_s).abs() <= 1e-3 * cutting_time_s + 0.1);
+        // A small circle is rounded to one of another length, which a slow feed takes long for.
+        let slack_s = 1e-3 * cutting_time_s + 0.1 + 8.0 * resolution.step_mm() / slowest;
+        prop_assert!((time - cutting_time_s).abs() <= slack_s, "{time} {cutting_time_s}");
         for line in written.text.lines() {
             prop_assert!(line.is_ascii() && line.len() <= dialect.max_line_length, "{line}");
             prop_assert!(!line.contains("-0.000 ") && !line.contains("e-"), "{line}");
@@ -178,6 +195,51 @@ fn blocks(text: &str) -> Vec<String> {
         line.trim().to_owned()
     };
     text.lines().map(without).filter(|line| !line.is_empty()).collect()
+}
+
+/// What a control cannot read is refused before the program is written, not found by the check.
+#[test]
+fn numbers_beyond_a_control_are_refused_with_their_limit() {
+    let program_of = |dialect: &Dialect| program(usual(dialect, Units::Mm));
+    let far = |x: f64, rate: f64| {
+        let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 45.0));
+        path.line(Point3::new(x, 0.0, -1.0), feed(rate), Role::Cut).unwrap();
+        path.finish().unwrap()
+    };
+    let mut waiting = Toolpath::builder(Point3::origin());
+    waiting.dwell(7200.0).unwrap();
+    let waiting = waiting.finish().unwrap();
+    let klartext = &crate::post::dialects::heidenhain::HEIDENHAIN;
+    let in_klartext =
+        |path: &Toolpath| in_dialect(klartext, path, &program_of(klartext), &plain(), &[]).map(|_| ());
+    let too_many = Err(WriteError::TooManyWholeDigits { limit: 5 });
+    assert_eq!(in_klartext(&far(99_999.0, 99_999.0)), Ok(()));
+    assert_eq!(in_klartext(&far(100_000.0, 500.0)), too_many);
+    assert_eq!(in_klartext(&far(10.0, 200_000.0)), too_many);
+    assert_eq!(in_klartext(&waiting), Err(WriteError::Dwell { seconds: 7200.0, most_s: 3600.0 }));
+    // Whatever a request may ask for, the check of the written program finds nothing.
+    for dialect in DIALECTS {
+        for (number, length_offset) in [(99_999_999, None), (1, Some(99_999_999)), (32_768, Some(32_768))] {
+            for path in [&far(10.0, 500.0), &far(1e6, 1e6), &far(1e-3, 1e-3), &waiting] {
+                let tool = Tool { number: Some(number), length_offset, ..TOOL };
+                let written = with_tool(dialect, path, &tool);
+                let is_fault = matches!(written, Err(WriteError::Unreadable(_) | WriteError::Differs { .. }));
+                assert!(!is_fault, "{} {number} {length_offset:?} {written:?}", dialect.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_siemens_program_selects_the_cutting_edge_that_is_asked_for() {
+    let siemens = &crate::post::dialects::siemens::SIEMENS;
+    for (length_offset, edge, head) in
+        [(None, "\nD1\n", "T2 D1 "), (Some(2), "\nD2\n", "T2 D2 "), (Some(1), "\nD1\n", "T2 D1 ")]
+    {
+        let tool = Tool { number: Some(2), length_offset, ..TOOL };
+        let text = with_tool(siemens, &plunge(), &tool).unwrap().text;
+        assert!(text.contains(edge) && text.contains(head), "{text}");
+    }
 }
 
 /// A plunge, a cut, and a rapid up.

@@ -39,7 +39,7 @@ fn text_of(
 ) -> Result<NcProgram, WriteError> {
     let (program, cutting) = (program(MM), cutting());
     let five_axes = Some(FiveAxes { output, machine, allowed });
-    let length_offset = TOOL.length_offset.filter(|_| dialect.abilities.has_length_offsets);
+    let length_offset = TOOL.length_offset.filter(|_| dialect.abilities.length_offsets.is_some());
     let job = ProgramJob {
         program: &program,
         tool: Some(&Tool { length_offset, ..TOOL }),

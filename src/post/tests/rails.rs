@@ -118,6 +118,22 @@ fn a_rail_is_written_as_a_polynomial_of_two_points() {
     }
 }
 
+/// A rail runs at the slowest of its feeds, and the program says how long it takes.
+#[test]
+fn a_rail_takes_the_time_of_its_slowest_feed() {
+    let mut path = Toolpath::builder(Point3::origin());
+    let up = nalgebra::Unit::new_normalize(Vector3::new(0.1, 0.0, 1.0));
+    path.begin_leaning_pass(None, up);
+    let first = path.n_moves_of_pass();
+    for (x, rate) in [(50.0, 300.0), (100.0, 3000.0)] {
+        path.line(Point3::new(x, 0.0, 0.0), feed(rate), Role::Cut).unwrap();
+    }
+    let tip = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0].map(|x| Point3::new(x, 0.0, 0.0));
+    path.rail(Rail { moves: first..path.n_moves_of_pass(), tip, to_second: [up.into_inner() * 50.0; ORDER] });
+    let text = in_siemens(&path.finish().unwrap(), MM).unwrap().text;
+    assert!(text.contains("F300\n") && text.contains("TIME = 20 S"), "{text}");
+}
+
 fn rails() -> impl Strategy<Value = Vec<Rail>> {
     let hop = (
         prop::array::uniform5(prop::array::uniform3(-8.0..8.0f64)),

@@ -115,7 +115,7 @@ impl Writer<'_> {
                 self.words(stated, |number, _| format!(" {number}"));
                 if self.feed != Some(feed) {
                     self.lines.word(&format!("F {}", short(feed.digits, feed.decimals)));
-                    self.lines.check_digits(feed.digits);
+                    self.lines.check_digits(feed.digits, feed.decimals);
                     self.feed = Some(feed);
                 }
                 self.last = Last::Line;
@@ -141,7 +141,7 @@ impl Writer<'_> {
             let Some(to) = to else { continue };
             let number = short(to, self.job.program.resolution.decimals);
             self.lines.word(&format!("{}{}", AXES[axis], form(number, to < 0)));
-            self.lines.check_digits(to);
+            self.lines.check_digits(to, self.job.program.resolution.decimals);
             self.at[axis] = Some(to);
         }
     }

@@ -170,16 +170,13 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Adds words, with numbers for `{tool}`, `{offset}`, `{edge}` and `{Z0}`.
+    /// Adds words, with numbers for `{tool}`, `{offset}` and `{Z0}`.
     fn template(&mut self, text: &str) {
         let (tool, offset) = tool_of(self.job);
-        // Each tool has its own edges, of which the first is the usual one.
-        let edge = if offset == tool { 1 } else { offset };
         let zero = words::fixed(0, self.job.program.resolution.decimals);
         let filled = text
             .replace("{tool}", &tool.to_string())
             .replace("{offset}", &offset.to_string())
-            .replace("{edge}", &edge.to_string())
             .replace("{Z0}", &format!("Z{zero}"));
         self.lines.word(&filled);
     }

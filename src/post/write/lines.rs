@@ -24,7 +24,7 @@ pub struct Lines<'a> {
     custom: Vec<Range<usize>>,
     line: String,
     /// Some number has more digits than the control reads.
-    has_long_number: bool,
+    long_number: Option<WriteError>,
 }
 
 /// The numbers of blocks: `first`, then in steps up to `max`, then again from `first`.
@@ -47,7 +47,7 @@ impl<'a> Lines<'a> {
             n_lines: 0,
             custom: Vec::new(),
             line: String::new(),
-            has_long_number: false,
+            long_number: None,
         }
     }
 
@@ -68,13 +68,20 @@ impl<'a> Lines<'a> {
     pub fn number(&mut self, word: &str, digits: i64, decimals: u8) {
         self.word(word);
         words::push_fixed(&mut self.line, digits, decimals);
-        self.check_digits(digits);
+        self.check_digits(digits, decimals);
     }
 
     /// Notes a number that has too many digits; the end of its line fails.
-    pub fn check_digits(&mut self, digits: i64) {
-        let limit = 10u64.saturating_pow(self.dialect.numbers.max_digits);
-        self.has_long_number |= digits.unsigned_abs() >= limit;
+    pub fn check_digits(&mut self, digits: i64, decimals: u8) {
+        let numbers = &self.dialect.numbers;
+        let exceeds = |limit: u32| digits.unsigned_abs() >= 10u64.saturating_pow(limit);
+        if exceeds(numbers.max_whole_digits + u32::from(decimals)) {
+            let limit = numbers.max_whole_digits;
+            self.long_number.get_or_insert(WriteError::TooManyWholeDigits { limit });
+        }
+        if exceeds(numbers.max_digits) {
+            self.long_number.get_or_insert(WriteError::TooManyDigits { limit: numbers.max_digits });
+        }
     }
 
     /// Ends the line, with a block number in front where blocks are numbered. An empty line writes nothing.
@@ -94,9 +101,9 @@ impl<'a> Lines<'a> {
         if self.line.is_empty() {
             return Ok(());
         }
-        let Dialect { max_line_length, line_end, numbers, .. } = *self.dialect;
-        if self.has_long_number {
-            return Err(WriteError::TooManyDigits { limit: numbers.max_digits });
+        let Dialect { max_line_length, line_end, .. } = *self.dialect;
+        if let Some(error) = self.long_number.take() {
+            return Err(error);
         }
         if self.line.len() > max_line_length {
             return Err(WriteError::LineTooLong { limit: max_line_length });

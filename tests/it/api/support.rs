@@ -193,7 +193,7 @@ pub fn for_dialect(mut body: Value, dialect: &Dialect) -> Value {
         let asked = if coolant == "mist" { Coolant::Mist } else { Coolant::Flood };
         coolant == "off" || can.coolants.contains(&asked)
     });
-    drop(&mut body, "tool", "length_offset", &|_| can.has_length_offsets);
+    drop(&mut body, "tool", "length_offset", &|_| can.length_offsets.is_some());
     if let Some(passes) = body.pointer_mut("/toolpath/passes").and_then(Value::as_array_mut) {
         for pass in passes {
             if let Some(moves) = pass["moves"].as_array_mut() {

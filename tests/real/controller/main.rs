@@ -111,7 +111,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
         };
         let dialect = dialects()[seed % dialects().len()];
         let can = dialect.abilities;
-        let length_offset = case.tool.length_offset.filter(|_| can.has_length_offsets);
+        let length_offset = case.tool.length_offset.filter(|_| can.length_offsets.is_some());
         let tool = Tool { length_offset, ..case.tool };
         let coolant = Some(case.cutting.coolant).filter(|coolant| can.coolants.contains(coolant));
         let cutting = Cutting { coolant: coolant.unwrap_or(Coolant::Off), ..case.cutting };

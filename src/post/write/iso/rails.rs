@@ -45,11 +45,11 @@ impl Writer<'_> {
     fn polynomial(&mut self, name: &str, (end, decimals): (i64, u8), powers: [i64; 4]) {
         let degree = powers.iter().rposition(|p| *p != 0).map_or(0, |k| k + 1);
         let mut text = format!("PO[{name}]=({}", fixed(end, decimals));
-        self.lines.check_digits(end);
+        self.lines.check_digits(end, decimals);
         for power in &powers[..degree] {
             text.push(',');
             text.push_str(&fixed(*power, RAIL_DECIMALS));
-            self.lines.check_digits(*power);
+            self.lines.check_digits(*power, RAIL_DECIMALS);
         }
         text.push(')');
         self.lines.word(&text);

@@ -36,8 +36,8 @@ pub enum Command {
 
 #[derive(Debug, Clone, Subcommand)]
 pub enum Dnc {
-    /// Send a program over a serial port or a TCP connection; Ctrl-C stops at the end of a block, GRBL is held
-    /// and reset
+    /// Send a program over a serial port or a TCP connection; Ctrl-C stops at the end of a block, GRBL is
+    /// held and reset
     Send(Sending),
 }
 

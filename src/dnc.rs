@@ -9,8 +9,8 @@
 //!
 //! # Guarantees
 //! * On a line with a known speed, at most [`pace::IN_FLIGHT`] characters are on their way: given to the
-//!   system and not yet taken by the line. A control that sends XOFF then receives at most these characters, and
-//!   those sent while its XOFF is under way.
+//!   system and not yet taken by the line. A control that sends XOFF then receives at most these characters,
+//!   and those sent while its XOFF is under way.
 //! * A sending ends in a state that [`Left`] names. The sender appends nothing to half a block. Until the
 //!   control is reset, a next program would continue that half.
 

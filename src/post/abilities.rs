@@ -12,10 +12,10 @@ pub enum Missing {
     Units { dialect: &'static str, units: &'static str },
     #[error("the dialect `{dialect}` has no word for G{number}; leave `work_offset` out{others}")]
     WorkOffset { dialect: &'static str, number: u8, others: &'static str },
-    #[error("the dialect `{dialect}` has no word for this move up; choose another `safe_home`")]
-    SafeHome { dialect: &'static str },
-    #[error("the dialect `{dialect}` has no word for this coolant; choose another, or `off`")]
-    Coolant { dialect: &'static str },
+    #[error("the dialect `{dialect}` cannot write this `safe_home`; send {}", safe_homes(.has))]
+    SafeHome { dialect: &'static str, has: &'static [SafeHome] },
+    #[error("the dialect `{dialect}` cannot write this `coolant`; send {}", coolants(.has))]
+    Coolant { dialect: &'static str, has: &'static [Coolant] },
     #[error("the dialect `{dialect}` has no numbers of length offsets; leave `length_offset` out")]
     LengthOffset { dialect: &'static str },
     #[error("the dialect `{dialect}` has no tool {number}; send a number of at most {most}")]
@@ -24,6 +24,24 @@ pub enum Missing {
     LengthOffsetNumber { dialect: &'static str, number: u32, most: u32 },
     #[error("programs in the dialect `{dialect}` state the radius of the tool; send `tool`")]
     Tool { dialect: &'static str },
+}
+
+fn safe_homes(all: &[SafeHome]) -> String {
+    let name = |home: &SafeHome| match home {
+        SafeHome::None => "`none`",
+        SafeHome::G28 => "`g28`",
+        SafeHome::G53 => "`g53`",
+    };
+    all.iter().map(name).collect::<Vec<_>>().join(" or ")
+}
+
+fn coolants(all: &[Coolant]) -> String {
+    let name = |coolant: &Coolant| match coolant {
+        Coolant::Off => "`off`",
+        Coolant::Flood => "`flood`",
+        Coolant::Mist => "`mist`",
+    };
+    all.iter().map(name).collect::<Vec<_>>().join(" or ")
 }
 
 /// All that the dialect cannot write.
@@ -43,10 +61,10 @@ pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Opt
         missing.push(Missing::WorkOffset { dialect: name, number, others });
     }
     if program.safe_home != SafeHome::None && !abilities.safe_homes.contains(&program.safe_home) {
-        missing.push(Missing::SafeHome { dialect: name });
+        missing.push(Missing::SafeHome { dialect: name, has: abilities.safe_homes });
     }
     if coolant != Coolant::Off && !abilities.coolants.contains(&coolant) {
-        missing.push(Missing::Coolant { dialect: name });
+        missing.push(Missing::Coolant { dialect: name, has: abilities.coolants });
     }
     let number = tool.and_then(|tool| tool.number);
     if let Some(number) = number.filter(|number| *number > abilities.max_tool) {
@@ -109,7 +127,7 @@ mod tests {
             texts,
             [
                 "the dialect `siemens` has no word for G58; leave `work_offset` out, or choose another",
-                "the dialect `siemens` has no word for this move up; choose another `safe_home`"
+                "the dialect `siemens` cannot write this `safe_home`; send `none` or `g53`"
             ]
         );
     }

@@ -21,7 +21,7 @@ pub const DECKEL: Dialect = Dialect {
     max_program_number: Some(9999),
     // The least increment of the paper is a micrometre.
     default_decimals_mm: 3,
-    default_decimals_inch: 4,
+    default_decimals_inch: 3,
     max_decimals: 3,
     numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     curves: Curves { arcs: Arcs::AsLines, ..Curves::ARCS },

@@ -45,7 +45,7 @@ pub const FANUC: Dialect = Dialect {
     syntax: Syntax::Iso(WORDS),
 };
 
-const TIP_CONTROL: TipControl = TipControl { before: &[], words: None, off: "G49", vector: ["I", "J", "K"] };
+pub const TIP_CONTROL: TipControl = TipControl { before: &[], words: None, off: "G49", vector: ["I", "J", "K"] };
 
 /// The words of this and similar controls. The separator of comments is no colon: in ISO code a colon is the
 /// letter O.

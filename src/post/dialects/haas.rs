@@ -4,7 +4,7 @@
 //! * A program number has five digits.
 //! * Tip control is G234, in a block of G0 and without G43. It knows angles, no vectors.
 
-use super::fanuc::{FANUC, WORDS};
+use super::fanuc::{FANUC, TIP_CONTROL, WORDS};
 use crate::post::dialect::{Dialect, FiveAxisWords, Iso, ProgramNumber, Syntax, TipControl, Turns};
 
 pub const HAAS: Dialect = Dialect {
@@ -13,12 +13,7 @@ pub const HAAS: Dialect = Dialect {
     max_program_number: Some(99_999),
     five_axes: FiveAxisWords {
         angle_decimals: 3,
-        angles: Some(TipControl {
-            before: &[],
-            words: Some("G234 H{offset}"),
-            off: "G49",
-            vector: ["I", "J", "K"],
-        }),
+        angles: Some(TipControl { words: Some("G234 H{offset}"), ..TIP_CONTROL }),
         vectors: None,
         has_positions: true,
         rails: None,

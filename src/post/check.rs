@@ -175,9 +175,11 @@ fn difference(
         (Block::BeginRails { second, feed }, Step::Rail(rail)) => {
             let words =
                 RailWords { to: at.map(Option::unwrap_or_default), second, powers: [[[0; 3]; 4]; 2], feed };
-            is_rail(&words, &rail, start, grid)
+            rail_difference(&words, &rail, start, grid)
         }
-        (Block::Rail { index }, Step::Rail(rail)) => is_rail(&rails[index as usize], &rail, start, grid),
+        (Block::Rail { index }, Step::Rail(rail)) => {
+            rail_difference(&rails[index as usize], &rail, start, grid)
+        }
         (Block::Dwell { milliseconds }, Step::Dwell { seconds }) => {
             first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= 1e-3, "dwell")])
         }
@@ -190,7 +192,12 @@ fn first_false(checks: &[(bool, &'static str)]) -> Option<&'static str> {
 }
 
 /// What differs between a rail and what was read for it.
-fn is_rail(words: &RailWords, read: &RailStep, start: [Option<i64>; 3], grid: &Grid) -> Option<&'static str> {
+fn rail_difference(
+    words: &RailWords,
+    read: &RailStep,
+    start: [Option<i64>; 3],
+    grid: &Grid,
+) -> Option<&'static str> {
     let fine = FineGrid::new(grid);
     let is_near = |read: f64, wanted: f64, step: f64| (read - wanted).abs() <= AGREEMENT_STEPS * step;
     let unit = fine.mm(1);

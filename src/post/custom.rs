@@ -2,8 +2,9 @@
 //!
 //! A line must not end, leave or skip a part of the program, must not change what later coordinates mean
 //! where the program does not state it again, and moves nothing but to places of the machine. The program
-//! selects its work offset behind the lines of `header` and before those of `tool_change`, so only the former
-//! may select another. Calls of the shop's own programs and macros are allowed; what those do is the shop's.
+//! selects its work offset between `header` and `tool_change`. A line of `tool_change` that selects a work
+//! offset is therefore refused. Calls of the shop's own programs and macros are allowed; what those do is the
+//! shop's.
 //!
 //! The program states its modes again behind such lines. The reader that checks the program skips them, and
 //! takes units, plane, distance mode, feed and position for unknown behind them.

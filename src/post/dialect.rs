@@ -89,7 +89,7 @@ impl Abilities {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LengthOffsets {
     pub letter: char,
-    /// The number where none is asked for; none for that of the tool.
+    /// The offset of a tool without `length_offset`. None: the offset has the number of the tool.
     pub usual: Option<u32>,
     pub most: u32,
 }

@@ -7,8 +7,8 @@
 //! so that rounding the tip turns no axis.
 //!
 //! # Guarantees
-//! The written tip is within [`RailWords::tip_mm`] of the rail at equal parameters, and the written axis
-//! within [`RailWords::axis`].
+//! The written tip is within [`Rounded::tip_mm`] of the rail at equal parameters, and the written axis
+//! within [`Rounded::axis`].
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,5 +1,5 @@
-//! A pair of polynomials that stands for several moves: the way of the tip, and that of a second point on the
-//! axis of the tool above it.
+//! Rails. A rail replaces several moves by two polynomials: one moves the tip, the other moves a second point
+//! on the tool axis above the tip.
 
 use std::ops::Range;
 

@@ -15,7 +15,7 @@ const SECOND: [&str; 3] = ["XH", "YH", "ZH"];
 /// Decimals of coefficients and of the second point, at most.
 const FINE_DECIMALS: u8 = 9;
 
-/// Whether the words of a line are those of a block under ORICURVE.
+/// Whether a line states a second point (XH=) or a polynomial (PO[).
 pub fn is_rail(text: &str) -> bool {
     text.contains("XH=") || text.contains("PO[")
 }
@@ -116,7 +116,8 @@ impl Words {
             return set(&mut self.length, "PL", number(length, "PL", 0)?);
         }
         for (point, names) in [SECOND, TIP].into_iter().enumerate() {
-            // The second point is the last of the two; its names begin with those of the tip.
+            // XH also begins with X, so the names of the second point are tried first. In `Words` the tip
+            // comes first.
             let place = 1 - point;
             let decimals = if place == 0 { decimals } else { FINE_DECIMALS };
             for (axis, name) in names.into_iter().enumerate() {

@@ -8,11 +8,12 @@ ENV RUSTFLAGS="-C target-feature=+crt-static"
 
 # The dependencies have a layer of their own. It is built again only when the manifest or the lock file changes.
 COPY Cargo.toml Cargo.lock ./
-# Empty files stand for the targets that the manifest names, so that Cargo builds the dependencies alone.
-RUN mkdir -p src benches tests/real/controller tests/real/overload \
+# Benchmarks are not built, but the manifest names them.
+COPY benches benches
+# Empty files stand for the other targets that the manifest names, so that Cargo builds the dependencies alone.
+RUN mkdir -p src tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/lib.rs benches/arc_fitting.rs benches/interpolation.rs benches/plot.rs benches/programs.rs \
-        benches/surface_milling.rs tests/real/controller/main.rs tests/real/overload/main.rs \
+    && touch src/lib.rs tests/real/controller/main.rs tests/real/overload/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 

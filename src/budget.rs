@@ -1,11 +1,10 @@
-//! The limits of one computation: a deadline, a cancel flag, a receiver of progress, and helping threads.
+//! The limits of one computation: a deadline, a reason to stop, a receiver of progress, and helping threads.
 //!
 //! A computation below `http` learns only from its budget that it has to stop. Every long loop checks the
-//! budget at short intervals. The check returns `Err(Stopped)` if the caller has gone away or the deadline
-//! has passed. The computation then ends without a result.
+//! budget at short intervals. The check returns `Err(Stopped)` if the budget was stopped from outside, for one
+//! of the reasons of [`Stopped`], or if the deadline has passed. The computation then ends without a result.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::parallel::{self, Helpers};
@@ -17,6 +16,15 @@ pub enum Stopped {
     Cancelled,
     #[error("the deadline passed")]
     DeadlinePassed,
+    /// The process needs the memory for other work, and the computation may succeed at another time.
+    #[error("the process is short of memory")]
+    ShortOfMemory,
+    /// The computation alone needs more memory than the process may use.
+    #[error("the computation needs more memory than there is")]
+    TooLarge,
+    /// The computation has to make room for another one, and will be run again.
+    #[error("the computation is put back")]
+    PutBack,
 }
 
 /// Receives progress: the name of a stage and how much of it is done.
@@ -24,10 +32,10 @@ pub trait ProgressSink: Send + Sync {
     fn progress(&self, stage: &'static str, done: usize, total: usize);
 }
 
-/// The limits of one computation. Cheap to clone; clones share the cancel flag and the helpers.
+/// The limits of one computation. Cheap to clone; clones are stopped together and share the helpers.
 #[derive(Clone, Default)]
 pub struct Budget {
-    cancelled: Arc<AtomicBool>,
+    stopped: Arc<OnceLock<Stopped>>,
     deadline: Option<Instant>,
     sink: Option<Arc<dyn ProgressSink>>,
     helpers: Helpers,
@@ -68,16 +76,22 @@ impl Budget {
         parallel::in_order(&self.helpers, n, make)
     }
 
-    /// Stops the computation at its next check. May be called from any thread.
+    /// Stops the computation at its next check, because the caller has gone away. May be called from any
+    /// thread.
     pub fn cancel(&self) {
-        self.cancelled.store(true, Ordering::Relaxed);
+        self.stop(Stopped::Cancelled);
+    }
+
+    /// Stops the computation at its next check. The first reason counts. May be called from any thread.
+    pub fn stop(&self, reason: Stopped) {
+        let _ = self.stopped.set(reason);
     }
 
     /// # Errors
     /// `Stopped` when the computation must end now.
     pub fn check(&self) -> Result<(), Stopped> {
-        if self.cancelled.load(Ordering::Relaxed) {
-            return Err(Stopped::Cancelled);
+        if let Some(reason) = self.stopped.get() {
+            return Err(*reason);
         }
         match self.deadline {
             Some(deadline) if Instant::now() >= deadline => Err(Stopped::DeadlinePassed),
@@ -104,6 +118,8 @@ mod tests {
         assert_eq!(clone.check(), Ok(()));
         budget.cancel();
         assert_eq!(clone.check(), Err(Stopped::Cancelled));
+        clone.stop(Stopped::ShortOfMemory);
+        assert_eq!(budget.check(), Err(Stopped::Cancelled));
     }
 
     #[test]

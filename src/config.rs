@@ -64,9 +64,20 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_CORS_ORIGIN", value_delimiter = ',', value_parser = origin, global = true)]
     pub cors_origin: Vec<HeaderValue>,
 
-    /// Most connections open at a time; a further connection is closed at once
+    /// Names under which callers reach this service, such as `cam.example.com`; separate several with commas,
+    /// or repeat the flag. `*` stands for any name. Addresses, `localhost` and names without a dot need not be
+    /// listed
+    #[arg(long, env = "TOOLPATHD_HOST", value_delimiter = ',', global = true)]
+    pub host: Vec<String>,
+
+    /// Most connections open at a time; a further connection gets 503 for all but health checks and metrics
     #[arg(long, env = "TOOLPATHD_CONNECTIONS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1_000_000), global = true)]
     pub connections: u32,
+
+    /// Most connections of one address at a time (of one /64 network for IPv6); a further connection gets 503
+    /// for all but health checks and metrics. Raise this behind a proxy
+    #[arg(long, env = "TOOLPATHD_CONNECTIONS_PER_ADDRESS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1_000_000), global = true)]
+    pub connections_per_address: u32,
 
     /// Most computations at a time [default: the number of processors]
     #[arg(long, env = "TOOLPATHD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
@@ -77,13 +88,23 @@ pub struct Settings {
     pub queue: u16,
 
     /// Largest request body, in bytes; a larger body is refused with 413
-    #[arg(long, env = "TOOLPATHD_BODY_LIMIT", default_value_t = Limits::DEFAULT.body_bytes, global = true)]
+    #[arg(long, env = "TOOLPATHD_BODY_LIMIT", default_value_t = Limits::DEFAULT.body_bytes, value_parser = body_bytes, global = true)]
     pub body_limit: usize,
 
+    /// Bytes of memory that the service may use; computations are stopped at 72 % of them [default: the memory of
+    /// the machine, or the limit of the control group]
+    #[arg(long, env = "TOOLPATHD_MEMORY", value_parser = clap::value_parser!(u64).range(64 * 1024 * 1024..), global = true)]
+    pub memory: Option<u64>,
+
     /// Most bytes of all request bodies held at a time; a body beyond that is refused with 503. Must be at
-    /// least --body-limit
-    #[arg(long, env = "TOOLPATHD_BODY_MEMORY", default_value_t = 256 * 1024 * 1024, global = true)]
-    pub body_memory: usize,
+    /// least --body-limit [default: an eighth of --memory, at most 268435456]
+    #[arg(long, env = "TOOLPATHD_BODY_MEMORY", global = true)]
+    pub body_memory: Option<usize>,
+
+    /// Most bytes of all answers that wait for their callers; an answer beyond that is replaced by 503 [default:
+    /// an eighth of --memory, at most 268435456]
+    #[arg(long, env = "TOOLPATHD_ANSWER_MEMORY", global = true)]
+    pub answer_memory: Option<usize>,
 
     /// Most points of a surface
     #[arg(long, env = "TOOLPATHD_MAX_SURFACE_POINTS", default_value_t = Limits::DEFAULT.surface_points, global = true)]
@@ -129,12 +150,21 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub body_timeout_s: Duration,
 
-    /// Longest time in which a caller takes no byte of the answer, in seconds; then the connection is closed
+    /// Longest time in which a request body must arrive, in seconds; a slower body is answered with 408
+    #[arg(long, env = "TOOLPATHD_BODY_DEADLINE_S", default_value = "120", value_parser = seconds, global = true)]
+    pub body_deadline_s: Duration,
+
+    /// Longest time in which a caller takes no byte of the answer, in seconds; then the connection is closed.
+    /// Beyond this time a caller must take 16 KiB of an answer in each second
     #[arg(long, env = "TOOLPATHD_WRITE_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub write_timeout_s: Duration,
 
-    /// Longest time for waiting and computing together, in seconds; a longer computation is answered with
-    /// 504. At shutdown the program ends after at most 28 s, whatever this setting is
+    /// Longest time for which a request waits for a worker, in seconds; then it is refused with 503
+    #[arg(long, env = "TOOLPATHD_QUEUE_WAIT_S", default_value = "10", value_parser = seconds, global = true)]
+    pub queue_wait_s: Duration,
+
+    /// Longest computation, in seconds, without the wait for a worker; a longer one is answered with 504. At
+    /// shutdown the program ends after at most 28 s, whatever this setting is
     #[arg(long, env = "TOOLPATHD_DEADLINE_S", default_value = "25", value_parser = seconds, global = true)]
     pub deadline_s: Duration,
 
@@ -179,13 +209,20 @@ impl Settings {
                 ));
             }
         }
-        if self.body_memory < self.body_limit {
+        if let Some(body_memory) = self.body_memory.filter(|memory| *memory < self.body_limit) {
             return Err(format!(
-                "--body-memory {} is less than the largest body, --body-limit {}",
-                self.body_memory, self.body_limit
+                "--body-memory {body_memory} is less than the largest body, --body-limit {}",
+                self.body_limit
             ));
         }
         Ok(())
+    }
+
+    /// Bytes of bodies and bytes of answers that are held at a time; `memory` is what the process may use.
+    pub fn held_bytes(&self, memory: Option<u64>) -> (usize, usize) {
+        let eighth = memory.and_then(|memory| usize::try_from(memory / 8).ok());
+        let usual = eighth.unwrap_or(usize::MAX).min(256 * 1024 * 1024);
+        (self.body_memory.unwrap_or(usual.max(self.body_limit)), self.answer_memory.unwrap_or(usual))
     }
 
     /// Number of computations that run at a time: the setting, else the number of processors.
@@ -239,6 +276,15 @@ impl Limits {
         sections: 20_000,
         moves: 500_000,
     };
+}
+
+fn body_bytes(text: &str) -> Result<usize, String> {
+    let most = 1_usize << 40;
+    match text.parse() {
+        Ok(bytes) if (1..=most).contains(&bytes) => Ok(bytes),
+        Ok(bytes) => Err(format!("{bytes} bytes are outside 1..={most} bytes")),
+        Err(_) => Err(format!("`{text}` is not a number of bytes")),
+    }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

@@ -1,6 +1,8 @@
 //! The binary. It reads the settings and runs one of four commands: start the service, check a running
 //! service, print the contract (the OpenAPI description of the service), or send a program to a control.
 
+mod log;
+
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
 use std::path::Path;
@@ -10,7 +12,8 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tokio::net::TcpListener;
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::sync::oneshot;
 use toolpathd::config::{Cli, Command, Dnc, LogFormat, Sending, Settings};
 use toolpathd::dnc::{Estimate, Outcome, Progress, Stop, Target, estimate, send};
 use toolpathd::http::{App, contract, router, serve};
@@ -31,7 +34,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("toolpathd: {error}");
+            let _ = writeln!(std::io::stderr(), "toolpathd: {error}");
             ExitCode::FAILURE
         }
     }
@@ -64,34 +67,80 @@ fn check_health(settings: &Settings) -> Result<(), Failure> {
 
 fn run(settings: &Settings) -> Result<(), Failure> {
     settings.check()?;
-    start_log(settings)?;
-    let app = App::new(settings)?;
-    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(async {
+    let lines = start_log(settings)?;
+    raise_limit_of_files();
+    let app = App::new(settings);
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let served = runtime.block_on(async {
         // The handlers come before the address is printed: a reader of the address may send a signal at once.
-        let mut terminate = signal(SignalKind::terminate())?;
-        let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut signals = Signals::new()?;
         let listener = TcpListener::bind(settings.listen)
             .await
             .map_err(|error| format!("cannot listen on {}: {error}", settings.listen))?;
-        writeln!(std::io::stdout(), "listening on http://{}", listener.local_addr()?)?;
-        let stop = async move {
-            tokio::select! {
-                _ = terminate.recv() => {}
-                _ = interrupt.recv() => {}
-            }
+        let address = listener.local_addr()?;
+        // Nobody may be there to read the address.
+        let _ = writeln!(std::io::stdout(), "listening on http://{address}");
+        let (stop, stopped) = oneshot::channel();
+        tokio::spawn(async move {
+            signals.next().await;
+            let _ = stop.send(());
+            signals.next().await;
+            std::process::exit(SECOND_SIGNAL);
+        });
+        let stopped = async move {
+            let _ = stopped.await;
         };
-        serve::serve(listener, router(&app), &app, stop).await?;
-        Ok(())
-    })
+        Ok::<_, Failure>(serve::serve(listener, router(&app), &app, stopped).await?)
+    });
+    // A computation that has not noticed yet that it must stop does not hold up the end.
+    runtime.shutdown_background();
+    lines.finish();
+    served
+}
+
+/// The exit code after a second signal, which ends the program at once.
+const SECOND_SIGNAL: i32 = 130;
+
+/// The signals that end the service: SIGTERM, SIGINT and SIGHUP.
+struct Signals([Signal; 3]);
+
+impl Signals {
+    fn new() -> std::io::Result<Self> {
+        let of = |kind| signal(kind);
+        Ok(Self([of(SignalKind::terminate())?, of(SignalKind::interrupt())?, of(SignalKind::hangup())?]))
+    }
+
+    async fn next(&mut self) {
+        let [terminate, interrupt, hangup] = &mut self.0;
+        tokio::select! {
+            _ = terminate.recv() => {}
+            _ = interrupt.recv() => {}
+            _ = hangup.recv() => {}
+        }
+    }
+}
+
+/// Permits as many open files as the system lets this process have: each connection is one.
+fn raise_limit_of_files() {
+    use rustix::process::{Resource, getrlimit, setrlimit};
+    let mut limit = getrlimit(Resource::Nofile);
+    limit.current = limit.maximum;
+    if let Err(error) = setrlimit(Resource::Nofile, limit) {
+        tracing::warn!(%error, "the limit of open files stays low");
+    }
 }
 
 /// Starts the log on standard error. Standard output is for the address and the contract.
-fn start_log(settings: &Settings) -> Result<(), Failure> {
+fn start_log(settings: &Settings) -> Result<log::Lines, Failure> {
     let targets: Targets = settings
         .log
         .parse()
         .map_err(|error| format!("--log `{}` is not understood: {error}", settings.log))?;
-    let log = tracing_subscriber::fmt().with_max_level(LevelFilter::TRACE).with_writer(std::io::stderr);
+    let (lines, writer) = log::lines(std::io::stderr())?;
+    let log = tracing_subscriber::fmt()
+        .with_max_level(LevelFilter::TRACE)
+        .log_internal_errors(false)
+        .with_writer(move || writer.clone());
     match settings.log_format {
         LogFormat::Text => {
             log.with_ansi(std::io::stderr().is_terminal()).finish().with(targets).init();
@@ -100,7 +149,7 @@ fn start_log(settings: &Settings) -> Result<(), Failure> {
             log.json().flatten_event(true).with_span_list(false).finish().with(targets).init();
         }
     }
-    Ok(())
+    Ok(lines)
 }
 
 /// Sends a program to a control. The first signal ends the sending at the end of a block, the second at once.

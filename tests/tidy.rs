@@ -37,17 +37,18 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("dnc", &[]),
     ("config", &["dnc"]),
-    ("main", &["http", "config", "dnc"]),
+    ("log", &[]),
+    ("main", &["http", "config", "dnc", "log"]),
     ("lib", &[]),
 ];
 
 /// The layers that may name files, sockets, the terminal and frameworks.
-const OUTER: &[&str] = &["http", "config", "dnc", "main"];
+const OUTER: &[&str] = &["http", "config", "dnc", "log", "main"];
 
 /// Words that no other layer may name: frameworks, files, sockets, processes, the clock and the terminal.
 #[rustfmt::skip]
 const OUTSIDE: &[&str] = &[
-    "axum", "clap", "eprintln!", "http_body", "hyper", "indicatif", "mime", "println!", "prometheus_client", "rayon", "rustix", "serde", "serialport", "sha2",
+    "axum", "clap", "eprintln!", "http_body", "hyper", "indicatif", "mime", "println!", "prometheus_client", "rustix", "serde", "serialport", "sha2",
     "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
     "utoipa",
 ];

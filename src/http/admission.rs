@@ -1,6 +1,6 @@
 //! Refuses a request for which the service has no room. If the queue of computations is full, the request is
 //! refused at once. If the bodies of all requests together fill the memory for bodies, a request is refused
-//! while its body arrives.
+//! while its body arrives. Answers that wait for their callers have a memory of their own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,40 +19,50 @@ use super::error::{ApiError, Code};
 /// time from the running computations.
 const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 
-/// The memory for request bodies, shared by all requests.
+/// Largest piece that may fill the last part of a pot. So large pieces do not shut out small ones.
+const SMALL_BYTES: usize = 64 * 1024;
+
+/// The part of a pot that only small pieces fill: one of so many equal parts.
+const PARTS: usize = 8;
+
+/// A limited number of bytes that all requests share.
 #[derive(Debug)]
-pub struct BodyMemory {
+pub struct Pot {
     held: AtomicUsize,
     most: usize,
+    /// What the bytes are, for messages.
+    what: &'static str,
 }
 
-impl BodyMemory {
-    pub fn new(most: usize) -> Arc<Self> {
-        Arc::new(Self { held: AtomicUsize::new(0), most })
+impl Pot {
+    pub fn new(most: usize, what: &'static str) -> Arc<Self> {
+        Arc::new(Self { held: AtomicUsize::new(0), most, what })
     }
 
-    /// Bytes of request bodies held now.
+    /// Bytes held now.
     pub fn held(&self) -> usize {
         self.held.load(Ordering::Relaxed)
     }
 
-    fn share(self: &Arc<Self>) -> Share {
-        Share(Arc::new(Taken { memory: Arc::clone(self), bytes: AtomicUsize::new(0) }))
+    /// A share that holds nothing yet.
+    pub fn share(self: &Arc<Self>) -> Share {
+        Share(Arc::new(Taken { pot: Arc::clone(self), bytes: AtomicUsize::new(0) }))
     }
 }
 
-/// The part of the memory that one request holds, until the request is answered or given up.
+/// The bytes of a pot that one request or one answer holds. They are free again when the last clone of the share
+/// is dropped.
 #[derive(Debug, Clone)]
 pub struct Share(Arc<Taken>);
 
 #[derive(Debug)]
 struct Taken {
-    memory: Arc<BodyMemory>,
+    pot: Arc<Pot>,
     bytes: AtomicUsize,
 }
 
 impl Share {
-    /// The share of this request.
+    /// The share of this request in the memory for bodies.
     ///
     /// # Errors
     /// `internal_error` when [`admit`] did not run for the request, which is a fault of this program.
@@ -61,21 +71,33 @@ impl Share {
         share.ok_or_else(|| ApiError::new(Code::InternalError, "the request was not given a share of memory"))
     }
 
-    /// Takes memory for `bytes` that have arrived or were decompressed.
+    /// A share of the same pot that holds nothing yet.
+    pub fn sibling(&self) -> Self {
+        self.0.pot.share()
+    }
+
+    /// Takes further `bytes` of the pot.
     ///
     /// # Errors
-    /// `overloaded` when the bodies of all requests together would exceed the limit.
+    /// `overloaded` when the pot has no room for them.
     pub fn take(&self, bytes: usize) -> Result<(), ApiError> {
-        let Taken { memory, bytes: mine } = &*self.0;
-        let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= memory.most);
-        match memory.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, added) {
+        let Taken { pot, bytes: mine } = &*self.0;
+        let whole = mine.load(Ordering::Relaxed).saturating_add(bytes);
+        // A single share may be as large as the pot.
+        let most = if whole <= SMALL_BYTES || pot.held().saturating_add(bytes) == whole {
+            pot.most
+        } else {
+            pot.most - pot.most / PARTS
+        };
+        let added = |held: usize| held.checked_add(bytes).filter(|sum| *sum <= most);
+        match pot.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, added) {
             Ok(_) => {
                 mine.fetch_add(bytes, Ordering::Relaxed);
                 Ok(())
             }
             Err(_) => Err(ApiError::new(
                 Code::Overloaded,
-                format!("the server holds {} bytes of request bodies at most; try again later", memory.most),
+                format!("the server holds {} bytes of {} at most; try again later", pot.most, pot.what),
             )),
         }
     }
@@ -83,22 +105,31 @@ impl Share {
 
 impl Drop for Taken {
     fn drop(&mut self) {
-        self.memory.held.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
+        self.pot.held.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
     }
 }
 
 /// Middleware that refuses a `POST` while the queue is full, before its body is read. Every other request
-/// gets a [`Share`] of the memory for bodies.
+/// gets a [`Share`] of the memory for bodies, and its head counts until it is answered.
 pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     if request.method() == Method::POST && app.compute.is_full() {
         sleep(REFUSAL_PAUSE).await;
-        return ApiError::from(super::compute::Failure::Overloaded).into_response();
+        return ApiError::from(app.compute.overloaded()).into_response();
     }
-    let share = app.body_memory.share();
+    let (head, share) = (app.head_memory.share(), app.body_memory.share());
+    if let Err(refused) = head.take(bytes_of_head(&request)) {
+        return refused.into_response();
+    }
     request.extensions_mut().insert(share.clone());
     let response = next.run(request).await;
-    drop(share);
+    drop((head, share));
     response
+}
+
+/// About as many bytes as the head of a request takes.
+fn bytes_of_head(request: &Request) -> usize {
+    let path = request.uri().path_and_query().map_or(0, |path| path.as_str().len());
+    path + request.headers().iter().map(|(name, value)| name.as_str().len() + value.len()).sum::<usize>()
 }
 
 #[cfg(test)]
@@ -106,20 +137,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn body_memory_is_bounded_over_all_requests_and_given_back() {
-        let memory = BodyMemory::new(100);
-        let (first, second) = (memory.share(), memory.share());
+    fn a_pot_is_bounded_over_all_shares_and_bytes_are_given_back() {
+        let pot = Pot::new(100, "bodies");
+        let (first, second) = (pot.share(), pot.share());
         assert_eq!(first.take(60), Ok(()));
         assert_eq!(second.take(40), Ok(()));
         assert_eq!(second.take(1).map_err(|error| error.code()), Err(Code::Overloaded));
         assert_eq!(second.take(usize::MAX).map_err(|error| error.code()), Err(Code::Overloaded));
         let copy = first.clone();
         drop(first);
-        assert_eq!(memory.held(), 100);
+        assert_eq!(pot.held(), 100);
         drop(copy);
-        assert_eq!(memory.held(), 40);
+        assert_eq!(pot.held(), 40);
         assert_eq!(second.take(60), Ok(()));
         drop(second);
-        assert_eq!(memory.held(), 0);
+        assert_eq!(pot.held(), 0);
+    }
+
+    #[test]
+    fn large_shares_leave_room_for_small_ones_unless_one_is_alone() {
+        let pot = Pot::new(100 * SMALL_BYTES, "answers");
+        let alone = pot.share();
+        assert_eq!(alone.take(100 * SMALL_BYTES), Ok(()));
+        drop(alone);
+        let (large, other, small) = (pot.share(), pot.share(), pot.share());
+        assert_eq!(large.take(50 * SMALL_BYTES), Ok(()));
+        assert_eq!(other.take(40 * SMALL_BYTES).map_err(|error| error.code()), Err(Code::Overloaded));
+        assert_eq!(other.take(37 * SMALL_BYTES), Ok(()));
+        assert_eq!(small.take(SMALL_BYTES), Ok(()));
     }
 }

@@ -9,7 +9,6 @@ use std::time::Instant;
 use axum::Extension;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use tracing::{Instrument, Span};
 use utoipa::ToSchema;
 
 use super::App;
@@ -21,11 +20,12 @@ use super::dto::meta::Meta;
 use super::dto::setup::Setup;
 use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code, FieldCode, FieldError};
-use super::events;
+use super::events::{self, Begun};
 use super::extract::JobBody;
 use super::negotiation::{Form, Offers, Wanted};
 use super::output::{Encoded, Representation, file_name, page};
 use super::pointer::Pointer;
+use super::retry;
 use super::timing::{SERVER_TIMING, Timing};
 use crate::budget::Budget;
 use crate::plot::Drawing;
@@ -112,12 +112,12 @@ impl Product for Cut {
     }
 }
 
-/// Runs `plan` on the pool with the job of the body, and answers the outcome in the form that the caller
-/// wants.
+/// Decodes the body, runs `plan` with its job, and answers the outcome in the form that the caller wants. All of
+/// this is one computation.
 ///
 /// # Errors
-/// When the queue is full, or planning or encoding fails. An answer of events reports later failures as an
-/// event `problem`.
+/// When the queue is full, or decoding, planning or encoding fails. An answer of events reports a failure after
+/// decoding as an event `problem`.
 pub async fn answer<O: Offers, T, R, P, F>(
     app: &Arc<App>,
     wanted: Wanted<O>,
@@ -128,22 +128,29 @@ where
     T: IntoJob,
     R: Serialize + ToSchema,
     P: Product,
-    F: FnOnce(T::Job, &Budget) -> Result<Outcome<R, P>, ApiError> + Send + 'static,
+    F: Fn(T::Job, &Budget) -> Result<Outcome<R, P>, ApiError> + Send + Sync + 'static,
 {
     let form = wanted.form;
     let request_id = form.request_id.clone();
     let is_streamed = form.representation == Representation::Events;
+    let (limits, memory) = (app.limits, Arc::clone(&app.answer_memory));
     let asked = Instant::now();
+    let decoded = Begun::default();
+    let tell_decoded = decoded.clone();
     let compute = move |budget: &Budget| {
         let begun = Instant::now();
-        let outcome = plan(body.job, budget)?;
+        let job = body.job(&limits)?;
+        let parsed = Instant::now();
+        tell_decoded.tell();
+        let outcome = plan(job, budget)?;
         let computed = Instant::now();
         let encoded = represent(outcome, &form, budget)?;
         let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
+        let encoded = encoded.held_in(&memory)?;
         let timing = Timing {
             queue: begun - asked,
-            parse: body.parsing,
-            compute: computed - begun,
+            parse: parsed - begun,
+            compute: computed - parsed,
             encode: computed.elapsed(),
         };
         Ok::<_, ApiError>((encoded, timing))
@@ -151,17 +158,13 @@ where
     let ticket = app.compute.admit()?;
     if is_streamed {
         let app = Arc::clone(app);
-        // The stream outlives the handler and the handler's span.
-        let span = Span::current();
-        return Ok(events::stream(request_id, |listener| {
-            let computation = async move {
-                let (encoded, _) = app.compute.run_admitted(ticket, Some(listener), compute).await??;
-                Ok(encoded)
-            };
-            computation.instrument(span)
-        }));
+        let start = |listener| async move {
+            let (encoded, _) = app.compute.run(ticket, Some(listener), compute).await??;
+            Ok(encoded)
+        };
+        return events::stream(request_id, decoded, start).await;
     }
-    let (encoded, timing) = app.compute.run_admitted(ticket, None, compute).await??;
+    let (encoded, timing) = app.compute.run(ticket, None, compute).await??;
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
@@ -208,6 +211,7 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     }
     outcome.warnings.extend(cautions(&outcome.product));
     let codes = warning_codes(&outcome.warnings);
+    let job_order = retry::job_order(outcome.meta.as_ref());
     let nc = if form.with_nc { Some(text_of(&outcome, budget)?) } else { None };
     let encoded = match form.representation {
         Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, nc, form)),
@@ -231,13 +235,13 @@ fn represent<R: Serialize + ToSchema, P: Product>(
             Ok(Encoded::text(page::page(&title, &svg, &figures), form.media_type))
         }
     }?;
-    Ok(encoded.warning_of(&codes))
+    Ok(encoded.warning_of(&codes).for_job_order(job_order))
 }
 
 /// The JSON answer: its head, the report and the members of the product.
 fn envelope<R, P: Product>(outcome: Outcome<R, P>, nc: Option<String>, form: &Form) -> Answer<R, P::Members> {
     let Outcome { meta, warnings, report, product, drawing: _ } = outcome;
-    let head = Head::new(&form.request_id, meta, warnings);
+    let head = Head::new(meta, warnings);
     Answer { head, report, members: product.members(nc, form) }
 }
 
@@ -382,7 +386,7 @@ mod tests {
     async fn absent_and_unwanted_members_are_left_out() {
         let surface = json_of(outcome(()), None).await;
         let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
-        assert_eq!(members, ["engine_version", "meta", "report", "request_id", "warnings"]);
+        assert_eq!(members, ["engine_version", "meta", "report", "warnings"]);
         assert_eq!(json_of(outcome(cut()), Some(false)).await.get("toolpath"), None);
         let written = json_of(outcome(written_cut()), None).await;
         assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2\n")));

@@ -7,9 +7,10 @@ use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
 use tower_http::compression::CompressionLayer;
-use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove};
+use tower_http::compression::predicate::Predicate;
 
 use super::error::{ApiError, Code};
+use super::program_stream::Streamed;
 
 /// The digest of an answer's bytes. The bytes of an answer with a digest are final.
 pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
@@ -17,7 +18,7 @@ pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
 pub const GZIP: &str = "gzip";
 
 /// Smallest body that is compressed. A smaller body fits a packet as it is.
-pub const MIN_CODED_BYTES: u64 = 1024;
+pub const MIN_CODED_BYTES: usize = 1024;
 
 /// The content coding of a request's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,13 +46,13 @@ impl Coding {
     }
 }
 
-/// Compresses answers without a digest. Computed answers have one: they are compressed on the pool, before
-/// their digest is taken.
+/// Compresses programs that are streamed, while they are sent. Every other answer is compressed as a whole, before its
+/// digest is taken, or not at all.
 pub fn layer() -> CompressionLayer<impl Predicate> {
-    let has_no_digest =
-        |_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions| !headers.contains_key(REPR_DIGEST);
-    let is_worth_it = SizeAbove::new(MIN_CODED_BYTES).and(NotForContentType::SSE);
-    CompressionLayer::new().compress_when(is_worth_it.and(has_no_digest))
+    let is_streamed = |_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensions| {
+        extensions.get::<Streamed>().is_some()
+    };
+    CompressionLayer::new().compress_when(is_streamed)
 }
 
 /// Compresses `body`. The same body always gives the same bytes.

@@ -1,36 +1,63 @@
-//! The pool of threads on which computations run. Other threads serve the connections.
+//! Runs computations on threads of their own. Other threads serve the connections.
 //!
 //! # Method
-//! 1. A request takes a ticket. There are as many tickets as threads and places in the queue together. If no
+//! 1. A request takes a *ticket*. There are as many tickets as workers and places in the queue together. If no
 //!    ticket is free, the request is refused at once.
-//! 2. The request waits for a free thread. Its deadline includes this time.
-//! 3. The thread runs the computation. When the computation ends, thread and ticket are free again.
+//! 2. The request waits for a *place*; there is one for each worker. A request that finds none in time is
+//!    refused. The refusal says when to try again.
+//! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
+//!    computation starts. Then place and ticket are free again.
+//! 4. If every place is held by a computation that has run for [`LONG`], the first request of the queue is
+//!    *tried*: it runs on a place beside the others, for [`TRIAL`] at most. A small job ends in that time, and
+//!    need not wait for large ones. A larger job is stopped and put back into the queue, where it keeps its
+//!    turn; it is tried a single time. No state is kept of a job that is put back, so trials cost no memory,
+//!    and time only while all places are held for long.
+//! 5. A step of an NC program that is rewritten while it arrives has a place of its own, which no job can take.
 //!
-//! An NC program that is rewritten while it arrives uses the same threads, but takes no ticket;
-//! `program_stream` limits the number of such programs.
-//!
-//! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
-//! next check of the budget.
+//! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its next
+//! check of the budget. If the process is short of memory, the oldest computation is stopped in the same way.
+
+mod jobs;
+pub mod memory;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::pin::pin;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
-use tokio::time::timeout_at;
+use tokio::time::{sleep, sleep_until, timeout_at};
 
-use crate::budget::{Budget, ProgressSink};
+use crate::budget::{Budget, ProgressSink, Stopped};
 use crate::parallel::Helpers;
+use jobs::Jobs;
+use memory::Memory;
 
 /// How long after the deadline an answer is still accepted. A computation checks its budget at intervals, so
 /// it may notice the deadline this much later.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
 
+/// Time after which a computation counts as long. It is longer than most jobs take, so that there are no trials
+/// while places become free often enough.
+const LONG: Duration = Duration::from_millis(600);
+
+/// Longest time of a trial.
+const TRIAL: Duration = Duration::from_millis(500);
+
+/// How often it is looked whether the process is short of memory, while a computation runs.
+const MEMORY_INTERVAL: Duration = Duration::from_millis(10);
+
 /// Why a computation gave no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Failure {
-    /// Every worker is busy and the queue is full.
-    Overloaded,
+    /// Every worker is busy and the queue is full. There should be room after `retry_after`.
+    Overloaded {
+        retry_after: Duration,
+    },
+    /// No place became free in time. There should be one after `retry_after`.
+    NotStarted {
+        retry_after: Duration,
+    },
     DeadlinePassed,
     Panicked,
 }
@@ -38,52 +65,61 @@ pub enum Failure {
 /// The right to wait for a place. Dropping the ticket gives it back.
 pub struct Ticket(#[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit);
 
-/// The pool with its tickets and places.
+/// Numbers and times of computations.
+#[derive(Debug, Clone, Copy)]
+pub struct Capacity {
+    /// Computations that run at the same time; 0 counts as 1.
+    pub workers: usize,
+    /// Requests that wait for a place.
+    pub queue: usize,
+    /// Longest wait for a place.
+    pub wait: Duration,
+    /// Longest computation.
+    pub deadline: Duration,
+}
+
+/// The threads of computations with their tickets and places.
 pub struct Compute {
-    pool: rayon::ThreadPool,
     tickets: Arc<Semaphore>,
     places: Arc<Semaphore>,
-    workers: usize,
-    queue: usize,
-    deadline: Duration,
+    /// The place for the job that is tried.
+    trials: Arc<Semaphore>,
+    /// The place for the steps of streams.
+    steps: Arc<Semaphore>,
+    jobs: Arc<Jobs>,
+    memory: Memory,
+    capacity: Capacity,
+    /// The time at which every computation must have ended, because the process ends.
+    end: OnceLock<Instant>,
     /// Helping threads, shared by all computations.
     helpers: Helpers,
 }
 
 impl Compute {
-    /// Makes a pool of `workers` threads, at least one. At most `queue` requests wait for the pool.
-    ///
-    /// # Errors
-    /// When the threads cannot be started.
-    pub fn new(
-        workers: usize,
-        queue: usize,
-        deadline: Duration,
-    ) -> Result<Self, rayon::ThreadPoolBuildError> {
-        let workers = workers.max(1);
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(workers)
-            .thread_name(|k| format!("compute-{k}"))
-            .build()?;
-        Ok(Self {
-            pool,
-            tickets: Arc::new(Semaphore::new(workers + queue)),
+    pub fn new(capacity: Capacity, memory: Memory) -> Self {
+        let workers = capacity.workers.max(1);
+        Self {
+            tickets: Arc::new(Semaphore::new(workers + capacity.queue)),
             places: Arc::new(Semaphore::new(workers)),
-            workers,
-            queue,
-            deadline,
+            trials: Arc::new(Semaphore::new(1)),
+            steps: Arc::new(Semaphore::new(1)),
+            jobs: Arc::default(),
+            memory,
+            capacity: Capacity { workers, ..capacity },
+            end: OnceLock::new(),
             helpers: Helpers::default(),
-        })
+        }
     }
 
     /// Number of computations that run now.
     pub fn running(&self) -> usize {
-        self.workers - self.places.available_permits()
+        self.jobs.running()
     }
 
     /// Number of requests that have a ticket and wait for a place.
     pub fn waiting(&self) -> usize {
-        (self.workers + self.queue - self.tickets.available_permits()).saturating_sub(self.running())
+        let Capacity { workers, queue, .. } = self.capacity;
+        (workers + queue - self.tickets.available_permits()).saturating_sub(self.running())
     }
 
     /// Whether a request would be refused now.
@@ -91,65 +127,212 @@ impl Compute {
         self.tickets.available_permits() == 0
     }
 
+    /// The failure of a request that is refused now.
+    pub fn overloaded(&self) -> Failure {
+        Failure::Overloaded { retry_after: self.retry_after() }
+    }
+
+    /// The time in which half of the jobs that wait and run now should be done. By then there is room, and
+    /// there is still work, so that no worker idles until the refused callers return.
+    fn retry_after(&self) -> Duration {
+        let ahead = (self.waiting() + self.running()) as f64 / self.capacity.workers as f64;
+        self.jobs.usual_time().mul_f64(ahead / 2.0)
+    }
+
+    /// Lets no computation go on after `end`.
+    pub fn end_by(&self, end: Instant) {
+        let _ = self.end.set(end);
+    }
+
     /// Takes a ticket.
     ///
     /// # Errors
     /// `Overloaded` when no ticket is free.
     pub fn admit(&self) -> Result<Ticket, Failure> {
-        Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| Failure::Overloaded)
+        Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| self.overloaded())
     }
 
-    /// Runs `job` on the pool. Dropping the future cancels the job's budget.
+    /// Runs `job` when a place is free. A job may run twice: see the trials of this module. Dropping the future
+    /// stops the job. The job reports its progress to `listener`.
     ///
     /// # Errors
-    /// When no ticket is free, the deadline passes before the job ends, or the job panics.
-    pub async fn run<T, F>(&self, job: F) -> Result<T, Failure>
-    where
-        T: Send + 'static,
-        F: FnOnce(&Budget) -> T + Send + 'static,
-    {
-        self.run_admitted(self.admit()?, None, job).await
-    }
-
-    /// As [`Self::run`], for a job that is admitted already. `held` is dropped when the job ends: a ticket,
-    /// or the permit of a stream. The job reports its progress to `listener`.
-    ///
-    /// # Errors
-    /// When the deadline passes before the job ends, or the job panics.
-    pub async fn run_admitted<H, T, F>(
+    /// When there is no place in time, the deadline passes before the job ends, or the job panics.
+    pub async fn run<T, E, F>(
         &self,
-        held: H,
+        ticket: Ticket,
         listener: Option<Arc<dyn ProgressSink>>,
         job: F,
-    ) -> Result<T, Failure>
+    ) -> Result<Result<T, E>, Failure>
+    where
+        T: Send + 'static,
+        E: Send + 'static,
+        F: Fn(&Budget) -> Result<T, E> + Send + Sync + 'static,
+    {
+        let job = Arc::new(job);
+        let ticket = Arc::new(ticket);
+        let sink: Arc<dyn ProgressSink> = Arc::new(Log::and(listener));
+        let start = |seat| {
+            let job = Arc::clone(&job);
+            let ticket = Arc::clone(&ticket);
+            self.start(seat, Arc::clone(&sink), move |budget| {
+                let result = job(budget);
+                drop(ticket);
+                result
+            })
+        };
+        let latest = sleep_until((Instant::now() + self.capacity.wait).into());
+        let (mut place, mut latest) = (pin!(Arc::clone(&self.places).acquire_owned()), pin!(latest));
+        let not_started = || Failure::NotStarted { retry_after: self.retry_after() };
+        let placed = tokio::select! {
+            biased;
+            placed = &mut place => Some(placed),
+            trial = self.turn_of_trial() => {
+                let mut tried = start(trial);
+                tokio::select! {
+                    biased;
+                    outcome = self.outcome(&mut tried) => return outcome,
+                    // A place is free: the trial becomes the computation.
+                    placed = &mut place => {
+                        if let Ok(placed) = placed {
+                            tried.seat(placed);
+                        }
+                        return self.outcome(&mut tried).await;
+                    }
+                    () = sleep(TRIAL) => {}
+                }
+                tried.budget.stop(Stopped::PutBack);
+                match self.outcome(&mut tried).await {
+                    Ok(Err(_)) => None,
+                    ended => return ended,
+                }
+            }
+            () = &mut latest => return Err(not_started()),
+        };
+        let placed = match placed {
+            Some(placed) => placed,
+            None => tokio::select! {
+                biased;
+                placed = &mut place => placed,
+                () = &mut latest => return Err(not_started()),
+            },
+        };
+        let placed = placed.map_err(|_| not_started())?;
+        let mut started = start(placed);
+        drop(ticket);
+        self.outcome(&mut started).await
+    }
+
+    /// Runs one step of a stream, which waits for other steps only, without a limit. `held` is dropped when the
+    /// step ends. Dropping the future stops the step.
+    ///
+    /// # Errors
+    /// When the deadline passes before the step ends, or the step panics.
+    pub async fn run_step<H, T, E, F>(&self, held: H, step: F) -> Result<Result<T, E>, Failure>
     where
         H: Send + 'static,
         T: Send + 'static,
-        F: FnOnce(&Budget) -> T + Send + 'static,
+        E: Send + 'static,
+        F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
     {
-        let deadline = Instant::now() + self.deadline;
-        let place = timeout_at(deadline.into(), Arc::clone(&self.places).acquire_owned())
-            .await
-            .map_err(|_| Failure::DeadlinePassed)?
-            .map_err(|_| Failure::Overloaded)?;
+        let place = Arc::clone(&self.steps).acquire_owned().await.map_err(|_| Failure::Panicked)?;
+        let mut started = self.start(place, Arc::new(Log::and(None)), move |budget| {
+            let result = step(budget);
+            drop(held);
+            result
+        });
+        self.outcome(&mut started).await
+    }
 
+    /// Waits until a job may be tried: every place is held by a computation that is long.
+    async fn turn_of_trial(&self) -> OwnedSemaphorePermit {
+        let Ok(turn) = Arc::clone(&self.trials).acquire_owned().await else {
+            return std::future::pending().await;
+        };
+        loop {
+            let now = Instant::now();
+            let opens = self.jobs.youngest().map_or(now + LONG, |begun| begun + LONG);
+            if now >= opens && self.places.available_permits() == 0 {
+                return turn;
+            }
+            sleep_until(opens.max(now + LONG / 10).into()).await;
+        }
+    }
+
+    /// Starts `job` on a thread. The permit of the place is free again when the job ends, before its result is
+    /// known, so that the caller finds the place free.
+    fn start<T, E, F>(
+        &self,
+        place: OwnedSemaphorePermit,
+        sink: Arc<dyn ProgressSink>,
+        job: F,
+    ) -> Started<T, E>
+    where
+        T: Send + 'static,
+        E: Send + 'static,
+        F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
+    {
+        let latest = Instant::now() + self.capacity.deadline;
+        let deadline = self.end.get().map_or(latest, |end| latest.min(*end));
         let budget = Budget::unlimited()
             .with_deadline(deadline)
-            .with_progress(Arc::new(Log::and(listener)))
+            .with_progress(sink)
             .with_helpers(self.helpers.clone());
-        let _cancel = CancelOnDrop(budget.clone());
+        let seat = Arc::new(Mutex::new(Some(place)));
         let (answer, result) = oneshot::channel();
-        self.pool.spawn(move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| job(&budget)));
-            // The place is freed before the answer is sent, so that the caller finds the place free.
-            drop((place, held));
-            let _ = answer.send(outcome);
+        let entry = self.jobs.enter(&budget);
+        let (running, sat) = (budget.clone(), Arc::clone(&seat));
+        tokio::task::spawn_blocking(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| job(&running)));
+            drop(entry);
+            drop(sat.lock().unwrap_or_else(PoisonError::into_inner).take());
+            let _ = answer.send(outcome.map_err(|_| Failure::Panicked));
         });
-        match timeout_at((deadline + DEADLINE_SLACK).into(), result).await {
-            Ok(Ok(Ok(value))) => Ok(value),
-            Ok(_) => Err(Failure::Panicked),
-            Err(_) => Err(Failure::DeadlinePassed),
+        Started { budget, deadline, seat, result }
+    }
+
+    /// Waits for the end of a computation, and meanwhile stops computations if the process is short of memory.
+    async fn outcome<T, E>(&self, started: &mut Started<T, E>) -> Result<Result<T, E>, Failure> {
+        let latest = (started.deadline + DEADLINE_SLACK).into();
+        loop {
+            let waited = timeout_at(latest, &mut started.result);
+            tokio::select! {
+                biased;
+                ended = waited => return match ended {
+                    Ok(ended) => ended.unwrap_or(Err(Failure::Panicked)),
+                    Err(_) => Err(Failure::DeadlinePassed),
+                },
+                () = sleep(MEMORY_INTERVAL) => {
+                    if self.memory.is_short() {
+                        self.jobs.stop_oldest();
+                    }
+                }
+            }
         }
+    }
+}
+
+/// A computation that runs. Dropping it stops the computation.
+struct Started<T, E> {
+    budget: Budget,
+    deadline: Instant,
+    seat: Arc<Mutex<Option<OwnedSemaphorePermit>>>,
+    result: oneshot::Receiver<Result<Result<T, E>, Failure>>,
+}
+
+impl<T, E> Started<T, E> {
+    /// Moves the computation to another place, and frees the place that it had.
+    fn seat(&self, place: OwnedSemaphorePermit) {
+        let mut seat = self.seat.lock().unwrap_or_else(PoisonError::into_inner);
+        // The computation may have ended just now; then both places are free.
+        if seat.is_some() {
+            *seat = Some(place);
+        }
+    }
+}
+
+impl<T, E> Drop for Started<T, E> {
+    fn drop(&mut self) {
+        self.budget.cancel();
     }
 }
 
@@ -174,19 +357,13 @@ impl ProgressSink for Log {
     }
 }
 
-/// Cancels the budget when the future of the request is dropped.
-struct CancelOnDrop(Budget);
-
-impl Drop for CancelOnDrop {
-    fn drop(&mut self) {
-        self.0.cancel();
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
-    use crate::budget::Stopped;
+
+    const LONG_ENOUGH: Duration = Duration::from_secs(20);
 
     fn spin(budget: &Budget) -> Stopped {
         loop {
@@ -197,52 +374,120 @@ mod tests {
         }
     }
 
-    fn pool(workers: usize, queue: usize, deadline: Duration) -> Arc<Compute> {
-        Arc::new(Compute::new(workers, queue, deadline).expect("threads"))
+    fn pool(workers: usize, queue: usize, wait: Duration, deadline: Duration) -> Arc<Compute> {
+        Arc::new(Compute::new(Capacity { workers, queue, wait, deadline }, Memory::of(None)))
+    }
+
+    /// Runs a job that gives a reason of its end as its error.
+    async fn run(
+        compute: &Compute,
+        job: impl Fn(&Budget) -> Result<u8, Stopped> + Send + Sync + 'static,
+    ) -> Result<Result<u8, Stopped>, Failure> {
+        compute.run(compute.admit()?, None, job).await
     }
 
     #[tokio::test]
     async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
-        let compute = pool(1, 1, Duration::from_secs(20));
+        let compute = pool(1, 1, LONG_ENOUGH, LONG_ENOUGH);
         let (running, waiting) = (Arc::clone(&compute), Arc::clone(&compute));
-        let running = tokio::spawn(async move { running.run(spin).await });
-        let waiting = tokio::spawn(async move { waiting.run(|_| 7).await });
+        let running = tokio::spawn(async move { run(&running, |budget| Err(spin(budget))).await });
+        let waiting = tokio::spawn(async move { run(&waiting, |_| Ok(7)).await });
         while compute.tickets.available_permits() > 0 {
             tokio::task::yield_now().await;
         }
-        assert_eq!(compute.run(|_| 0).await, Err(Failure::Overloaded));
+        assert!(matches!(run(&compute, |_| Ok(0)).await, Err(Failure::Overloaded { .. })));
         running.abort();
-        assert_eq!(waiting.await.expect("no panic"), Ok(7));
-        assert_eq!(compute.run(|_| 1).await, Ok(1));
+        assert_eq!(waiting.await.expect("no panic"), Ok(Ok(7)));
+        assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
+        assert_eq!((compute.running(), compute.waiting()), (0, 0));
     }
 
     #[tokio::test]
     async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
-        let compute = pool(1, 0, Duration::from_secs(20));
+        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
         let (sender, stopped) = oneshot::channel();
-        let job = compute.run(move |budget| sender.send(spin(budget)));
+        let sender = Mutex::new(Some(sender));
+        let job = run(&compute, move |budget| {
+            let sender = sender.lock().expect("no panic").take().expect("run once");
+            sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0)
+        });
         assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
         let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
         assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
     }
 
     #[tokio::test]
-    async fn the_deadline_ends_jobs_that_ignore_their_budget_and_requests_that_wait() {
-        let compute = pool(1, 1, Duration::from_millis(50));
-        assert_eq!(compute.run(spin).await, Ok(Stopped::DeadlinePassed));
-        let deaf = compute.run(|_| std::thread::sleep(Duration::from_secs(1)));
+    async fn a_wait_and_a_computation_have_limits_of_their_own() {
+        let compute = pool(1, 1, Duration::from_millis(50), Duration::from_millis(300));
+        let slow = run(&compute, |budget| Err(spin(budget)));
         let waiting = async {
-            tokio::time::sleep(Duration::from_millis(10)).await;
-            compute.run(|_| ()).await
+            sleep(Duration::from_millis(10)).await;
+            let begun = Instant::now();
+            (run(&compute, |_| Ok(0)).await, begun.elapsed())
         };
-        let (deaf, waiting) = tokio::join!(deaf, waiting);
-        assert_eq!((deaf, waiting), (Err(Failure::DeadlinePassed), Err(Failure::DeadlinePassed)));
+        let (slow, (waiting, waited)) = tokio::join!(slow, waiting);
+        assert_eq!(slow, Ok(Err(Stopped::DeadlinePassed)));
+        assert!(matches!(waiting, Err(Failure::NotStarted { .. })), "{waiting:?}");
+        assert!(waited < Duration::from_millis(200), "{waited:?}");
+
+        let deaf = run(&compute, |_| {
+            std::thread::sleep(Duration::from_millis(1500));
+            Ok(0)
+        });
+        assert_eq!(deaf.await, Err(Failure::DeadlinePassed));
     }
 
     #[tokio::test]
-    async fn a_panic_gives_a_failure_and_the_pool_goes_on() {
-        let compute = pool(1, 0, Duration::from_secs(20));
-        assert_eq!(compute.run(|_| -> u8 { panic!("on purpose") }).await, Err(Failure::Panicked));
-        assert_eq!(compute.run(|_| 1).await, Ok(1));
+    async fn a_short_job_does_not_wait_for_long_ones_and_a_long_one_is_tried_once() {
+        let compute = pool(1, 8, LONG_ENOUGH, Duration::from_secs(4));
+        let starts = Arc::new(AtomicUsize::new(0));
+        let long = || {
+            let (compute, starts) = (Arc::clone(&compute), Arc::clone(&starts));
+            tokio::spawn(async move {
+                let job = move |budget: &Budget| {
+                    starts.fetch_add(1, Ordering::Relaxed);
+                    Err(spin(budget))
+                };
+                run(&compute, job).await
+            })
+        };
+        let first = long();
+        sleep(LONG).await;
+        let second = long();
+        sleep(Duration::from_millis(50)).await;
+        let begun = Instant::now();
+        assert_eq!(run(&compute, |_| Ok(5)).await, Ok(Ok(5)));
+        assert!(begun.elapsed() < TRIAL + LONG, "{:?}", begun.elapsed());
+        assert!(!first.is_finished());
+        assert_eq!(first.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
+        assert_eq!(second.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
+        assert_eq!(starts.load(Ordering::Relaxed), 3);
+    }
+
+    #[tokio::test]
+    async fn a_step_of_a_stream_waits_for_no_job() {
+        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+        let busy = Arc::clone(&compute);
+        let busy = tokio::spawn(async move { run(&busy, |budget| Err(spin(budget))).await });
+        while compute.running() == 0 {
+            tokio::task::yield_now().await;
+        }
+        let step = compute.run_step((), |_| Ok::<_, ()>(3));
+        assert_eq!(tokio::time::timeout(Duration::from_millis(300), step).await, Ok(Ok(Ok(3))));
+        busy.abort();
+    }
+
+    #[tokio::test]
+    async fn a_panic_gives_a_failure_and_the_next_job_runs() {
+        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+        assert_eq!(run(&compute, |_| panic!("on purpose")).await, Err(Failure::Panicked));
+        assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
+    }
+
+    #[tokio::test]
+    async fn a_job_beyond_the_memory_of_the_process_is_stopped() {
+        let capacity = Capacity { workers: 1, queue: 0, wait: LONG_ENOUGH, deadline: LONG_ENOUGH };
+        let compute = Compute::new(capacity, Memory::of(Some(1)));
+        assert_eq!(run(&compute, |budget| Err(spin(budget))).await, Ok(Err(Stopped::TooLarge)));
     }
 }

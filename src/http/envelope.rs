@@ -13,11 +13,12 @@ use axum::response::{IntoResponse, Response};
 use super::ENGINE_VERSION;
 use super::compression::GZIP;
 use super::error::{ApiError, Code, PROBLEM_JSON};
+use super::guard;
 use super::openapi;
 use super::request_id::{self, RequestId};
 
-/// Seconds after which a refused caller may try again.
-const RETRY_AFTER_S: HeaderValue = HeaderValue::from_static("1");
+/// Most seconds after which a refused caller is told to try again. The least is one second.
+const LONGEST_RETRY_S: u64 = 60;
 
 pub const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
 
@@ -28,12 +29,25 @@ pub async fn wrap(id: RequestId, request: Request, next: Next) -> Response {
     if response.status().is_client_error() || response.status().is_server_error() {
         response = into_problem(response, &id, &asked);
     }
+    finish(&mut response, &id);
+    response
+}
+
+/// Adds the headers of every answer.
+fn finish(response: &mut Response, id: &RequestId) {
     let headers = response.headers_mut();
+    guard::protect(headers);
     headers.insert(request_id::HEADER, id.header_value());
     headers.insert(ENGINE_VERSION_HEADER, HeaderValue::from_static(ENGINE_VERSION));
     // Every answer has `Vary`, problems too: the same request may later get an answer in one of several
     // types.
     headers.insert(header::VARY, HeaderValue::from_static("Accept, Accept-Encoding"));
+}
+
+/// The whole answer with `error`, for layers around [`wrap`].
+pub fn answer_of(error: ApiError, id: &RequestId) -> Response {
+    let mut response = response_of(error, id);
+    finish(&mut response, id);
     response
 }
 
@@ -58,15 +72,15 @@ fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
 
 /// The response that holds `error` as a problem.
 fn response_of(error: ApiError, id: &RequestId) -> Response {
-    let (status, code) = (error.status(), error.code());
+    let (status, code, retry_after) = (error.status(), error.code(), error.retry_after());
     let body = serde_json::to_vec(&error.problem(id.as_str())).unwrap_or_default();
     let mut response = (status, Body::from(body)).into_response();
     let headers = response.headers_mut();
     headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     if status == StatusCode::SERVICE_UNAVAILABLE {
-        headers.insert(header::RETRY_AFTER, RETRY_AFTER_S);
+        let seconds = retry_after.map_or(1, |after| after.as_secs_f64().ceil() as u64);
+        headers.insert(header::RETRY_AFTER, seconds.clamp(1, LONGEST_RETRY_S).into());
     }
     if code == Code::UnsupportedCoding {
         headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));

@@ -4,6 +4,7 @@
 mod field;
 
 use std::fmt;
+use std::time::Duration;
 
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -32,6 +33,8 @@ pub enum Code {
     InvalidQuery,
     /// A page of another origin must not send programs to controls.
     OriginRefused,
+    /// The service is not known under the host name of the request.
+    HostRefused,
     MalformedJson,
     NotFound,
     MethodNotAllowed,
@@ -82,6 +85,7 @@ impl Code {
         match self {
             Code::BadRequest | Code::InvalidQuery | Code::MalformedJson => StatusCode::BAD_REQUEST,
             Code::OriginRefused => StatusCode::FORBIDDEN,
+            Code::HostRefused => StatusCode::MISDIRECTED_REQUEST,
             Code::NotFound => StatusCode::NOT_FOUND,
             Code::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,
             Code::NotAcceptable => StatusCode::NOT_ACCEPTABLE,
@@ -124,6 +128,7 @@ impl Code {
             Code::BadRequest => "The request is not understood",
             Code::InvalidQuery => "A query parameter is not legal",
             Code::OriginRefused => "Pages of this origin may not send programs",
+            Code::HostRefused => "The service is not known under this host name",
             Code::MalformedJson => "The body is not JSON",
             Code::NotFound => "There is nothing at this path",
             Code::MethodNotAllowed => "The path does not have this method",
@@ -236,6 +241,8 @@ pub struct ApiError {
     place: Option<[f64; 3]>,
     offers: Option<Vec<&'static str>>,
     sent: Option<Box<SentPart>>,
+    /// When the caller may try again, where that is known.
+    retry_after: Option<Duration>,
 }
 
 impl ApiError {
@@ -249,6 +256,7 @@ impl ApiError {
             place: None,
             offers: None,
             sent: None,
+            retry_after: None,
         }
     }
 
@@ -306,6 +314,16 @@ impl ApiError {
     pub fn after(mut self, sent: SentPart) -> Self {
         self.sent = Some(Box::new(sent));
         self
+    }
+
+    /// The same error, with the time after which the caller should try again.
+    pub fn retrying(mut self, after: Duration) -> Self {
+        self.retry_after = Some(after);
+        self
+    }
+
+    pub fn retry_after(&self) -> Option<Duration> {
+        self.retry_after
     }
 
     pub fn code(&self) -> Code {

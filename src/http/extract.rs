@@ -1,9 +1,9 @@
-//! Reads the body of a request, and decodes it into a job where it is JSON.
+//! Reads the body of a request. A body of JSON is decoded into a job later, on the thread that computes.
 
 use std::future::poll_fn;
+use std::marker::PhantomData;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
@@ -16,16 +16,67 @@ use super::compression::{Coding, gunzip};
 use super::decode::{self, IntoJob};
 use super::error::{ApiError, Code};
 use super::output::GCODE;
+use crate::config::Limits;
 
-/// A body with more bytes is decoded on a thread of its own, so that it does not delay other connections. So
-/// is every body in gzip, because its decoded size is not known beforehand.
-const DECODE_ASIDE_BYTES: usize = 64 * 1024;
+/// Bytes that a body takes at first. It takes as many bytes again whenever they are full, so that a caller who
+/// announces a large body and sends little of it holds little memory.
+const FIRST_BYTES: usize = 16 * 1024;
 
-/// The job of a body: JSON that was decoded as a `T` and checked.
+/// A body that was read, with its content coding.
+pub struct SentBody {
+    bytes: Bytes,
+    coding: Coding,
+    share: Share,
+    limit: usize,
+}
+
+impl SentBody {
+    async fn read(request: Request, app: &App) -> Result<Self, ApiError> {
+        let coding = Coding::of(request.headers())?;
+        let share = Share::of(&request)?;
+        let bytes = read(request.into_body(), &share, app).await?;
+        Ok(Self { bytes, coding, share, limit: app.limits.body_bytes })
+    }
+
+    /// The body without its content coding. Belongs on a thread that computes, because it takes time.
+    ///
+    /// # Errors
+    /// `bad_request` and `payload_too_large` from [`gunzip`]; `overloaded` when there is no memory for it.
+    pub fn decoded(&self) -> Result<Decoded, ApiError> {
+        let (bytes, share) = match self.coding {
+            Coding::Identity => (self.bytes.clone(), None),
+            Coding::Gzip => {
+                let bytes = gunzip(&self.bytes, self.limit)?;
+                let share = self.share.sibling();
+                share.take(bytes.len())?;
+                (bytes.into(), Some(share))
+            }
+        };
+        Ok(Decoded { bytes, _share: share })
+    }
+}
+
+/// A body without a content coding.
+pub struct Decoded {
+    pub bytes: Bytes,
+    /// The memory of bytes that came out of gzip.
+    _share: Option<Share>,
+}
+
+/// The body of a job in JSON, not decoded yet.
 pub struct JobBody<T: IntoJob> {
-    pub job: T::Job,
-    /// Time of decoding and converting.
-    pub parsing: Duration,
+    body: SentBody,
+    kind: PhantomData<fn() -> T>,
+}
+
+impl<T: IntoJob> JobBody<T> {
+    /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
+    ///
+    /// # Errors
+    /// Those of [`SentBody::decoded`], and `malformed_json` or `invalid_request`.
+    pub fn job(&self, limits: &Limits) -> Result<T::Job, ApiError> {
+        decode::job::<T>(&self.body.decoded()?.bytes, limits)
+    }
 }
 
 /// Reads a body of NC text. A body without a type counts as NC text, and so does the type that `curl --data`
@@ -33,25 +84,14 @@ pub struct JobBody<T: IntoJob> {
 ///
 /// # Errors
 /// `unsupported_media_type`, `unsupported_coding`, and the failures of reading.
-pub async fn program_body(request: Request, app: &App) -> Result<Bytes, ApiError> {
+pub async fn program_body(request: Request, app: &App) -> Result<SentBody, ApiError> {
     let media_type = media_type(request.headers());
     let is_text = |name: &str| GCODE.contains(&name) || name == "application/x-www-form-urlencoded";
     if let Some(name) = media_type.filter(|name| !is_text(name)) {
         let detail = format!("`{name}` is not read here; send `{}`", GCODE[0]);
         return Err(ApiError::new(Code::UnsupportedMediaType, detail));
     }
-    let coding = Coding::of(request.headers())?;
-    let share = Share::of(&request)?;
-    let bytes = read(request.into_body(), &share, app).await?;
-    let limit = app.limits.body_bytes;
-    match coding {
-        Coding::Identity => Ok(bytes),
-        Coding::Gzip => {
-            let bytes = aside(app, move || gunzip(&bytes, limit)).await?;
-            share.take(bytes.len())?;
-            Ok(bytes.into())
-        }
-    }
+    SentBody::read(request, app).await
 }
 
 impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
@@ -59,42 +99,8 @@ impl<T: IntoJob> FromRequest<Arc<App>> for JobBody<T> {
 
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
-        let coding = Coding::of(request.headers())?;
-        let share = Share::of(&request)?;
-        let bytes = read(request.into_body(), &share, app).await?;
-        let limits = app.limits;
-        let is_small = coding == Coding::Identity && bytes.len() <= DECODE_ASIDE_BYTES;
-        let convert = move || {
-            let begun = Instant::now();
-            let bytes = match coding {
-                Coding::Identity => bytes,
-                Coding::Gzip => {
-                    let bytes = gunzip(&bytes, limits.body_bytes)?;
-                    share.take(bytes.len())?;
-                    bytes.into()
-                }
-            };
-            let job = decode::job::<T>(&bytes, &limits)?;
-            Ok(Self { job, parsing: begun.elapsed() })
-        };
-        if is_small { convert() } else { aside(app, convert).await }
+        Ok(Self { body: SentBody::read(request, app).await?, kind: PhantomData })
     }
-}
-
-/// Runs `work` on a blocking thread, so that it does not delay other connections. At most one `work` for each
-/// worker runs at a time. A caller that goes away while it waits gives up its turn.
-pub async fn aside<T: Send + 'static>(
-    app: &App,
-    work: impl FnOnce() -> Result<T, ApiError> + Send + 'static,
-) -> Result<T, ApiError> {
-    let failed = |_| ApiError::new(Code::InternalError, "decoding the body failed");
-    let turn = Arc::clone(&app.decoders).acquire_owned().await.map_err(|_| failed(()))?;
-    let work = move || {
-        let done = work();
-        drop(turn);
-        done
-    };
-    tokio::task::spawn_blocking(work).await.map_err(|_| failed(()))?
 }
 
 /// The media type of the body, without parameters, in lower case.
@@ -119,8 +125,15 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
     Ok(())
 }
 
-/// Reads the whole body. Refuses a body that is too large or that stops arriving.
-async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
+/// Reads the whole body. Refuses a body that is too large, that stops arriving, or that takes too long in all.
+async fn read(body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
+    timeout(app.body_deadline, read_all(body, share, app)).await.map_err(|_| {
+        let seconds = app.body_deadline.as_secs_f64();
+        ApiError::new(Code::RequestTimeout, format!("the body did not arrive within {seconds} s"))
+    })?
+}
+
+async fn read_all(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
     let limit = app.limits.body_bytes;
     let too_large = |size: u64| {
         let detail = format!("the body has at least {size} bytes; at most {limit} are allowed");
@@ -130,12 +143,19 @@ async fn read(mut body: Body, share: &Share, app: &App) -> Result<Bytes, ApiErro
     if announced > limit as u64 {
         return Err(too_large(announced));
     }
-    let mut bytes = Vec::with_capacity(usize::try_from(announced).unwrap_or_default());
+    // More than the announced bytes never arrive.
+    let most = body.size_hint().upper().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or(limit);
+    let mut bytes = Vec::new();
     while let Some(data) = next_bytes(&mut body, app).await? {
-        if bytes.len() + data.len() > limit {
-            return Err(too_large((bytes.len() + data.len()) as u64));
+        let needed = bytes.len() + data.len();
+        if needed > limit {
+            return Err(too_large(needed as u64));
         }
-        share.take(data.len())?;
+        if needed > bytes.capacity() {
+            let capacity = (2 * bytes.capacity()).max(FIRST_BYTES).min(most).max(needed);
+            share.take(capacity - bytes.capacity())?;
+            bytes.reserve_exact(capacity - bytes.len());
+        }
         bytes.extend_from_slice(&data);
     }
     Ok(bytes.into())

@@ -44,6 +44,7 @@ struct Load {
     waiting: usize,
     connections: usize,
     body_bytes: usize,
+    answer_bytes: usize,
 }
 
 impl Load {
@@ -53,6 +54,7 @@ impl Load {
             waiting: app.compute.waiting(),
             connections: app.connections.open(),
             body_bytes: app.body_memory.held(),
+            answer_bytes: app.answer_memory.held(),
         }
     }
 }
@@ -107,6 +109,7 @@ pub struct Metrics {
     waiting: Gauge,
     connections: Gauge,
     body_bytes: Gauge,
+    answer_bytes: Gauge,
 }
 
 impl Default for Metrics {
@@ -125,6 +128,7 @@ impl Default for Metrics {
             waiting: Gauge::default(),
             connections: Gauge::default(),
             body_bytes: Gauge::default(),
+            answer_bytes: Gauge::default(),
         };
         metrics.register();
         // These counters exist from the start, so that an alarm can watch them before the first failure.
@@ -162,7 +166,7 @@ impl Metrics {
         registry.register_with_unit("sent", "Bodies of answers", bytes(), self.sent.clone());
         registry.register(
             "connections_refused",
-            "New connections that were closed immediately because too many others were open",
+            "New connections that got only health checks and metrics because too many others were open",
             self.connections_refused.clone(),
         );
         registry.register("running_jobs", "Computations now", self.running.clone());
@@ -173,6 +177,12 @@ impl Metrics {
             "Bodies of the requests under way",
             bytes(),
             self.body_bytes.clone(),
+        );
+        registry.register_with_unit(
+            "held_answers",
+            "Answers that wait for their callers",
+            Unit::Bytes,
+            self.answer_bytes.clone(),
         );
     }
 
@@ -201,11 +211,12 @@ impl Metrics {
     }
 
     fn text(&self, load: Load) -> Result<String, std::fmt::Error> {
-        let Load { running, waiting, connections, body_bytes } = load;
+        let Load { running, waiting, connections, body_bytes, answer_bytes } = load;
         self.running.set(running as i64);
         self.waiting.set(waiting as i64);
         self.connections.set(connections as i64);
         self.body_bytes.set(body_bytes as i64);
+        self.answer_bytes.set(answer_bytes as i64);
         let mut text = String::new();
         encode(&mut text, &self.registry)?;
         Ok(text)

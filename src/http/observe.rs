@@ -80,7 +80,7 @@ impl Record {
             request_id = id.as_str(),
             trace_id = Empty,
             method = %request.method(),
-            path = request.uri().path()
+            path = shortened(request.uri().path())
         );
         if let Some(trace) = trace {
             span.record("trace_id", trace.id());
@@ -162,6 +162,13 @@ impl Drop for Record {
             }
         }
     }
+}
+
+/// The beginning of a path. A caller may send any path.
+fn shortened(path: &str) -> &str {
+    const MAX_BYTES: usize = 200;
+    // A path of a request is ASCII, so each byte is a character.
+    path.get(..MAX_BYTES).unwrap_or(path)
 }
 
 fn milliseconds(duration: Duration) -> f64 {

@@ -6,15 +6,14 @@ mod examples;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
-use axum::http::{HeaderValue, header};
-use axum::response::{IntoResponse, Response};
+use axum::http::{HeaderMap, HeaderValue};
 use serde_json::{Map, Value};
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::error::Problem;
-use super::output::JSON;
+use super::error::{ApiError, Problem};
+use super::output::{Encoded, JSON, accept};
 use super::{App, health, metrics, v1};
 
 #[derive(OpenApi)]
@@ -91,8 +90,13 @@ pub fn methods(path: &str) -> Vec<String> {
 /// The OpenAPI document of this version, as JSON.
 #[utoipa::path(get, path = "/openapi.json", operation_id = "getContract", tag = "service",
     responses((status = 200, description = "OpenAPI 3.1.", body = Object)))]
-async fn get_contract() -> Response {
-    ([(header::CONTENT_TYPE, HeaderValue::from_static(JSON))], contract()).into_response()
+async fn get_contract(headers: HeaderMap) -> Result<Encoded, ApiError> {
+    static CODED: LazyLock<[Result<Encoded, ApiError>; 2]> = LazyLock::new(|| {
+        [false, true].map(|with_gzip| {
+            Encoded::plain(HeaderValue::from_static(JSON), contract().into()).sealed(with_gzip)
+        })
+    });
+    CODED[usize::from(accept::takes_gzip(&headers))].clone()
 }
 
 /// The contract as formatted JSON.

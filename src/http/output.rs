@@ -3,6 +3,8 @@
 pub mod accept;
 pub mod page;
 
+use std::sync::Arc;
+
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
@@ -11,8 +13,10 @@ use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::admission::{Pot, Share};
 use super::compression::{self, GZIP, MIN_CODED_BYTES, REPR_DIGEST};
 use super::error::{ApiError, Code};
+use super::retry::JOB_ORDER_ID;
 
 pub const JSON: &str = "application/json";
 const SVG: &str = "image/svg+xml";
@@ -99,7 +103,10 @@ pub struct Encoded {
     is_gzip: bool,
     digest: Option<HeaderValue>,
     warnings: Option<HeaderValue>,
+    job_order: Option<HeaderValue>,
     body: Bytes,
+    /// The memory that the body takes until it is sent, where it is counted already.
+    share: Option<Share>,
 }
 
 impl Encoded {
@@ -127,8 +134,18 @@ impl Encoded {
         Self { disposition: disposition.ok(), ..Self::plain(content_type, text.into()) }
     }
 
-    fn plain(content_type: HeaderValue, body: Bytes) -> Self {
-        Self { content_type, disposition: None, is_gzip: false, digest: None, warnings: None, body }
+    /// Bytes that are an answer already.
+    pub fn plain(content_type: HeaderValue, body: Bytes) -> Self {
+        Self {
+            content_type,
+            disposition: None,
+            is_gzip: false,
+            digest: None,
+            warnings: None,
+            job_order: None,
+            body,
+            share: None,
+        }
     }
 
     /// The body as it will be sent: in gzip where `with_gzip` holds and the body is large enough, and with
@@ -137,7 +154,7 @@ impl Encoded {
     /// # Errors
     /// When gzip fails, which is a fault of this program.
     pub fn sealed(mut self, with_gzip: bool) -> Result<Self, ApiError> {
-        if with_gzip && self.body.len() as u64 >= MIN_CODED_BYTES {
+        if with_gzip && self.body.len() >= MIN_CODED_BYTES {
             let coded = compression::gzip(&self.body)
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing gzip: {error}")))?;
             self.body = coded.into();
@@ -148,6 +165,17 @@ impl Encoded {
         Ok(self)
     }
 
+    /// The body with its share of the memory for answers, which it holds until it is sent.
+    ///
+    /// # Errors
+    /// `overloaded` when too many bytes of answers wait for their callers.
+    pub fn held_in(mut self, memory: &Arc<Pot>) -> Result<Self, ApiError> {
+        let share = memory.share();
+        share.take(self.body.len())?;
+        self.share = Some(share);
+        Ok(self)
+    }
+
     /// Adds a header with the codes of warnings, for callers that read NC text or a picture. Without codes
     /// there is no header.
     pub fn warning_of(mut self, codes: &str) -> Self {
@@ -155,15 +183,24 @@ impl Encoded {
         self
     }
 
-    /// The body as text. Empty for a body in gzip, which is no text.
-    pub fn into_text(self) -> String {
-        String::from_utf8(self.body.into()).unwrap_or_default()
+    /// Adds a header with the job order of the caller, if there is one.
+    pub fn for_job_order(mut self, job_order: Option<HeaderValue>) -> Self {
+        self.job_order = job_order;
+        self
+    }
+
+    /// The bytes of the body, with their share of the memory for answers.
+    pub fn into_parts(self) -> (Bytes, Option<Share>) {
+        (self.body, self.share)
     }
 }
 
 impl IntoResponse for Encoded {
     fn into_response(self) -> Response {
         let mut response = self.body.into_response();
+        if let Some(share) = self.share {
+            response.extensions_mut().insert(share);
+        }
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, self.content_type);
         if let Some(disposition) = self.disposition {
@@ -174,6 +211,9 @@ impl IntoResponse for Encoded {
         }
         if let Some(warnings) = self.warnings {
             headers.insert(WARNINGS, warnings);
+        }
+        if let Some(job_order) = self.job_order {
+            headers.insert(JOB_ORDER_ID, job_order);
         }
         if let Some(digest) = self.digest {
             headers.insert(REPR_DIGEST, digest);

@@ -205,7 +205,7 @@ async fn step(
         work.take(data.as_deref(), most, budget)?;
         Ok::<_, ApiError>(work)
     };
-    app.compute.run_admitted(Arc::clone(place), None, job).await?
+    app.compute.run_step(Arc::clone(place), job).await?
 }
 
 /// Puts the rewritten text into the queue, and waits until the queue has room.

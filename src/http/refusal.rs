@@ -14,6 +14,7 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
 use super::ENGINE_VERSION;
 use super::error::{ApiError, PROBLEM_JSON};
+use super::guard::POLICY;
 use super::request_id::{self, RequestId};
 
 /// A connection on which every refusal of the parser gets a problem as its body.
@@ -46,7 +47,8 @@ fn explained(head: &[u8]) -> Option<Vec<u8>> {
     Some(
         format!(
             "HTTP/1.1 {status}\r\ncontent-type: {PROBLEM_JSON}\r\ncontent-length: {}\r\nconnection: close\r\n\
-             cache-control: no-store\r\n{id_header}: {}\r\nx-engine-version: {ENGINE_VERSION}\r\n\r\n{body}",
+             cache-control: no-store\r\nx-content-type-options: nosniff\r\n\
+             content-security-policy: {POLICY}\r\nreferrer-policy: no-referrer\r\n{id_header}: {}\r\nx-engine-version: {ENGINE_VERSION}\r\n\r\n{body}",
             body.len(),
             id.as_str(),
         )

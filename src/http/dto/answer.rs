@@ -10,7 +10,6 @@ use utoipa::{PartialSchema, ToSchema};
 use super::meta::{Meta, MetaTexts};
 use super::toolpath::{Measures, Toolpath, Warning};
 use crate::http::ENGINE_VERSION;
-use crate::http::request_id::RequestId;
 
 /// The answer of a computation: the members of every answer, the report of the operation, and the members of
 /// its product.
@@ -28,9 +27,6 @@ pub struct Answer<R, M = PathMembers> {
 pub struct Head {
     /// Version of the service. The same request to the same version gives the same answer.
     pub engine_version: &'static str,
-    /// Id of the request, as in the header `x-request-id`. Only this member differs where the same request is
-    /// sent again.
-    pub request_id: String,
     /// The texts of `meta` in the request. Absent where the request has no `meta`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<MetaTexts>)]
@@ -40,8 +36,8 @@ pub struct Head {
 }
 
 impl Head {
-    pub fn new(request_id: &RequestId, meta: Option<Meta>, warnings: Vec<Warning>) -> Self {
-        Self { engine_version: ENGINE_VERSION, request_id: request_id.as_str().to_owned(), meta, warnings }
+    pub fn new(meta: Option<Meta>, warnings: Vec<Warning>) -> Self {
+        Self { engine_version: ENGINE_VERSION, meta, warnings }
     }
 }
 

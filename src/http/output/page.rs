@@ -15,9 +15,9 @@ const STYLE: &str = include_str!("page/style.css");
 
 /// Members of an answer that come first, in this order.
 const FIRST: [&str; 4] = ["meta", "warnings", "report", "measures"];
-/// Members that are not shown as tables: the footer shows the first two, the picture shows the toolpath, and
+/// Members that are not shown as tables: the footer shows the first one, the picture shows the toolpath, and
 /// NC text has a form of its own.
-const NOT_TABLES: [&str; 4] = ["engine_version", "request_id", "toolpath", "nc"];
+const NOT_TABLES: [&str; 3] = ["engine_version", "toolpath", "nc"];
 
 /// The page of `answer`. `svg` goes into the page unchanged.
 pub fn page(title: &str, svg: &str, answer: &Value) -> String {
@@ -53,11 +53,8 @@ fn section(name: &str, value: &Value) -> Option<String> {
 }
 
 fn footer(answer: &Value) -> String {
-    let text = |name: &str| answer.get(name).and_then(Value::as_str).map(|text| escape(&clean(text)));
-    let version = text("engine_version").map(|version| format!("toolpathd {version}"));
-    let request = text("request_id").map(|id| format!("request {id}"));
-    let words: Vec<String> = [version, request].into_iter().flatten().collect();
-    format!("<footer>{}</footer>\n", words.join(" \u{b7} "))
+    let version = answer.get("engine_version").and_then(Value::as_str).unwrap_or_default();
+    format!("<footer>toolpathd {}</footer>\n", escape(&clean(version)))
 }
 
 #[cfg(test)]
@@ -70,7 +67,6 @@ mod tests {
     fn answer() -> Value {
         json!({
             "engine_version": "0.1.0",
-            "request_id": "r-1",
             "meta": {"part_id": "DIE-7", "<b>": "\"&"},
             "warnings": [{"code": "no_spindle_speed", "detail": "`cutting.spindle_rpm` is absent"}],
             "report": {"n_passes": 42, "gouge_max_mm": 0.009_782_272_6, "places": vec![[1.0, 2.0]; 500]},
@@ -101,7 +97,7 @@ mod tests {
             "<tr><th>arc</th><td>418</td></tr>",
             "<tr><th>min</th><td>-1.5, 0, 12 mm</td></tr>",
             "<td>no_spindle_speed</td><td>`cutting.spindle_rpm` is absent</td>",
-            "<footer>toolpathd 0.1.0 \u{b7} request r-1</footer>",
+            "<footer>toolpathd 0.1.0</footer>",
         ] {
             assert!(page.contains(expected), "{expected} is not in\n{page}");
         }
@@ -135,7 +131,7 @@ mod tests {
         fn no_text_of_the_answer_becomes_markup(name in any::<String>(), text in any::<String>()) {
             let told = |name: &str, text: &str| page(text, "", &json!({
                 "meta": {name: text}, "report": {name: text, "list": [{name: text}], "inner": {name: [text]}},
-                "warnings": [{"code": name, "detail": text}], name: text, "request_id": text,
+                "warnings": [{"code": name, "detail": text}], name: text,
             }));
             let tags = |page: &str| page.matches('<').count();
             // A page of plain words in the same members has the same number of tags.

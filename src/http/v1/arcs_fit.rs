@@ -106,7 +106,7 @@ async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiEr
         return stream.text(form.media_type, &file_name).await;
     }
     let report = AnyFitReport::Program(stream.figures().await?.into());
-    let head = Head::new(&form.request_id, None, Vec::new());
+    let head = Head::new(None, Vec::new());
     Ok(Encoded::json(&Answer { head, report, members: PathMembers::default() })?.into_response())
 }
 

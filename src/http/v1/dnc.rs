@@ -6,15 +6,17 @@ use axum::extract::{FromRequestParts, Path, Request, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 
+use crate::budget::Budget;
 use crate::http::App;
 use crate::http::admission::Share;
+use crate::http::connection::Endless;
 use crate::http::dto::dnc::{DncTargets, SentProgram};
 use crate::http::error::{ApiError, Code};
-use crate::http::events;
-use crate::http::extract::{aside, program_body};
+use crate::http::events::{self, Begun};
+use crate::http::extract::program_body;
 use crate::http::negotiation::{NoQuery, Offers, Wanted};
 use crate::http::output::{Encoded, Representation};
-use crate::http::serve::Endless;
+use crate::http::retry::IDEMPOTENCY_KEY;
 
 /// List the controls to which programs can be sent.
 ///
@@ -48,6 +50,10 @@ pub async fn send_program(
     request: Request,
 ) -> Result<Response, ApiError> {
     check_origin(request.headers(), &app)?;
+    if request.headers().contains_key(IDEMPOTENCY_KEY) {
+        let detail = "a program that is sent twice runs twice: send no `idempotency-key`, and look at the machine before you send again";
+        return Err(ApiError::new(Code::BadRequest, detail));
+    }
     let control = app.controls.find(&target)?;
     let (mut parts, body) = request.into_parts();
     let form = Wanted::<Sendings>::from_request_parts(&mut parts, &app).await?.form;
@@ -55,11 +61,12 @@ pub async fn send_program(
     let share = Share::of(&request)?;
     let program = program_body(request, &app).await?;
     let found = control.clone();
-    let sender = aside(&app, move || found.sender(&program)).await?;
+    let make = move |_: &Budget| found.sender(&program.decoded()?.bytes);
+    let sender = app.compute.run(app.compute.admit()?, None, make).await??;
     let taken = control.take()?;
     if form.representation == Representation::Events {
         let start = |listener| taken.send(sender, share, Some(listener));
-        let mut response = events::stream(form.request_id, start);
+        let mut response = events::stream(form.request_id, Begun::told(), start).await?;
         response.extensions_mut().insert(Endless);
         return Ok(response);
     }

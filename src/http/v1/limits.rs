@@ -38,7 +38,9 @@ pub struct ServerLimits {
     workers: usize,
     /// Number of requests that may wait for a worker. Any further request is refused with status 503.
     queue: usize,
-    /// Longest time for waiting and computing together, in s. A longer computation ends with status 504.
+    /// Longest time for which a request waits for a worker, in s. Then the request is refused with status 503.
+    queue_wait_s: f64,
+    /// Longest computation, in s, without the wait for a worker. A longer computation ends with status 504.
     deadline_s: f64,
     /// Largest program that `/v1/arcs/fit` rewrites as a stream, in bytes.
     #[schema(maximum = 9_007_199_254_740_991_u64)]
@@ -47,6 +49,8 @@ pub struct ServerLimits {
     stream_deadline_s: f64,
     /// Longest time without a new byte of a body, in s. A slower body ends with status 408.
     body_timeout_s: f64,
+    /// Longest time in which a whole body arrives, in s. A slower body ends with status 408.
+    body_deadline_s: f64,
 }
 
 impl From<&App> for ServerLimits {
@@ -65,10 +69,12 @@ impl From<&App> for ServerLimits {
             text_characters: meta::MAX_TEXT_CHARACTERS,
             workers: app.workers,
             queue: app.queue,
+            queue_wait_s: app.queue_wait.as_secs_f64(),
             deadline_s: app.deadline.as_secs_f64(),
             stream_bytes: app.streams.bytes,
             stream_deadline_s: app.streams.deadline.as_secs_f64(),
             body_timeout_s: app.body_timeout.as_secs_f64(),
+            body_deadline_s: app.body_deadline.as_secs_f64(),
         }
     }
 }

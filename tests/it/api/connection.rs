@@ -7,11 +7,16 @@ use std::time::{Duration, Instant};
 use axum::Router;
 use axum::routing::post;
 use toolpathd::budget::Budget;
-use toolpathd::http::compute::Compute;
+use toolpathd::http::compute::memory::Memory;
+use toolpathd::http::compute::{Capacity, Compute, Failure};
+
+use toolpathd::http::App;
 
 use super::support::{
     MILL, ONE_PASS, Server, app, aside, connect, post as post_to, post_head, read_answer, write,
 };
+
+const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 
 /// A computation that ends only when its budget ends.
 fn spin(budget: &Budget) {
@@ -23,7 +28,9 @@ fn spin(budget: &Budget) {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() {
     let app = app(&["--workers", "1"]);
-    let compute = Arc::new(Compute::new(1, 0, Duration::from_secs(20)).expect("threads start"));
+    let limit = Duration::from_secs(20);
+    let capacity = Capacity { workers: 1, queue: 0, wait: limit, deadline: limit };
+    let compute = Arc::new(Compute::new(capacity, Memory::of(None)));
     let ended = Arc::new(Mutex::new(None));
     let begun = Arc::new(tokio::sync::Notify::new());
     let (stopped, started) = (Arc::clone(&ended), Arc::clone(&begun));
@@ -35,7 +42,8 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
                 spin(budget);
                 *stopped.lock().expect("no panic") = Some(Instant::now());
             };
-            let _ = compute.run(job).await;
+            let ticket = compute.admit().expect("room");
+            let _ = compute.run(ticket, None, move |budget| Ok::<_, ()>(job(budget))).await;
         }
     };
     let server = Server::with_router(&app, Router::new().route("/spin", post(handler))).await;
@@ -60,25 +68,110 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_full_queue_is_503_and_a_passed_deadline_504() {
-    let app = app(&["--workers", "1", "--queue", "1", "--deadline-s", "0.3"]);
-    let (running, queued) = (Arc::clone(&app), Arc::clone(&app));
-    let running = tokio::spawn(async move { running.compute.run(spin).await });
+async fn a_full_queue_and_a_long_wait_are_503_and_a_passed_deadline_504() {
+    let app = app(&["--workers", "1", "--queue", "1", "--deadline-s", "0.3", "--queue-wait-s", "0.2"]);
+    let running = spawn_on(&app, spin);
     tokio::time::sleep(Duration::from_millis(50)).await;
-    let queued = tokio::spawn(async move { queued.compute.run(spin).await });
+    let queued = spawn_on(&app, spin);
     tokio::time::sleep(Duration::from_millis(50)).await;
     let refused = post_to(&app, MILL, ONE_PASS, &[]).await;
     assert_eq!((refused.status.as_u16(), refused.code().as_str()), (503, "overloaded"));
     assert!(refused.header("retry-after").parse::<u32>().is_ok());
     assert!(running.await.is_ok() && queued.await.is_ok());
 
-    let deaf = Arc::clone(&app);
-    let deaf =
-        tokio::spawn(async move { deaf.compute.run(|_| std::thread::sleep(Duration::from_secs(1))).await });
+    let deaf = spawn_on(&app, |_| std::thread::sleep(Duration::from_secs(1)));
     tokio::time::sleep(Duration::from_millis(50)).await;
-    let late = post_to(&app, MILL, ONE_PASS, &[]).await;
+    let waited = post_to(&app, MILL, ONE_PASS, &[]).await;
+    assert_eq!((waited.status.as_u16(), waited.code().as_str()), (503, "overloaded"));
+    assert!(waited.header("retry-after").parse::<u32>().is_ok());
+    assert_eq!(deaf.await.expect("no panic"), Err(Failure::DeadlinePassed));
+
+    let mut long: serde_json::Value = serde_json::from_str(DIE).expect("JSON");
+    long["strategy"]["stepover_mm"] = 0.01.into();
+    while app.compute.running() > 0 {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    let late = post_to(&app, MILL, long.to_string(), &[]).await;
     assert_eq!((late.status.as_u16(), late.code().as_str()), (504, "deadline_passed"));
-    assert!(deaf.await.is_ok());
+}
+
+/// Starts a job on the threads of the service.
+fn spawn_on(
+    app: &Arc<App>,
+    job: impl Fn(&Budget) + Send + Sync + 'static,
+) -> tokio::task::JoinHandle<Result<Result<(), ()>, Failure>> {
+    let app = Arc::clone(app);
+    tokio::spawn(async move {
+        let ticket = app.compute.admit()?;
+        let job = move |budget: &Budget| {
+            job(budget);
+            Ok(())
+        };
+        app.compute.run(ticket, None, job).await
+    })
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_body_of_a_request_must_arrive_within_its_deadline() {
+    let app = app(&["--workers", "1", "--body-deadline-s", "0.5"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let mut steady = connect(address);
+        write(&mut steady, &post_head(MILL, 20));
+        let started = Instant::now();
+        while started.elapsed() < Duration::from_millis(450) {
+            std::thread::sleep(Duration::from_millis(100));
+            write(&mut steady, " ");
+        }
+        let answer = read_answer(&mut steady).expect("an answer");
+        assert!(answer.starts_with("HTTP/1.1 408") && answer.contains("within 0.5 s"), "{answer}");
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_caller_that_ends_its_own_direction_gets_its_answer() {
+    let app = app(&["--workers", "1"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        for request in
+            ["GET /livez HTTP/1.1\r\nHost: here\r\n\r\n".to_owned(), format!("{}{{}}", post_head(MILL, 2))]
+        {
+            let mut stream = connect(address);
+            write(&mut stream, &request);
+            stream.shutdown(std::net::Shutdown::Write).expect("ended");
+            let answer = read_answer(&mut stream).expect("an answer");
+            assert!(answer.starts_with("HTTP/1.1 200") || answer.starts_with("HTTP/1.1 422"), "{answer}");
+        }
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_foreign_host_name_is_refused_and_a_request_names_one_host() {
+    let app = app(&["--workers", "1", "--host", "cam.example.com"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        for (hosts, status) in [
+            ("Host: localhost\r\n", 200),
+            ("Host: cam.example.com:80\r\n", 200),
+            ("Host: attacker.example\r\n", 421),
+            ("", 400),
+            ("Host: here\r\nHost: here\r\n", 400),
+        ] {
+            let mut stream = connect(address);
+            write(&mut stream, &format!("GET /livez HTTP/1.1\r\n{hosts}\r\n"));
+            let answer = read_answer(&mut stream).expect("an answer");
+            assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{hosts}: {answer}");
+        }
+    })
+    .await;
+    server.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

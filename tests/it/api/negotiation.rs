@@ -87,7 +87,7 @@ async fn limits_dialects_contract_and_readiness_can_be_read() {
     assert_eq!(get(&app, "/v1/dialects").await.json()["dialects"][0]["name"], "linuxcnc");
     assert_eq!(get(&app, "/openapi.json").await.json()["openapi"], "3.1.0");
     assert_eq!(get(&app, "/readyz").await.status, 200);
-    app.drain();
+    app.drain(std::time::Instant::now() + std::time::Duration::from_secs(1));
     let answer = get(&app, "/readyz").await;
     assert_eq!(answer.status, 503);
     assert!(answer.header("retry-after").parse::<u32>().is_ok());

@@ -127,7 +127,7 @@ async fn the_documentation_pages_load_nothing_from_other_servers() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_connection_above_the_limit_is_closed_until_another_one_ends() {
+async fn a_connection_above_the_limit_gets_health_checks_alone_until_another_one_ends() {
     let app = app(&["--workers", "1", "--connections", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -136,7 +136,13 @@ async fn a_connection_above_the_limit_is_closed_until_another_one_ends() {
         let mut first = connect(address);
         write(&mut first, ask);
         assert!(read_answer(&mut first).is_some());
-        assert!(matches!(connect(address).read(&mut [0]), Ok(0) | Err(_)));
+        for (path, status) in [("/livez", 200), ("/v1/limits", 503)] {
+            let mut spare = connect(address);
+            write(&mut spare, &ask.replace("/livez", path));
+            let answer = read_answer(&mut spare).expect("an answer");
+            assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{answer}");
+            assert!(matches!(spare.read(&mut [0]), Ok(0) | Err(_)));
+        }
         drop(first);
         std::thread::sleep(Duration::from_millis(200));
         let mut second = connect(address);
@@ -144,7 +150,7 @@ async fn a_connection_above_the_limit_is_closed_until_another_one_ends() {
         assert!(read_answer(&mut second).is_some());
     })
     .await;
-    assert_eq!(figure(&app, "toolpathd_connections_refused_total").await, Some(1.0));
+    assert_eq!(figure(&app, "toolpathd_connections_refused_total").await, Some(2.0));
     server.stop().await;
 }
 

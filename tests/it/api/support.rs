@@ -28,7 +28,7 @@ pub fn settings(flags: &[&str]) -> Settings {
 }
 
 pub fn app(flags: &[&str]) -> Arc<App> {
-    App::new(&settings(flags)).expect("threads start")
+    App::new(&settings(flags))
 }
 
 /// An answer whose whole body was read.

@@ -112,6 +112,8 @@ impl Curl {
                     body = Some(Body::Whole(value()?));
                 }
                 "-o" => saved_as = Some(value()?),
+                // The head of the answer goes to a file that nothing reads.
+                "-D" => drop(value()?),
                 option if option.starts_with('-') => {
                     return Err(format!("the option {option} is not supported"));
                 }

@@ -11,7 +11,7 @@ use super::recipe;
 use crate::api::support::{Server, app, aside};
 
 /// The documents whose commands are sent.
-const DOCUMENTS: &[&str] = &["README.md", "docs/api.md", "docs/operations.md"];
+const DOCUMENTS: &[&str] = &["README.md", "docs/api.md", "docs/operations.md", "docs/mes.md"];
 
 /// The gap in an answer that a document shows. It stands for any text.
 const GAP: &str = "...";

@@ -1,0 +1,75 @@
+//! What callers need to send a request again and to find its answer among others: their own key, and the number of
+//! their job order. The service keeps nothing of a request; the same request gives the same answer.
+
+use axum::extract::Request;
+use axum::http::{HeaderName, HeaderValue};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+
+use super::dto::meta::Meta;
+use super::error::{ApiError, Code};
+
+/// The caller's key of a request and its repetitions.
+pub const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
+
+/// The text `job_order_id` of the request's `meta`.
+pub const JOB_ORDER_ID: HeaderName = HeaderName::from_static("toolpathd-job-order-id");
+
+/// The entry of `meta` that becomes a header.
+const JOB_ORDER: &str = "job_order_id";
+
+/// Most characters of a key.
+const MAX_KEY_CHARACTERS: usize = 255;
+
+/// Characters of a job order that are percent-encoded in a header. `%` is among them, so that the text can be told
+/// from its code.
+const CODED: &AsciiSet = &CONTROLS.add(b'%');
+
+/// The layer that repeats the caller's key in the answer.
+pub async fn echo_key(request: Request, next: Next) -> Response {
+    let Some(key) = request.headers().get(IDEMPOTENCY_KEY).cloned() else { return next.run(request).await };
+    if let Err(refused) = check(&key) {
+        return refused.into_response();
+    }
+    let mut response = next.run(request).await;
+    response.headers_mut().insert(IDEMPOTENCY_KEY, key);
+    response
+}
+
+fn check(key: &HeaderValue) -> Result<(), ApiError> {
+    let is_legal = (1..=MAX_KEY_CHARACTERS).contains(&key.len()) && key.to_str().is_ok();
+    let refused = || {
+        let detail = format!("`idempotency-key` must be 1 to {MAX_KEY_CHARACTERS} visible ASCII characters");
+        ApiError::new(Code::BadRequest, detail)
+    };
+    is_legal.then_some(()).ok_or_else(refused)
+}
+
+/// The header with the job order of `meta`. `None` where `meta` has none.
+pub fn job_order(meta: Option<&Meta>) -> Option<HeaderValue> {
+    let text = meta?.get(JOB_ORDER)?;
+    HeaderValue::from_str(&utf8_percent_encode(text, CODED).to_string()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_is_short_and_visible() {
+        assert_eq!(check(&HeaderValue::from_static("\"8e03978e\" 7")), Ok(()));
+        let long = HeaderValue::from_str(&"x".repeat(256)).expect("a header");
+        for bad in [HeaderValue::from_static(""), long, HeaderValue::from_bytes(b"\xff").expect("a header")] {
+            assert_eq!(check(&bad).expect_err("refused").code(), Code::BadRequest);
+        }
+    }
+
+    #[test]
+    fn a_job_order_is_readable_in_a_header_and_other_characters_are_coded() {
+        let of = |text: &str| job_order(Some(&[(JOB_ORDER.to_owned(), text.to_owned())].into()));
+        assert_eq!(of("WO 4711/2"), Some(HeaderValue::from_static("WO 4711/2")));
+        assert_eq!(of("100 %\r\n\u{fc}"), Some(HeaderValue::from_static("100 %25%0D%0A%C3%BC")));
+        assert_eq!(job_order(Some(&Meta::new())), None);
+    }
+}

@@ -269,7 +269,7 @@ impl Limits {
         cl_points: 10_000_000,
         wire_points: 250_000,
         samples: 300_000,
-        curve_steps: 400_000_000,
+        curve_steps: 2_000_000_000,
     };
 }
 

@@ -46,8 +46,8 @@ const LOOSE_MM: f64 = 2.5e-7;
 const MOST_CELLS: usize = 4096;
 const CELLS_A_BREAK: usize = 64;
 
-/// A proof is given up if its first `LOOK_CELLS` cells do not prove more than `LOOK_PART` of the range: at this
-/// pace all cells would prove an eighth of it.
+/// A proof is given up if its first `LOOK_CELLS` cells do not prove more than `LOOK_PART` of the range: at
+/// this pace all cells would prove an eighth of the range.
 const LOOK_CELLS: usize = 512;
 const LOOK_PART: f64 = 1.0 / 64.0;
 

@@ -120,8 +120,8 @@ fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Viol
     }
 }
 
-/// Refuses an allowance with which the cutter is so much larger than the surface that passes over the surface take
-/// far longer than the deadline, or cut nothing. `extent` is as in [`check_size`].
+/// Refuses an allowance that makes the cutter so much larger than the surface that the passes cut nothing, or
+/// take far longer than the deadline. `extent` is as in [`check_size`].
 fn check_allowance(
     at: &Pointer,
     extent: [f64; 2],

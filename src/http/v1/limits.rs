@@ -41,8 +41,8 @@ pub struct ServerLimits {
     wire_points: usize,
     /// Largest number of samples of one motion of five axes.
     samples: usize,
-    /// Largest number of steps of the interpolation of one curve. A value of the curve takes one step for each
-    /// of its operations, and some more.
+    /// Largest number of steps of the interpolation of one curve. A value of the curve takes one step for
+    /// each of its operations, and some more.
     #[schema(maximum = 9_007_199_254_740_991_u64)]
     curve_steps: u64,
     /// Largest number of patches of one surface: of the surface that the data make.

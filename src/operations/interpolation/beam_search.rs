@@ -47,10 +47,11 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
         return Ok(None);
     }
     let (from, to) = (first.range[0], last.range[1]);
+    let end = fitter.meter.end_of_search();
     let mut layers = vec![vec![Place { t: from, before: 0 }]];
     // A chain that is worth finding has at least one element fewer.
     for k in 0..greedy.len() - 1 {
-        if !fitter.meter.has_steps_for_search() {
+        if fitter.meter.is_past(end) {
             return Ok(None);
         }
         let layer = &layers[k];

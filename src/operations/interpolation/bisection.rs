@@ -16,7 +16,8 @@ const ELEMENTS_BETWEEN_REPORTS: usize = 64;
 /// Bisects `range` until every element stays within the band, and returns the elements in order.
 ///
 /// # Errors
-/// When the budget ends, there are too many elements or steps, or no element stays within the band however short.
+/// When the budget ends, there are too many elements or steps, or no element stays within the band however
+/// short.
 pub fn bisect(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],

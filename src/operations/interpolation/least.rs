@@ -10,8 +10,8 @@
 //! on a convex part of the curve. Where this may happen, step 1 also tries longer elements. It also tries to
 //! move the last joint back, because the next element may then reach farther.
 //!
-//! When the search has taken its share of the steps of the job (`meter`), step 1 ends with the first element that
-//! is proved. Joints are then not moved back.
+//! When the search has taken its share of the steps of the job (`meter`), step 1 ends with the first element
+//! that is proved. Joints are then not moved back.
 //!
 //! # Guarantees
 //! * Every element is proved to stay within the band.
@@ -64,7 +64,8 @@ const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 /// The fewest elements over `range` that greedy growth finds and that stay within the band.
 ///
 /// # Errors
-/// When the budget ends, there are too many elements or steps, or no element stays within the band however short.
+/// When the budget ends, there are too many elements or steps, or no element stays within the band however
+/// short.
 pub fn fewest(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
@@ -99,6 +100,7 @@ pub fn fewest(
         length = next.range[1] - next.range[0];
         at = next.range[1];
         elements.push(next);
+        fitter.meter.found_element(fitter.curve.operations());
     }
     Ok(elements)
 }
@@ -139,19 +141,17 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         }
         let end = |length: f64| if length >= room { most } else { from + length };
-        if !self.meter.has_steps_for_search() {
-            return match self.fit([from, end(length)]) {
-                Some(fitted) => Ok(fitted),
-                None => self.first_proved([from, most], (HOPEFUL * guess).min(0.5 * length)),
-            };
-        }
         for part in SHORTER {
             self.meter.check()?;
             if let Some(fitted) = self.fit([from, end(length * (1.0 - part))]) {
                 return Ok(fitted);
             }
         }
-        self.longest_proved([from, most], length)
+        if self.meter.has_steps_for_search() {
+            self.longest_proved([from, most], length)
+        } else {
+            self.first_proved([from, most], (HOPEFUL * guess).min(0.5 * length))
+        }
     }
 
     /// As `longest`, but by proofs alone: for curves whose deviation samples do not show.

@@ -5,8 +5,8 @@
 //! 2. Find a place b such that every element that starts at r or before r, and stays within the band, ends at
 //!    b or before b.
 //! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 until r is the end of the curve. The
-//!    count is the lower bound. If the steps of the search end before (`meter`), the lower bound is one more than
-//!    the count.
+//!    count is the lower bound. If the steps of the search end before (`meter`), the lower bound is one more
+//!    than the count.
 //!
 //! A place b is proved in one of two ways:
 //! * *Lines on a convex part of the curve.* The line from r to b leaves the band.

@@ -9,7 +9,7 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
 /// The most steps of a job whose caller sets no limit.
-pub const DEFAULT_STEP_LIMIT: u64 = 400_000_000;
+pub const DEFAULT_STEP_LIMIT: u64 = 2_000_000_000;
 
 /// Steps of a point beside those of its operations: what is computed with it takes this long.
 const OF_POINT: u64 = 4;
@@ -21,20 +21,27 @@ const OF_ENCLOSURE: u64 = 4;
 /// The share of the steps in which a search for something better has to end: a second of work, or two.
 const SEARCH_SHARE: u64 = 16;
 
+/// Points of the curve that the search for one element may take beside this share. A usual element takes some
+/// hundred to some ten thousand; an element whose proofs fail takes a million.
+const OF_ELEMENT: u64 = 100_000;
+
 /// How many steps a job has taken, and how many it may take.
 ///
-/// Elements that stay within the band may take all steps up to the limit. A search for fewer or longer
-/// elements ends after a share of them ([`SEARCH_SHARE`]); what it has not found by then is left. A lower
-/// bound ends there too, with what is proved by then, or a share later.
+/// Elements that stay within the band may take all steps up to the limit. A search for something better ends
+/// after a share of them ([`SEARCH_SHARE`]): longer elements, fewer elements, a lower bound. What it has not
+/// found by then is left.
 pub struct Meter<'a> {
     budget: &'a Budget,
     limit: u64,
     used: AtomicU64,
+    /// The steps up to which longer elements are looked for.
+    for_longer: AtomicU64,
 }
 
 impl<'a> Meter<'a> {
     pub fn new(limit: u64, budget: &'a Budget) -> Self {
-        Self { budget, limit, used: AtomicU64::new(0) }
+        let for_longer = AtomicU64::new(limit / SEARCH_SHARE);
+        Self { budget, limit, used: AtomicU64::new(0), for_longer }
     }
 
     /// One thread counts, so that the count needs no lock.
@@ -67,9 +74,15 @@ impl<'a> Meter<'a> {
         self.used() > end
     }
 
-    /// Whether there are steps left for a search for something better.
+    /// Whether there are steps left for a search for longer elements.
     pub fn has_steps_for_search(&self) -> bool {
-        self.used() <= self.limit / SEARCH_SHARE
+        self.used() <= self.for_longer.load(Ordering::Relaxed)
+    }
+
+    /// Gives the search the steps of one more element of a curve whose points take `operations`.
+    pub fn found_element(&self, operations: u64) {
+        let steps = self.for_longer.load(Ordering::Relaxed);
+        self.for_longer.store(steps.saturating_add(OF_ELEMENT * operations), Ordering::Relaxed);
     }
 
     /// # Errors

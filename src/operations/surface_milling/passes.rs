@@ -128,8 +128,8 @@ pub(super) fn cut(
 /// Refuses a step length that needs too many CL points, before the points are found: from an end of a section
 /// to its other end leads at least one step for each step length of their distance in plan.
 ///
-/// The sections are traced without a limit for their steps, which takes a small part of the time of the steps.
-/// Where the section in the middle, at each plane, would make less than half of the points, nothing else is
+/// The sections are traced without a limit for their steps, which takes a small part of the time. If the
+/// section in the middle lets all planes together expect less than half of the limit, only that section is
 /// traced.
 fn check_steps(
     job: &Job,

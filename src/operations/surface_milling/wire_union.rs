@@ -142,8 +142,8 @@ fn neighbours(reach_mm: f64, pitch_mm: f64) -> usize {
     ((reach_mm / pitch_mm + PITCH_ROUNDING).floor() as usize).max(1)
 }
 
-/// Refuses passes that compare more stretches of wires than [`MOST_COMPARED`]: each pass compares all stretches
-/// of the wires within its reach.
+/// Refuses passes that compare more stretches of wires than [`MOST_COMPARED`]: each pass compares all
+/// stretches of the wires within its reach.
 fn check_comparisons(model: &WireModel, reach: usize) -> Result<(), Error> {
     let n = model.wires.len();
     let mut before = vec![0; n + 1];

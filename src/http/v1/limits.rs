@@ -53,7 +53,7 @@ pub struct ServerLimits {
     wire_comparisons: usize,
     /// Largest number of levels of one pocket.
     levels: usize,
-    /// Longest path on one level of a pocket, in radii of the cutter.
+    /// Largest number of cutter radii that the path on one level of a pocket is long.
     level_radii: usize,
     /// Largest number of cells with `islands_by: labelling`.
     cells: usize,

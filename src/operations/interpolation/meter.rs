@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use nalgebra::{Point2, Vector2};
 
 use super::Error;
-use crate::budget::{Budget, Stopped};
+use crate::budget::Budget;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
 
 /// The most steps of a job whose caller sets no limit.
@@ -97,8 +97,7 @@ impl<'a> Meter<'a> {
     }
 
     fn is_spent(&self) -> bool {
-        self.is_far_beyond()
-            || matches!(self.budget.check(), Err(Stopped::Cancelled | Stopped::DeadlinePassed))
+        self.is_far_beyond() || self.budget.check().is_err()
     }
 }
 

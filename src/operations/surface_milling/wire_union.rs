@@ -57,8 +57,8 @@ const HEIGHT_SHARE: f64 = 0.1;
 /// The share of the tolerance by which vertical walls may be out of place.
 const WIDTH_SHARE: f64 = 0.02;
 
-/// The most stretches of wires that all passes of a job may compare: half a minute of work.
-pub const MOST_COMPARED: usize = 100_000_000;
+/// The most stretches of wires that all passes of a job may compare: half a minute of work, or more.
+pub const MOST_COMPARED: usize = 500_000_000;
 
 /// Lines between two checks of the budget.
 const PARTS_BETWEEN_CHECKS: usize = 256;

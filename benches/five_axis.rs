@@ -35,6 +35,7 @@ fn job(blocks: usize) -> Job {
         limits: None,
         period_s: 0.01,
         sample_limit: 1_000_000,
+        move_limit: 500_000,
     }
 }
 

@@ -126,9 +126,25 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_SECTIONS", default_value_t = Limits::DEFAULT.sections, global = true)]
     pub max_sections: usize,
 
-    /// Most moves of a toolpath in a request
+    /// Most moves of a toolpath, sent or computed
     #[arg(long, env = "TOOLPATHD_MAX_MOVES", default_value_t = Limits::DEFAULT.moves, global = true)]
     pub max_moves: usize,
+
+    /// Most CL points of a milling job; a tenth where the cutter is lowered onto the surface
+    #[arg(long, env = "TOOLPATHD_MAX_CL_POINTS", default_value_t = Limits::DEFAULT.cl_points, global = true)]
+    pub max_cl_points: usize,
+
+    /// Most points of all wires of a model
+    #[arg(long, env = "TOOLPATHD_MAX_WIRE_POINTS", default_value_t = Limits::DEFAULT.wire_points, global = true)]
+    pub max_wire_points: usize,
+
+    /// Most samples of a motion
+    #[arg(long, env = "TOOLPATHD_MAX_SAMPLES", default_value_t = Limits::DEFAULT.samples, global = true)]
+    pub max_samples: usize,
+
+    /// Most steps of the interpolation of a curve; a value of the curve takes one for each of its operations
+    #[arg(long, env = "TOOLPATHD_MAX_CURVE_STEPS", default_value_t = Limits::DEFAULT.curve_steps, global = true)]
+    pub max_curve_steps: u64,
 
     /// Most programs rewritten as streams at a time; a further program is refused with 503
     #[arg(long, env = "TOOLPATHD_STREAMS", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
@@ -242,6 +258,10 @@ impl Settings {
             drop_points: self.max_drop_points,
             sections: self.max_sections,
             moves: self.max_moves,
+            cl_points: self.max_cl_points,
+            wire_points: self.max_wire_points,
+            samples: self.max_samples,
+            curve_steps: self.max_curve_steps,
         }
     }
 }
@@ -261,8 +281,16 @@ pub struct Limits {
     pub drop_points: usize,
     /// Section planes of one milling job.
     pub sections: usize,
-    /// Moves of one toolpath in a request.
+    /// Moves of one toolpath, sent or computed.
     pub moves: usize,
+    /// CL points of one milling job; a tenth where the cutter is lowered onto the surface.
+    pub cl_points: usize,
+    /// Points of all wires of one model.
+    pub wire_points: usize,
+    /// Samples of one motion.
+    pub samples: usize,
+    /// Steps of the interpolation of one curve.
+    pub curve_steps: u64,
 }
 
 impl Limits {
@@ -275,6 +303,10 @@ impl Limits {
         drop_points: 250_000,
         sections: 20_000,
         moves: 500_000,
+        cl_points: 10_000_000,
+        wire_points: 250_000,
+        samples: 300_000,
+        curve_steps: 2_000_000_000,
     };
 }
 

@@ -18,7 +18,8 @@
 //!   [`Spread`] contains all these deviations. With [`Measure::Normal`], it also proves that no point of the
 //!   element is farther from the curve than [`Spread::largest_mm`].
 //! * [`Verdict::Outside`] names a parameter at which the deviation is certainly outside the band.
-//! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide.
+//! * [`Verdict::Unproved`] says that some thousands of readings were not enough to decide, or that the curve
+//!   gives no more values ([`PlaneCurve::is_spent`]).
 //!
 //! # Cost
 //! O(1) readings for a smooth curve well within the band. If the largest deviation is close to the limit of
@@ -44,6 +45,14 @@ const LOOSE_MM: f64 = 2.5e-7;
 /// The most cells of one proof, and the extra cells for each break of the curve in its range.
 const MOST_CELLS: usize = 4096;
 const CELLS_A_BREAK: usize = 64;
+
+/// A proof is given up if its first `LOOK_CELLS` cells do not prove more than `LOOK_PART` of the range: at
+/// this pace all cells would prove an eighth of the range.
+const LOOK_CELLS: usize = 512;
+const LOOK_PART: f64 = 1.0 / 64.0;
+
+/// Cells between two looks at whether the proof is still wanted.
+const CELLS_BETWEEN_CHECKS: usize = 64;
 
 /// If the range has more breaks than `BREAKS_TO_PROBE`, a few parameters are read first, because the element
 /// will hardly fit. `PROBES` is the number of parts that these parameters divide the range into.
@@ -169,6 +178,9 @@ fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], lim
         found: 0.0,
         proved: Interval::ZERO,
         cells: MOST_CELLS + CELLS_A_BREAK * breaks.len(),
+        cells_after_look: MOST_CELLS - LOOK_CELLS + CELLS_A_BREAK * breaks.len(),
+        least_after_look: from + LOOK_PART * (to - from),
+        is_spent: &|| curve.is_spent(),
         open: Vec::with_capacity(16),
     };
     let mut before = gauge.read(from);
@@ -182,17 +194,22 @@ fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], lim
     Verdict::Within(Spread { least_mm: -search.proved.hi(), most_mm: -search.proved.lo() })
 }
 
-struct Search {
+struct Search<'a> {
     limits: Limits,
     /// The largest distance read so far, mm.
     found: f64,
     /// Encloses the distances over the cells that are finished.
     proved: Interval,
     cells: usize,
+    /// When as many cells are left, the search has to be past this parameter.
+    cells_after_look: usize,
+    least_after_look: f64,
     open: Vec<[Reading; 2]>,
+    /// Whether nobody waits for the proof any more.
+    is_spent: &'a dyn Fn() -> bool,
 }
 
-impl Search {
+impl Search<'_> {
     /// Examines a range without breaks. Returns a verdict if it ends the search.
     fn piece(&mut self, gauge: &impl Gauge, before: Reading, after: Reading) -> Option<Verdict> {
         for reading in [before, after] {
@@ -218,7 +235,8 @@ impl Search {
 
     fn halve(&mut self, gauge: &impl Gauge, a: Reading, b: Reading) -> Result<(), Verdict> {
         let at = 0.5 * (a.t + b.t);
-        if self.cells == 0 || at <= a.t || at >= b.t {
+        let is_spent = self.cells.is_multiple_of(CELLS_BETWEEN_CHECKS) && (self.is_spent)();
+        if self.cells == 0 || is_spent || self.is_hopeless(a.t) || at <= a.t || at >= b.t {
             return Err(Verdict::Unproved { at });
         }
         self.cells -= 1;
@@ -229,6 +247,12 @@ impl Search {
         self.open.push([middle, b]);
         self.open.push([a, middle]);
         Ok(())
+    }
+
+    /// Whether the cells for a look are used up, and hardly anything of the range is proved: the search goes
+    /// from its start to its end.
+    fn is_hopeless(&self, at: f64) -> bool {
+        self.cells == self.cells_after_look && at < self.least_after_look
     }
 
     fn note(&mut self, reading: &Reading) -> Option<Verdict> {

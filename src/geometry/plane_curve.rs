@@ -49,6 +49,16 @@ pub trait PlaneCurve: Sync {
     /// equals `to`, the enclosure of the point is a few units of rounding wide.
     fn enclose(&self, from: f64, to: f64) -> Enclosure;
 
+    /// How long a point takes, in arithmetic operations, roughly.
+    fn operations(&self) -> u64 {
+        1
+    }
+
+    /// Whether no more values of the curve are wanted. A search then ends without a proof.
+    fn is_spent(&self) -> bool {
+        false
+    }
+
     /// Whether the tangent turns at the break `t` by more than the angle with this sine. A turn of 90 degrees
     /// or more is a corner, and so is a derivative of zero.
     fn has_corner(&self, t: f64, sine: f64) -> bool {

@@ -69,6 +69,11 @@ impl Expression {
         Ok(Self { tape: parse::tape(text)? })
     }
 
+    /// How long a value takes, in sums and products, roughly.
+    pub fn operations(&self) -> u64 {
+        self.tape.steps().iter().map(|step| step.operation.weight()).sum()
+    }
+
     /// The value at `x`, to rounding; NaN or infinite where the expression is not defined.
     pub fn value(&self, x: f64) -> f64 {
         evaluate::value(&self.tape, x)

@@ -52,6 +52,10 @@ impl PlaneCurve for Graph {
         true
     }
 
+    fn operations(&self) -> u64 {
+        self.expression.operations()
+    }
+
     fn point(&self, t: f64) -> Point2<f64> {
         let y = self.expression.value(t);
         if y.is_finite() {

@@ -51,6 +51,8 @@ pub struct WireJob {
     pub chord_height_mm: f64,
     /// Largest number of wires; a model that needs more is refused.
     pub wire_limit: usize,
+    /// Largest number of points of all wires; a model that needs more is refused.
+    pub point_limit: usize,
 }
 
 impl WireJob {
@@ -60,8 +62,8 @@ impl WireJob {
     }
 }
 
-/// Largest number of points of one model.
-pub const POINT_LIMIT: usize = 2_000_000;
+/// Patches along a wire between two checks of the budget.
+const PATCHES_BETWEEN_CHECKS: usize = 256;
 
 /// Chords over one patch with which lengths across wires are measured.
 const LENGTH_CHORDS: usize = 16;
@@ -72,7 +74,9 @@ pub enum WireError {
     Stopped(#[from] Stopped),
     #[error("the wire model needs {needed} wires; at most {limit} are allowed; use a larger pitch")]
     TooManyWires { needed: usize, limit: usize },
-    #[error("the wire model needs more than {limit} points; use a larger pitch or chord height")]
+    #[error(
+        "the wire model needs more than {limit} points, the most that are allowed; use a larger pitch or chord height"
+    )]
     TooManyPoints { limit: usize },
     #[error(
         "the surface is vertical, overhangs or has no normal near {at}; wires along x or y need a surface without overhangs; use wires along u or v"
@@ -108,15 +112,49 @@ fn along_u(
 ) -> Result<Vec<Wire>, WireError> {
     let rule = Rule::new(surface, budget)?;
     let n = count(rule.length(), job)?;
+    let places: Vec<f64> = (0..=n).map(|k| rule.place(k as f64 / n as f64)).collect();
+    check_points(surface, &places, job, budget)?;
     let mut wires = Vec::with_capacity(n + 1);
-    let mut left = POINT_LIMIT;
-    for k in 0..=n {
-        budget.check()?;
-        let wire = wire_along_u(surface, rule.place(k as f64 / n as f64), job.chord_height_mm, left)?;
-        left -= wire.len();
-        wires.push(wire);
+    for v in places {
+        wires.push(wire_along_u(surface, v, job.chord_height_mm, budget)?);
     }
     Ok(wires)
+}
+
+/// Counts the points of all wires before the first of them is computed.
+fn check_points(
+    surface: &BezierSurface<impl Patch>,
+    places: &[f64],
+    job: &WireJob,
+    budget: &Budget,
+) -> Result<(), WireError> {
+    let [nu, nv] = surface.spans();
+    let mut points = 0.0;
+    // Wires over the same row of patches have as many points as each other.
+    let mut known: Option<(usize, f64)> = None;
+    for v in places {
+        let j = span_of(*v, nv);
+        let of_wire = match known {
+            Some((row, of_wire)) if row == j => of_wire,
+            _ => {
+                budget.check()?;
+                1.0 + (0..nu).map(|i| chords(surface.patch(i, j), job.chord_height_mm)).sum::<f64>()
+            }
+        };
+        known = Some((j, of_wire));
+        points += of_wire;
+        if points > job.point_limit as f64 {
+            return Err(WireError::TooManyPoints { limit: job.point_limit });
+        }
+    }
+    Ok(())
+}
+
+/// The number of chords over one patch along u.
+fn chords(patch: &impl Patch, chord_height: f64) -> f64 {
+    // A chord over a parameter step d leaves the curve by d^2 / 8 times the second derivative.
+    let bend = patch.derivatives().duu.reach() / 8.0;
+    (bend / chord_height).sqrt().ceil().max(1.0)
 }
 
 /// Lengths along v.
@@ -158,24 +196,22 @@ impl Rule {
     }
 }
 
-/// The curve of constant v from side to side, of at most `limit` points.
+/// The curve of constant v from side to side.
 fn wire_along_u(
     surface: &BezierSurface<impl Patch>,
     v: f64,
     chord_height: f64,
-    limit: usize,
-) -> Result<Wire, WireError> {
+    budget: &Budget,
+) -> Result<Wire, Stopped> {
     let [nu, nv] = surface.spans();
     let j = span_of(v, nv);
     let mut wire = vec![surface.jet(0.0, v).point];
     for i in 0..nu {
         let patch = surface.patch(i, j);
-        // A chord over a parameter step d leaves the curve by d^2 / 8 times the second derivative.
-        let bend = patch.derivatives().duu.reach() / 8.0;
-        let chords = (bend / chord_height).sqrt().ceil().max(1.0);
-        if wire.len() as f64 + chords > limit as f64 {
-            return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
+        if i.is_multiple_of(PATCHES_BETWEEN_CHECKS) {
+            budget.check()?;
         }
+        let chords = chords(patch, chord_height);
         wire.extend((1..=chords as usize).map(|k| patch.jet(k as f64 / chords, v - j as f64).point));
     }
     Ok(wire)
@@ -206,8 +242,8 @@ fn sections(
                 wire.reverse();
             }
             points += wire.len();
-            if points > POINT_LIMIT {
-                return Err(WireError::TooManyPoints { limit: POINT_LIMIT });
+            if points > job.point_limit {
+                return Err(WireError::TooManyPoints { limit: job.point_limit });
             }
             wires.push(wire);
         }
@@ -274,7 +310,7 @@ mod tests {
     const PITCH: f64 = 2.5;
 
     fn job(along: Along) -> WireJob {
-        WireJob { along, pitch_mm: PITCH, chord_height_mm: 1e-3, wire_limit: 100 }
+        WireJob { along, pitch_mm: PITCH, chord_height_mm: 1e-3, wire_limit: 100, point_limit: 10_000 }
     }
 
     /// A quarter of a cylinder of radius 20 about y, 45 degrees to each side of the top, 30 mm long along v.

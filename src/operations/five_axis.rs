@@ -105,6 +105,8 @@ pub struct Job {
     pub period_s: f64,
     /// The most samples.
     pub sample_limit: usize,
+    /// The most moves.
+    pub move_limit: usize,
     /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
     /// the first pose is reached by a rapid, and where the path ends with a rapid.
     pub retract_mm: f64,

@@ -35,6 +35,7 @@ mod fit;
 mod job;
 mod least;
 mod lower_bound;
+mod meter;
 mod path;
 mod preview;
 mod source;
@@ -54,6 +55,7 @@ pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
 pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Source, Subdivision};
+use meter::{Meter, Metered};
 pub use preview::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
 
@@ -123,6 +125,10 @@ pub enum Error {
     CompensatedParabola,
     #[error("the curve needs more than {limit} elements; use a wider band")]
     TooManyElements { limit: usize },
+    #[error(
+        "the interpolation takes more than {limit} steps, the most that are allowed; use a wider band, or a shorter curve"
+    )]
+    TooManySteps { limit: u64 },
     #[error("no element stays within the band near {at}, however short it is; use a wider band")]
     BandInfeasible { at: Point2<f64> },
     #[error(transparent)]
@@ -186,7 +192,10 @@ struct Divided {
 }
 
 fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided, Error> {
-    let fitter = Fitter { curve, method: job.method, band: job.band, element_limit: job.element_limit };
+    let meter = Meter::new(job.step_limit, budget);
+    let curve = &Metered::new(curve, &meter);
+    let (method, band, element_limit) = (job.method, job.band, job.element_limit);
+    let fitter = Fitter { curve, method, band, element_limit, meter: &meter };
     let [from, to] = curve.domain();
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
@@ -200,12 +209,13 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
             Subdivision::Least(joints) => {
                 let mut fitted = least::fewest(&fitter, range, budget)?;
                 longest.extend_from_slice(&fitted);
-                if let Some(fewer) = beam_search::fewer(&fitter, &fitted, budget)? {
+                if let Some(fewer) = beam_search::fewer(&fitter, &fitted)? {
                     fitted = fewer;
                 }
                 corners::keep_corners(&fitter, &mut fitted, budget)?;
                 straight::straighten(&fitter, &mut fitted, budget)?;
                 if joints == Joints::InBand
+                    && meter.has_steps_for_search()
                     && let Some(free) = in_band(&fitter, &fitted, budget)?
                 {
                     fitted = free;
@@ -226,17 +236,23 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
     }
     divided.lower_bound = match job.subdivision {
         Subdivision::Least(Joints::InBand) => {
-            let corridor = Corridor::new(curve, &ranges(&longest), job.band, budget)?;
+            let corridor = match meter.has_steps_for_search() {
+                true => Corridor::new(curve, &ranges(&longest), job.band, budget)?,
+                false => None,
+            };
             corridor.map(|corridor| corridor.fewest(curve, budget)).transpose()?
         }
         Subdivision::Least(Joints::OnCurve) if count == 1 => {
-            Some(lower_bound::lower_bound(&fitter, &longest, budget)?)
+            Some(lower_bound::lower_bound(&fitter, &longest)?)
         }
-        Subdivision::Bisection if divided.elements.len() > MOST_BOUNDED => None,
+        Subdivision::Bisection if divided.elements.len() > MOST_BOUNDED || !meter.has_steps_for_search() => {
+            None
+        }
         Subdivision::Bisection | Subdivision::Least(Joints::OnCurve) => {
             on_its_own(&fitter, [from, to], budget)?
         }
     };
+    meter.finish()?;
     Ok(divided)
 }
 
@@ -248,7 +264,7 @@ fn on_its_own(
     budget: &Budget,
 ) -> Result<Option<usize>, Error> {
     match least::fewest(fitter, range, budget) {
-        Ok(guide) => Ok(Some(lower_bound::lower_bound(fitter, &guide, budget)?)),
+        Ok(guide) => Ok(Some(lower_bound::lower_bound(fitter, &guide)?)),
         Err(Error::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
     }

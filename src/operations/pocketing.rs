@@ -74,7 +74,8 @@ use candidate::{Route, routes};
 pub use check::Exception;
 use conditions::Conditions;
 pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief};
-pub use level::{Island, Uncut};
+pub use labelling::MOST_CELLS;
+pub use level::{Island, MOST_LEVELS, MOST_RADII, Uncut};
 use level::{Level, Shape, levels};
 use report::Times;
 pub use report::{Candidate, LevelReport, Report};
@@ -168,18 +169,21 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         .map(|level| Conditions::new(job, &cutting, heights.highest_mm, [level.top_z_mm, level.z_mm]))
         .collect();
     let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
-    let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, cutting.clearance_z_mm));
+    let begin = |at: Point2<f64>| {
+        Toolpath::builder(Point3::new(at.x, at.y, cutting.clearance_z_mm)).with_limit(job.move_limit)
+    };
+    let mut builder = begin(Point2::origin());
     let mut report = Report::default();
     let mut is_begun = false;
     for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
         let shape = &shapes[level.shape];
-        let (candidates, chosen) = choose(job, &found[level.shape], conditions)?;
+        let (candidates, chosen) = choose(job, &found[level.shape], conditions, budget)?;
         report.levels.push(LevelReport::new(shape, level, conditions, chosen, candidates, budget)?);
         let Some((_, route)) = chosen else { continue };
         if let Some(run) = route.runs.first()
             && !std::mem::replace(&mut is_begun, true)
         {
-            builder = Toolpath::builder(Point3::new(run.start.x, run.start.y, cutting.clearance_z_mm));
+            builder = begin(run.start);
         }
         append_level(&mut builder, k, route, conditions)?;
     }
@@ -229,6 +233,7 @@ fn choose<'a>(
     job: &Job,
     found: &'a [Found],
     conditions: &Conditions,
+    budget: &Budget,
 ) -> Result<(Vec<Candidate>, Chosen<'a>), PocketError> {
     let mut candidates = Vec::new();
     let mut best: Option<(f64, Pattern, &Route)> = None;
@@ -238,13 +243,21 @@ fn choose<'a>(
             Ok(routes) => routes,
             Err(error) => {
                 candidates.push(Candidate::failed(*pattern, error.to_string()));
-                failure.get_or_insert(error);
+                failure.get_or_insert_with(|| error.clone());
                 continue;
             }
         };
         let mut fastest: Option<(f64, Candidate, &Route)> = None;
+        let mut too_long = None;
         for route in routes {
-            let times = Times::of(route, conditions)?;
+            budget.check()?;
+            let times = match Times::of(route, conditions, job.move_limit) {
+                Err(error @ PocketError::Path(PathError::TooManyMoves { .. })) => {
+                    too_long = Some(error);
+                    continue;
+                }
+                times => times?,
+            };
             let figure = times.figure(job.choose_by);
             let candidate = Candidate::new(*pattern, route, &times);
             let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
@@ -253,6 +266,10 @@ fn choose<'a>(
             if fastest.as_ref().is_none_or(is_better) {
                 fastest = Some((figure, candidate, route));
             }
+        }
+        if let (None, Some(error)) = (&fastest, too_long) {
+            candidates.push(Candidate::failed(*pattern, error.to_string()));
+            failure.get_or_insert(error);
         }
         let Some((figure, candidate, route)) = fastest else { continue };
         if candidate.is_valid() && best.is_none_or(|(least, ..)| figure < least) {
@@ -268,7 +285,7 @@ fn choose<'a>(
         return Ok((candidates, None));
     }
     let reason = |candidate: &Candidate| candidate.invalid_because.clone();
-    Err(failure.cloned().unwrap_or_else(|| PocketError::NoneValid {
+    Err(failure.unwrap_or_else(|| PocketError::NoneValid {
         because: candidates.iter().find_map(reason).unwrap_or_default(),
     }))
 }

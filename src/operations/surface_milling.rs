@@ -54,9 +54,10 @@ use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};
 pub use job::{
-    Boundary, CutDirection, DEFAULT_PLANE_LIMIT, Engine, Entry, Exit, Interpolation, Job, SectionPlane,
-    Spacing, Stock,
+    Boundary, CutDirection, DEFAULT_MOVE_LIMIT, DEFAULT_PLANE_LIMIT, DEFAULT_POINT_LIMIT, Engine, Entry,
+    Exit, Interpolation, Job, SectionPlane, Spacing, Stock,
 };
+pub use wire_union::MOST_COMPARED;
 
 /// The smallest tolerance that a job may ask for, in steps of the last decimal. Rounding alone may move a
 /// path by this much.
@@ -158,6 +159,10 @@ pub enum Error {
         "the job needs {needed} {what}; at most {limit} are allowed; use a larger spacing of passes or a larger tolerance"
     )]
     TooMuchWork { what: &'static str, needed: usize, limit: usize },
+    #[error(
+        "the job needs more than {limit} CL points, the most that are allowed; use a larger step length, spacing of passes or tolerance"
+    )]
+    TooManyPoints { limit: usize },
     #[error(
         "no section of the surface is long enough to cut; the part is too small or the boundary leaves nothing"
     )]

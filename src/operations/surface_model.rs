@@ -2,9 +2,9 @@
 //!
 //! # Method
 //! 1. Build the surface from its data.
-//! 2. Find the bounding box by branch and bound on the control nets of the patches. Find the largest concave
+//! 2. Trace the wires of the requested wire model ([`wire_model`]).
+//! 3. Find the bounding box by branch and bound on the control nets of the patches. Find the largest concave
 //!    curvature in the same way.
-//! 3. Trace the wires of the requested wire model ([`wire_model`]).
 //!
 //! # Guarantees
 //! * The box contains the surface. Each side of the box is at most [`BOUNDS_ACCURACY_MM`] mm away from the
@@ -107,22 +107,23 @@ struct Findings {
 }
 
 fn examine<P: Patch>(surface: &BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Findings, Error> {
-    budget.progress("bounds", 0, 3);
+    let upward = surface.clone().upward();
+    // The wires come first: a job that needs too many of them is refused before anything else is computed.
+    budget.progress("wires", 0, 3);
+    let wires = match &job.wires {
+        None => None,
+        Some(wires) if wires.runs_along_a_parameter() => Some(wire_model::wires(surface, wires, budget)?),
+        Some(wires) => Some(wire_model::wires(&upward, wires, budget)?),
+    };
+    budget.progress("bounds", 1, 3);
     let not_smooth = match joints::examine(surface, &job.surface.loose_joints(), budget) {
         Ok(_) => None,
         Err(NotSmooth::Stopped(stopped)) => return Err(stopped.into()),
         Err(fault) => Some(fault),
     };
     let bounds = bounds(surface, budget)?;
-    budget.progress("curvature", 1, 3);
-    let upward = surface.clone().upward();
+    budget.progress("curvature", 2, 3);
     let curvature = curvature::most_concave(&upward, budget)?;
-    budget.progress("wires", 2, 3);
-    let wires = match &job.wires {
-        None => None,
-        Some(wires) if wires.runs_along_a_parameter() => Some(wire_model::wires(surface, wires, budget)?),
-        Some(wires) => Some(wire_model::wires(&upward, wires, budget)?),
-    };
     Ok(Findings { bounds, wires, curvature, not_smooth })
 }
 
@@ -189,7 +190,8 @@ mod tests {
     fn wires_run_as_they_are_asked_for() {
         let source = grid(|x, _| 0.5 * x, Ends::Natural, 5);
         for (along, changing) in [(Along::U, 0), (Along::X, 0), (Along::V, 1), (Along::Y, 1)] {
-            let job = WireJob { along, pitch_mm: 1.0, chord_height_mm: 0.01, wire_limit: 50 };
+            let job =
+                WireJob { along, pitch_mm: 1.0, chord_height_mm: 0.01, wire_limit: 50, point_limit: 10_000 };
             let wires = modelled(source.clone(), Some(job)).wires.unwrap();
             for wire in &wires {
                 let way = wire[wire.len() - 1] - wire[0];

@@ -82,7 +82,15 @@ pub struct Toolpath {
 
 impl Toolpath {
     pub fn builder(start: Point3<f64>) -> Builder {
-        Builder { at: start, axis: Vector3::z_axis(), next_axis: None, start, passes: Vec::new() }
+        Builder {
+            at: start,
+            axis: Vector3::z_axis(),
+            next_axis: None,
+            start,
+            passes: Vec::new(),
+            n_moves: 0,
+            limit: usize::MAX,
+        }
     }
 
     pub fn start(&self) -> Point3<f64> {
@@ -115,6 +123,8 @@ pub enum PathError {
     BadTime { seconds: f64 },
     #[error("the tool axis turns to the opposite direction, and there is no telling which way")]
     OppositeAxes,
+    #[error("the toolpath has more than {limit} moves, the most that are allowed")]
+    TooManyMoves { limit: usize },
     #[error(transparent)]
     Arc(#[from] ArcError),
     #[error(transparent)]
@@ -130,9 +140,27 @@ pub struct Builder {
     next_axis: Option<UnitVector3<f64>>,
     start: Point3<f64>,
     passes: Vec<Pass>,
+    n_moves: usize,
+    limit: usize,
 }
 
 impl Builder {
+    /// The builder of a toolpath with at most `limit` moves. Without this call there is no limit.
+    #[must_use]
+    pub fn with_limit(mut self, limit: usize) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    /// Refuses `n` more moves if there may not be as many, before the first of them is made.
+    ///
+    /// # Errors
+    /// When there would be too many moves.
+    pub fn check_room(&self, n: f64) -> Result<(), PathError> {
+        let room = self.limit - self.n_moves;
+        if n <= room as f64 { Ok(()) } else { Err(PathError::TooManyMoves { limit: self.limit }) }
+    }
+
     /// Where the tool is now.
     pub fn at(&self) -> Point3<f64> {
         self.at
@@ -196,16 +224,14 @@ impl Builder {
             check_time(seconds)?;
         }
         self.turn_next(axis)?;
-        self.push(Move::Turn { at: self.at, seconds, role }, self.at);
-        Ok(())
+        self.push(Move::Turn { at: self.at, seconds, role }, self.at)
     }
 
     /// # Errors
-    /// When `to` is not finite.
+    /// When `to` is not finite, or there are too many moves, as with every move.
     pub fn rapid(&mut self, to: Point3<f64>) -> Result<(), PathError> {
         let line = self.line_to(to)?;
-        self.push(Move::Rapid { line }, to);
-        Ok(())
+        self.push(Move::Rapid { line }, to)
     }
 
     /// # Errors
@@ -217,8 +243,7 @@ impl Builder {
         role: Role,
     ) -> Result<(), PathError> {
         let along = Curve::Line(self.line_to(to)?);
-        self.push(Move::Feed { along, rate: rate.into(), role }, to);
-        Ok(())
+        self.push(Move::Feed { along, rate: rate.into(), role }, to)
     }
 
     /// An arc about the absolute `center`.
@@ -234,8 +259,7 @@ impl Builder {
         role: Role,
     ) -> Result<(), PathError> {
         let along = Curve::Arc(Arc::new(plane, direction, self.at, to, center)?);
-        self.push(Move::Feed { along, rate: rate.into(), role }, to);
-        Ok(())
+        self.push(Move::Feed { along, rate: rate.into(), role }, to)
     }
 
     /// The quadratic Bezier curve with the control point `control`.
@@ -250,8 +274,7 @@ impl Builder {
         role: Role,
     ) -> Result<(), PathError> {
         let along = Curve::Parabola(Parabola::new(self.at, control, to)?);
-        self.push(Move::Feed { along, rate: rate.into(), role }, to);
-        Ok(())
+        self.push(Move::Feed { along, rate: rate.into(), role }, to)
     }
 
     /// A curve that starts where the tool is.
@@ -267,16 +290,14 @@ impl Builder {
         if along.start() != self.at {
             return Err(PathError::Apart);
         }
-        self.push(Move::Feed { along, rate: rate.into(), role }, along.end());
-        Ok(())
+        self.push(Move::Feed { along, rate: rate.into(), role }, along.end())
     }
 
     /// # Errors
     /// When `seconds` is negative or not finite.
     pub fn dwell(&mut self, seconds: f64) -> Result<(), PathError> {
         check_time(seconds)?;
-        self.push(Move::Dwell { seconds }, self.at);
-        Ok(())
+        self.push(Move::Dwell { seconds }, self.at)
     }
 
     pub fn finish(self) -> Result<Toolpath, PathError> {
@@ -294,7 +315,11 @@ impl Builder {
         }
     }
 
-    fn push(&mut self, step: Move, to: Point3<f64>) {
+    fn push(&mut self, step: Move, to: Point3<f64>) -> Result<(), PathError> {
+        if self.n_moves >= self.limit {
+            return Err(PathError::TooManyMoves { limit: self.limit });
+        }
+        self.n_moves += 1;
         if self.passes.is_empty() {
             self.begin_pass(None);
         }
@@ -306,6 +331,7 @@ impl Builder {
         axes.push(moves.len(), self.axis);
         moves.push(step);
         self.at = to;
+        Ok(())
     }
 }
 

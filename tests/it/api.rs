@@ -2,6 +2,7 @@
 
 mod arcs;
 mod binary;
+mod bounds;
 mod compression;
 mod connection;
 mod decoding;

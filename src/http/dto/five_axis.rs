@@ -39,8 +39,6 @@ pub use report::{Sample, SampleMembers, SmoothMembers, SmoothQuery, SmoothReport
 const DEFAULT_TOP_MM: f64 = 50.0;
 /// Default of `sample_period_ms`: the period of many controls, ms.
 const DEFAULT_PERIOD_MS: f64 = 1.0;
-/// Most samples of one motion: five minutes at the default period.
-const MAX_SAMPLES: usize = 300_000;
 
 /// Legal values of `tolerance_mm`, of `tolerance_deg` and of `sample_period_ms`.
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
@@ -235,7 +233,8 @@ impl IntoJob for SmoothRequest {
             period_s: sample_period_ms.unwrap_or(DEFAULT_PERIOD_MS) * 1e-3,
             machine,
             limits: motion,
-            sample_limit: MAX_SAMPLES,
+            sample_limit: limits.samples,
+            move_limit: limits.moves,
             retract_mm: retract_mm.unwrap_or(DEFAULT_RETRACT_MM),
             // Half a unit along each coordinate.
             rounding_mm: 0.5 * 3f64.sqrt() * step_mm + strays_mm,

@@ -239,6 +239,7 @@ impl IntoJob for InterpolateRequest {
             cutting,
             resolution: setup.program.resolution,
             element_limit: limits.elements,
+            step_limit: limits.curve_steps,
             curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })

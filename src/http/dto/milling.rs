@@ -120,6 +120,29 @@ fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Viol
     }
 }
 
+/// Refuses an allowance that makes the cutter so much larger than the surface that the passes cut nothing, or
+/// take far longer than the deadline. `extent` is as in [`check_size`].
+fn check_allowance(
+    at: &Pointer,
+    extent: [f64; 2],
+    tool: &Tool,
+    allowance_mm: Option<f64>,
+    violations: &mut Violations,
+) {
+    let Some(allowance) = allowance_mm.filter(|allowance| ALLOWANCE.holds(*allowance)) else { return };
+    let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
+    let longer = extent[0].max(extent[1]);
+    // What is too small for the cutter alone is told at the surface.
+    let is_part = longer >= LEAST_PART_OF_CUTTER * tool.diameter_mm();
+    if is_cutter && is_part && longer < LEAST_PART_OF_CUTTER * (tool.diameter_mm() + 2.0 * allowance) {
+        let most = 0.5 * (longer / LEAST_PART_OF_CUTTER - tool.diameter_mm());
+        let detail = format!(
+            "{allowance} mm is too much for a part that measures {longer:.4} mm: send at most {most:.3} mm"
+        );
+        violations.add(at, FieldCode::LimitExceeded, detail);
+    }
+}
+
 /// Largest diameter of a real cutter, mm.
 const LARGEST_CUTTER_MM: f64 = 500.0;
 
@@ -172,6 +195,7 @@ impl IntoJob for MillRequest {
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");
         violations.optional(&root.field("allowance_mm"), allowance_mm, ALLOWANCE, "mm");
+        check_allowance(&root.field("allowance_mm"), extent, &tool, allowance_mm, &mut violations);
         violations.optional(&root.field("step_length_mm"), step_length_mm, Range::POSITIVE, "mm");
         let stock = stock.map(|stock| stock.convert(&root.field("stock"), &mut violations));
         let entry = entry.map(|entry| entry.convert(&root.field("entry"), &mut violations));
@@ -205,6 +229,8 @@ impl IntoJob for MillRequest {
             resolution: setup.program.resolution,
             curves: setup.dialect.curves,
             plane_limit: limits.sections,
+            move_limit: limits.moves,
+            point_limit: limits.cl_points,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

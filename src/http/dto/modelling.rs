@@ -20,8 +20,8 @@ use crate::http::pointer::Pointer;
 use crate::machining::wire_model::{self, Wire};
 use crate::operations::surface_model as core;
 
-/// Most patches in one answer: some hundred thousand control points.
-pub const MAX_PATCHES: usize = 20_000;
+/// Most control points of all patches in one answer: those of 20,000 bicubic patches.
+pub const MAX_CONTROL_POINTS: usize = 320_000;
 
 /// Default of `chord_height_mm`: the largest distance of a wire from its chords, mm.
 const DEFAULT_CHORD_HEIGHT_MM: f64 = 0.01;
@@ -114,6 +114,7 @@ impl Wires {
             pitch_mm,
             chord_height_mm: chord_height_mm.unwrap_or(DEFAULT_CHORD_HEIGHT_MM),
             wire_limit: limits.sections,
+            point_limit: limits.wire_points,
         }
     }
 }
@@ -150,12 +151,13 @@ pub struct ModelReport {
 
 impl ModelReport {
     /// # Errors
-    /// `limit_exceeded` when there are too many patches to answer.
+    /// `limit_exceeded` when the patches have too many control points to answer.
     pub fn new(model: core::Model, with_patches: bool) -> Result<Self, ApiError> {
         let [nu, nv] = model.surface.spans();
         let n_patches = nu * nv;
-        if with_patches && n_patches > MAX_PATCHES {
-            return Err(too_many(n_patches));
+        let n_points = control_points(&model.surface);
+        if with_patches && n_points > MAX_CONTROL_POINTS {
+            return Err(too_many(n_points));
         }
         let [min, max] = model.bounds;
         Ok(Self {
@@ -169,10 +171,21 @@ impl ModelReport {
     }
 }
 
-fn too_many(patches: usize) -> ApiError {
+fn control_points(surface: &AnySurface) -> usize {
+    fn of<const N: usize>(patches: &[RationalPatch<N>]) -> usize {
+        patches.iter().map(|patch| patch.degree().map(|degree| degree + 1).iter().product::<usize>()).sum()
+    }
+    match surface {
+        AnySurface::Bicubic(surface) => 16 * surface.patches().len(),
+        AnySurface::Rational(surface) => of(surface.patches()),
+        AnySurface::HighDegree(surface) => of(surface.patches()),
+    }
+}
+
+fn too_many(points: usize) -> ApiError {
     use crate::http::error::{Code, FieldCode};
     let detail = format!(
-        "the surface has {patches} patches, and an answer holds at most {MAX_PATCHES}: send `patches: false`"
+        "the patches have {points} control points, and an answer holds at most {MAX_CONTROL_POINTS}: send `patches: false`"
     );
     ApiError::new(Code::LimitExceeded, detail)
         .blaming(&Pointer::root().field("patches"), FieldCode::LimitExceeded)

@@ -301,6 +301,7 @@ impl IntoJob for PocketRequest {
             cutting,
             resolution: setup.program.resolution,
             curves: setup.dialect.curves,
+            move_limit: limits.moves,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

@@ -28,6 +28,7 @@ use crate::operations::five_axis::history::{self, Course};
 use crate::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
 use crate::plot::Drawing;
 use crate::plot::diagram::Diagram;
+use crate::toolpath::PathError;
 use crate::toolpath::units::rounded_up;
 
 /// The answer in JSON.
@@ -225,6 +226,11 @@ impl From<FiveAxisError> for ApiError {
             FiveAxisError::NotScheduled { at, .. } => {
                 let limits = Pointer::root().field("limits");
                 Self::new(Code::InvalidRequest, detail).blaming(&limits, FieldCode::OutOfRange).at(at.into())
+            }
+            FiveAxisError::Moves(PathError::TooManyMoves { .. }) => {
+                let at = Pointer::root().field("tolerance_mm");
+                Self::new(Code::LimitExceeded, format!("{detail}; send a larger tolerance"))
+                    .blaming(&at, FieldCode::LimitExceeded)
             }
             FiveAxisError::Moves(_) => Self::new(Code::InternalError, detail),
             FiveAxisError::TooManySamples { .. } => Self::new(Code::LimitExceeded, detail)

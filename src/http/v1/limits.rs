@@ -7,10 +7,14 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::config::Limits;
+use crate::geometry::surface::any_surface::PATCH_LIMIT;
 use crate::http::App;
 use crate::http::dto::meta;
+use crate::http::dto::modelling::MAX_CONTROL_POINTS;
 use crate::http::error::ApiError;
 use crate::http::output::Encoded;
+use crate::operations::{pocketing, surface_milling};
+use crate::post::MAX_BLOCKS;
 
 /// How large a request may be, and how long a request may take.
 #[derive(Debug, Serialize, ToSchema)]
@@ -28,8 +32,33 @@ pub struct ServerLimits {
     drop_points: usize,
     /// Largest number of section planes of one milling job.
     sections: usize,
-    /// Largest number of moves of one toolpath in a request.
+    /// Largest number of moves of one toolpath, sent or computed.
     moves: usize,
+    /// Largest number of CL points of one milling job. Where the cutter is lowered onto the surface, a tenth
+    /// of it.
+    cl_points: usize,
+    /// Largest number of points of all wires of one model.
+    wire_points: usize,
+    /// Largest number of samples of one motion of five axes.
+    samples: usize,
+    /// Largest number of steps of the interpolation of one curve. A value of the curve takes one step for
+    /// each of its operations, and some more.
+    #[schema(maximum = 9_007_199_254_740_991_u64)]
+    curve_steps: u64,
+    /// Largest number of patches of one surface: of the surface that the data make.
+    patches: usize,
+    /// Largest number of control points of all patches in one answer.
+    control_points: usize,
+    /// Largest number of stretches of wires that all passes of `wire_union` compare.
+    wire_comparisons: usize,
+    /// Largest number of levels of one pocket.
+    levels: usize,
+    /// Largest number of cutter radii that the path on one level of a pocket is long.
+    level_radii: usize,
+    /// Largest number of cells with `islands_by: labelling`.
+    cells: usize,
+    /// Largest number of blocks of one NC program that is written.
+    blocks: usize,
     /// Largest number of entries of `meta`.
     meta_entries: usize,
     /// Longest text of `meta` and longest name of a program, in characters.
@@ -55,8 +84,19 @@ pub struct ServerLimits {
 
 impl From<&App> for ServerLimits {
     fn from(app: &App) -> Self {
-        let Limits { body_bytes, surface_points, curve_points, elements, drop_points, sections, moves } =
-            app.limits;
+        let Limits {
+            body_bytes,
+            surface_points,
+            curve_points,
+            elements,
+            drop_points,
+            sections,
+            moves,
+            cl_points,
+            wire_points,
+            samples,
+            curve_steps,
+        } = app.limits;
         Self {
             body_bytes,
             surface_points,
@@ -65,6 +105,17 @@ impl From<&App> for ServerLimits {
             drop_points,
             sections,
             moves,
+            cl_points,
+            wire_points,
+            samples,
+            curve_steps,
+            patches: PATCH_LIMIT,
+            control_points: MAX_CONTROL_POINTS,
+            wire_comparisons: surface_milling::MOST_COMPARED,
+            levels: pocketing::MOST_LEVELS,
+            level_radii: pocketing::MOST_RADII,
+            cells: pocketing::MOST_CELLS,
+            blocks: MAX_BLOCKS,
             meta_entries: meta::MAX_ENTRIES,
             text_characters: meta::MAX_TEXT_CHARACTERS,
             workers: app.workers,

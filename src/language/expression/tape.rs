@@ -19,6 +19,17 @@ pub enum Operation {
     Pair(Pairing),
 }
 
+impl Operation {
+    /// How long the operation takes with intervals, in sums and products.
+    pub fn weight(self) -> u64 {
+        match self {
+            Self::Variable | Self::Constant(_) | Self::Negate => 1,
+            Self::Pair(_) | Self::WholePower(_) => 2,
+            Self::Call(_) | Self::FixedPower(_) => 8,
+        }
+    }
+}
+
 /// An operation, and the byte of the text that it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {

@@ -70,7 +70,7 @@ pub fn moves(
     let away = |pose: &Pose| pose.tip + pose.axis.into_inner() * job.retract_mm;
     let begins = if begins_with_feed { away(&start) } else { start.tip };
     let mut moving = Moving {
-        builder: Toolpath::builder(begins),
+        builder: Toolpath::builder(begins).with_limit(job.move_limit),
         deviation: Deviation::NONE,
         allowed: allowed(job.tolerance(), CHORDS),
         allowed_at_corners: allowed(job.tolerance(), CHORDS_AT_CORNERS),

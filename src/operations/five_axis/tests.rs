@@ -71,6 +71,7 @@ pub(super) fn job(poses: Vec<Pose>, method: Method) -> Job {
         limits: None,
         period_s: 0.00025,
         sample_limit: 1_000_000,
+        move_limit: 500_000,
     }
 }
 

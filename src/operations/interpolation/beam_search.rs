@@ -11,6 +11,8 @@
 //! 4. Repeat steps 2 and 3 for the next layer, until an element reaches the end of the curve. If the layers
 //!    become as many as the elements of greedy growth, nothing is gained, and these elements are kept.
 //!
+//! The search also ends, without a result, when it has taken its share of the steps of the job (`meter`).
+//!
 //! If greedy growth finds more than [`MOST_ELEMENTS`] elements, there is no search.
 //!
 //! # Cost
@@ -19,7 +21,6 @@
 
 use super::Error;
 use super::fit::{Fitted, Fitter};
-use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
 /// Equal steps behind the farthest place of a layer. A layer holds at most twice as many places.
@@ -40,26 +41,27 @@ struct Place {
 ///
 /// # Errors
 /// When the budget ends.
-pub fn fewer(
-    fitter: &Fitter<impl PlaneCurve>,
-    greedy: &[Fitted],
-    budget: &Budget,
-) -> Result<Option<Vec<Fitted>>, Error> {
+pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Option<Vec<Fitted>>, Error> {
     let (Some(first), Some(last)) = (greedy.first(), greedy.last()) else { return Ok(None) };
     if !(3..=MOST_ELEMENTS).contains(&greedy.len()) {
         return Ok(None);
     }
     let (from, to) = (first.range[0], last.range[1]);
+    let end = fitter.meter.end_of_search();
     let mut layers = vec![vec![Place { t: from, before: 0 }]];
     // A chain that is worth finding has at least one element fewer.
     for k in 0..greedy.len() - 1 {
-        budget.check()?;
+        if fitter.meter.is_past(end) {
+            return Ok(None);
+        }
         let layer = &layers[k];
         let guess = greedy[k].range[1] - greedy[k].range[0];
         let mut next = Vec::with_capacity(2 * PLACES);
         for (before, place) in layer.iter().enumerate() {
-            if let Ok(longest) = fitter.longest([place.t, to], guess) {
-                next.push(Place { t: longest.range[1], before });
+            match fitter.longest([place.t, to], guess) {
+                Ok(longest) => next.push(Place { t: longest.range[1], before }),
+                Err(Error::Stopped(stopped)) => return Err(stopped.into()),
+                Err(_) => {}
             }
         }
         let Some(farthest) = next.iter().copied().max_by(|a, b| a.t.total_cmp(&b.t)) else { return Ok(None) };

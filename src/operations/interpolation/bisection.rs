@@ -10,13 +10,14 @@ use super::fit::{Fitted, Fitter};
 use crate::budget::Budget;
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Elements between two checks of the budget.
-const ELEMENTS_BETWEEN_CHECKS: usize = 64;
+/// Elements between two reports of progress.
+const ELEMENTS_BETWEEN_REPORTS: usize = 64;
 
 /// Bisects `range` until every element stays within the band, and returns the elements in order.
 ///
 /// # Errors
-/// When the budget ends, there are too many elements, or no element stays within the band however short.
+/// When the budget ends, there are too many elements or steps, or no element stays within the band however
+/// short.
 pub fn bisect(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
@@ -26,11 +27,11 @@ pub fn bisect(
     let mut open = vec![range];
     let mut looked = 0usize;
     while let Some([from, to]) = open.pop() {
-        if looked.is_multiple_of(ELEMENTS_BETWEEN_CHECKS) {
-            budget.check()?;
+        if looked.is_multiple_of(ELEMENTS_BETWEEN_REPORTS) {
             budget.progress("interpolating", elements.len(), elements.len() + open.len() + 1);
         }
         looked += 1;
+        fitter.meter.check()?;
         if let Some(fitted) = fitter.fit([from, to]) {
             if elements.len() >= fitter.element_limit {
                 return Err(Error::TooManyElements { limit: fitter.element_limit });

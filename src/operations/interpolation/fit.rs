@@ -6,6 +6,7 @@ mod bow;
 use nalgebra::{Point2, Vector2};
 
 use super::job::Method;
+use super::meter::Meter;
 use crate::geometry::arc_fit::{FLATTEST_MM, LARGEST_RADIUS_MM};
 use crate::geometry::deviation::{Band, Ends, GUARD_MM, GUARD_PART, Measure, Spread, Verdict, judge};
 use crate::geometry::element::Element;
@@ -84,6 +85,7 @@ pub struct Fitter<'a, C> {
     pub method: Method,
     pub band: Band,
     pub element_limit: usize,
+    pub meter: &'a Meter<'a>,
 }
 
 impl<C: PlaneCurve> Fitter<'_, C> {

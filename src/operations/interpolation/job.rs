@@ -6,6 +6,7 @@ use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{Curves, Parabolas};
 
+pub use super::meter::DEFAULT_STEP_LIMIT;
 pub use super::source::Source;
 
 /// The most elements of a job whose caller sets no limit.
@@ -57,6 +58,9 @@ pub struct Job {
     pub resolution: Resolution,
     /// A job that needs more elements is refused.
     pub element_limit: usize,
+    /// A job that takes more steps is refused. A search for fewer elements, and one for a lower bound, end
+    /// before that with what they have.
+    pub step_limit: u64,
     /// What the control runs. Arcs and lines stand for parabolas that it does not run, and lines for arcs.
     pub curves: Curves,
 }
@@ -76,6 +80,7 @@ impl Job {
             cutting: None,
             resolution: Resolution { units: Units::Mm, decimals: 3 },
             element_limit: DEFAULT_ELEMENT_LIMIT,
+            step_limit: DEFAULT_STEP_LIMIT,
             curves: Curves { parabolas: Parabolas::InXy, ..Curves::ARCS },
         }
     }

@@ -10,6 +10,9 @@
 //! on a convex part of the curve. Where this may happen, step 1 also tries longer elements. It also tries to
 //! move the last joint back, because the next element may then reach farther.
 //!
+//! When the search has taken its share of the steps of the job (`meter`), step 1 ends with the first element
+//! that is proved. Joints are then not moved back.
+//!
 //! # Guarantees
 //! * Every element is proved to stay within the band.
 //! * For lines on a convex curve, the number of elements is the least possible, up to rounding. For other
@@ -39,6 +42,10 @@ const STRAIN_PART: f64 = 2e-7;
 /// halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
 
+/// The first length that is proved where the search has no steps left, as a multiple of the length of the
+/// element before; each further length is shorter by this factor.
+const HOPEFUL: f64 = 1.5;
+
 /// How far earlier a joint is tried, as shares of the element before it.
 const EARLIER: [f64; 6] = [0.02, 0.06, 0.12, 0.25, 0.4, 0.6];
 
@@ -57,7 +64,8 @@ const ELEMENTS_BETWEEN_REPORTS: usize = 16;
 /// The fewest elements over `range` that greedy growth finds and that stay within the band.
 ///
 /// # Errors
-/// When the budget ends, there are too many elements, or no element stays within the band however short.
+/// When the budget ends, there are too many elements or steps, or no element stays within the band however
+/// short.
 pub fn fewest(
     fitter: &Fitter<impl PlaneCurve>,
     range: [f64; 2],
@@ -79,6 +87,7 @@ pub fn fewest(
         if let Some(last) = elements.last().copied()
             && next.range[1] < to
             && fitter.may_fit_again([last.range[0], next.range[1]])
+            && fitter.meter.has_steps_for_search()
             && let Some([earlier, longer]) = fitter.around(&last, &next, to)
         {
             elements.pop();
@@ -91,6 +100,7 @@ pub fn fewest(
         length = next.range[1] - next.range[0];
         at = next.range[1];
         elements.push(next);
+        fitter.meter.found_element(fitter.curve.operations());
     }
     Ok(elements)
 }
@@ -100,8 +110,9 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     /// length.
     ///
     /// # Errors
-    /// When no element stays within the band however short.
+    /// When the budget ends, the job takes too many steps, or no element stays within the band however short.
     pub fn longest(&self, [from, most]: [f64; 2], guess: f64) -> Result<Fitted, Error> {
+        self.meter.check()?;
         let room = most - from;
         let guess = guess.min(room);
         let is_bent_one_way = !self.may_fit_again([from, (from + 2.0 * guess).min(most)]);
@@ -120,6 +131,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             let shortest = length;
             let mut factor = LONGER;
             while factor <= reach && shortest * factor < room {
+                self.meter.check()?;
                 let farther = shortest * factor;
                 if farther > length && self.strain([from, from + farther]) <= 1.0 {
                     let strain = |length: f64| self.strain([from, from + length]);
@@ -130,17 +142,23 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         let end = |length: f64| if length >= room { most } else { from + length };
         for part in SHORTER {
+            self.meter.check()?;
             if let Some(fitted) = self.fit([from, end(length * (1.0 - part))]) {
                 return Ok(fitted);
             }
         }
-        self.longest_proved([from, most], length)
+        if self.meter.has_steps_for_search() {
+            self.longest_proved([from, most], length)
+        } else {
+            self.first_proved([from, most], (HOPEFUL * guess).min(0.5 * length))
+        }
     }
 
     /// As `longest`, but by proofs alone: for curves whose deviation samples do not show.
     fn longest_proved(&self, [from, most]: [f64; 2], length: f64) -> Result<Fitted, Error> {
         let mut high = length.min(most - from);
         let mut best = loop {
+            self.meter.check()?;
             high *= 0.5;
             if self.is_least([from, from + high]) {
                 return Err(Error::BandInfeasible { at: self.curve.point(from) });
@@ -151,6 +169,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         };
         let (mut low, mut high) = (high, 2.0 * high);
         while high - low > 1e-6 * low {
+            self.meter.check()?;
             let middle = 0.5 * (low + high);
             match self.fit([from, from + middle]) {
                 Some(fitted) => (best, low) = (fitted, middle),
@@ -158,6 +177,20 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         }
         Ok(best)
+    }
+
+    /// As `longest_proved`, with a few proofs: the first proved element among ever shorter ones.
+    fn first_proved(&self, [from, most]: [f64; 2], mut length: f64) -> Result<Fitted, Error> {
+        loop {
+            self.meter.check()?;
+            if let Some(fitted) = self.fit([from, (from + length).min(most)]) {
+                return Ok(fitted);
+            }
+            if self.is_least([from, from + length]) {
+                return Err(Error::BandInfeasible { at: self.curve.point(from) });
+            }
+            length /= HOPEFUL;
+        }
     }
 
     /// Whether a range is so short that halving it again changes nothing.

@@ -5,7 +5,8 @@
 //! 2. Find a place b such that every element that starts at r or before r, and stays within the band, ends at
 //!    b or before b.
 //! 3. Count one element, and take b as the next r. Repeat steps 2 and 3 until r is the end of the curve. The
-//!    count is the lower bound.
+//!    count is the lower bound. If the steps of the search end before (`meter`), the lower bound is one more
+//!    than the count.
 //!
 //! A place b is proved in one of two ways:
 //! * *Lines on a convex part of the curve.* The line from r to b leaves the band.
@@ -24,9 +25,9 @@
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
+use super::Error;
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
-use crate::budget::{Budget, Stopped};
 use crate::geometry::deviation::{Ends, GUARD_MM, Measure, Verdict, judge};
 use crate::geometry::element::Element;
 use crate::geometry::interval::Interval;
@@ -47,9 +48,6 @@ const HALVINGS: u32 = 4;
 /// A jump of the tangent by more than this sine makes a corner: the curve does not count as convex there.
 const CORNER_SINE: f64 = 1e-9;
 
-/// Elements between two checks of the budget.
-const STEPS_BETWEEN_CHECKS: usize = 16;
-
 /// The places of the four points that rule out an arc or a parabola, as shares of the range: those of
 /// Chebyshev.
 const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
@@ -67,17 +65,16 @@ const REFINEMENTS: usize = 8;
 ///
 /// # Errors
 /// When the budget ends.
-pub fn lower_bound(
-    fitter: &Fitter<impl PlaneCurve>,
-    guide: &[Fitted],
-    budget: &Budget,
-) -> Result<usize, Stopped> {
+pub fn lower_bound(fitter: &Fitter<impl PlaneCurve>, guide: &[Fitted]) -> Result<usize, Error> {
     let (Some(first), Some(last)) = (guide.first(), guide.last()) else { return Ok(0) };
     let (from, to) = (first.range[0], last.range[1]);
+    let end = fitter.meter.end_of_search();
     let (mut before, mut reached, mut count, mut at) = (from, from, 0usize, 0);
     while reached < to {
-        if count.is_multiple_of(STEPS_BETWEEN_CHECKS) {
-            budget.check()?;
+        fitter.meter.check()?;
+        if fitter.meter.is_past(end) {
+            // At least one more element leads to the end.
+            return Ok(count + 1);
         }
         while guide[at].range[1] <= reached {
             at += 1;

@@ -4,6 +4,7 @@ use nalgebra::{Point2, Point3};
 
 use super::compensation::compensate;
 use super::fit::Fitter;
+use super::meter::{Meter, Metered};
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
@@ -95,8 +96,17 @@ fn runnable(
     budget: &Budget,
 ) -> Result<Vec<ProvedElement>, Error> {
     let mut stretches = Vec::with_capacity(elements.len());
-    let fitter = |method| Fitter { curve, method, band: job.band, element_limit: job.element_limit };
+    let meter = Meter::new(job.step_limit, budget);
+    let curve = &Metered::new(curve, &meter);
+    let limit = job.element_limit;
     for element in elements {
+        let fitter = |method| Fitter {
+            curve,
+            method,
+            band: job.band,
+            element_limit: limit.saturating_sub(stretches.len()),
+            meter: &meter,
+        };
         let is_run =
             job.curves.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
         if is_run {
@@ -116,7 +126,11 @@ fn runnable(
             element: fitted.element,
             deviation_mm: fitted.spread.largest_mm(),
         }));
+        if stretches.len() > limit {
+            return Err(Error::TooManyElements { limit });
+        }
     }
+    meter.finish()?;
     Ok(stretches)
 }
 

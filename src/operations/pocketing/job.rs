@@ -131,4 +131,6 @@ pub struct Job {
     pub resolution: Resolution,
     /// What the control of the written program runs.
     pub curves: Curves,
+    /// A pocket that needs more moves is refused.
+    pub move_limit: usize,
 }

@@ -24,7 +24,7 @@ use crate::geometry::height_field::{HeightField, HeightGrid, SAME_HEIGHT_MM};
 use crate::geometry::region::Region;
 
 /// The largest number of cells.
-const MOST_CELLS: usize = 1_000_000;
+pub const MOST_CELLS: usize = 1_000_000;
 
 /// The heights of a field at the points of a grid; minus infinity at points outside the field.
 pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<HeightGrid, PocketError> {

@@ -12,10 +12,10 @@ use crate::geometry::element::Element;
 use crate::geometry::region::{Outline, Region};
 
 /// The most levels.
-const MOST_LEVELS: usize = 1000;
+pub const MOST_LEVELS: usize = 1000;
 
 /// The longest path of a level, in radii of the cutter.
-const MOST_RADII: usize = 200_000;
+pub const MOST_RADII: usize = 200_000;
 
 /// A level that would end less than this part of a stepdown above the pocket's floor ends on the floor: the
 /// difference is rounding.

@@ -55,6 +55,7 @@ fn enter(builder: &mut Builder, run: &Run, conditions: &Conditions) -> Result<()
             let turns = (conditions.depth_mm() / pitch - 1e-9).ceil().max(1.0);
             let halves = circle(start, *center, *is_left);
             let count = 2.0 * turns;
+            builder.check_room(count)?;
             let height =
                 |k: f64| if k == count { z } else { conditions.top_z_mm - conditions.depth_mm() * k / count };
             for k in 0..count as usize {
@@ -68,6 +69,7 @@ fn enter(builder: &mut Builder, run: &Run, conditions: &Conditions) -> Result<()
         Entry::Ramp { along, strokes } => {
             let length: f64 = along.iter().map(Element::length).sum();
             let whole = length * *strokes as f64;
+            builder.check_room(*strokes as f64)?;
             let mut done = 0.0;
             let back: Vec<Element> = along.iter().rev().map(Element::reversed).collect();
             for stroke in 0..*strokes {

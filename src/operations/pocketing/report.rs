@@ -78,11 +78,14 @@ pub struct Report {
 
 impl Times {
     /// The times of a route on a level.
-    pub fn of(route: &Route, conditions: &Conditions) -> Result<Self, PocketError> {
+    ///
+    /// # Errors
+    /// When the route has more than `move_limit` moves.
+    pub fn of(route: &Route, conditions: &Conditions, move_limit: usize) -> Result<Self, PocketError> {
         let retract = conditions.cutting.retract_z_mm;
         let start =
             route.runs.first().map_or(Point3::origin(), |run| Point3::new(run.start.x, run.start.y, retract));
-        let mut builder = Toolpath::builder(start);
+        let mut builder = Toolpath::builder(start).with_limit(move_limit);
         path::append(&mut builder, 0, &route.runs, conditions)?;
         let toolpath = builder.finish()?;
         let cutting = &conditions.cutting;

@@ -3,6 +3,7 @@
 
 use super::deviation::{Deviation, Seam};
 use super::entries::{APPROACH_MM, Proofs};
+use super::job::CONTACT_SHARE;
 use super::links::{self, Joined};
 use super::outline::Outline;
 use super::passes::{self, Allowed, CutPass, LeftOut, Passes};
@@ -48,6 +49,8 @@ struct Found<'a, P> {
     is_followed: bool,
     seam: Seam,
     chord_height_share: f64,
+    /// A job that needs more CL points is refused.
+    point_limit: usize,
     depth: Depth,
 }
 
@@ -159,6 +162,7 @@ fn by_sections<P: Patch>(
         is_followed: true,
         seam: *seam,
         chord_height_share: SECTION_HEIGHT_SHARE,
+        point_limit: job.point_limit,
         depth: if contacts.is_some() { Depth::Deviation } else { Depth::Tolerance },
     };
     plan_with(surface, &found, job, budget)
@@ -185,6 +189,7 @@ fn by_contact<P: Patch>(
         // The cutter touches edges and gaps as it touches everything else.
         seam: Seam::NONE,
         chord_height_share: CONTACT_HEIGHT_SHARE,
+        point_limit: (CONTACT_SHARE * job.point_limit as f64) as usize,
         depth: Depth::Tolerance,
     };
     plan_with(surface, &found, job, budget)
@@ -229,6 +234,7 @@ fn cut<P: Patch>(
         tolerance: share * (job.tolerance.mm() - gap),
         seam: found.seam,
         chord_height_share: found.chord_height_share,
+        point_limit: found.point_limit,
     };
     let Passes { passes, left_out } = passes::cut(job, slicer, planes, allowed, budget)?;
     let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));

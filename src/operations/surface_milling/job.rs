@@ -12,6 +12,14 @@ use crate::toolpath::units::{FeedRate, Tolerance};
 /// The most section planes of a job whose caller sets no limit.
 pub const DEFAULT_PLANE_LIMIT: usize = 20_000;
 
+/// The most moves and the most CL points of a job whose caller sets no limits.
+pub const DEFAULT_MOVE_LIMIT: usize = 500_000;
+pub const DEFAULT_POINT_LIMIT: usize = 10_000_000;
+
+/// The share of the limit of CL points that a job may need where the cutter is lowered onto the surface. Such
+/// a point takes ten and more times as long as a point of a section of the offset.
+pub const CONTACT_SHARE: f64 = 0.1;
+
 /// The direction of the section planes: `Zx` at constant y, `Yz` at constant x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionPlane {
@@ -151,6 +159,11 @@ pub struct Job {
     pub curves: Curves,
     /// A job that needs more section planes is refused.
     pub plane_limit: usize,
+    /// A job that needs more moves is refused.
+    pub move_limit: usize,
+    /// A job that needs more CL points is refused; by contact of the cutter, a job with more than
+    /// [`CONTACT_SHARE`] of these.
+    pub point_limit: usize,
 }
 
 impl Job {
@@ -176,6 +189,8 @@ impl Job {
             resolution: Resolution { units: Units::Mm, decimals: 3 },
             curves: Curves::ARCS,
             plane_limit: DEFAULT_PLANE_LIMIT,
+            move_limit: DEFAULT_MOVE_LIMIT,
+            point_limit: DEFAULT_POINT_LIMIT,
         }
     }
 

@@ -40,7 +40,8 @@ pub(super) fn join<P: Patch>(
 ) -> Result<Joined, Error> {
     let entries = Entries { job, cutting, proofs, budget };
     let mut n_not_clear = 0;
-    let mut builder = Toolpath::builder(at_height(entries.first_place(&passes[0])?, cutting.clearance_z_mm));
+    let start = at_height(entries.first_place(&passes[0])?, cutting.clearance_z_mm);
+    let mut builder = Toolpath::builder(start).with_limit(job.move_limit);
     for (k, pass) in passes.iter().enumerate() {
         budget.check()?;
         let before = k.checked_sub(1).map(|before| &passes[before]);

@@ -11,13 +11,8 @@ use super::{CutDirection, Error, Interpolation, Job};
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
-use crate::machining::offset_section::{Chain, PlaneAt, Spacing, chord_height};
-
-/// The most CL points of one job: a path of ten kilometres has about as many.
-const CL_POINT_LIMIT: usize = 20_000_000;
-
-/// The most arcs and lines of one job: a program of some thirty megabytes.
-const CURVE_LIMIT: usize = 1_000_000;
+use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing, chord_height};
+use crate::toolpath::PathError;
 
 /// Room kept for rounding the ends and the centre of an arc, in steps of the last decimal; most arcs stay
 /// within it.
@@ -35,6 +30,9 @@ const BULGE: f64 = 20.0;
 /// Pieces of a section shorter than this share of the cutter's radius are left out if the section has a
 /// longer piece.
 const SHORT_SHARE: f64 = 0.1;
+
+/// Least height of sections over their chords, mm, where steps are only counted.
+const COARSE_HEIGHT_MM: f64 = 5e-3;
 
 /// Trials with finer points before a section's tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
@@ -92,6 +90,8 @@ pub(super) struct Allowed {
     /// more points. A larger one needs more arcs, but their number grows only with the inverse cube root of
     /// the tolerance that is left.
     pub(super) chord_height_share: f64,
+    /// A job that needs more CL points is refused.
+    pub(super) point_limit: usize,
 }
 
 /// All passes in the order of cutting.
@@ -102,24 +102,72 @@ pub(super) fn cut(
     allowed: Allowed,
     budget: &Budget,
 ) -> Result<Passes, Error> {
+    check_steps(job, slicer, planes, allowed, budget)?;
     let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let cut_one = |k: usize| -> Result<Passes, Error> {
         budget.check()?;
         let forward = job.direction == CutDirection::OneWay || k.is_multiple_of(2);
         let cut = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
         let passes = &cut.passes;
-        let count = |what, counter: &AtomicUsize, more: usize, limit| {
-            let before = counter.fetch_add(more, Ordering::Relaxed);
-            let needed = limit + 1;
-            if before + more > limit { Err(Error::TooMuchWork { what, needed, limit }) } else { Ok(()) }
-        };
-        count("CL points", &n_points, passes.iter().map(|pass| pass.n_points).sum(), CL_POINT_LIMIT)?;
-        count("arcs and lines", &n_curves, passes.iter().map(|pass| pass.curves.len()).sum(), CURVE_LIMIT)?;
+        let count = |counter: &AtomicUsize, more: usize| counter.fetch_add(more, Ordering::Relaxed) + more;
+        let limit = allowed.point_limit;
+        if count(&n_points, passes.iter().map(|pass| pass.n_points).sum()) > limit {
+            return Err(Error::TooManyPoints { limit });
+        }
+        let limit = job.move_limit;
+        if count(&n_curves, passes.iter().map(|pass| pass.curves.len()).sum()) > limit {
+            return Err(PathError::TooManyMoves { limit }.into());
+        }
         budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
         Ok(cut)
     };
     let cut = budget.in_order(planes.len(), cut_one)?.into_iter().fold(Passes::default(), Passes::and);
     if cut.passes.is_empty() { Err(Error::NothingToCut) } else { Ok(cut) }
+}
+
+/// Refuses a step length that needs too many CL points, before the points are found: from an end of a section
+/// to its other end leads at least one step for each step length of their distance in plan.
+///
+/// The sections are traced without a limit for their steps, which takes a small part of the time. If the
+/// section in the middle lets all planes together expect less than half of the limit, only that section is
+/// traced.
+fn check_steps(
+    job: &Job,
+    slicer: &Slicer,
+    planes: &[PlaneAt],
+    allowed: Allowed,
+    budget: &Budget,
+) -> Result<(), Error> {
+    let Some(step_length) = job.step_length_mm else { return Ok(()) };
+    let height = (allowed.chord_height_share * allowed.tolerance).max(COARSE_HEIGHT_MM);
+    let spacing = Spacing { chord_height_mm: height, step_length_mm: f64::INFINITY };
+    let axis = 1 - job.plane.normal_axis();
+    let least_steps = |plane: &PlaneAt| -> Result<f64, Error> {
+        let chains = match slicer.chains(*plane, spacing, budget) {
+            // What cannot be traced is told where the passes are cut.
+            Err(SectionError::Lost { .. } | SectionError::TooManyPoints { .. }) => return Ok(0.0),
+            chains => chains?,
+        };
+        let way = |chain: &Chain| (chain.points[chain.points.len() - 1][axis] - chain.points[0][axis]).abs();
+        let shortest = SHORT_SHARE * job.cutter().radius();
+        let kept = chains.iter().filter(|chain| chain.length() >= shortest);
+        Ok(kept.map(|chain| way(chain) / step_length).sum())
+    };
+    let limit = allowed.point_limit;
+    let in_all = least_steps(&planes[planes.len() / 2])? * planes.len() as f64;
+    if in_all <= 0.5 * limit as f64 {
+        return Ok(());
+    }
+    let mut steps = 0.0;
+    for plane in planes {
+        budget.check()?;
+        steps += least_steps(plane)?;
+        // The margin is for rounding.
+        if steps * (1.0 - 1e-6) > limit as f64 {
+            return Err(Error::TooManyPoints { limit });
+        }
+    }
+    Ok(())
 }
 
 /// The passes of one plane, in the direction of travel.
@@ -128,7 +176,7 @@ fn cut_plane(
     slicer: &Slicer,
     plane: PlaneAt,
     forward: bool,
-    Allowed { tolerance, seam, chord_height_share }: Allowed,
+    Allowed { tolerance, seam, chord_height_share, point_limit: _ }: Allowed,
     budget: &Budget,
 ) -> Result<Passes, Error> {
     let mut spacing = Spacing {

@@ -47,7 +47,7 @@ use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Segment, UpperEn
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
 use crate::toolpath::quantize::round;
-use crate::toolpath::{Role, Toolpath};
+use crate::toolpath::{PathError, Role, Toolpath};
 use wires::WireModel;
 
 /// The share of the tolerance that wires may take as height over the chords of their points. It is small
@@ -57,8 +57,11 @@ const HEIGHT_SHARE: f64 = 0.1;
 /// The share of the tolerance by which vertical walls may be out of place.
 const WIDTH_SHARE: f64 = 0.02;
 
-/// The most lines of one job: a program of some thirty megabytes.
-const LINE_LIMIT: usize = 1_000_000;
+/// The most stretches of wires that all passes of a job may compare: half a minute of work, or more.
+pub const MOST_COMPARED: usize = 500_000_000;
+
+/// Lines between two checks of the budget.
+const PARTS_BETWEEN_CHECKS: usize = 256;
 
 /// Search budget for the fewest lines: evaluations for each point.
 const EFFORT: usize = 600;
@@ -97,7 +100,7 @@ pub(super) fn plan<P: Patch>(
     let accuracy = Accuracy { height_mm: HEIGHT_SHARE * tolerance, width_mm: WIDTH_SHARE * tolerance };
     let model = WireModel::new(surface, pitch_mm, job.plane_limit, accuracy, budget)?;
     let passes = passes(job, &model, accuracy, budget)?;
-    let toolpath = one_way(&cutting, &passes)?;
+    let toolpath = one_way(&cutting, &passes, job.move_limit)?;
     let gap = CERTIFICATE_GAP * tolerance;
     let proof = GougeProof::new(surface, &job.tool.cutter(), 0.0);
     let moves = certificate::curves(&toolpath);
@@ -139,9 +142,27 @@ fn neighbours(reach_mm: f64, pitch_mm: f64) -> usize {
     ((reach_mm / pitch_mm + PITCH_ROUNDING).floor() as usize).max(1)
 }
 
+/// Refuses passes that compare more stretches of wires than [`MOST_COMPARED`]: each pass compares all
+/// stretches of the wires within its reach.
+fn check_comparisons(model: &WireModel, reach: usize) -> Result<(), Error> {
+    let n = model.wires.len();
+    let mut before = vec![0; n + 1];
+    for (k, wire) in model.wires.iter().enumerate() {
+        before[k + 1] = before[k] + wire.stretches.len();
+    }
+    let of_pass = |k: usize| before[k.saturating_add(reach).min(n - 1) + 1] - before[k.saturating_sub(reach)];
+    let needed = (0..n).map(of_pass).sum();
+    if needed > MOST_COMPARED {
+        let what = "comparisons of stretches of wires";
+        return Err(Error::TooMuchWork { what, needed, limit: MOST_COMPARED });
+    }
+    Ok(())
+}
+
 /// The passes over every wire.
 fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> Result<Vec<CutPass>, Error> {
     let reach = neighbours(job.offset_mm(), model.pitch_mm);
+    check_comparisons(model, reach)?;
     let mut passes = Vec::new();
     let mut n_lines = 0;
     for k in 0..model.wires.len() {
@@ -154,18 +175,20 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
             .copied()
             .collect();
         for envelope in union(&near, accuracy.width_mm, budget)? {
-            let Some(pass) = pass(job, &envelope, model.wires[k].at, accuracy, budget)? else { continue };
+            let Some(pass) =
+                pass(job, &envelope, model.wires[k].at, accuracy, job.move_limit - n_lines, budget)?
+            else {
+                continue;
+            };
             n_lines += pass.curves.len();
-            if n_lines > LINE_LIMIT {
-                return Err(Error::TooMuchWork { what: "lines", needed: n_lines, limit: LINE_LIMIT });
-            }
             passes.push(pass);
         }
     }
     if passes.is_empty() { Err(Error::NothingToCut) } else { Ok(passes) }
 }
 
-/// The pass along an envelope in the plane at `y` mm; `None` if it would vanish in rounding.
+/// The pass along an envelope in the plane at `y` mm, of at most `room` lines; `None` if it would vanish in
+/// rounding.
 ///
 /// For an allowance the paper takes a larger cutter. Here the wires within the radius plus the allowance
 /// count, and the path is lifted by the allowance. So level places keep the allowance.
@@ -174,6 +197,7 @@ fn pass(
     envelope: &UpperEnvelope,
     y: f64,
     accuracy: Accuracy,
+    room: usize,
     budget: &Budget,
 ) -> Result<Option<CutPass>, Error> {
     let step = job.resolution.step_mm();
@@ -204,7 +228,14 @@ fn pass(
     for piece in pieces {
         let off = tips[start..=piece.end].iter().map(|tip| piece.curve.distance_to(tip)).fold(0.0, f64::max);
         let line = Line { start: piece.curve.start(), end: piece.curve.end() };
-        for part in divided(&line, job.step_length_mm) {
+        let n_parts = n_parts(&line, job.step_length_mm);
+        if curves.len() as f64 + n_parts > room as f64 {
+            return Err(PathError::TooManyMoves { limit: job.move_limit }.into());
+        }
+        for (k, part) in divided(&line, n_parts).enumerate() {
+            if k.is_multiple_of(PARTS_BETWEEN_CHECKS) {
+                budget.check()?;
+            }
             let written = round(&part, job.resolution, &job.curves)?;
             deviation_mm = deviation_mm.max(off + written.displacement_mm + known);
             curves.push(part);
@@ -222,17 +253,22 @@ fn pass(
     Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation }))
 }
 
-/// The line in equal parts no longer than `longest_mm`.
-fn divided(line: &Line, longest_mm: Option<f64>) -> Vec<Curve> {
-    let n = longest_mm.map_or(1.0, |longest| (line.length() / longest - 1e-9).ceil().max(1.0));
-    let way = line.end - line.start;
-    let at = |k: f64| if k == n { line.end } else { line.start + way * (k / n) };
-    (0..n as usize).map(|k| Curve::Line(Line { start: at(k as f64), end: at(k as f64 + 1.0) })).collect()
+/// The number of equal parts of a line that are no longer than `longest_mm`.
+fn n_parts(line: &Line, longest_mm: Option<f64>) -> f64 {
+    longest_mm.map_or(1.0, |longest| (line.length() / longest - 1e-9).ceil().max(1.0))
+}
+
+/// The line in `n` equal parts.
+fn divided(line: &Line, n: f64) -> impl Iterator<Item = Curve> {
+    let Line { start, end } = *line;
+    let at = move |k: f64| if k == n { end } else { start + (end - start) * (k / n) };
+    (0..n as usize).map(move |k| Curve::Line(Line { start: at(k as f64), end: at(k as f64 + 1.0) }))
 }
 
 /// The toolpath from the clearance plane over the first pass to the clearance plane over the last.
-fn one_way(cutting: &Cutting, passes: &[CutPass]) -> Result<Toolpath, Error> {
-    let mut builder = Toolpath::builder(at_height(passes[0].start(), cutting.clearance_z_mm));
+fn one_way(cutting: &Cutting, passes: &[CutPass], move_limit: usize) -> Result<Toolpath, Error> {
+    let start = at_height(passes[0].start(), cutting.clearance_z_mm);
+    let mut builder = Toolpath::builder(start).with_limit(move_limit);
     for pass in passes {
         builder.begin_pass(None);
         builder.rapid_over(pass.start(), cutting.clearance_z_mm, cutting.retract_z_mm)?;

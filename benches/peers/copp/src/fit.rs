@@ -78,6 +78,7 @@ fn job(poses: &[Pose], tolerance_mm: f64) -> Job {
         limits: None,
         period_s: 0.001,
         sample_limit: 1_000_000,
+        move_limit: 500_000,
         retract_mm: 0.0,
         rounding_mm: 0.0,
     }

@@ -24,7 +24,7 @@ impl From<Error> for ApiError {
             }
             Error::JointsInBand => unsupported(root.field("joints"), detail),
             Error::CompensatedParabola => unsupported(root.field("compensation"), detail),
-            Error::TooManyElements { limit: _ } => {
+            Error::TooManyElements { limit: _ } | Error::TooManySteps { limit: _ } => {
                 Self::new(Code::LimitExceeded, detail).blaming(&root.field("band"), FieldCode::LimitExceeded)
             }
             Error::BandInfeasible { at } => {

@@ -7,6 +7,7 @@ use crate::geometry::region::{OutlineError, RegionError};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::pocketing::PocketError;
+use crate::toolpath::PathError;
 
 fn place(at: Point2<f64>) -> [f64; 3] {
     [at.x, at.y, 0.0]
@@ -73,6 +74,13 @@ impl From<PocketError> for ApiError {
             PocketError::TooMuchWork { .. } => Self::new(Code::LimitExceeded, detail)
                 .blaming(&root.field("stepover_mm"), FieldCode::LimitExceeded),
             PocketError::NoneValid { .. } => Self::new(Code::NoValidPattern, detail),
+            PocketError::Path(PathError::TooManyMoves { .. }) => {
+                let advice =
+                    "send a larger `stepover_mm` or `stepdown_max_mm`, or a steeper or wider `entry`";
+                Self::new(Code::LimitExceeded, format!("{detail}: {advice}"))
+                    .blaming(&root.field("stepover_mm"), FieldCode::LimitExceeded)
+                    .blaming(&root.field("entry"), FieldCode::LimitExceeded)
+            }
             PocketError::Path(_) => Self::new(Code::InternalError, detail),
         }
     }

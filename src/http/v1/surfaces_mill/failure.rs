@@ -3,6 +3,7 @@
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use crate::operations::surface_milling::Error;
+use crate::toolpath::PathError;
 
 impl From<Error> for ApiError {
     fn from(error: Error) -> Self {
@@ -36,6 +37,16 @@ impl From<Error> for ApiError {
             Error::NothingToCut => Self::new(Code::NothingToCut, detail),
             Error::SectionLost { at } => Self::new(Code::SectionLost, detail).at(at.into()),
             Error::Quantize(quantize) => quantize.into(),
+            Error::Path(PathError::TooManyMoves { limit: _ }) => {
+                let detail = format!("{detail}: send a larger spacing of passes or a larger tolerance");
+                Self::new(Code::LimitExceeded, detail).blaming(&strategy, FieldCode::LimitExceeded)
+            }
+            Error::TooManyPoints { limit: _ } => {
+                let error = Self::new(Code::LimitExceeded, detail);
+                error
+                    .blaming(&root.field("step_length_mm"), FieldCode::LimitExceeded)
+                    .blaming(&strategy, FieldCode::LimitExceeded)
+            }
             Error::Path(_) => Self::new(Code::InternalError, detail),
         }
     }

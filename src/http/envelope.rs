@@ -17,9 +17,6 @@ use super::guard;
 use super::openapi;
 use super::request_id::{self, RequestId};
 
-/// Most seconds after which a refused caller is told to try again. The least is one second.
-const LONGEST_RETRY_S: u64 = 60;
-
 pub const ENGINE_VERSION_HEADER: HeaderName = HeaderName::from_static("x-engine-version");
 
 /// The layer around every handler.
@@ -72,15 +69,14 @@ fn unanswered(parts: &Parts, (method, path): &(Method, String)) -> ApiError {
 
 /// The response that holds `error` as a problem.
 fn response_of(error: ApiError, id: &RequestId) -> Response {
-    let (status, code, retry_after) = (error.status(), error.code(), error.retry_after());
+    let (status, code, retry_after) = (error.status(), error.code(), error.retry_after_s());
     let body = serde_json::to_vec(&error.problem(id.as_str())).unwrap_or_default();
     let mut response = (status, Body::from(body)).into_response();
     let headers = response.headers_mut();
     headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     if status == StatusCode::SERVICE_UNAVAILABLE {
-        let seconds = retry_after.map_or(1, |after| after.as_secs_f64().ceil() as u64);
-        headers.insert(header::RETRY_AFTER, seconds.clamp(1, LONGEST_RETRY_S).into());
+        headers.insert(header::RETRY_AFTER, retry_after.into());
     }
     if code == Code::UnsupportedCoding {
         headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static(GZIP));

@@ -4,6 +4,7 @@
 mod field;
 
 use std::fmt;
+use std::num::NonZero;
 use std::time::Duration;
 
 use axum::http::StatusCode;
@@ -23,6 +24,9 @@ pub const MAX_ERRORS: usize = 100;
 
 /// Most characters of a detail. A detail may quote a text of the caller, which may have any length.
 const MAX_DETAIL_CHARACTERS: usize = 500;
+
+/// Most seconds after which a refused caller is told to try again.
+const LONGEST_RETRY_S: f64 = 60.0;
 
 /// What went wrong. The list of codes is closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
@@ -241,8 +245,8 @@ pub struct ApiError {
     place: Option<[f64; 3]>,
     offers: Option<Vec<&'static str>>,
     sent: Option<Box<SentPart>>,
-    /// When the caller may try again, where that is known.
-    retry_after: Option<Duration>,
+    /// Seconds after which the caller should try again, where they are known.
+    retry_after_s: Option<NonZero<u16>>,
 }
 
 impl ApiError {
@@ -256,7 +260,7 @@ impl ApiError {
             place: None,
             offers: None,
             sent: None,
-            retry_after: None,
+            retry_after_s: None,
         }
     }
 
@@ -316,14 +320,16 @@ impl ApiError {
         self
     }
 
-    /// The same error, with the time after which the caller should try again.
+    /// The same error, with the time after which the caller should try again, in whole seconds.
     pub fn retrying(mut self, after: Duration) -> Self {
-        self.retry_after = Some(after);
+        let seconds = after.as_secs_f64().ceil().clamp(1.0, LONGEST_RETRY_S);
+        self.retry_after_s = NonZero::new(seconds as u16);
         self
     }
 
-    pub fn retry_after(&self) -> Option<Duration> {
-        self.retry_after
+    /// Seconds after which the caller should try again, at least one.
+    pub fn retry_after_s(&self) -> u16 {
+        self.retry_after_s.map_or(1, NonZero::get)
     }
 
     pub fn code(&self) -> Code {

@@ -1,5 +1,6 @@
-//! What HTTP costs: the time of a small job in the core, and of the same job as a request over a connection of this
-//! machine that stays open. The difference is the cost of HTTP: decoding, the queue, encoding, digest and log.
+//! What HTTP costs: the time of a small job in the core, and of the same job as a request over a connection
+//! of this machine that stays open. The difference is the cost of HTTP: decoding, the queue, encoding, digest
+//! and log.
 //!
 //! `cargo bench --bench http`
 

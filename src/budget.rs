@@ -1,8 +1,9 @@
 //! The limits of one computation: a deadline, a reason to stop, a receiver of progress, and helping threads.
 //!
 //! A computation below `http` learns only from its budget that it has to stop. Every long loop checks the
-//! budget at short intervals. The check returns `Err(Stopped)` if the budget was stopped from outside, for one
-//! of the reasons of [`Stopped`], or if the deadline has passed. The computation then ends without a result.
+//! budget at short intervals. The check returns `Err(Stopped)` if the budget was stopped from outside, for
+//! one of the reasons of [`Stopped`], or if the deadline has passed. The computation then ends without a
+//! result.
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;

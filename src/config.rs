@@ -1,5 +1,6 @@
 //! The settings of the program. Each setting can be given as a flag or as an environment variable.
 
+mod limits;
 mod sending;
 
 use std::net::SocketAddr;
@@ -9,6 +10,7 @@ use axum::http::{HeaderValue, Uri};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::dnc::NamedTarget;
+pub use limits::Limits;
 pub use sending::Sending;
 
 /// The command line of the program.
@@ -65,8 +67,8 @@ pub struct Settings {
     pub cors_origin: Vec<HeaderValue>,
 
     /// Names under which callers reach this service, such as `cam.example.com`; separate several with commas,
-    /// or repeat the flag. `*` stands for any name. Addresses, `localhost` and names without a dot need not be
-    /// listed
+    /// or repeat the flag. `*` stands for any name. Addresses, `localhost` and names without a dot need not
+    /// be listed
     #[arg(long, env = "TOOLPATHD_HOST", value_delimiter = ',', global = true)]
     pub host: Vec<String>,
 
@@ -91,8 +93,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_LIMIT", default_value_t = Limits::DEFAULT.body_bytes, value_parser = body_bytes, global = true)]
     pub body_limit: usize,
 
-    /// Bytes of memory that the service may use; computations are stopped at 72 % of them [default: the memory of
-    /// the machine, or the limit of the control group]
+    /// Bytes of memory that the service may use; computations are stopped at 72 % of them [default: the
+    /// memory of the machine, or the limit of the control group]
     #[arg(long, env = "TOOLPATHD_MEMORY", value_parser = clap::value_parser!(u64).range(64 * 1024 * 1024..), global = true)]
     pub memory: Option<u64>,
 
@@ -101,8 +103,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_MEMORY", global = true)]
     pub body_memory: Option<usize>,
 
-    /// Most bytes of all answers that wait for their callers; an answer beyond that is replaced by 503 [default:
-    /// an eighth of --memory, at most 268435456]
+    /// Most bytes of all answers that wait for their callers; an answer beyond that is replaced by 503
+    /// [default: an eighth of --memory, at most 268435456]
     #[arg(long, env = "TOOLPATHD_ANSWER_MEMORY", global = true)]
     pub answer_memory: Option<usize>,
 
@@ -264,50 +266,6 @@ impl Settings {
             curve_steps: self.max_curve_steps,
         }
     }
-}
-
-/// The largest size of each part of a request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
-    /// Bytes of a request body.
-    pub body_bytes: usize,
-    /// Points of one surface.
-    pub surface_points: usize,
-    /// Points of one curve.
-    pub curve_points: usize,
-    /// Elements of one interpolated curve.
-    pub elements: usize,
-    /// Places at which one request drops a cutter.
-    pub drop_points: usize,
-    /// Section planes of one milling job.
-    pub sections: usize,
-    /// Moves of one toolpath, sent or computed.
-    pub moves: usize,
-    /// CL points of one milling job; a tenth where the cutter is lowered onto the surface.
-    pub cl_points: usize,
-    /// Points of all wires of one model.
-    pub wire_points: usize,
-    /// Samples of one motion.
-    pub samples: usize,
-    /// Steps of the interpolation of one curve.
-    pub curve_steps: u64,
-}
-
-impl Limits {
-    /// The limits in the contract. A service with other settings answers its own limits at `/v1/limits`.
-    pub const DEFAULT: Limits = Limits {
-        body_bytes: 16 * 1024 * 1024,
-        surface_points: 250_000,
-        curve_points: 250_000,
-        elements: 250_000,
-        drop_points: 250_000,
-        sections: 20_000,
-        moves: 500_000,
-        cl_points: 10_000_000,
-        wire_points: 250_000,
-        samples: 300_000,
-        curve_steps: 2_000_000_000,
-    };
 }
 
 fn body_bytes(text: &str) -> Result<usize, String> {

@@ -21,6 +21,7 @@ mod guard;
 mod health;
 mod held;
 mod linger;
+mod marks;
 mod metrics;
 mod negotiation;
 mod observe;
@@ -127,8 +128,8 @@ impl App {
         })
     }
 
-    /// Begins the shutdown, which must be over at `end`: `/readyz` answers 503, so that load balancers send new
-    /// work elsewhere, and programs that are being sent to controls are ended.
+    /// Begins the shutdown, which must be over at `end`: `/readyz` answers 503, so that load balancers send
+    /// new work elsewhere, and programs that are being sent to controls are ended.
     pub fn drain(&self, end: Instant) {
         self.draining.store(true, Ordering::Relaxed);
         self.compute.end_by(end);

@@ -1,5 +1,5 @@
-//! Writes log lines on a thread of their own. A log that cannot be written, because the disk is full or nobody reads
-//! the pipe, costs lines and nothing else: no request waits for the log.
+//! Writes log lines on a thread of their own. A log that cannot be written, because the disk is full or
+//! nobody reads the pipe, costs lines and nothing else: no request waits for the log.
 
 use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};

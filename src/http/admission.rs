@@ -50,8 +50,8 @@ impl Pot {
     }
 }
 
-/// The bytes of a pot that one request or one answer holds. They are free again when the last clone of the share
-/// is dropped.
+/// The bytes of a pot that one request or one answer holds. They are free again when the last clone of the
+/// share is dropped.
 #[derive(Debug, Clone)]
 pub struct Share(Arc<Taken>);
 

@@ -112,12 +112,12 @@ impl Product for Cut {
     }
 }
 
-/// Decodes the body, runs `plan` with its job, and answers the outcome in the form that the caller wants. All of
-/// this is one computation.
+/// Decodes the body, runs `plan` with its job, and answers the outcome in the form that the caller wants. All
+/// of this is one computation.
 ///
 /// # Errors
-/// When the queue is full, or decoding, planning or encoding fails. An answer of events reports a failure after
-/// decoding as an event `problem`.
+/// When the queue is full, or decoding, planning or encoding fails. An answer of events reports a failure
+/// after decoding as an event `problem`.
 pub async fn answer<O: Offers, T, R, P, F>(
     app: &Arc<App>,
     wanted: Wanted<O>,
@@ -158,10 +158,7 @@ where
     let ticket = app.compute.admit()?;
     if is_streamed {
         let app = Arc::clone(app);
-        let start = |listener| async move {
-            let (encoded, _) = app.compute.run(ticket, Some(listener), compute).await??;
-            Ok(encoded)
-        };
+        let start = |listener| async move { Ok(app.compute.run(ticket, Some(listener), compute).await??.0) };
         return events::stream(request_id, decoded, start).await;
     }
     let (encoded, timing) = app.compute.run(ticket, None, compute).await??;

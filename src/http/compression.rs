@@ -10,7 +10,7 @@ use tower_http::compression::CompressionLayer;
 use tower_http::compression::predicate::Predicate;
 
 use super::error::{ApiError, Code};
-use super::program_stream::Streamed;
+use super::marks::Streamed;
 
 /// The digest of an answer's bytes. The bytes of an answer with a digest are final.
 pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
@@ -46,8 +46,8 @@ impl Coding {
     }
 }
 
-/// Compresses programs that are streamed, while they are sent. Every other answer is compressed as a whole, before its
-/// digest is taken, or not at all.
+/// Compresses programs that are streamed, while they are sent. Every other answer is compressed as a whole,
+/// before its digest is taken, or not at all.
 pub fn layer() -> CompressionLayer<impl Predicate> {
     let is_streamed = |_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensions| {
         extensions.get::<Streamed>().is_some()

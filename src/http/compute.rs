@@ -1,24 +1,28 @@
 //! Runs computations on threads of their own. Other threads serve the connections.
 //!
 //! # Method
-//! 1. A request takes a *ticket*. There are as many tickets as workers and places in the queue together. If no
-//!    ticket is free, the request is refused at once.
+//! 1. A request takes a *ticket*. There are as many tickets as workers and places in the queue together. If
+//!    no ticket is free, the request is refused at once.
 //! 2. The request waits for a *place*; there is one for each worker. A request that finds none in time is
 //!    refused. The refusal says when to try again.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
 //!    computation starts. Then place and ticket are free again.
 //! 4. If every place is held by a computation that has run for [`LONG`], the first request of the queue is
-//!    *tried*: it runs on a place beside the others, for [`TRIAL`] at most. A small job ends in that time, and
-//!    need not wait for large ones. A larger job is stopped and put back into the queue, where it keeps its
-//!    turn; it is tried a single time. No state is kept of a job that is put back, so trials cost no memory,
-//!    and time only while all places are held for long.
-//! 5. A step of an NC program that is rewritten while it arrives has a place of its own, which no job can take.
+//!    *tried*: it runs on a place beside the others, for [`TRIAL`] at most. A small job ends in that time,
+//!    and need not wait for large ones. A larger job is stopped and put back into the queue, where it keeps
+//!    its turn; it is tried a single time. No state is kept of a job that is put back, so trials cost no
+//!    memory, and time only while all places are held for long.
+//! 5. A step of an NC program that is rewritten while it arrives has a place of its own, which no job can
+//!    take.
 //!
-//! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its next
-//! check of the budget. If the process is short of memory, the oldest computation is stopped in the same way.
+//! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
+//! next check of the budget. If the process is short of memory, the oldest computation is stopped in the same
+//! way.
 
 mod jobs;
 pub mod memory;
+#[cfg(test)]
+mod tests;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::pin;
@@ -37,8 +41,8 @@ use memory::Memory;
 /// it may notice the deadline this much later.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
 
-/// Time after which a computation counts as long. It is longer than most jobs take, so that there are no trials
-/// while places become free often enough.
+/// Time after which a computation counts as long. It is longer than most jobs take, so that there are no
+/// trials while places become free often enough.
 const LONG: Duration = Duration::from_millis(600);
 
 /// Longest time of a trial.
@@ -152,8 +156,8 @@ impl Compute {
         Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| self.overloaded())
     }
 
-    /// Runs `job` when a place is free. A job may run twice: see the trials of this module. Dropping the future
-    /// stops the job. The job reports its progress to `listener`.
+    /// Runs `job` when a place is free. A job may run twice: see the trials of this module. Dropping the
+    /// future stops the job. The job reports its progress to `listener`.
     ///
     /// # Errors
     /// When there is no place in time, the deadline passes before the job ends, or the job panics.
@@ -222,8 +226,8 @@ impl Compute {
         self.outcome(&mut started).await
     }
 
-    /// Runs one step of a stream, which waits for other steps only, without a limit. `held` is dropped when the
-    /// step ends. Dropping the future stops the step.
+    /// Runs one step of a stream, which waits for other steps only, without a limit. `held` is dropped when
+    /// the step ends. Dropping the future stops the step.
     ///
     /// # Errors
     /// When the deadline passes before the step ends, or the step panics.
@@ -258,8 +262,8 @@ impl Compute {
         }
     }
 
-    /// Starts `job` on a thread. The permit of the place is free again when the job ends, before its result is
-    /// known, so that the caller finds the place free.
+    /// Starts `job` on a thread. The permit of the place is free again when the job ends, before its result
+    /// is known, so that the caller finds the place free.
     fn start<T, E, F>(
         &self,
         place: OwnedSemaphorePermit,
@@ -290,7 +294,8 @@ impl Compute {
         Started { budget, deadline, seat, result }
     }
 
-    /// Waits for the end of a computation, and meanwhile stops computations if the process is short of memory.
+    /// Waits for the end of a computation, and meanwhile stops computations if the process is short of
+    /// memory.
     async fn outcome<T, E>(&self, started: &mut Started<T, E>) -> Result<Result<T, E>, Failure> {
         let latest = (started.deadline + DEADLINE_SLACK).into();
         loop {
@@ -354,140 +359,5 @@ impl ProgressSink for Log {
         if let Some(listener) = &self.listener {
             listener.progress(stage, done, total);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
-    use super::*;
-
-    const LONG_ENOUGH: Duration = Duration::from_secs(20);
-
-    fn spin(budget: &Budget) -> Stopped {
-        loop {
-            if let Err(stopped) = budget.check() {
-                return stopped;
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    fn pool(workers: usize, queue: usize, wait: Duration, deadline: Duration) -> Arc<Compute> {
-        Arc::new(Compute::new(Capacity { workers, queue, wait, deadline }, Memory::of(None)))
-    }
-
-    /// Runs a job that gives a reason of its end as its error.
-    async fn run(
-        compute: &Compute,
-        job: impl Fn(&Budget) -> Result<u8, Stopped> + Send + Sync + 'static,
-    ) -> Result<Result<u8, Stopped>, Failure> {
-        compute.run(compute.admit()?, None, job).await
-    }
-
-    #[tokio::test]
-    async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
-        let compute = pool(1, 1, LONG_ENOUGH, LONG_ENOUGH);
-        let (running, waiting) = (Arc::clone(&compute), Arc::clone(&compute));
-        let running = tokio::spawn(async move { run(&running, |budget| Err(spin(budget))).await });
-        let waiting = tokio::spawn(async move { run(&waiting, |_| Ok(7)).await });
-        while compute.tickets.available_permits() > 0 {
-            tokio::task::yield_now().await;
-        }
-        assert!(matches!(run(&compute, |_| Ok(0)).await, Err(Failure::Overloaded { .. })));
-        running.abort();
-        assert_eq!(waiting.await.expect("no panic"), Ok(Ok(7)));
-        assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
-        assert_eq!((compute.running(), compute.waiting()), (0, 0));
-    }
-
-    #[tokio::test]
-    async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
-        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
-        let (sender, stopped) = oneshot::channel();
-        let sender = Mutex::new(Some(sender));
-        let job = run(&compute, move |budget| {
-            let sender = sender.lock().expect("no panic").take().expect("run once");
-            sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0)
-        });
-        assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
-        let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
-        assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
-    }
-
-    #[tokio::test]
-    async fn a_wait_and_a_computation_have_limits_of_their_own() {
-        let compute = pool(1, 1, Duration::from_millis(50), Duration::from_millis(300));
-        let slow = run(&compute, |budget| Err(spin(budget)));
-        let waiting = async {
-            sleep(Duration::from_millis(10)).await;
-            let begun = Instant::now();
-            (run(&compute, |_| Ok(0)).await, begun.elapsed())
-        };
-        let (slow, (waiting, waited)) = tokio::join!(slow, waiting);
-        assert_eq!(slow, Ok(Err(Stopped::DeadlinePassed)));
-        assert!(matches!(waiting, Err(Failure::NotStarted { .. })), "{waiting:?}");
-        assert!(waited < Duration::from_millis(200), "{waited:?}");
-
-        let deaf = run(&compute, |_| {
-            std::thread::sleep(Duration::from_millis(1500));
-            Ok(0)
-        });
-        assert_eq!(deaf.await, Err(Failure::DeadlinePassed));
-    }
-
-    #[tokio::test]
-    async fn a_short_job_does_not_wait_for_long_ones_and_a_long_one_is_tried_once() {
-        let compute = pool(1, 8, LONG_ENOUGH, Duration::from_secs(4));
-        let starts = Arc::new(AtomicUsize::new(0));
-        let long = || {
-            let (compute, starts) = (Arc::clone(&compute), Arc::clone(&starts));
-            tokio::spawn(async move {
-                let job = move |budget: &Budget| {
-                    starts.fetch_add(1, Ordering::Relaxed);
-                    Err(spin(budget))
-                };
-                run(&compute, job).await
-            })
-        };
-        let first = long();
-        sleep(LONG).await;
-        let second = long();
-        sleep(Duration::from_millis(50)).await;
-        let begun = Instant::now();
-        assert_eq!(run(&compute, |_| Ok(5)).await, Ok(Ok(5)));
-        assert!(begun.elapsed() < TRIAL + LONG, "{:?}", begun.elapsed());
-        assert!(!first.is_finished());
-        assert_eq!(first.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
-        assert_eq!(second.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
-        assert_eq!(starts.load(Ordering::Relaxed), 3);
-    }
-
-    #[tokio::test]
-    async fn a_step_of_a_stream_waits_for_no_job() {
-        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
-        let busy = Arc::clone(&compute);
-        let busy = tokio::spawn(async move { run(&busy, |budget| Err(spin(budget))).await });
-        while compute.running() == 0 {
-            tokio::task::yield_now().await;
-        }
-        let step = compute.run_step((), |_| Ok::<_, ()>(3));
-        assert_eq!(tokio::time::timeout(Duration::from_millis(300), step).await, Ok(Ok(Ok(3))));
-        busy.abort();
-    }
-
-    #[tokio::test]
-    async fn a_panic_gives_a_failure_and_the_next_job_runs() {
-        let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
-        assert_eq!(run(&compute, |_| panic!("on purpose")).await, Err(Failure::Panicked));
-        assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
-    }
-
-    #[tokio::test]
-    async fn a_job_beyond_the_memory_of_the_process_is_stopped() {
-        let capacity = Capacity { workers: 1, queue: 0, wait: LONG_ENOUGH, deadline: LONG_ENOUGH };
-        let compute = Compute::new(capacity, Memory::of(Some(1)));
-        assert_eq!(run(&compute, |budget| Err(spin(budget))).await, Ok(Err(Stopped::TooLarge)));
     }
 }

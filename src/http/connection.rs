@@ -20,8 +20,8 @@ use tokio_io_timeout::TimeoutStream;
 use tower::ServiceExt;
 
 use super::linger::Lingering;
+use super::marks::{Arrival, Endless, Streamed};
 use super::pace::{Pace, Paced};
-use super::program_stream::Streamed;
 use super::refusal::Explained;
 use super::socket::Socket;
 use crate::config::Settings;
@@ -29,8 +29,8 @@ use crate::config::Settings;
 /// How long an idle connection stays open after the signal, because a request may already be on its way.
 const IDLE_GRACE: Duration = Duration::from_millis(500);
 
-/// How long a caller may take, beyond the times for waiting and computing, to read the last answer of a connection
-/// that is being closed.
+/// How long a caller may take, beyond the times for waiting and computing, to read the last answer of a
+/// connection that is being closed.
 const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
 /// Time within which a connection on a spare place must send the head of a request, and get its answer.
@@ -39,7 +39,8 @@ const SPARE_LIMIT: Duration = Duration::from_secs(1);
 /// Largest head of a request.
 const HEAD_BYTES: u32 = 96 * 1024;
 
-/// Bytes that the service buffers for a stream of HTTP/2, and for a whole connection, while no handler reads them.
+/// Bytes that the service buffers for a stream of HTTP/2, and for a whole connection, while no handler reads
+/// them.
 const READ_AHEAD_BYTES: u32 = 64 * 1024;
 
 /// Most requests under way on one connection of HTTP/2.
@@ -47,18 +48,6 @@ const STREAMS: u32 = 100;
 
 /// Bytes of answers for which a connection has room beyond what its caller takes.
 const WRITE_AHEAD_BYTES: usize = 64 * 1024;
-
-/// Marks an answer that may take any time: a program goes out to a control meanwhile.
-#[derive(Debug, Clone, Copy)]
-pub struct Endless;
-
-/// How a request came: over a connection with a place, or over one that is beyond the limit and is there for health
-/// checks and metrics only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arrival {
-    Regular,
-    Spare,
-}
 
 /// Time limits of a connection.
 #[derive(Debug, Clone, Copy)]
@@ -123,8 +112,8 @@ pub async fn connection(
         .http1()
         .timer(TokioTimer::new())
         .header_read_timeout(header_limit)
-        // A caller that ends its own direction still gets its answer; `Socket::until_gone` finds those who have
-        // gone away.
+        // A caller that ends its own direction still gets its answer; `Socket::until_gone` finds those who
+        // have gone away.
         .half_close(true)
         .max_buf_size(HEAD_BYTES as usize);
     builder
@@ -180,8 +169,8 @@ async fn answer(
     Ok(busy.finish(response))
 }
 
-/// Serves a connection until either side ends it, the caller idles or takes an answer too slowly, or the service
-/// drains.
+/// Serves a connection until either side ends it, the caller idles or takes an answer too slowly, or the
+/// service drains.
 async fn supervise<C, E>(
     connection: C,
     activity: Arc<Activity>,
@@ -288,7 +277,8 @@ impl Busy {
         Self(Arc::clone(activity))
     }
 
-    /// Counts the request as answered. Of its answer only the head is known; its body tells its pace from now on.
+    /// Counts the request as answered. Of its answer only the head is known; its body tells its pace from now
+    /// on.
     fn finish(self, response: Response) -> Response {
         if response.extensions().get::<Streamed>().is_some() {
             self.0.streams.store(true, Ordering::Relaxed);

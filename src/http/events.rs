@@ -27,8 +27,8 @@ use crate::budget::ProgressSink;
 /// Shortest time between two progress events of the same stage.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Time without an event after which a comment is sent. Proxies then do not take the connection for dead, and the
-/// service notices a caller that has gone away.
+/// Time without an event after which a comment is sent. Proxies then do not take the connection for dead, and
+/// the service notices a caller that has gone away.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A comment, which callers ignore.

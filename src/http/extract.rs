@@ -18,8 +18,8 @@ use super::error::{ApiError, Code};
 use super::output::GCODE;
 use crate::config::Limits;
 
-/// Bytes that a body takes at first. It takes as many bytes again whenever they are full, so that a caller who
-/// announces a large body and sends little of it holds little memory.
+/// Bytes that a body takes at first. It takes as many bytes again whenever they are full, so that a caller
+/// who announces a large body and sends little of it holds little memory.
 const FIRST_BYTES: usize = 16 * 1024;
 
 /// A body that was read, with its content coding.
@@ -125,7 +125,8 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
     Ok(())
 }
 
-/// Reads the whole body. Refuses a body that is too large, that stops arriving, or that takes too long in all.
+/// Reads the whole body. Refuses a body that is too large, that stops arriving, or that takes too long in
+/// all.
 async fn read(body: Body, share: &Share, app: &App) -> Result<Bytes, ApiError> {
     timeout(app.body_deadline, read_all(body, share, app)).await.map_err(|_| {
         let seconds = app.body_deadline.as_secs_f64();

@@ -1,5 +1,5 @@
-//! Protects callers in browsers. A request under a foreign host name is refused, and every answer forbids a browser
-//! to guess its type or to load anything for it.
+//! Protects callers in browsers. A request under a foreign host name is refused, and every answer forbids a
+//! browser to guess its type or to load anything for it.
 
 use std::sync::Arc;
 
@@ -9,10 +9,11 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::connection::Arrival;
 use super::error::{ApiError, Code};
+use super::marks::Arrival;
 
-/// What a browser may load for an answer: nothing. Styles may stand in the answer itself, as in pages and pictures.
+/// What a browser may load for an answer: nothing. Styles may stand in the answer itself, as in pages and
+/// pictures.
 pub const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; \
     frame-ancestors 'self'";
 
@@ -29,9 +30,9 @@ impl Hosts {
         Self(names.iter().map(|name| name.to_ascii_lowercase()).collect())
     }
 
-    /// Whether a page under `authority`, a host with or without a port, may be a page of this service. Names with
-    /// a dot may belong to anybody: an attacker can point a name of its own at this machine, so that a browser
-    /// takes the attacker's page for one of this service (DNS rebinding).
+    /// Whether a page under `authority`, a host with or without a port, may be a page of this service. Names
+    /// with a dot may belong to anybody: an attacker can point a name of its own at this machine, so that a
+    /// browser takes the attacker's page for one of this service (DNS rebinding).
     fn allow(&self, authority: &str) -> bool {
         let host = match authority.rsplit_once(':') {
             Some((host, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => host,
@@ -44,8 +45,8 @@ impl Hosts {
     }
 }
 
-/// The layer that refuses requests under a foreign host name, and requests beyond the limit of connections other
-/// than health checks and metrics.
+/// The layer that refuses requests under a foreign host name, and requests beyond the limit of connections
+/// other than health checks and metrics.
 pub async fn check_host(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     match refusal(&app, &request) {
         Some(refused) => refused.into_response(),

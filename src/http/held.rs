@@ -1,5 +1,5 @@
-//! Counts the bytes of answers until they are sent. A caller who reads slowly, or never, makes its answer wait in
-//! memory; all answers that wait share a pot of limited size.
+//! Counts the bytes of answers until they are sent. A caller who reads slowly, or never, makes its answer
+//! wait in memory; all answers that wait share a pot of limited size.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -16,7 +16,8 @@ use super::admission::Share;
 use super::envelope;
 use super::request_id::RequestId;
 
-/// The layer that gives every answer its share of the memory for answers. A computed answer has its share already.
+/// The layer that gives every answer its share of the memory for answers. A computed answer has its share
+/// already.
 pub async fn hold(State(app): State<Arc<App>>, id: RequestId, request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     let share = match response.extensions_mut().remove::<Share>() {

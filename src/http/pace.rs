@@ -1,5 +1,5 @@
-//! How fast a caller takes an answer. An answer goes out in pieces, and the next piece is made when the connection
-//! has room for it. The time in which the connection had no room counts against the caller.
+//! How fast a caller takes an answer. An answer goes out in pieces, and the next piece is made when the
+//! connection has room for it. The time in which the connection had no room counts against the caller.
 
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

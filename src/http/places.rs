@@ -90,8 +90,8 @@ impl Drop for Place {
     }
 }
 
-/// The connections on spare places, the oldest first. A new one displaces the oldest when all spare places are
-/// taken.
+/// The connections on spare places, the oldest first. A new one displaces the oldest when all spare places
+/// are taken.
 #[derive(Debug, Default)]
 pub struct Spare(VecDeque<AbortHandle>);
 

@@ -26,6 +26,7 @@ use super::App;
 use super::compression::Coding;
 use super::error::{ApiError, Code};
 use super::extract::next_bytes;
+use super::marks::Streamed;
 use super::output::Encoded;
 use crate::budget::Budget;
 use crate::config::Settings;
@@ -65,10 +66,6 @@ impl Streams {
         }
     }
 }
-
-/// Marks an answer whose body is still being made while its head is sent.
-#[derive(Debug, Clone, Copy)]
-pub struct Streamed;
 
 /// A part of the answer.
 enum Part {

@@ -1,5 +1,5 @@
-//! What callers need to send a request again and to find its answer among others: their own key, and the number of
-//! their job order. The service keeps nothing of a request; the same request gives the same answer.
+//! What callers need to send a request again and to find its answer among others: their own key, and the
+//! number of their job order. The service keeps nothing of a request; the same request gives the same answer.
 
 use axum::extract::Request;
 use axum::http::{HeaderName, HeaderValue};
@@ -22,8 +22,8 @@ const JOB_ORDER: &str = "job_order_id";
 /// Most characters of a key.
 const MAX_KEY_CHARACTERS: usize = 255;
 
-/// Characters of a job order that are percent-encoded in a header. `%` is among them, so that the text can be told
-/// from its code.
+/// Characters of a job order that are percent-encoded in a header. `%` is among them, so that the text can be
+/// told from its code.
 const CODED: &AsciiSet = &CONTROLS.add(b'%');
 
 /// The layer that repeats the caller's key in the answer.

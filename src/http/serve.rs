@@ -11,7 +11,8 @@ use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep, timeout};
 
 use super::App;
-use super::connection::{Arrival, connection};
+use super::connection::connection;
+use super::marks::Arrival;
 use super::places::Spare;
 
 /// How long the service still accepts connections after the signal. A load balancer may still send callers

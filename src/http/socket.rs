@@ -2,12 +2,13 @@
 //! whether the caller is still there.
 //!
 //! # Method
-//! hyper notices the end of a connection only when it has read all bytes before the end, and it reads no bytes
-//! that follow a request whose answer is being computed. The system tells of the end earlier, as a state of the
-//! socket. That state is the same for a caller who has closed the connection and for one who has only ended its
-//! own direction and waits for the answer. Only a caller who has closed refuses further bytes. So the watch sends
-//! the interim answer `100 Continue`, which HTTP/1.1 permits before any answer (RFC 9110, section 15.2), and looks
-//! whether the connection is reset. Without an end of the caller's direction no interim answer is sent.
+//! hyper notices the end of a connection only when it has read all bytes before the end, and it reads no
+//! bytes that follow a request whose answer is being computed. The system tells of the end earlier, as a
+//! state of the socket. That state is the same for a caller who has closed the connection and for one who has
+//! only ended its own direction and waits for the answer. Only a caller who has closed refuses further bytes.
+//! So the watch sends the interim answer `100 Continue`, which HTTP/1.1 permits before any answer (RFC 9110,
+//! section 15.2), and looks whether the connection is reset. Without an end of the caller's direction no
+//! interim answer is sent.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -28,7 +29,8 @@ const WATCHED_AFTER: Duration = Duration::from_millis(40);
 /// Time between two looks at the state of a socket.
 const LOOK_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Time between two interim answers. A caller that has ended its own direction may close the connection later.
+/// Time between two interim answers. A caller that has ended its own direction may close the connection
+/// later.
 const PROBE_INTERVAL: Duration = Duration::from_secs(5);
 
 const PROBE: &[u8] = b"HTTP/1.1 100 Continue\r\n\r\n";
@@ -51,8 +53,8 @@ impl Socket {
 
     /// Waits until the caller has closed the connection. Ends never while the caller is there.
     ///
-    /// `may_probe` permits interim answers. The caller of this function must have an answer under way of which
-    /// no byte is written yet.
+    /// `may_probe` permits interim answers. The caller of this function must have an answer under way of
+    /// which no byte is written yet.
     pub async fn until_gone(&self, may_probe: bool) {
         let mut next_probe = Instant::now();
         sleep(WATCHED_AFTER).await;

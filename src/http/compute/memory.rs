@@ -6,8 +6,8 @@ use std::path::Path;
 /// Bytes of a page of memory, in which the system counts.
 const PAGE_BYTES: u64 = 4096;
 
-/// Largest share of the memory that computations may fill. The rest is for what they take until they notice that
-/// they must stop.
+/// Largest share of the memory that computations may fill. The rest is for what they take until they notice
+/// that they must stop.
 const SHARE: f64 = 0.72;
 
 /// The memory that the process may use.
@@ -48,8 +48,8 @@ pub fn granted() -> Option<u64> {
     limits.chain(machine).min()
 }
 
-/// The limits of one control group and of the groups above it. `line` is `ID:CONTROLLERS:PATH`; in a container
-/// the path may lead to the root of what is mounted.
+/// The limits of one control group and of the groups above it. `line` is `ID:CONTROLLERS:PATH`; in a
+/// container the path may lead to the root of what is mounted.
 fn group_limits(line: &str) -> Vec<u64> {
     let mut fields = line.splitn(3, ':').skip(1);
     let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else { return Vec::new() };

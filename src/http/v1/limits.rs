@@ -67,7 +67,8 @@ pub struct ServerLimits {
     workers: usize,
     /// Number of requests that may wait for a worker. Any further request is refused with status 503.
     queue: usize,
-    /// Longest time for which a request waits for a worker, in s. Then the request is refused with status 503.
+    /// Longest time for which a request waits for a worker, in s. Then the request is refused with status
+    /// 503.
     queue_wait_s: f64,
     /// Longest computation, in s, without the wait for a worker. A longer computation ends with status 504.
     deadline_s: f64,

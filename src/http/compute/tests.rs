@@ -1,0 +1,133 @@
+//! Tests of queue, trials, deadlines and memory.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::*;
+
+const LONG_ENOUGH: Duration = Duration::from_secs(20);
+
+fn spin(budget: &Budget) -> Stopped {
+    loop {
+        if let Err(stopped) = budget.check() {
+            return stopped;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn pool(workers: usize, queue: usize, wait: Duration, deadline: Duration) -> Arc<Compute> {
+    Arc::new(Compute::new(Capacity { workers, queue, wait, deadline }, Memory::of(None)))
+}
+
+/// Runs a job that gives a reason of its end as its error.
+async fn run(
+    compute: &Compute,
+    job: impl Fn(&Budget) -> Result<u8, Stopped> + Send + Sync + 'static,
+) -> Result<Result<u8, Stopped>, Failure> {
+    compute.run(compute.admit()?, None, job).await
+}
+
+#[tokio::test]
+async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
+    let compute = pool(1, 1, LONG_ENOUGH, LONG_ENOUGH);
+    let (running, waiting) = (Arc::clone(&compute), Arc::clone(&compute));
+    let running = tokio::spawn(async move { run(&running, |budget| Err(spin(budget))).await });
+    let waiting = tokio::spawn(async move { run(&waiting, |_| Ok(7)).await });
+    while compute.tickets.available_permits() > 0 {
+        tokio::task::yield_now().await;
+    }
+    assert!(matches!(run(&compute, |_| Ok(0)).await, Err(Failure::Overloaded { .. })));
+    running.abort();
+    assert_eq!(waiting.await.expect("no panic"), Ok(Ok(7)));
+    assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
+    assert_eq!((compute.running(), compute.waiting()), (0, 0));
+}
+
+#[tokio::test]
+async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
+    let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+    let (sender, stopped) = oneshot::channel();
+    let sender = Mutex::new(Some(sender));
+    let job = run(&compute, move |budget| {
+        let sender = sender.lock().expect("no panic").take().expect("run once");
+        sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0)
+    });
+    assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
+    let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
+    assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
+}
+
+#[tokio::test]
+async fn a_wait_and_a_computation_have_limits_of_their_own() {
+    let compute = pool(1, 1, Duration::from_millis(50), Duration::from_millis(300));
+    let slow = run(&compute, |budget| Err(spin(budget)));
+    let waiting = async {
+        sleep(Duration::from_millis(10)).await;
+        let begun = Instant::now();
+        (run(&compute, |_| Ok(0)).await, begun.elapsed())
+    };
+    let (slow, (waiting, waited)) = tokio::join!(slow, waiting);
+    assert_eq!(slow, Ok(Err(Stopped::DeadlinePassed)));
+    assert!(matches!(waiting, Err(Failure::NotStarted { .. })), "{waiting:?}");
+    assert!(waited < Duration::from_millis(200), "{waited:?}");
+
+    let deaf = run(&compute, |_| {
+        std::thread::sleep(Duration::from_millis(1500));
+        Ok(0)
+    });
+    assert_eq!(deaf.await, Err(Failure::DeadlinePassed));
+}
+
+#[tokio::test]
+async fn a_short_job_does_not_wait_for_long_ones_and_a_long_one_is_tried_once() {
+    let compute = pool(1, 8, LONG_ENOUGH, Duration::from_secs(4));
+    let starts = Arc::new(AtomicUsize::new(0));
+    let long = || {
+        let (compute, starts) = (Arc::clone(&compute), Arc::clone(&starts));
+        tokio::spawn(async move {
+            let job = move |budget: &Budget| {
+                starts.fetch_add(1, Ordering::Relaxed);
+                Err(spin(budget))
+            };
+            run(&compute, job).await
+        })
+    };
+    let first = long();
+    sleep(LONG).await;
+    let second = long();
+    sleep(Duration::from_millis(50)).await;
+    let begun = Instant::now();
+    assert_eq!(run(&compute, |_| Ok(5)).await, Ok(Ok(5)));
+    assert!(begun.elapsed() < TRIAL + LONG, "{:?}", begun.elapsed());
+    assert!(!first.is_finished());
+    assert_eq!(first.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
+    assert_eq!(second.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
+    assert_eq!(starts.load(Ordering::Relaxed), 3);
+}
+
+#[tokio::test]
+async fn a_step_of_a_stream_waits_for_no_job() {
+    let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+    let busy = Arc::clone(&compute);
+    let busy = tokio::spawn(async move { run(&busy, |budget| Err(spin(budget))).await });
+    while compute.running() == 0 {
+        tokio::task::yield_now().await;
+    }
+    let step = compute.run_step((), |_| Ok::<_, ()>(3));
+    assert_eq!(tokio::time::timeout(Duration::from_millis(300), step).await, Ok(Ok(Ok(3))));
+    busy.abort();
+}
+
+#[tokio::test]
+async fn a_panic_gives_a_failure_and_the_next_job_runs() {
+    let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+    assert_eq!(run(&compute, |_| panic!("on purpose")).await, Err(Failure::Panicked));
+    assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
+}
+
+#[tokio::test]
+async fn a_job_beyond_the_memory_of_the_process_is_stopped() {
+    let capacity = Capacity { workers: 1, queue: 0, wait: LONG_ENOUGH, deadline: LONG_ENOUGH };
+    let compute = Compute::new(capacity, Memory::of(Some(1)));
+    assert_eq!(run(&compute, |budget| Err(spin(budget))).await, Ok(Err(Stopped::TooLarge)));
+}

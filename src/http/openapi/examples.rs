@@ -30,7 +30,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     ],
     "programs-write": ["contour", "inch-fanuc", "leaning", "one-line", "parabolas"],
     "surfaces-drop": ["bowl", "bull-nose"],
-    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "one-pass", "wire-union"],
+    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "one-pass", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],
 });
 

@@ -7,8 +7,8 @@
 //!    refused. The refusal says when to try again.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
 //!    computation starts. Then place and ticket are free again.
-//! 4. If every place is held by a computation that has run for [`LONG`], the first request of the queue is
-//!    *tried*: it runs on a place beside the others, for [`TRIAL`] at most. A small job ends in that time,
+//! 4. If every place is held by a computation that has run for `LONG`, the first request of the queue is
+//!    *tried*: it runs on a place beside the others, for `TRIAL` at most. A small job ends in that time,
 //!    and need not wait for large ones. A larger job is stopped and put back into the queue, where it keeps
 //!    its turn; it is tried a single time. No state is kept of a job that is put back, so trials cost no
 //!    memory, and time only while all places are held for long.

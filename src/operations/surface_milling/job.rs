@@ -162,7 +162,7 @@ pub struct Job {
     /// A job that needs more moves is refused.
     pub move_limit: usize,
     /// A job that needs more CL points is refused; by contact of the cutter, a job with more than
-    /// [`CONTACT_SHARE`] of these.
+    /// `CONTACT_SHARE` of these.
     pub point_limit: usize,
 }
 

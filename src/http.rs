@@ -41,6 +41,7 @@ mod socket;
 mod timing;
 mod trace;
 mod v1;
+mod watched;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,18 +1,15 @@
 //! The outermost layer of the service. For every request it writes one log line and counts metrics. If the
 //! caller sent a trace, the request continues this trace.
 
-use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
-use axum::body::{Body, Bytes, HttpBody};
+use axum::body::{Body, HttpBody};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::Response;
-use hyper::body::{Frame, SizeHint};
 use tracing::field::Empty;
 use tracing::{Instrument, Span};
 
@@ -22,6 +19,7 @@ use super::metrics::Answered;
 use super::request_id::RequestId;
 use super::timing::Timing;
 use super::trace::{self, Trace};
+use super::watched::{Seen, Watched};
 
 /// The route in logs and metrics of a request that matches no route.
 const NO_ROUTE: &str = "none";
@@ -174,45 +172,4 @@ fn shortened(path: &str) -> &str {
 fn milliseconds(duration: Duration) -> f64 {
     // Rounded to a microsecond: further digits are noise.
     (duration.as_secs_f64() * 1e6).round() / 1e3
-}
-
-/// An event of a body: some bytes, or its end.
-enum Seen {
-    Data(usize),
-    End,
-}
-
-/// A body that reports every event to `tell`.
-struct Watched<F> {
-    body: Body,
-    tell: F,
-}
-
-impl<F: FnMut(Seen) + Unpin> HttpBody for Watched<F> {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        let frame = Pin::new(&mut self.body).poll_frame(context);
-        if let Poll::Ready(Some(Ok(frame))) = &frame
-            && let Some(data) = frame.data_ref()
-        {
-            (self.tell)(Seen::Data(data.len()));
-        }
-        if matches!(frame, Poll::Ready(None)) || self.body.is_end_stream() {
-            (self.tell)(Seen::End);
-        }
-        frame
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
-    }
 }

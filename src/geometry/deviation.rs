@@ -201,7 +201,8 @@ struct Search<'a> {
     /// Encloses the distances over the cells that are finished.
     proved: Interval,
     cells: usize,
-    /// When as many cells are left, the search has to be past this parameter.
+    /// Number of cells left at which the search is given up, unless it has proved the range up to
+    /// `least_after_look`.
     cells_after_look: usize,
     least_after_look: f64,
     open: Vec<[Reading; 2]>,

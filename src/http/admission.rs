@@ -22,7 +22,7 @@ const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 /// Largest piece that may fill the last part of a pot. So large pieces do not shut out small ones.
 const SMALL_BYTES: usize = 64 * 1024;
 
-/// The part of a pot that only small pieces fill: one of so many equal parts.
+/// Large pieces leave one part in `PARTS` of a pot to small pieces.
 const PARTS: usize = 8;
 
 /// A limited number of bytes that all requests share.
@@ -126,7 +126,7 @@ pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next
     response
 }
 
-/// About as many bytes as the head of a request takes.
+/// Estimates the bytes of a request's head: path, query and headers.
 fn bytes_of_head(request: &Request) -> usize {
     let path = request.uri().path_and_query().map_or(0, |path| path.as_str().len());
     path + request.headers().iter().map(|(name, value)| name.as_str().len() + value.len()).sum::<usize>()

@@ -1,8 +1,8 @@
 //! Runs computations on threads of their own. Other threads serve the connections.
 //!
 //! # Method
-//! 1. A request takes a *ticket*. There are as many tickets as workers and places in the queue together. If
-//!    no ticket is free, the request is refused at once.
+//! 1. A request takes a *ticket*. There is one ticket for each worker and one for each request that may wait.
+//!    If no ticket is free, the request is refused at once.
 //! 2. The request waits for a *place*; there is one for each worker. A request that finds none in time is
 //!    refused. The refusal says when to try again.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the

@@ -18,8 +18,8 @@ use super::error::{ApiError, Code};
 use super::output::GCODE;
 use crate::config::Limits;
 
-/// Bytes that a body takes at first. It takes as many bytes again whenever they are full, so that a caller
-/// who announces a large body and sends little of it holds little memory.
+/// First size of the buffer of a body. A full buffer doubles. So the buffer follows the bytes that arrive,
+/// not the `Content-Length` that the caller announces.
 const FIRST_BYTES: usize = 16 * 1024;
 
 /// A body that was read, with its content coding.
@@ -73,7 +73,8 @@ impl<T: IntoJob> JobBody<T> {
     /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
     ///
     /// # Errors
-    /// Those of [`SentBody::decoded`], and `malformed_json` or `invalid_request`.
+    /// `malformed_json` or `invalid_request`; for a body in gzip also `bad_request`, `payload_too_large` and
+    /// `overloaded`.
     pub fn job(&self, limits: &Limits) -> Result<T::Job, ApiError> {
         decode::job::<T>(&self.body.decoded()?.bytes, limits)
     }

@@ -43,7 +43,7 @@ impl Pace {
 /// A body in pieces, which tells its pace.
 pub struct Paced {
     body: Body,
-    /// What is left of the last part of `body`.
+    /// The bytes that `body` has given and that are not sent yet.
     rest: Bytes,
     pace: Arc<Pace>,
 }

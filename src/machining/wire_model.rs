@@ -130,7 +130,7 @@ fn check_points(
 ) -> Result<(), WireError> {
     let [nu, nv] = surface.spans();
     let mut points = 0.0;
-    // Wires over the same row of patches have as many points as each other.
+    // All wires over one row of patches have the same number of points.
     let mut known: Option<(usize, f64)> = None;
     for v in places {
         let j = span_of(*v, nv);

@@ -48,8 +48,9 @@ pub fn granted() -> Option<u64> {
     limits.chain(machine).min()
 }
 
-/// The limits of one control group and of the groups above it. `line` is `ID:CONTROLLERS:PATH`; in a
-/// container the path may lead to the root of what is mounted.
+/// The memory limits of one control group and of the groups above it. `line` is a line
+/// `ID:CONTROLLERS:PATH` of `/proc/self/cgroup`. In a container the system may mount the group itself as the
+/// root, so the limit at the root counts too.
 fn group_limits(line: &str) -> Vec<u64> {
     let mut fields = line.splitn(3, ':').skip(1);
     let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else { return Vec::new() };

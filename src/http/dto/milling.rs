@@ -132,7 +132,7 @@ fn check_allowance(
     let Some(allowance) = allowance_mm.filter(|allowance| ALLOWANCE.holds(*allowance)) else { return };
     let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
     let longer = extent[0].max(extent[1]);
-    // What is too small for the cutter alone is told at the surface.
+    // A part that is too small even without an allowance is a violation of the surface.
     let is_part = longer >= LEAST_PART_OF_CUTTER * tool.diameter_mm();
     if is_cutter && is_part && longer < LEAST_PART_OF_CUTTER * (tool.diameter_mm() + 2.0 * allowance) {
         let most = 0.5 * (longer / LEAST_PART_OF_CUTTER - tool.diameter_mm());

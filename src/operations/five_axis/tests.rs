@@ -173,11 +173,12 @@ pub(super) fn assert_within(name: &str, job: &Job) -> Plan {
     assert!(plan.report.is_within_tolerance, "{name}: {:?}", plan.report);
     let samples: Vec<Pose> = plan.samples.iter().map(|sample| sample.pose).collect();
     let given = given(job);
-    let (tip, angle) = farthest(&given, &samples);
     let report = &plan.report;
+    let (tip, angle) = farthest(&given, &samples, [report.deviation_mm, report.deviation_axis]);
     assert!(tip <= report.deviation_mm + 1e-9, "{name}: seen {tip}, stated {}", report.deviation_mm);
     assert!(angle <= report.deviation_axis + 1e-8, "{name}: seen {angle}, stated {}", report.deviation_axis);
-    let (tip, angle) = farthest(&given, &along_moves(&plan.toolpath));
+    let allowed = [report.moves_deviation_mm, report.moves_deviation_axis];
+    let (tip, angle) = farthest(&given, &along_moves(&plan.toolpath), allowed);
     assert!(tip <= report.moves_deviation_mm + 1e-9, "{name}: moves {tip}, {}", report.moves_deviation_mm);
     assert!(angle <= report.moves_deviation_axis + 1e-7, "{name}: moves {angle} {report:?}");
     let (first, last) = (plan.samples[0].pose, plan.samples[plan.samples.len() - 1].pose);

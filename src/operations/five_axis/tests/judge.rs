@@ -3,43 +3,55 @@
 use super::*;
 use crate::toolpath::path::{Move, Role};
 
-/// The distance from the nearest block, and the angle to the axis there.
-fn off(poses: &[Pose], sample: &Pose, near: usize) -> (f64, f64) {
-    let first = near.saturating_sub(40);
-    let mut best = (f64::INFINITY, f64::INFINITY);
-    for pair in poses[first..(near + 40).min(poses.len())].windows(2) {
-        let along = pair[1].tip - pair[0].tip;
-        let from = sample.tip - pair[0].tip;
-        let t =
-            if along.norm() > 1e-9 { (from.dot(&along) / along.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-        let distance = (from - along * t).norm();
-        let (a, b) = (pair[0].axis.into_inner(), pair[1].axis.into_inner());
-        let slerped =
-            if angle(&a, &b) > 1e-12 { pair[0].axis.slerp(&pair[1].axis, t).into_inner() } else { a };
-        let mut turned = angle(&slerped, &sample.axis);
-        if along.norm() <= 1e-9 {
-            // Any axis on the way does.
-            let normal = a.cross(&b).normalize();
-            let is_between =
-                a.cross(&sample.axis).dot(&normal) >= -1e-9 && sample.axis.cross(&b).dot(&normal) >= -1e-9;
-            turned = if is_between { normal.dot(&sample.axis).abs().asin() } else { turned };
-        }
-        if distance < best.0 - 1e-9 || distance < best.0 + 1e-9 && turned < best.1 {
-            best = (distance, turned);
-        }
-    }
-    best
+/// How often a block is shortened by a third in the search for its place nearest to a pose.
+const THIRDS: usize = 60;
+
+/// The distance of a pose from a place of a block, and the angle to the axis there.
+fn apart(block: &[Pose], t: f64, pose: &Pose) -> [f64; 2] {
+    let tip = block[0].tip + (block[1].tip - block[0].tip) * t;
+    let (a, b) = (block[0].axis.into_inner(), block[1].axis.into_inner());
+    let axis = if angle(&a, &b) > 1e-12 { block[0].axis.slerp(&block[1].axis, t).into_inner() } else { a };
+    [(pose.tip - tip).norm(), angle(&axis, &pose.axis)]
 }
 
-/// The largest distance and angle of poses from a path, which they follow in order.
-pub fn farthest(given: &[Pose], poses: &[Pose]) -> (f64, f64) {
+/// The distance and the angle at a place of the path where both are within what is allowed; if there is none,
+/// at the place where the larger part of what is allowed is least. The block with that place is near a given
+/// one.
+fn off(poses: &[Pose], sample: &Pose, near: usize, allowed: [f64; 2]) -> [f64; 2] {
+    let part = |[tip, angle]: [f64; 2]| (tip / allowed[0]).max(angle / allowed[1]);
+    let blocks = || poses[near.saturating_sub(40)..(near + 40).min(poses.len())].windows(2);
+    let beside = |block: &[Pose]| {
+        let along = block[1].tip - block[0].tip;
+        let t = (sample.tip - block[0].tip).dot(&along) / along.norm_squared().max(1e-18);
+        apart(block, t.clamp(0.0, 1.0), sample)
+    };
+    if let Some(within) = blocks().map(beside).find(|apart| part(*apart) <= 1.0) {
+        return within;
+    }
+    let least = |block: &[Pose]| {
+        // Distance and angle each fall and then rise along the block, and so does the larger part.
+        let at = |t: f64| apart(block, t, sample);
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..THIRDS {
+            let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
+            if part(at(first)) <= part(at(second)) { high = second } else { low = first }
+        }
+        [0.0, low, 1.0].map(at).into_iter().min_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap()
+    };
+    blocks().map(least).min_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap()
+}
+
+/// The largest distance and angle of poses from a path, which they follow in order. Each pose is compared
+/// with the place of the path where both are within what is allowed, if there is one.
+pub fn farthest(given: &[Pose], poses: &[Pose], allowed: [f64; 2]) -> (f64, f64) {
+    let allowed = allowed.map(|most| most.max(1e-12));
     let (mut tip, mut angle) = (0.0_f64, 0.0_f64);
     let mut near = 0;
     for pose in poses {
         let range = near..(near + 60).min(given.len());
         let distance = |k: &usize| (given[*k].tip - pose.tip).norm();
         near = range.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap().max(near);
-        let (distance, turned) = off(given, pose, near);
+        let [distance, turned] = off(given, pose, near, allowed);
         tip = tip.max(distance);
         angle = angle.max(turned);
     }

@@ -32,6 +32,8 @@ pub const BOUNDS_ACCURACY_MM: f64 = 1e-6;
 pub struct Job {
     pub surface: Source,
     pub wires: Option<WireJob>,
+    /// A surface with more control points is refused.
+    pub control_point_limit: usize,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -69,14 +71,23 @@ pub enum Error {
     Source(#[from] SourceError),
     #[error(transparent)]
     Wires(#[from] WireError),
+    #[error(
+        "the patches have {needed} control points, and an answer holds at most {limit}: send `patches: false`"
+    )]
+    TooManyControlPoints { needed: usize, limit: usize },
 }
 
 /// Models the surface.
 ///
 /// # Errors
-/// When the data make no surface, there are too many wires, a wire cannot be traced, or the budget stops.
+/// When the data make no surface, there are too many control points or wires, a wire cannot be traced, or the
+/// budget stops.
 pub fn model(job: &Job, budget: &Budget) -> Result<Model, Error> {
     let surface = job.surface.surface()?;
+    let (needed, limit) = (surface.n_control_points(), job.control_point_limit);
+    if needed > limit {
+        return Err(Error::TooManyControlPoints { needed, limit });
+    }
     let findings = match &surface {
         AnySurface::Bicubic(surface) => examine(surface, job, budget)?,
         AnySurface::Rational(surface) => examine(surface, job, budget)?,
@@ -160,7 +171,7 @@ mod tests {
     }
 
     fn modelled(surface: Source, wires: Option<WireJob>) -> Model {
-        model(&Job { surface, wires }, &Budget::unlimited()).unwrap()
+        model(&Job { surface, wires, control_point_limit: usize::MAX }, &Budget::unlimited()).unwrap()
     }
 
     #[test]
@@ -184,6 +195,18 @@ mod tests {
         source.points.reverse();
         let curvature = modelled(Source::PointGrid(source), None).curvature_max_concave_per_mm.unwrap();
         assert!(curvature < 0.0, "{curvature}");
+    }
+
+    #[test]
+    fn too_many_control_points_are_refused_before_anything_is_computed() {
+        let surface = grid(|x, y| x * y, Ends::NotAKnot, 5);
+        let stopped = Budget::unlimited();
+        stopped.cancel();
+        let with_limit = |control_point_limit| {
+            model(&Job { surface: surface.clone(), wires: None, control_point_limit }, &stopped)
+        };
+        assert_eq!(with_limit(255), Err(Error::TooManyControlPoints { needed: 256, limit: 255 }));
+        assert_eq!(with_limit(256), Err(Error::Stopped(Stopped::Cancelled)));
     }
 
     #[test]

@@ -17,6 +17,21 @@ pub enum AnySurface {
     HighDegree(BezierSurface<RationalPatch>),
 }
 
+impl AnySurface {
+    /// The control points of all patches together.
+    pub fn n_control_points(&self) -> usize {
+        fn of<const N: usize>(patches: &[RationalPatch<N>]) -> usize {
+            let points = |degree: [usize; 2]| degree.map(|degree| degree + 1).iter().product::<usize>();
+            patches.iter().map(|patch| points(patch.degree())).sum()
+        }
+        match self {
+            Self::Bicubic(surface) => 16 * surface.patches().len(),
+            Self::Rational(surface) => of(surface.patches()),
+            Self::HighDegree(surface) => of(surface.patches()),
+        }
+    }
+}
+
 impl Surface for AnySurface {
     fn spans(&self) -> [usize; 2] {
         match self {

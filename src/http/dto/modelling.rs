@@ -99,8 +99,10 @@ impl IntoJob for ModelRequest {
         let wires = wires.map(|wires| wires.convert(&root.field("wires"), limits, &mut violations));
         meta::check(meta.as_ref(), &mut violations);
         violations.result()?;
-        let job = core::Job { surface: surface.into(), wires };
-        Ok(ModelJob { job, with_patches: patches.unwrap_or(true), meta })
+        let with_patches = patches.unwrap_or(true);
+        let control_point_limit = if with_patches { MAX_CONTROL_POINTS } else { usize::MAX };
+        let job = core::Job { surface: surface.into(), wires, control_point_limit };
+        Ok(ModelJob { job, with_patches, meta })
     }
 }
 
@@ -150,45 +152,18 @@ pub struct ModelReport {
 }
 
 impl ModelReport {
-    /// # Errors
-    /// `limit_exceeded` when the patches have too many control points to answer.
-    pub fn new(model: core::Model, with_patches: bool) -> Result<Self, ApiError> {
+    pub fn new(model: core::Model, with_patches: bool) -> Self {
         let [nu, nv] = model.surface.spans();
-        let n_patches = nu * nv;
-        let n_points = control_points(&model.surface);
-        if with_patches && n_points > MAX_CONTROL_POINTS {
-            return Err(too_many(n_points));
-        }
         let [min, max] = model.bounds;
-        Ok(Self {
-            n_patches,
+        Self {
+            n_patches: nu * nv,
             patches: with_patches.then_some(model.surface),
             bounds: Bounds { min: min.into(), max: max.into() },
             wires: model.wires,
             fit_deviation_max_mm: model.fit_deviation_max_mm,
             curvature_max_concave_per_mm: model.curvature_max_concave_per_mm,
-        })
+        }
     }
-}
-
-fn control_points(surface: &AnySurface) -> usize {
-    fn of<const N: usize>(patches: &[RationalPatch<N>]) -> usize {
-        patches.iter().map(|patch| patch.degree().map(|degree| degree + 1).iter().product::<usize>()).sum()
-    }
-    match surface {
-        AnySurface::Bicubic(surface) => 16 * surface.patches().len(),
-        AnySurface::Rational(surface) => of(surface.patches()),
-        AnySurface::HighDegree(surface) => of(surface.patches()),
-    }
-}
-
-fn too_many(points: usize) -> ApiError {
-    use crate::http::error::{Code, FieldCode};
-    let detail = format!(
-        "the patches have {points} control points, and an answer holds at most {MAX_CONTROL_POINTS}: send `patches: false`"
-    );
-    ApiError::new(Code::LimitExceeded, detail)
-        .blaming(&Pointer::root().field("patches"), FieldCode::LimitExceeded)
 }
 
 /// One patch: the 4 x 4 control net of a bicubic patch, or an object for any other patch.

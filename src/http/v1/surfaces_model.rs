@@ -48,7 +48,7 @@ fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, Api
     Ok(Outcome {
         meta,
         warnings: model.warnings.iter().map(Warning::from).collect(),
-        report: ModelReport::new(model, with_patches)?,
+        report: ModelReport::new(model, with_patches),
         product: (),
         drawing: Box::new(drawing),
     })
@@ -79,6 +79,8 @@ impl From<Error> for ApiError {
             Error::Stopped(stopped) => stopped.into(),
             Error::Source(source) => source.into(),
             Error::Wires(wires) => wires.into(),
+            Error::TooManyControlPoints { .. } => Self::new(Code::LimitExceeded, error.to_string())
+                .blaming(&Pointer::root().field("patches"), FieldCode::LimitExceeded),
         }
     }
 }

@@ -34,6 +34,12 @@ const SHORT_SHARE: f64 = 0.1;
 /// Least height of sections over their chords, mm, where steps are only counted.
 const COARSE_HEIGHT_MM: f64 = 5e-3;
 
+/// Planes that are cut beforehand to estimate the number of CL points, and how far the estimate must be above
+/// the limit for a refusal.
+const SAMPLED: usize = 16;
+const GOLDEN: f64 = 0.618_033_988_749_895;
+const FAR_ABOVE: f64 = 1.5;
+
 /// Trials with finer points before a section's tolerance counts as not reachable.
 const REFINEMENT_LIMIT: usize = 12;
 
@@ -103,6 +109,7 @@ pub(super) fn cut(
     budget: &Budget,
 ) -> Result<Passes, Error> {
     check_steps(job, slicer, planes, allowed, budget)?;
+    check_points(job, slicer, planes, allowed, budget)?;
     let (done, n_points, n_curves) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let cut_one = |k: usize| -> Result<Passes, Error> {
         budget.check()?;
@@ -164,6 +171,40 @@ fn check_steps(
         steps += least_steps(plane)?;
         // The margin is for rounding.
         if steps * (1.0 - 1e-6) > limit as f64 {
+            return Err(Error::TooManyPoints { limit });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a job that needs far too many CL points, before all of them are found: the passes of a few planes
+/// are cut, and the others are taken to have as many points. If one plane lets all planes together expect
+/// less than half of the limit, it is the only one.
+fn check_points(
+    job: &Job,
+    slicer: &Slicer,
+    planes: &[PlaneAt],
+    allowed: Allowed,
+    budget: &Budget,
+) -> Result<(), Error> {
+    if planes.len() < SAMPLED {
+        return Ok(());
+    }
+    let limit = allowed.point_limit;
+    let mut n_points = 0;
+    for k in 0..SAMPLED {
+        // The planes are spread, and at no equal distances: the part may repeat itself.
+        let at = (k as f64 * GOLDEN + 0.5).fract() * planes.len() as f64;
+        match cut_plane(job, slicer, planes[at as usize], true, allowed, budget) {
+            Ok(cut) => n_points += cut.passes.iter().map(|pass| pass.n_points).sum::<usize>(),
+            Err(Error::Stopped(stopped)) => return Err(stopped.into()),
+            // What cannot be cut is told where all passes are.
+            Err(_) => {}
+        }
+        if k == 0 && (n_points * planes.len()) as f64 <= 0.5 * limit as f64 {
+            return Ok(());
+        }
+        if (n_points * planes.len()) as f64 > FAR_ABOVE * limit as f64 * SAMPLED as f64 {
             return Err(Error::TooManyPoints { limit });
         }
     }

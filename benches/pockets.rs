@@ -37,6 +37,7 @@ fn job(area: Outlines, pattern: Pattern) -> Job {
         islands_by: IslandsBy::Slicing,
         cleared: Vec::new(),
         move_limit: 500_000,
+        comparison_limit: 400_000_000,
         top_z_mm: Some(0.0),
         floor_z_mm: -5.0,
         stepdown_max_mm: 5.0,

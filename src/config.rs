@@ -148,6 +148,10 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_CURVE_STEPS", default_value_t = Limits::DEFAULT.curve_steps, global = true)]
     pub max_curve_steps: u64,
 
+    /// Most comparisons of the cutter with earlier cuts, of one pattern of a pocket
+    #[arg(long, env = "TOOLPATHD_MAX_CUT_COMPARISONS", default_value_t = Limits::DEFAULT.cut_comparisons, global = true)]
+    pub max_cut_comparisons: u64,
+
     /// Most programs rewritten as streams at a time; a further program is refused with 503
     #[arg(long, env = "TOOLPATHD_STREAMS", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1024), global = true)]
     pub streams: u16,
@@ -264,6 +268,7 @@ impl Settings {
             wire_points: self.max_wire_points,
             samples: self.max_samples,
             curve_steps: self.max_curve_steps,
+            cut_comparisons: self.max_cut_comparisons,
         }
     }
 }

@@ -17,7 +17,7 @@ pub struct Limits {
     pub sections: usize,
     /// Moves of one toolpath, sent or computed.
     pub moves: usize,
-    /// CL points of one milling job; a tenth where the cutter is lowered onto the surface.
+    /// CL points of one milling job; a twenty-fifth where the cutter is lowered onto the surface.
     pub cl_points: usize,
     /// Points of all wires of one model.
     pub wire_points: usize,
@@ -25,6 +25,8 @@ pub struct Limits {
     pub samples: usize,
     /// Steps of the interpolation of one curve.
     pub curve_steps: u64,
+    /// Comparisons of the cutter with earlier cuts, of one pattern of a pocket.
+    pub cut_comparisons: u64,
 }
 
 impl Limits {
@@ -41,5 +43,6 @@ impl Limits {
         wire_points: 250_000,
         samples: 300_000,
         curve_steps: 2_000_000_000,
+        cut_comparisons: 400_000_000,
     };
 }

@@ -58,6 +58,9 @@ const CHORD_HEIGHTS: [f64; 2] = [0.001, 0.02];
 /// short chords may be nearer than their segment by the height of the arc.
 const REACH: f64 = 2.0 + CHORD_HEIGHTS[1];
 
+/// The size of the cells in which segments are searched, as a part of the radius.
+const CELL: f64 = 0.5;
+
 /// Material that is narrower across the motion does not count as such where the motion must be clear, as a
 /// part of the radius. It is above what the heights of arcs leave beside the cutter.
 const CLEAR_WIDTH: f64 = 0.008;
@@ -76,6 +79,7 @@ pub struct Swept {
     /// Buffers that are used again.
     near: Vec<u32>,
     steps: usize,
+    comparisons: u64,
 }
 
 /// A chord. All places that are nearer to the chord than the radius less `slack_mm` are free.
@@ -144,8 +148,22 @@ pub fn straight_angle(radius_mm: f64, stepover_mm: f64) -> f64 {
 impl Swept {
     /// Nothing is swept yet.
     pub fn new(radius_mm: f64) -> Self {
-        let cells = Cells::new(2.0 * radius_mm);
-        Self { radius_mm, segments: Vec::new(), chords: Vec::new(), cells, near: Vec::new(), steps: 0 }
+        let cells = Cells::new(CELL * radius_mm);
+        Self {
+            radius_mm,
+            segments: Vec::new(),
+            chords: Vec::new(),
+            cells,
+            near: Vec::new(),
+            steps: 0,
+            comparisons: 0,
+        }
+    }
+
+    /// How many times a segment has been compared with the cutter. The time of all calls grows with this
+    /// number: 15 to 35 million took a second on one core.
+    pub fn comparisons(&self) -> u64 {
+        self.comparisons
     }
 
     /// Sweeps along an element.
@@ -238,16 +256,27 @@ impl Swept {
     /// # Errors
     /// When the budget ends.
     pub fn is_clear(&mut self, motion: &Element, budget: &Budget) -> Result<bool, Stopped> {
+        // Most motions that are not clear have material at one of these places, which are looked at fast.
+        let is_clear_at = |t: &f64| Enough::Clear.is_met(self.left_at(&Frame::at(motion, *t)));
+        if ![1.0, 0.5, 0.0].iter().all(is_clear_at) {
+            return Ok(false);
+        }
         Ok(self.survey(motion, Enough::Clear, budget)?.iter().all(Stretch::is_clear))
     }
 
     /// The angle at a place, in a direction of motion, radians.
     pub fn angle_at(&mut self, p: Point2<f64>, along: Vector2<f64>) -> f64 {
+        self.left_at(&Frame { origin: p, along }).angle
+    }
+
+    /// The material on the half circle of a frame.
+    fn left_at(&mut self, frame: &Frame) -> Left {
         let mut near = std::mem::take(&mut self.near);
-        self.cells.about(p, REACH * self.radius_mm, &mut near);
-        let angle = self.left_in(&Frame { origin: p, along }, &mut near).angle;
+        self.cells.about(frame.origin, REACH * self.radius_mm, &mut near);
+        self.comparisons += near.len() as u64;
+        let left = self.left_in(frame, &mut near);
         self.near = near;
-        angle
+        left
     }
 
     /// Whether the disc of the cutter about `p`, less a rim of `margin_mm`, is swept.
@@ -266,7 +295,7 @@ impl Swept {
 
     /// Whether what a square, given by its middle and half its side, has in common with a disc is swept.
     fn is_square_free(
-        &self,
+        &mut self,
         middle: Point2<f64>,
         half_mm: f64,
         disc: (Point2<f64>, f64),
@@ -274,6 +303,7 @@ impl Swept {
         near: &[u32],
     ) -> bool {
         let to_corner = half_mm * std::f64::consts::SQRT_2;
+        self.comparisons += near.len() as u64;
         let contains = |Chord { start, end, slack_mm }: &Chord| {
             distance_to_segment(middle, *start, *end) + to_corner < self.radius_mm - slack_mm
         };

@@ -59,6 +59,7 @@ mod rings;
 mod router;
 mod rows;
 mod strips;
+mod work;
 
 use nalgebra::{Point2, Point3};
 
@@ -166,7 +167,10 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let cutting = job.cutting.above(heights.highest_mm)?;
     let conditions: Vec<Conditions> = levels
         .iter()
-        .map(|level| Conditions::new(job, &cutting, heights.highest_mm, [level.top_z_mm, level.z_mm]))
+        .map(|level| {
+            let range = [level.top_z_mm, level.z_mm];
+            Conditions::new(job, &cutting, heights.highest_mm, range, shapes.len())
+        })
         .collect();
     let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
     let begin = |at: Point2<f64>| {

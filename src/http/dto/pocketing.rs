@@ -302,6 +302,7 @@ impl IntoJob for PocketRequest {
             resolution: setup.program.resolution,
             curves: setup.dialect.curves,
             move_limit: limits.moves,
+            comparison_limit: limits.cut_comparisons,
         };
         Ok(JobWithSetup { job, setup, meta })
     }

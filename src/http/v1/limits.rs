@@ -34,8 +34,8 @@ pub struct ServerLimits {
     sections: usize,
     /// Largest number of moves of one toolpath, sent or computed.
     moves: usize,
-    /// Largest number of CL points of one milling job. Where the cutter is lowered onto the surface, a tenth
-    /// of it.
+    /// Largest number of CL points of one milling job. Where the cutter is lowered onto the surface, a
+    /// twenty-fifth of it.
     cl_points: usize,
     /// Largest number of points of all wires of one model.
     wire_points: usize,
@@ -45,6 +45,10 @@ pub struct ServerLimits {
     /// each of its operations, and some more.
     #[schema(maximum = 9_007_199_254_740_991_u64)]
     curve_steps: u64,
+    /// Largest number of comparisons of the cutter with earlier cuts, for one pattern of a pocket. It grows
+    /// with the inverse square of the stepover.
+    #[schema(maximum = 9_007_199_254_740_991_u64)]
+    cut_comparisons: u64,
     /// Largest number of patches of one surface: of the surface that the data make.
     patches: usize,
     /// Largest number of control points of all patches in one answer.
@@ -97,6 +101,7 @@ impl From<&App> for ServerLimits {
             wire_points,
             samples,
             curve_steps,
+            cut_comparisons,
         } = app.limits;
         Self {
             body_bytes,
@@ -110,6 +115,7 @@ impl From<&App> for ServerLimits {
             wire_points,
             samples,
             curve_steps,
+            cut_comparisons,
             patches: PATCH_LIMIT,
             control_points: MAX_CONTROL_POINTS,
             wire_comparisons: surface_milling::MOST_COMPARED,

@@ -71,6 +71,7 @@ impl Swept {
         let mut before = self.freed(motion, from, height_mm, &near);
         for k in 0..count {
             self.steps += 1;
+            self.comparisons += 2 * near.len() as u64;
             if self.steps.is_multiple_of(STRETCHES_BETWEEN_CHECKS) {
                 budget.check()?;
             }
@@ -105,6 +106,7 @@ impl Swept {
         let mut open = halves(range).to_vec();
         while let Some([from, to]) = open.pop() {
             self.steps += 1;
+            self.comparisons += 2 * near.len() as u64;
             if self.steps.is_multiple_of(STRETCHES_BETWEEN_CHECKS) {
                 budget.check()?;
             }

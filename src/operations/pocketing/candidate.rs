@@ -11,7 +11,7 @@ use super::level::Shape;
 use super::rings::{self, Order};
 use super::router::{Router, Run};
 use super::rows::{self, AtIsland, Layout};
-use super::{engagement, islands, strips};
+use super::{engagement, islands, strips, work};
 use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::region::Region;
@@ -36,6 +36,10 @@ pub fn routes(
     conditions: &Conditions,
     budget: &Budget,
 ) -> Result<Vec<Route>, PocketError> {
+    // Earlier tools may have left little to do.
+    if shape.emptied.is_empty() {
+        work::check(pattern, shape.path_length_mm(conditions.stepover_mm), conditions)?;
+    }
     let centers = &shape.centers;
     let begin = || Router::new(conditions, centers, &shape.emptied, budget);
     let ways = match pattern {

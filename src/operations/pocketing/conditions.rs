@@ -28,12 +28,20 @@ pub struct Conditions {
     pub z_mm: f64,
     /// How far the retract plane is above the part, mm.
     pub clearance_mm: f64,
+    /// The most comparisons of the cutter with earlier cuts, of each pattern.
+    pub most_comparisons: u64,
 }
 
 impl Conditions {
     /// The conditions on a level between the heights `top_z_mm` and `z_mm`. The highest point of the part is
-    /// at `highest_mm`.
-    pub fn new(job: &Job, cutting: &Cutting, highest_mm: f64, [top_z_mm, z_mm]: [f64; 2]) -> Self {
+    /// at `highest_mm`. The work is divided evenly among `n_shapes`.
+    pub fn new(
+        job: &Job,
+        cutting: &Cutting,
+        highest_mm: f64,
+        [top_z_mm, z_mm]: [f64; 2],
+        n_shapes: usize,
+    ) -> Self {
         let radius_mm = job.tool.radius_mm;
         let straight = straight_angle(radius_mm, job.stepover_mm);
         let slot_feed = cutting.slot_feed;
@@ -55,6 +63,7 @@ impl Conditions {
             top_z_mm,
             z_mm,
             clearance_mm: cutting.retract_z_mm - highest_mm,
+            most_comparisons: job.comparison_limit / n_shapes.max(1) as u64,
         }
     }
 

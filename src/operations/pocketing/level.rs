@@ -176,11 +176,15 @@ impl Shape {
         Ok(Self { pocket, walls, centers, reach, deviation_mm, emptied: Vec::new() })
     }
 
+    /// About the length of a path that clears the shape, mm.
+    pub fn path_length_mm(&self, stepover_mm: f64) -> f64 {
+        let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Element::length).sum();
+        edge + self.reach.area() / stepover_mm
+    }
+
     /// Refuses a pocket whose path would be very long in terms of the cutter.
     fn check_work(&self, job: &Job) -> Result<(), PocketError> {
-        let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Element::length).sum();
-        let length = edge + self.reach.area() / job.stepover_mm;
-        if length > MOST_RADII as f64 * job.tool.radius_mm {
+        if self.path_length_mm(job.stepover_mm) > MOST_RADII as f64 * job.tool.radius_mm {
             let what = "cutter radii of path on a level";
             return Err(PocketError::TooMuchWork { what, limit: MOST_RADII });
         }

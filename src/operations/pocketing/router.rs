@@ -10,6 +10,7 @@ use super::depth::deepest;
 use super::entry::{self, Entry};
 use super::leads::{belt, lead_to};
 use super::pieces::{Pieces, pieces};
+use super::work;
 use crate::budget::Budget;
 use crate::geometry::element::Element;
 use crate::geometry::region::Region;
@@ -168,6 +169,7 @@ impl<'a> Router<'a> {
     /// The pieces of a stroke along which there is material. Each begins `lead` radii of the cutter before
     /// its material.
     pub fn pieces(&mut self, stroke: &[Element], lead: f64) -> Result<Pieces, PocketError> {
+        self.check_work()?;
         let (swept, budget) = (&mut self.swept, self.budget);
         let survey = |element: &Element, enough| swept.survey(element, Enough::Angle(enough), budget);
         Ok(pieces(stroke, self.conditions.radius_mm, lead, survey)?)
@@ -346,7 +348,14 @@ impl<'a> Router<'a> {
         Ok(true)
     }
 
+    /// Refuses a path that takes too many comparisons.
+    fn check_work(&self) -> Result<(), PocketError> {
+        let is_too_much = self.swept.comparisons() > self.conditions.most_comparisons;
+        if is_too_much { Err(work::too_much(self.conditions)) } else { Ok(()) }
+    }
+
     fn is_clear(&mut self, link: &Element) -> Result<bool, PocketError> {
+        self.check_work()?;
         Ok(self.swept.is_clear(link, self.budget)?)
     }
 
@@ -392,6 +401,7 @@ impl<'a> Router<'a> {
 
     pub fn follow(&mut self, elements: &[Element], purpose: Purpose) -> Result<(), PocketError> {
         for element in elements.iter().filter(|element| element.length() > 0.0) {
+            self.check_work()?;
             let enough = match purpose {
                 Purpose::Cut => Enough::Angle(self.conditions.slot_angle),
                 Purpose::Link => Enough::Clear,

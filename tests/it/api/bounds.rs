@@ -45,6 +45,15 @@ fn helix() -> Value {
     })
 }
 
+/// A rectangle.
+fn pocket(stepover_mm: f64, patterns: &[&str]) -> Value {
+    json!({
+        "region": { "boundary": [[0, 0], [50, 0], [50, 40], [0, 40]] },
+        "floor_z_mm": -1, "stepdown_max_mm": 1, "stepover_mm": stepover_mm, "patterns": patterns,
+        "tool": { "shape": "flat", "diameter_mm": 10 }, "cutting": feed(),
+    })
+}
+
 /// A parabola by parabolas, in a band with one side: each element coincides with the curve, which takes long
 /// to prove.
 fn parabola(width: f64) -> Value {
@@ -81,7 +90,9 @@ async fn small_requests_for_very_much_are_refused_with_the_place_to_change() {
         (MILL, milled("ball", rows(0.01), steps.clone()), "#/step_length_mm"),
         (MILL, milled("ball", union(1.0), steps), "#/strategy"),
         (MILL, milled("ball", union(0.01), json!({})), "#/strategy"),
+        (MILL, milled("flat", rows(0.006), json!({})), "#/strategy"),
         (POCKET, helix(), "#/entry"),
+        (POCKET, pocket(0.01, &["island_offset", "engagement"]), "#/stepover_mm"),
     ] {
         let body = body.to_string();
         assert!(body.len() < 1000);
@@ -113,6 +124,31 @@ async fn a_computed_toolpath_has_no_more_moves_than_a_sent_one() {
         let expected = ("limit_exceeded".to_owned(), place.to_owned());
         assert!(refused.violations().contains(&expected), "{path}: {}", refused.text());
     }
+}
+
+#[tokio::test]
+async fn a_pattern_that_needs_too_much_work_leaves_the_pocket_to_the_others() {
+    let patterns = ["zigzag_offset", "engagement"];
+    let candidates = async |limit: &str| {
+        let app = app(&["--workers", "1", "--max-cut-comparisons", limit]);
+        assert_eq!(get(&app, "/v1/limits").await.json()["cut_comparisons"].to_string(), limit);
+        let answer = post(&app, POCKET, pocket(2.0, &patterns).to_string(), &[]).await;
+        (answer.status, answer)
+    };
+    let why = |answer: &Value, k: usize| {
+        answer["report"]["levels"][0]["candidates"][k]["invalid_because"].as_str().map(str::to_owned)
+    };
+    let (_, all) = candidates("400000000").await;
+    assert_eq!([why(&all.json(), 0), why(&all.json(), 1)], [None, None], "{}", all.text());
+    // The one limit is above the estimate for `engagement` and below what it counts, the other below both.
+    for limit in ["200000", "20000"] {
+        let (_, some) = candidates(limit).await;
+        assert_eq!(why(&some.json(), 0), None, "{}", some.text());
+        assert!(why(&some.json(), 1).is_some_and(|why| why.contains("comparisons")), "{}", some.text());
+    }
+    let (status, none) = candidates("100").await;
+    assert_eq!(status, 422);
+    assert_eq!(none.violations(), [("limit_exceeded".to_owned(), "#/stepover_mm".to_owned())]);
 }
 
 #[tokio::test]

@@ -212,6 +212,7 @@ pub fn job(case: &Case, patterns: &[Pattern], slot_feed: Option<f64>) -> Job {
         islands_by: IslandsBy::Slicing,
         cleared: Vec::new(),
         move_limit: 500_000,
+        comparison_limit: 400_000_000,
         top_z_mm: Some(TOP_MM),
         floor_z_mm: case.floor_mm,
         stepdown_max_mm: case.stepdown_mm,

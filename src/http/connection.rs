@@ -33,7 +33,8 @@ const IDLE_GRACE: Duration = Duration::from_millis(500);
 /// connection that is being closed.
 const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
-/// Time within which a connection on a spare place must send the head of a request, and get its answer.
+/// Time within which a connection on a spare place must send the head of a request. It is closed after twice
+/// this time.
 const SPARE_LIMIT: Duration = Duration::from_secs(1);
 
 /// Largest head of a request.
@@ -46,7 +47,7 @@ const READ_AHEAD_BYTES: u32 = 64 * 1024;
 /// Most requests under way on one connection of HTTP/2.
 const STREAMS: u32 = 100;
 
-/// Bytes of answers for which a connection has room beyond what its caller takes.
+/// Size of the write buffer of one request of HTTP/2.
 const WRITE_AHEAD_BYTES: usize = 64 * 1024;
 
 /// Time limits of a connection.
@@ -279,15 +280,16 @@ impl Busy {
 
     /// Counts the request as answered. Of its answer only the head is known; its body tells its pace from now
     /// on.
-    fn finish(self, response: Response) -> Response {
+    fn finish(self, mut response: Response) -> Response {
         if response.extensions().get::<Streamed>().is_some() {
             self.0.streams.store(true, Ordering::Relaxed);
         }
         if response.extensions().get::<Endless>().is_some() {
             self.0.endless.store(true, Ordering::Relaxed);
         }
+        let share = response.extensions_mut().remove();
         response.map(|body| {
-            let paced = Paced::new(body);
+            let paced = Paced::new(body, share);
             let mut paces = self.0.paces.lock().unwrap_or_else(PoisonError::into_inner);
             if paces.len() > 2 * STREAMS as usize {
                 paces.retain(|pace| pace.strong_count() > 0);

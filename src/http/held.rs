@@ -1,9 +1,10 @@
-//! Counts the bytes of every answer until they are sent. The answer of a caller who reads slowly, or never,
-//! waits in memory. All waiting answers share a pot of limited size.
+//! Counts the bytes of every answer of known size until its last byte is written to the connection. The
+//! answer of a caller who reads slowly, or never, waits in memory. All waiting answers share a pot of limited
+//! size. The parts of an answer of unknown size wait in queues of limited size.
 
 use std::sync::Arc;
 
-use axum::body::{Body, HttpBody};
+use axum::body::HttpBody;
 use axum::extract::{Request, State};
 use axum::middleware::Next;
 use axum::response::Response;
@@ -12,26 +13,19 @@ use super::App;
 use super::admission::Share;
 use super::envelope;
 use super::request_id::RequestId;
-use super::watched::{Seen, Watched};
 
-/// The layer that gives every answer its share of the memory for answers. A computed answer has its share
-/// already.
+/// The layer that gives every answer its share of the memory for answers, as an extension of the response. A
+/// computed answer has its share already. The [`Paced`](super::pace::Paced) body of the connection keeps the
+/// share.
 pub async fn hold(State(app): State<Arc<App>>, id: RequestId, request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
-    let share = match response.extensions_mut().remove::<Share>() {
-        Some(share) => share,
-        None => {
-            let share = app.answer_memory.share();
-            // The parts of an answer without a size wait in queues of limited size.
-            let size = response.body().size_hint().exact().unwrap_or(0);
-            match share.take(usize::try_from(size).unwrap_or(usize::MAX)) {
-                Ok(()) => share,
-                Err(refused) => return envelope::answer_of(refused, &id),
-            }
+    if response.extensions().get::<Share>().is_none() {
+        let share = app.answer_memory.share();
+        let size = response.body().size_hint().exact().unwrap_or(0);
+        if let Err(refused) = share.take(usize::try_from(size).unwrap_or(usize::MAX)) {
+            return envelope::answer_of(refused, &id);
         }
-    };
-    let hold = move |_: Seen| {
-        let _held = &share;
-    };
-    response.map(|body| Body::new(Watched { body, tell: hold }))
+        response.extensions_mut().insert(share);
+    }
+    response
 }

@@ -1,5 +1,6 @@
 //! How fast a caller takes an answer. An answer goes out in pieces, and the next piece is made when the
-//! connection has room for it. The time in which the connection had no room counts against the caller.
+//! connection has room for it. The time in which the connection had no room counts against the caller. It
+//! counts until the last piece is written, and until then the answer keeps its share of memory.
 
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,15 +10,33 @@ use std::time::{Duration, Instant};
 use axum::body::{Body, Bytes, HttpBody};
 use hyper::body::{Frame, SizeHint};
 
-/// Bytes of one piece. The connection holds a piece beside the bytes for which it has room.
+use super::admission::Share;
+
+/// Bytes of one piece. The connection may hold one piece more than its write buffer has room for.
 const PIECE_BYTES: usize = 32 * 1024;
 
-/// Bytes of an answer that a caller must take in each second, beyond the write timeout.
+/// Bytes of an answer that a caller must take in a second, on average, beyond the write timeout.
 const LEAST_BYTES_PER_S: f64 = 16.0 * 1024.0;
 
-/// The pace of one answer.
+/// The pace of one answer. The body and every piece that is not written yet hold it.
 #[derive(Debug)]
-pub struct Pace(Mutex<Taken>);
+pub struct Pace {
+    taken: Mutex<Taken>,
+    /// The memory of the answer.
+    _share: Option<Share>,
+}
+
+/// A piece of an answer, which holds the pace until it is written.
+struct Piece {
+    bytes: Bytes,
+    _pace: Arc<Pace>,
+}
+
+impl AsRef<[u8]> for Piece {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
 
 #[derive(Debug)]
 struct Taken {
@@ -29,14 +48,17 @@ struct Taken {
 
 impl Pace {
     fn taken(&self) -> MutexGuard<'_, Taken> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether the caller has taken no byte for `write_timeout`, or takes the answer too slowly in all.
+    /// Whether the connection has had no room for `write_timeout`, or has had none in all for `write_timeout`
+    /// and a second for each 16 KiB of the answer.
     pub fn is_too_slow(&self, write_timeout: Duration) -> bool {
         let taken = self.taken();
-        let waited = taken.waited + taken.waiting.map_or(Duration::ZERO, |since| since.elapsed());
-        waited > write_timeout + Duration::from_secs_f64(taken.bytes as f64 / LEAST_BYTES_PER_S)
+        let waits = taken.waiting.map_or(Duration::ZERO, |since| since.elapsed());
+        let waited = taken.waited + waits;
+        waits > write_timeout
+            || waited > write_timeout + Duration::from_secs_f64(taken.bytes as f64 / LEAST_BYTES_PER_S)
     }
 }
 
@@ -49,9 +71,10 @@ pub struct Paced {
 }
 
 impl Paced {
-    pub fn new(body: Body) -> Self {
-        let taken = Taken { waiting: Some(Instant::now()), waited: Duration::ZERO, bytes: 0 };
-        Self { body, rest: Bytes::new(), pace: Arc::new(Pace(Mutex::new(taken))) }
+    /// A body that has `share` of the memory for answers.
+    pub fn new(body: Body, share: Option<Share>) -> Self {
+        let taken = Mutex::new(Taken { waiting: Some(Instant::now()), waited: Duration::ZERO, bytes: 0 });
+        Self { body, rest: Bytes::new(), pace: Arc::new(Pace { taken, _share: share }) }
     }
 
     pub fn pace(&self) -> &Arc<Pace> {
@@ -80,7 +103,11 @@ impl HttpBody for Paced {
                     Ok(data) => self.rest = data,
                     Err(trailers) => return Poll::Ready(Some(Ok(trailers))),
                 },
-                other => return other,
+                Poll::Pending => return Poll::Pending,
+                ended => {
+                    self.pace.taken().waiting = Some(now);
+                    return ended;
+                }
             }
         }
         let size = self.rest.len().min(PIECE_BYTES);
@@ -89,6 +116,7 @@ impl HttpBody for Paced {
         taken.waiting = Some(now);
         taken.bytes += size as u64;
         drop(taken);
+        let piece = Bytes::from_owner(Piece { bytes: piece, _pace: Arc::clone(&self.pace) });
         Poll::Ready(Some(Ok(Frame::data(piece))))
     }
 
@@ -112,11 +140,12 @@ mod tests {
     use axum::body::to_bytes;
 
     use super::*;
+    use crate::http::admission::Pot;
 
     #[tokio::test]
     async fn pieces_are_the_body() {
         let bytes: Bytes = (0..=255).cycle().take(3 * PIECE_BYTES + 7).collect::<Vec<u8>>().into();
-        let mut paced = Paced::new(Body::from(bytes.clone()));
+        let mut paced = Paced::new(Body::from(bytes.clone()), None);
         let size = bytes.len() as u64;
         assert_eq!(paced.size_hint().exact(), Some(size));
         let first = std::future::poll_fn(|context| Pin::new(&mut paced).poll_frame(context)).await;
@@ -128,10 +157,32 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn an_answer_keeps_its_memory_until_its_last_piece_is_written() {
+        let pot = Pot::new(1 << 20, "answers");
+        let share = pot.share();
+        let size = PIECE_BYTES + 1;
+        share.take(size).expect("room");
+        let mut paced = Paced::new(Body::from(vec![0; size]), Some(share));
+        let pace = Arc::downgrade(paced.pace());
+        let mut pieces = Vec::new();
+        while let Some(frame) = std::future::poll_fn(|context| Pin::new(&mut paced).poll_frame(context)).await
+        {
+            pieces.push(frame.expect("no failure").into_data().expect("data"));
+        }
+        drop(paced);
+        assert_eq!((pieces.len(), pot.held()), (2, size));
+        pieces.remove(0);
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(pace.upgrade().is_some_and(|pace| pace.is_too_slow(Duration::from_millis(10))));
+        drop(pieces);
+        assert_eq!((pace.strong_count(), pot.held()), (0, 0));
+    }
+
+    #[tokio::test]
     async fn time_counts_while_a_piece_waits_for_the_caller_only() {
         let short = Duration::from_millis(30);
-        let mut paced =
-            Paced::new(Body::from_stream(futures_util::stream::pending::<Result<Bytes, axum::Error>>()));
+        let never = futures_util::stream::pending::<Result<Bytes, axum::Error>>();
+        let mut paced = Paced::new(Body::from_stream(never), None);
         let pace = Arc::clone(paced.pace());
         std::thread::sleep(short);
         assert!(pace.is_too_slow(short / 2) && !pace.is_too_slow(100 * short));

@@ -7,11 +7,11 @@
 //!    refused. The refusal says when to try again.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
 //!    computation starts. Then place and ticket are free again.
-//! 4. If every place is held by a computation that has run for `LONG`, the first request of the queue is
-//!    *tried*: it runs on a place beside the others, for `TRIAL` at most. A small job ends in that time,
-//!    and need not wait for large ones. A larger job is stopped and put back into the queue, where it keeps
-//!    its turn; it is tried a single time. No state is kept of a job that is put back, so trials cost no
-//!    memory, and time only while all places are held for long.
+//! 4. If every place is held by a job that has run for `LONG`, the first waiting job that was not tried yet
+//!    is *tried*: it runs on a place beside the others, for `TRIAL` at most. A small job ends in that time,
+//!    and need not wait for large ones. A larger job is stopped and waits again, in its old position; it is
+//!    tried a single time. Nothing is kept of the stopped work, so a trial takes memory only while it runs,
+//!    and time only while all places are held for long.
 //! 5. A step of an NC program that is rewritten while it arrives has a place of its own, which no job can
 //!    take.
 //!
@@ -34,7 +34,7 @@ use tokio::time::{sleep, sleep_until, timeout_at};
 
 use crate::budget::{Budget, ProgressSink, Stopped};
 use crate::parallel::Helpers;
-use jobs::Jobs;
+use jobs::{Jobs, Kind};
 use memory::Memory;
 
 /// How long after the deadline an answer is still accepted. A computation checks its budget at intervals, so
@@ -48,7 +48,8 @@ const LONG: Duration = Duration::from_millis(600);
 /// Longest time of a trial.
 const TRIAL: Duration = Duration::from_millis(500);
 
-/// How often it is looked whether the process is short of memory, while a computation runs.
+/// Time between two looks at the memory of the process while a computation runs. A fast computation takes
+/// some ten MiB in this time.
 const MEMORY_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Why a computation gave no result.
@@ -69,10 +70,10 @@ pub enum Failure {
 /// The right to wait for a place. Dropping the ticket gives it back.
 pub struct Ticket(#[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit);
 
-/// Numbers and times of computations.
+/// How many computations may run and wait, and for how long.
 #[derive(Debug, Clone, Copy)]
 pub struct Capacity {
-    /// Computations that run at the same time; 0 counts as 1.
+    /// Jobs that run at the same time; 0 counts as 1. A trial and a step of a stream may run beside them.
     pub workers: usize,
     /// Requests that wait for a place.
     pub queue: usize,
@@ -82,7 +83,7 @@ pub struct Capacity {
     pub deadline: Duration,
 }
 
-/// The threads of computations with their tickets and places.
+/// Runs computations, and limits how many run and wait.
 pub struct Compute {
     tickets: Arc<Semaphore>,
     places: Arc<Semaphore>,
@@ -115,7 +116,7 @@ impl Compute {
         }
     }
 
-    /// Number of computations that run now.
+    /// Number of jobs that run now.
     pub fn running(&self) -> usize {
         self.jobs.running()
     }
@@ -148,6 +149,11 @@ impl Compute {
         let _ = self.end.set(end);
     }
 
+    /// `deadline`, or the end if it comes first.
+    fn by_end(&self, deadline: Instant) -> Instant {
+        self.end.get().map_or(deadline, |end| deadline.min(*end))
+    }
+
     /// Takes a ticket.
     ///
     /// # Errors
@@ -178,7 +184,7 @@ impl Compute {
         let start = |seat| {
             let job = Arc::clone(&job);
             let ticket = Arc::clone(&ticket);
-            self.start(seat, Arc::clone(&sink), move |budget| {
+            self.start(seat, Kind::Job, Arc::clone(&sink), move |budget| {
                 let result = job(budget);
                 drop(ticket);
                 result
@@ -239,7 +245,7 @@ impl Compute {
         F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
     {
         let place = Arc::clone(&self.steps).acquire_owned().await.map_err(|_| Failure::Panicked)?;
-        let mut started = self.start(place, Arc::new(Log::and(None)), move |budget| {
+        let mut started = self.start(place, Kind::Step, Arc::new(Log::and(None)), move |budget| {
             let result = step(budget);
             drop(held);
             result
@@ -267,6 +273,7 @@ impl Compute {
     fn start<T, E, F>(
         &self,
         place: OwnedSemaphorePermit,
+        kind: Kind,
         sink: Arc<dyn ProgressSink>,
         job: F,
     ) -> Started<T, E>
@@ -275,15 +282,14 @@ impl Compute {
         E: Send + 'static,
         F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
     {
-        let latest = Instant::now() + self.capacity.deadline;
-        let deadline = self.end.get().map_or(latest, |end| latest.min(*end));
+        let deadline = self.by_end(Instant::now() + self.capacity.deadline);
         let budget = Budget::unlimited()
             .with_deadline(deadline)
             .with_progress(sink)
             .with_helpers(self.helpers.clone());
         let seat = Arc::new(Mutex::new(Some(place)));
         let (answer, result) = oneshot::channel();
-        let entry = self.jobs.enter(&budget);
+        let entry = self.jobs.enter(&budget, kind);
         let (running, sat) = (budget.clone(), Arc::clone(&seat));
         tokio::task::spawn_blocking(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| job(&running)));
@@ -297,9 +303,10 @@ impl Compute {
     /// Waits for the end of a computation, and meanwhile stops computations if the process is short of
     /// memory.
     async fn outcome<T, E>(&self, started: &mut Started<T, E>) -> Result<Result<T, E>, Failure> {
-        let latest = (started.deadline + DEADLINE_SLACK).into();
         loop {
-            let waited = timeout_at(latest, &mut started.result);
+            // The end may come into force meanwhile.
+            let latest = self.by_end(started.deadline) + DEADLINE_SLACK;
+            let waited = timeout_at(latest.into(), &mut started.result);
             tokio::select! {
                 biased;
                 ended = waited => return match ended {

@@ -16,14 +16,29 @@ const NEWEST: f64 = 0.1;
 /// memory.
 const STOP_INTERVAL: Duration = Duration::from_millis(60);
 
+/// What a computation belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Job,
+    /// A step of a stream. Steps have a place of their own and count neither as running jobs nor in the usual
+    /// time.
+    Step,
+}
+
+struct Running {
+    begun: Instant,
+    budget: Budget,
+    kind: Kind,
+}
+
 /// The computations that run now.
 #[derive(Default)]
 pub struct Jobs(Mutex<Registry>);
 
 #[derive(Default)]
 struct Registry {
-    /// Start and budget of each, in the order of their starts.
-    running: BTreeMap<u64, (Instant, Budget)>,
+    /// All of them, in the order of their starts.
+    running: BTreeMap<u64, Running>,
     next: u64,
     usual_time: Option<Duration>,
     last_stop: Option<Instant>,
@@ -35,25 +50,28 @@ impl Jobs {
     }
 
     /// Notes a computation that starts now. Dropping the entry notes its end.
-    pub fn enter(self: &Arc<Self>, budget: &Budget) -> Entry {
+    pub fn enter(self: &Arc<Self>, budget: &Budget, kind: Kind) -> Entry {
         let mut registry = self.registry();
         let number = registry.next;
         registry.next += 1;
-        registry.running.insert(number, (Instant::now(), budget.clone()));
+        let running = Running { begun: Instant::now(), budget: budget.clone(), kind };
+        registry.running.insert(number, running);
         drop(registry);
         Entry { jobs: Arc::clone(self), number }
     }
 
+    /// The number of jobs that run.
     pub fn running(&self) -> usize {
-        self.registry().running.len()
+        self.registry().running.values().filter(|running| running.kind == Kind::Job).count()
     }
 
-    /// The start of the computation that was started last.
+    /// The start of the job that was started last.
     pub fn youngest(&self) -> Option<Instant> {
-        self.registry().running.last_key_value().map(|(_, (begun, _))| *begun)
+        let registry = self.registry();
+        registry.running.values().rfind(|running| running.kind == Kind::Job).map(|running| running.begun)
     }
 
-    /// The time that computations took lately, the newest ones counting most.
+    /// The time that jobs took lately, the newest ones counting most.
     pub fn usual_time(&self) -> Duration {
         self.registry().usual_time.unwrap_or(FIRST_GUESS)
     }
@@ -67,15 +85,15 @@ impl Jobs {
             return;
         }
         let is_alone = registry.running.len() == 1;
-        let oldest = registry.running.values().find(|(_, budget)| budget.check().is_ok());
-        if let Some((_, budget)) = oldest {
-            budget.stop(if is_alone { Stopped::TooLarge } else { Stopped::ShortOfMemory });
+        let oldest = registry.running.values().find(|running| running.budget.check().is_ok());
+        if let Some(running) = oldest {
+            running.budget.stop(if is_alone { Stopped::TooLarge } else { Stopped::ShortOfMemory });
             registry.last_stop = Some(now);
         }
     }
 }
 
-/// A computation that runs, in the list of those.
+/// One computation in the list of those that run.
 pub struct Entry {
     jobs: Arc<Jobs>,
     number: u64,
@@ -84,7 +102,10 @@ pub struct Entry {
 impl Drop for Entry {
     fn drop(&mut self) {
         let mut registry = self.jobs.registry();
-        let Some((begun, _)) = registry.running.remove(&self.number) else { return };
+        let Some(Running { begun, budget, kind }) = registry.running.remove(&self.number) else { return };
+        if kind == Kind::Step || budget.check() == Err(Stopped::PutBack) {
+            return;
+        }
         let took = begun.elapsed();
         registry.usual_time = Some(
             registry.usual_time.map_or(took, |usual| usual.mul_f64(1.0 - NEWEST) + took.mul_f64(NEWEST)),
@@ -100,7 +121,7 @@ mod tests {
     fn the_oldest_is_stopped_first_and_a_lonely_one_is_too_large() {
         let jobs = Arc::new(Jobs::default());
         let budgets = [(); 2].map(|()| Budget::unlimited());
-        let [older, younger] = budgets.each_ref().map(|budget| jobs.enter(budget));
+        let [older, younger] = budgets.each_ref().map(|budget| jobs.enter(budget, Kind::Job));
         jobs.stop_oldest();
         jobs.stop_oldest();
         assert_eq!(budgets.each_ref().map(Budget::check), [Err(Stopped::ShortOfMemory), Ok(())]);
@@ -111,5 +132,19 @@ mod tests {
         drop(younger);
         assert_eq!(jobs.running(), 0);
         assert!(jobs.usual_time() < FIRST_GUESS);
+    }
+
+    #[test]
+    fn steps_and_stopped_trials_tell_nothing_of_jobs() {
+        let jobs = Arc::new(Jobs::default());
+        let budget = Budget::unlimited();
+        let step = jobs.enter(&budget, Kind::Step);
+        assert_eq!((jobs.running(), jobs.youngest()), (0, None));
+        drop(step);
+        let trial = jobs.enter(&budget, Kind::Job);
+        budget.stop(Stopped::PutBack);
+        assert_eq!(jobs.running(), 1);
+        drop(trial);
+        assert_eq!(jobs.usual_time(), FIRST_GUESS);
     }
 }

@@ -3,11 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// Bytes of a page of memory, in which the system counts.
-const PAGE_BYTES: u64 = 4096;
-
-/// Largest share of the memory that computations may fill. The rest is for what they take until they notice
-/// that they must stop.
+/// The share of the memory from which on computations are stopped. The whole process counts. The rest is for
+/// what computations take until they notice that they must stop.
 const SHARE: f64 = 0.72;
 
 /// The memory that the process may use.
@@ -18,12 +15,12 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Of `bytes`; without a number, of what the system grants.
+    /// A limit of `bytes`; without a number, no limit.
     pub fn of(bytes: Option<u64>) -> Self {
         Self { most: bytes.map(|bytes| (bytes as f64 * SHARE) as u64) }
     }
 
-    /// Whether computations fill more than their share. `false` where the system does not tell.
+    /// Whether the process fills more than the share. `false` where the system does not tell.
     pub fn is_short(&self) -> bool {
         self.most.is_some_and(|most| used().is_some_and(|used| used > most))
     }
@@ -33,7 +30,7 @@ impl Memory {
 fn used() -> Option<u64> {
     let text = fs::read_to_string("/proc/self/statm").ok()?;
     let pages: u64 = text.split(' ').nth(1)?.parse().ok()?;
-    Some(pages * PAGE_BYTES)
+    Some(pages * rustix::param::page_size() as u64)
 }
 
 /// Bytes of memory that the system grants to the process: the memory of the machine, or less where a control

@@ -131,3 +131,16 @@ async fn a_job_beyond_the_memory_of_the_process_is_stopped() {
     let compute = Compute::new(capacity, Memory::of(Some(1)));
     assert_eq!(run(&compute, |budget| Err(spin(budget))).await, Ok(Err(Stopped::TooLarge)));
 }
+
+#[tokio::test]
+async fn a_job_that_runs_when_the_process_ends_is_answered_at_the_end() {
+    let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
+    let running = Arc::clone(&compute);
+    let running = tokio::spawn(async move { run(&running, |budget| Err(spin(budget))).await });
+    while compute.running() == 0 {
+        tokio::task::yield_now().await;
+    }
+    compute.end_by(Instant::now());
+    let ended = tokio::time::timeout(LONG_ENOUGH / 4, running).await.expect("in time");
+    assert_eq!(ended.expect("no panic"), Err(Failure::DeadlinePassed));
+}

@@ -33,6 +33,7 @@ mod places;
 mod pointer;
 mod program_stream;
 mod refusal;
+mod repeated_key;
 mod request_id;
 mod retry;
 mod sent_part;
@@ -151,10 +152,10 @@ pub fn router(app: &Arc<App>) -> Router {
         .with_state(Arc::clone(app))
         .layer(compression::layer())
         .layer(CatchPanicLayer::custom(envelope::panicked))
-        .layer(from_fn(retry::echo_key))
         .layer(from_fn_with_state(Arc::clone(app), guard::check_host))
         .layer(from_fn(envelope::wrap))
         .layer(from_fn_with_state(Arc::clone(app), held::hold))
+        .layer(from_fn(repeated_key::repeat_key))
         .layer(option_layer(cors(&app.cors_origins)))
         .layer(from_fn_with_state(Arc::clone(app), observe::observe))
 }

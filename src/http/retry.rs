@@ -1,10 +1,7 @@
 //! What callers need to send a request again and to find its answer among others: their own key, and the
 //! number of their job order. The service keeps nothing of a request; the same request gives the same answer.
 
-use axum::extract::Request;
 use axum::http::{HeaderName, HeaderValue};
-use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 
 use super::dto::meta::Meta;
@@ -26,19 +23,13 @@ const MAX_KEY_CHARACTERS: usize = 255;
 /// told from its code.
 const CODED: &AsciiSet = &CONTROLS.add(b'%');
 
-/// The layer that repeats the caller's key in the answer.
-pub async fn echo_key(request: Request, next: Next) -> Response {
-    let Some(key) = request.headers().get(IDEMPOTENCY_KEY).cloned() else { return next.run(request).await };
-    if let Err(refused) = check(&key) {
-        return refused.into_response();
-    }
-    let mut response = next.run(request).await;
-    response.headers_mut().insert(IDEMPOTENCY_KEY, key);
-    response
-}
-
-fn check(key: &HeaderValue) -> Result<(), ApiError> {
-    let is_legal = (1..=MAX_KEY_CHARACTERS).contains(&key.len()) && key.to_str().is_ok();
+/// Checks the caller's key.
+///
+/// # Errors
+/// `bad_request` for a key that is too long, empty, or not of visible characters.
+pub fn check(key: &HeaderValue) -> Result<(), ApiError> {
+    let is_visible = key.as_bytes().iter().all(|byte| (b' '..=b'~').contains(byte));
+    let is_legal = (1..=MAX_KEY_CHARACTERS).contains(&key.len()) && is_visible;
     let refused = || {
         let detail = format!("`idempotency-key` must be 1 to {MAX_KEY_CHARACTERS} visible ASCII characters");
         ApiError::new(Code::BadRequest, detail)
@@ -60,7 +51,12 @@ mod tests {
     fn a_key_is_short_and_visible() {
         assert_eq!(check(&HeaderValue::from_static("\"8e03978e\" 7")), Ok(()));
         let long = HeaderValue::from_str(&"x".repeat(256)).expect("a header");
-        for bad in [HeaderValue::from_static(""), long, HeaderValue::from_bytes(b"\xff").expect("a header")] {
+        for bad in [
+            HeaderValue::from_static(""),
+            HeaderValue::from_static("a\tb"),
+            long,
+            HeaderValue::from_bytes(b"\xff").expect("a header"),
+        ] {
             assert_eq!(check(&bad).expect_err("refused").code(), Code::BadRequest);
         }
     }

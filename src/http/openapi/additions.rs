@@ -49,7 +49,23 @@ fn headers() -> Value {
             "schema": { "type": "string", "pattern": "^sha-256=:[A-Za-z0-9+/]{43}=:$" },
         },
         "Warnings": text("Codes of all `warnings`, separated by commas. Absent where there are none, and with events."),
+        "IdempotencyKey": text("The `Idempotency-Key` of the request. Absent where the request has none."),
+        "JobOrderId": text(
+            "The text `job_order_id` of the request's `meta`, with control characters, `%` and characters beyond ASCII \
+             percent-encoded. Absent where `meta` has none, and with events."
+        ),
         "ServerTiming": text("Milliseconds in `queue`, `parse`, `compute` and `encode`. Absent with events."),
+    })
+}
+
+/// The header by which callers mark a request and its repetitions.
+fn idempotency_key() -> Value {
+    json!({
+        "name": "Idempotency-Key",
+        "in": "header",
+        "description": "Your own key of this request. The answer repeats the key. The service keeps nothing: the same request \
+            gives the same answer, with any key.",
+        "schema": { "type": "string", "pattern": "^[!-~]([ -~]{0,253}[!-~])?$" },
     })
 }
 
@@ -112,6 +128,11 @@ fn add_forms(operation: &mut Value) {
     answer["headers"]["repr-digest"] = header("ReprDigest");
     answer["headers"]["server-timing"] = header("ServerTiming");
     answer["headers"]["toolpathd-warnings"] = header("Warnings");
+    answer["headers"]["toolpathd-job-order-id"] = header("JobOrderId");
+    answer["headers"]["idempotency-key"] = header("IdempotencyKey");
+    if let Some(parameters) = operation["parameters"].as_array_mut() {
+        parameters.push(idempotency_key());
+    }
 }
 
 /// Tidies all descriptions: the description of a member that may be null moves beside the member's

@@ -202,3 +202,17 @@ async fn a_caller_that_does_not_read_is_disconnected() {
     assert!(tokio::time::timeout(PATIENCE, dropped).await.is_ok(), "the caller is still connected");
     server.stop().await;
 }
+
+#[tokio::test]
+async fn every_answer_repeats_the_key_of_the_caller() {
+    let app = app(&["--workers", "1"]);
+    for (body, key, status) in
+        [(ONE_PASS, "WO 4711", 200), ("{}", "WO 4711", 422), (ONE_PASS, "a\tb", 400), (ONE_PASS, "", 400)]
+    {
+        let answer = post(&app, MILL, body, &[("idempotency-key", key)]).await;
+        assert_eq!(answer.status, status, "{key:?}");
+        let repeated = if status == 400 { "" } else { key };
+        assert_eq!(answer.header("idempotency-key"), repeated);
+        assert!(answer.status.is_success() || answer.header("content-type") == "application/problem+json");
+    }
+}

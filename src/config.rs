@@ -132,7 +132,7 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_MOVES", default_value_t = Limits::DEFAULT.moves, global = true)]
     pub max_moves: usize,
 
-    /// Most CL points of a milling job; a tenth where the cutter is lowered onto the surface
+    /// Most CL points of a milling job; a twenty-fifth where the cutter is lowered onto the surface
     #[arg(long, env = "TOOLPATHD_MAX_CL_POINTS", default_value_t = Limits::DEFAULT.cl_points, global = true)]
     pub max_cl_points: usize,
 

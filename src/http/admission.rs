@@ -19,10 +19,11 @@ use super::error::{ApiError, Code};
 /// time from the running computations.
 const REFUSAL_PAUSE: Duration = Duration::from_millis(10);
 
-/// Largest piece that may fill the last part of a pot. So large pieces do not shut out small ones.
+/// A body or an answer of at most this size may fill the last part of a pot. So large ones do not shut out
+/// small ones.
 const SMALL_BYTES: usize = 64 * 1024;
 
-/// Large pieces leave one part in `PARTS` of a pot to small pieces.
+/// Larger ones leave one part in `PARTS` of a pot to the small ones.
 const PARTS: usize = 8;
 
 /// A limited number of bytes that all requests share.
@@ -110,7 +111,7 @@ impl Drop for Taken {
 }
 
 /// Middleware that refuses a `POST` while the queue is full, before its body is read. Every other request
-/// gets a [`Share`] of the memory for bodies, and its head counts until it is answered.
+/// gets a [`Share`] of the memory for bodies, and its head counts until the head of the answer is ready.
 pub async fn admit(State(app): State<Arc<App>>, mut request: Request, next: Next) -> Response {
     if request.method() == Method::POST && app.compute.is_full() {
         sleep(REFUSAL_PAUSE).await;

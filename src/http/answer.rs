@@ -1,4 +1,4 @@
-//! From a job to its answer: runs the computation on the pool of threads, and encodes its result in the form
+//! From a job to its answer: runs the computation on a thread, and encodes its result in the form
 //! that the caller wants.
 
 pub mod sheet;

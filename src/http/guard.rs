@@ -1,5 +1,5 @@
-//! Protects callers in browsers. A request under a foreign host name is refused, and every answer forbids a
-//! browser to guess its type or to load anything for it.
+//! Protects callers in browsers. A request under a foreign host name is refused. Every answer forbids a
+//! browser to guess its type, and all but the page of the documentation forbid it to load anything.
 
 use std::sync::Arc;
 
@@ -45,8 +45,8 @@ impl Hosts {
     }
 }
 
-/// The layer that refuses requests under a foreign host name, and requests beyond the limit of connections
-/// other than health checks and metrics.
+/// The layer that refuses requests under a foreign host name. On a spare connection it refuses all but health
+/// checks and metrics.
 pub async fn check_host(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     match refusal(&app, &request) {
         Some(refused) => refused.into_response(),

@@ -8,10 +8,10 @@ pub enum Arrival {
     Spare,
 }
 
-/// Marks an answer whose body is still being made while its head is sent.
+/// Marks the answer to an NC program that is rewritten while it arrives.
 #[derive(Debug, Clone, Copy)]
 pub struct Streamed;
 
-/// Marks an answer that may take any time: a program goes out to a control meanwhile.
+/// Marks the answer, as events, to a program that is being sent to a control. It may take any time.
 #[derive(Debug, Clone, Copy)]
 pub struct Endless;

@@ -3,7 +3,7 @@
 //!
 //! A *stream* is one such program under way, from its first byte to the end of its answer.
 //! * The number of streams is limited; a further stream is refused.
-//! * A stream uses a thread of the pool only while it has bytes to rewrite.
+//! * A stream uses a thread only while it has bytes to rewrite.
 //! * The rewritten text waits for the caller in a queue of limited size. If the caller reads slowly, the
 //!   queue fills up. Then the service reads no more of the program until the queue has room.
 //! * A failure before the first byte of the answer gives a problem document. A later failure closes the
@@ -39,7 +39,7 @@ const BACKLOG_BYTES: u32 = 4 * 1024 * 1024;
 /// Most parts in that queue. Each part costs some memory, however small its text is.
 const BACKLOG_PARTS: usize = 1024;
 
-/// Bytes of a body that one step on the pool takes. A step takes fewer bytes of a gzip body, because they may
+/// Bytes of a body that one step takes. A step takes fewer bytes of a gzip body, because they may
 /// decode to a thousand times as many.
 const STEP_BYTES: usize = 256 * 1024;
 const CODED_STEP_BYTES: usize = 4096;
@@ -190,7 +190,7 @@ async fn pump(
     }
 }
 
-/// Passes one piece of the body, or its end (`None`), through the rewriter on the pool.
+/// Passes one piece of the body, or its end (`None`), through the rewriter.
 async fn step(
     app: &App,
     mut work: Work,

@@ -2,9 +2,8 @@
 //! the material. Nearly all of the time of a fine stepover is spent on this.
 //!
 //! # Cost
-//! A path past every place of the pocket has about the area divided by the stepover as its length, and as
-//! many neighbours as stepovers fit into the radius. So comparisons grow with the area divided by the square
-//! of the stepover.
+//! A path is about as long as the area of the pocket divided by the stepover. The comparisons were measured
+//! to grow with the area divided by the square of the stepover, and for `engagement` by its cube.
 
 use super::PocketError;
 use super::conditions::Conditions;
@@ -12,9 +11,9 @@ use super::job::Pattern;
 
 const WHAT: &str = "comparisons of the cutter with earlier cuts";
 
-/// The comparisons of a pattern, divided by the length of its path in stepovers: rather fewer than on a
-/// rectangle, a comb, a noisy outline and a pocket with a hundred islands. `in_radius` is the number of
-/// stepovers in a radius.
+/// The comparisons of a pattern for each stepover of the length of its path. The figures are below those
+/// measured on a rectangle, a comb, a noisy outline and a pocket with a hundred islands, so that the estimate
+/// refuses no pattern that stays within the limit. `in_radius` is the number of stepovers in a radius.
 fn least_per_stepover(pattern: Pattern, in_radius: f64) -> f64 {
     match pattern {
         Pattern::ZigzagOffset | Pattern::ContinuousOffset | Pattern::ContinuousStockOffset => 3.0,
@@ -25,8 +24,8 @@ fn least_per_stepover(pattern: Pattern, in_radius: f64) -> f64 {
     }
 }
 
-/// Refuses a pattern that needs too many comparisons on a level, before they are made. A path that clears the
-/// level has about this length, mm.
+/// Refuses a pattern for a shape if an estimate of its comparisons is above the limit, before they are made.
+/// A path that clears the shape is about `path_length_mm` long.
 pub fn check(pattern: Pattern, path_length_mm: f64, conditions: &Conditions) -> Result<(), PocketError> {
     let stepover = conditions.stepover_mm;
     let needed = least_per_stepover(pattern, conditions.radius_mm / stepover) * path_length_mm / stepover;

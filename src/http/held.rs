@@ -1,6 +1,7 @@
-//! Counts the bytes of every answer of known size until its last byte is written to the connection. The
-//! answer of a caller who reads slowly, or never, waits in memory. All waiting answers share a pot of limited
-//! size. The parts of an answer of unknown size wait in queues of limited size.
+//! Limits the memory that answers take. If a caller reads slowly or never, its answer waits in memory. The
+//! service counts the bytes of each answer of known size until the last byte is written to the connection,
+//! and refuses an answer that would bring the sum above the limit. An answer of unknown size is made in
+//! parts, which wait in queues of limited size.
 
 use std::sync::Arc;
 

@@ -20,7 +20,7 @@ use crate::http::pointer::Pointer;
 use crate::machining::wire_model::{self, Wire};
 use crate::operations::surface_model as core;
 
-/// Most control points of all patches in one answer. 20,000 bicubic patches have as many.
+/// Most control points of all patches in one answer: those of 20,000 bicubic patches.
 pub const MAX_CONTROL_POINTS: usize = 320_000;
 
 /// Default of `chord_height_mm`: the largest distance of a wire from its chords, mm.

@@ -28,7 +28,7 @@ pub struct Conditions {
     pub z_mm: f64,
     /// How far the retract plane is above the part, mm.
     pub clearance_mm: f64,
-    /// The most comparisons of the cutter with earlier cuts, of each pattern.
+    /// The most comparisons of the cutter with earlier cuts, of each pattern for one shape.
     pub most_comparisons: u64,
 }
 

@@ -133,7 +133,8 @@ pub struct Job {
     pub curves: Curves,
     /// A pocket that needs more moves is refused.
     pub move_limit: usize,
-    /// The most comparisons of the cutter with earlier cuts, of one pattern on all levels. A pattern that
-    /// needs more is left out. 15 to 35 million took a second on one core.
+    /// The most comparisons of the cutter with earlier cuts, of one pattern. The shapes of all levels
+    /// share them evenly, and a pattern that needs more for a shape is left out. 15 to 35 million took a
+    /// second on one core.
     pub comparison_limit: u64,
 }

@@ -11,9 +11,9 @@ use super::job::Pattern;
 
 const WHAT: &str = "comparisons of the cutter with earlier cuts";
 
-/// The comparisons of a pattern for each stepover of the length of its path. The figures are below those
-/// measured on a rectangle, a comb, a noisy outline and a pocket with a hundred islands, so that the estimate
-/// refuses no pattern that stays within the limit. `in_radius` is the number of stepovers in a radius.
+/// An estimate of the comparisons of a pattern for each stepover of the length of its path. It is no bound:
+/// each figure is below the least that was measured on a rectangle, a comb, a noisy outline and a pocket with
+/// a hundred islands. `in_radius` is the number of stepovers in a radius.
 fn least_per_stepover(pattern: Pattern, in_radius: f64) -> f64 {
     match pattern {
         Pattern::ZigzagOffset | Pattern::ContinuousOffset | Pattern::ContinuousStockOffset => 3.0,

@@ -34,10 +34,15 @@ const SHORT_SHARE: f64 = 0.1;
 /// Least height of sections over their chords, mm, where steps are only counted.
 const COARSE_HEIGHT_MM: f64 = 5e-3;
 
-/// Planes that are cut beforehand to estimate the number of CL points, and how far the estimate must be above
-/// the limit for a refusal.
+/// The number of planes that are cut beforehand to estimate the number of CL points.
 const SAMPLED: usize = 16;
+
+/// The golden ratio less 1. Its multiples without their whole parts spread over the range from 0 to 1 at
+/// unequal distances.
 const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// A job is refused beforehand if the estimate is above this many times the limit: the sampled planes may
+/// have more points than the others.
 const FAR_ABOVE: f64 = 1.5;
 
 /// Trials with finer points before a section's tolerance counts as not reachable.
@@ -177,9 +182,9 @@ fn check_steps(
     Ok(())
 }
 
-/// Refuses a job that needs far too many CL points, before all of them are found: the passes of a few planes
-/// are cut, and the others are taken to have as many points. If one plane lets all planes together expect
-/// less than half of the limit, it is the only one.
+/// Refuses a job that needs far too many CL points before all of them are found. The function cuts the passes
+/// of [`SAMPLED`] planes and assumes that the other planes have as many points on average. If the points of
+/// the first plane, times the number of planes, are at most half of the limit, it cuts no further plane.
 fn check_points(
     job: &Job,
     slicer: &Slicer,

@@ -18,7 +18,7 @@ REQUESTS = {
     "interpolate": ("/v1/curves/interpolate", "curves-interpolate/in-band.json"),
     "fit": ("/v1/arcs/fit", "arcs-fit/sine.json"),
 }
-TIMES = 200
+TIMES = 360
 WORKERS = (1, 2, 8)
 # Connections that share the requests.
 CONNECTIONS = 4

@@ -14,35 +14,35 @@ fn apart(block: &[Pose], t: f64, pose: &Pose) -> [f64; 2] {
     [(pose.tip - tip).norm(), angle(&axis, &pose.axis)]
 }
 
-/// The distance and the angle at a place of the path where both are within what is allowed; if there is none,
-/// at the place where the larger part of what is allowed is least. The block with that place is near a given
-/// one.
+/// How far a pose is from a path: the distance to a tip of the path, and the angle to the axis there. If the
+/// path has a place where distance and angle are both allowed, the function answers those of such a place.
+/// Else it divides both by what is allowed, and answers those of the place where the larger quotient is
+/// least. It looks only at the blocks near the pose with the index `near`.
 fn off(poses: &[Pose], sample: &Pose, near: usize, allowed: [f64; 2]) -> [f64; 2] {
-    let part = |[tip, angle]: [f64; 2]| (tip / allowed[0]).max(angle / allowed[1]);
+    let quotient = |[tip, angle]: [f64; 2]| (tip / allowed[0]).max(angle / allowed[1]);
     let blocks = || poses[near.saturating_sub(40)..(near + 40).min(poses.len())].windows(2);
     let beside = |block: &[Pose]| {
         let along = block[1].tip - block[0].tip;
         let t = (sample.tip - block[0].tip).dot(&along) / along.norm_squared().max(1e-18);
         apart(block, t.clamp(0.0, 1.0), sample)
     };
-    if let Some(within) = blocks().map(beside).find(|apart| part(*apart) <= 1.0) {
+    if let Some(within) = blocks().map(beside).find(|apart| quotient(*apart) <= 1.0) {
         return within;
     }
     let least = |block: &[Pose]| {
-        // Distance and angle each fall and then rise along the block, and so does the larger part.
+        // Distance and angle each fall and then rise along the block, and so does the larger quotient.
         let at = |t: f64| apart(block, t, sample);
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..THIRDS {
             let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
-            if part(at(first)) <= part(at(second)) { high = second } else { low = first }
+            if quotient(at(first)) <= quotient(at(second)) { high = second } else { low = first }
         }
-        [0.0, low, 1.0].map(at).into_iter().min_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap()
+        [0.0, low, 1.0].map(at).into_iter().min_by(|a, b| quotient(*a).total_cmp(&quotient(*b))).unwrap()
     };
-    blocks().map(least).min_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap()
+    blocks().map(least).min_by(|a, b| quotient(*a).total_cmp(&quotient(*b))).unwrap()
 }
 
-/// The largest distance and angle of poses from a path, which they follow in order. Each pose is compared
-/// with the place of the path where both are within what is allowed, if there is one.
+/// The largest distance and the largest angle of all poses from a path. The poses follow the path in order.
 pub fn farthest(given: &[Pose], poses: &[Pose], allowed: [f64; 2]) -> (f64, f64) {
     let allowed = allowed.map(|most| most.max(1e-12));
     let (mut tip, mut angle) = (0.0_f64, 0.0_f64);

@@ -7,10 +7,10 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Vector2;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{Continuity, Fit, Method, Points, fit};
-use toolpathd::post::dialect;
-use toolpathd::post::rewrite::{RewriteJob, Rewriter};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{Continuity, Fit, Method, Points, fit};
+use toolpathd_post::dialect;
+use toolpathd_post::rewrite::{RewriteJob, Rewriter};
 
 /// `n` points along the curve `at`, whose parameter runs from 0 to 1.
 fn points(n: usize, at: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {

@@ -5,12 +5,12 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Unit, Vector3};
-use toolpathd::budget::Budget;
-use toolpathd::machine::named;
-use toolpathd::operations::five_axis::schedule::Limits;
-use toolpathd::operations::five_axis::{Job, Method, MotionLimits, plan};
-use toolpathd::toolpath::pose::{Pace, Pose, Waypoint};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::machine::named;
+use toolpathd_core::operations::five_axis::schedule::Limits;
+use toolpathd_core::operations::five_axis::{Job, Method, MotionLimits, plan};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// A path of blocks of about 0.2 mm whose axis swings.
 fn job(blocks: usize) -> Job {

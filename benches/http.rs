@@ -11,11 +11,11 @@ use std::sync::mpsc::sync_channel;
 
 use clap::Parser;
 use criterion::{Criterion, criterion_group, criterion_main};
-use toolpathd::budget::Budget;
-use toolpathd::config::Cli;
-use toolpathd::geometry::deviation::{Band, Measure};
-use toolpathd::http::{App, router, serve};
-use toolpathd::operations::interpolation::{Job, Method, Source, Subdivision, plan};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::deviation::{Band, Measure};
+use toolpathd_core::operations::interpolation::{Job, Method, Source, Subdivision, plan};
+use toolpathd_server::config::Cli;
+use toolpathd_server::http::{App, router, serve};
 
 const BODY: &str = r#"{"curve":{"kind":"graph","expression":"sin(x)","domain":[0,6.5]},"method":"linear",
     "subdivision":"bisection","band":{"below_mm":0.01,"above_mm":0.01,"measure":"vertical"}}"#;

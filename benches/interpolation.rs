@@ -6,10 +6,10 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point2;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::deviation::{Band, Measure};
-use toolpathd::geometry::plane_curve::nurbs::Nurbs;
-use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::deviation::{Band, Measure};
+use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
+use toolpathd_core::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
 
 /// A wavy cubic with `n` control points.
 fn nurbs(n: usize) -> Source {

@@ -6,11 +6,11 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point3;
-use toolpathd::geometry::curve::Direction;
-use toolpathd::geometry::plane::Plane;
-use toolpathd::plot::{Drawing, Scene, svg};
-use toolpathd::toolpath::units::FeedRate;
-use toolpathd::toolpath::{Role, Toolpath};
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Role, Toolpath};
+use toolpathd_plot::{Drawing, Scene, svg};
 
 fn feed() -> FeedRate {
     FeedRate::from_mm_per_min(1000.0).unwrap()

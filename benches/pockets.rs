@@ -7,17 +7,17 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::element::Element;
-use toolpathd::geometry::height_field::HeightGrid;
-use toolpathd::operations::pocketing::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::element::Element;
+use toolpathd_core::geometry::height_field::HeightGrid;
+use toolpathd_core::operations::pocketing::{
     ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief, plan,
 };
-use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::Curves;
-use toolpathd::toolpath::tool::{Shape, Tool};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::cutting::CuttingRequest;
+use toolpathd_core::toolpath::program::{Resolution, Units};
+use toolpathd_core::toolpath::quantize::Curves;
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::units::FeedRate;
 
 fn outline(corners: &[[f64; 2]]) -> Vec<Element> {
     let at = |k: usize| Point2::from(corners[k % corners.len()]);

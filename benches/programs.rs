@@ -6,16 +6,16 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::Direction;
-use toolpathd::geometry::plane::Plane;
-use toolpathd::post::{self, DIALECTS, ProgramJob};
-use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::motion_time::motion_time;
-use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::FeedRate;
-use toolpathd::toolpath::{Role, Toolpath};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::cutting::CuttingRequest;
+use toolpathd_core::toolpath::motion_time::motion_time;
+use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Role, Toolpath};
+use toolpathd_post::{DIALECTS, ProgramJob};
 
 /// `n` moves in a spiral: an arc in zx, then a line in y, again and again.
 fn spiral(n: usize) -> Toolpath {
@@ -63,7 +63,7 @@ fn write(c: &mut Criterion) {
                 five_axes: None,
             };
             group.bench_with_input(BenchmarkId::new(dialect.name, n), &path, |b, path| {
-                b.iter(|| post::write(black_box(path), &job, &Budget::unlimited()).unwrap());
+                b.iter(|| toolpathd_post::write(black_box(path), &job, &Budget::unlimited()).unwrap());
             });
         }
     }

@@ -7,9 +7,9 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point2;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::element::{Element, PlaneArc};
-use toolpathd::geometry::region::{Outline, Region};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::element::{Element, PlaneArc};
+use toolpathd_core::geometry::region::{Outline, Region};
 
 const SIZES: [usize; 4] = [10, 100, 1_000, 10_000];
 

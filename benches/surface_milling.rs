@@ -8,20 +8,20 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Point2, Point3};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::Curve;
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::machining::cutter::Cutter;
-use toolpathd::machining::drop_cutter::{Contacts, TipSections};
-use toolpathd::machining::gouge::{GougeProof, Penetration};
-use toolpathd::machining::offset_section::{Chain, PlaneAt, SectionError, Sections, Spacing};
-use toolpathd::machining::regularity::prove;
-use toolpathd::operations::cutter_location;
-use toolpathd::operations::surface_milling::{Job, plan};
-use toolpathd::toolpath::Move;
-use toolpathd::toolpath::tool::{Shape, Tool};
-use toolpathd::toolpath::units::{FeedRate, Tolerance};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::cutter::Cutter;
+use toolpathd_core::machining::drop_cutter::{Contacts, TipSections};
+use toolpathd_core::machining::gouge::{GougeProof, Penetration};
+use toolpathd_core::machining::offset_section::{Chain, PlaneAt, SectionError, Sections, Spacing};
+use toolpathd_core::machining::regularity::prove;
+use toolpathd_core::operations::cutter_location;
+use toolpathd_core::operations::surface_milling::{Job, plan};
+use toolpathd_core::toolpath::Move;
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
 
 /// n x n points of z = 10 sin(pi x/40) cos(pi y/40) at 5 mm.
 fn grid(n: usize) -> PointGrid {

@@ -1,8 +1,8 @@
 //! Classes of strokes, and how each class looks: its colour on a screen, and its width and dashes in print.
 
 use super::{Move, text};
-use crate::geometry::curve::Curve;
-use crate::toolpath::Role;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::Role;
 
 /// The meaning of a stroke. Later classes are drawn over earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

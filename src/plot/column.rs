@@ -8,8 +8,8 @@ use super::layout::{BORDER_MM, COLUMN_X_MM, Layout};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, SIZE_MM, TITLE_SIZE_MM, escape};
 use super::{Scene, marks, relief};
-use crate::toolpath::measure::measure;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::measure::measure;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The left end and the width of the column's text.
 pub const LEFT_MM: f64 = COLUMN_X_MM + 4.0;

@@ -9,8 +9,8 @@ use nalgebra::{Point2, Point3};
 use super::number::{RoundNumber, with_decimals};
 use super::view::View;
 use super::{Scene, text};
-use crate::toolpath::measure::{Bounds, measure};
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The border, inside the area that printers reach: left, top, right, bottom.
 pub const BORDER_MM: [f64; 4] = [7.0, 7.0, 290.0, 203.0];

@@ -5,8 +5,8 @@ use nalgebra::{Point2, Point3, Vector2};
 use super::number::fixed;
 use super::view::View;
 use super::{Scene, class};
-use crate::geometry::curve::Curve;
-use crate::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::{Move, Role, Toolpath};
 
 /// Least distance between arrows along the path, mm of paper.
 const ARROW_SPACING_MM: f64 = 40.0;

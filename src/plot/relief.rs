@@ -24,11 +24,11 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::layout::Layout;
 use super::view::View;
-use crate::geometry::mesh::Mesh;
 use bands::Bands;
 pub use bands::legend;
 use border::Border;
 use tone::TONES;
+use toolpathd_core::geometry::mesh::Mesh;
 
 /// Cells of a mesh along each direction. With this number, a circle as large as a sheet is drawn within 0.1
 /// mm of paper.

@@ -8,11 +8,11 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::{Scene, svg};
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::toolpath::units::FeedRate;
-use crate::toolpath::{Builder, Role, Toolpath};
 use reading::{Drawing, compare};
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Builder, Role, Toolpath};
 
 fn feed() -> FeedRate {
     FeedRate::from_mm_per_min(500.0).unwrap()

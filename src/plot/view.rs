@@ -5,10 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Point2, Point3};
 
 use super::pen::{CHORD_MM, Pen, Turn};
-use crate::geometry::curve::{Arc, Curve, Direction};
-use crate::geometry::plane::Plane;
-use crate::toolpath::flatten::flatten;
-use crate::toolpath::measure::Bounds;
+use toolpathd_core::geometry::curve::{Arc, Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::flatten::flatten;
+use toolpathd_core::toolpath::measure::Bounds;
 
 /// The largest sweep of a piece: a quarter turn. The excess keeps rounding from adding a piece.
 const PIECE: f64 = FRAC_PI_2 * (1.0 + 1e-9);

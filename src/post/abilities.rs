@@ -1,9 +1,9 @@
 //! What a request asks of a control that the control, or its dialect, cannot do.
 
 use super::dialect::{Dialect, LengthOffsets};
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::{Program, SafeHome, Units};
-use crate::toolpath::tool::Tool;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{Program, SafeHome, Units};
+use toolpathd_core::toolpath::tool::Tool;
 
 /// What a dialect cannot write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -88,10 +88,10 @@ pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::post::DIALECTS;
-    use crate::post::dialects::deckel::DECKEL;
-    use crate::post::dialects::siemens::SIEMENS;
-    use crate::toolpath::program::{Custom, Resolution};
+    use crate::DIALECTS;
+    use crate::dialects::deckel::DECKEL;
+    use crate::dialects::siemens::SIEMENS;
+    use toolpathd_core::toolpath::program::{Custom, Resolution};
 
     const PLAIN: Program = Program {
         resolution: Resolution { units: Units::Mm, decimals: 3 },

@@ -2,9 +2,9 @@
 
 use super::words::FeedWord;
 use super::{MAX_BLOCKS, WriteError};
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::toolpath::path::Role;
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::path::Role;
 
 /// One block of motion or dwell. Positions are absolute, in units of the last decimal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

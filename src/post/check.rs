@@ -12,10 +12,10 @@ use super::rails::{FineGrid, RailWords};
 use super::read::{Pace, Placed, Posed, ROTARY, RailStep, Reader, Step, TipMode};
 use super::words::FeedWord;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
-use crate::budget::Budget;
-use crate::geometry::curve::Curve;
-use crate::toolpath::quantize::Grid;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::quantize::Grid;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// Largest difference of the two radii of an arc block, in units of the last decimal. Rounding an arc makes
 /// at most 1; some controls refuse arcs of a larger difference.

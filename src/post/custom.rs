@@ -13,7 +13,7 @@ use std::ops::{Range, RangeInclusive};
 
 use super::dialect::{Dialect, Frame, Syntax};
 use super::nc::{Effect, Function, Lexer, Place, Token, effect, function};
-use crate::toolpath::program::Custom;
+use toolpathd_core::toolpath::program::Custom;
 
 /// Most lines of one place.
 pub const MAX_LINES: usize = 50;

@@ -3,11 +3,11 @@
 //! A [`Dialect`] says what a control can do, and in which [`Syntax`] its programs are written. Each syntax
 //! has its own reader. ISO words and Siemens share one writer. No reader shares code with a writer.
 
-pub use crate::toolpath::quantize::{Arcs, Curves, Parabolas};
+pub use toolpathd_core::toolpath::quantize::{Arcs, Curves, Parabolas};
 
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::{SafeHome, Units};
-use crate::toolpath::tool::Tool;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{SafeHome, Units};
+use toolpathd_core::toolpath::tool::Tool;
 
 /// How a program for one control is written.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -34,7 +34,7 @@ pub fn dialect(name: &str) -> Option<&'static Dialect> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::post::dialect::{Frame, Iso, Syntax};
+    use crate::dialect::{Frame, Iso, Syntax};
 
     #[test]
     fn every_dialect_is_found_by_its_name() {

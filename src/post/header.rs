@@ -9,13 +9,13 @@ use super::dialect::Dialect;
 use super::lower::Lowered;
 use super::words::{self, FeedWord};
 use super::{AxisOutput, FiveAxes, ProgramJob, WriteError};
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::measure::{Bounds, measure};
-use crate::toolpath::motion_time::motion_time;
-use crate::toolpath::path::{Move, Role, Toolpath};
-use crate::toolpath::program::Units;
-use crate::toolpath::tool::{Shape, Tool};
-use crate::toolpath::units::rounded_up;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::motion_time::motion_time;
+use toolpathd_core::toolpath::path::{Move, Role, Toolpath};
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::units::rounded_up;
 
 /// Most notes of a header. Further notes are only counted, so that the header stays a page.
 const MAX_NOTES: usize = 40;

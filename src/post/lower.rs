@@ -8,13 +8,13 @@ use super::posed::{self, Posed};
 use super::rails::RailWords;
 use super::words;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
-use crate::budget::Budget;
-use crate::geometry::curve::Curve;
-use crate::toolpath::Toolpath;
-use crate::toolpath::path::{Move, Role};
-use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{self, Form, Grid, Written};
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::path::{Move, Role};
+use toolpathd_core::toolpath::program::Resolution;
+use toolpathd_core::toolpath::quantize::{self, Form, Grid, Written};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// A toolpath as blocks, with a bound for their rounding.
 pub struct Lowered {

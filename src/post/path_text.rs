@@ -10,7 +10,7 @@ pub(super) mod tokens;
 
 use nalgebra::{Unit, UnitVector3, Vector3};
 
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// A vector that is shorter is no direction.
 const SHORTEST_VECTOR: f64 = 1e-6;

@@ -29,14 +29,14 @@ use super::dialect::{AxisOutput, Numbers, Turns};
 use super::rails::{self, FineGrid, RailWords, Rounded};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
-use crate::budget::Budget;
-use crate::machine::{Joints, Machine, Straying};
-use crate::toolpath::path::Toolpath;
-use crate::toolpath::pose::Pose;
-use crate::toolpath::quantize::Grid;
-use crate::toolpath::rail::Rail;
-use crate::toolpath::tool_axes::angle_between;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::machine::{Joints, Machine, Straying};
+use toolpathd_core::toolpath::path::Toolpath;
+use toolpathd_core::toolpath::pose::Pose;
+use toolpathd_core::toolpath::quantize::Grid;
+use toolpathd_core::toolpath::rail::Rail;
+use toolpathd_core::toolpath::tool_axes::angle_between;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// What a program of a leaning tool needs besides the toolpath.
 #[derive(Debug, Clone, Copy)]

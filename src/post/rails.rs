@@ -14,8 +14,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::WriteError;
 use super::words::FeedWord;
-use crate::toolpath::quantize::Grid;
-use crate::toolpath::rail::Rail;
+use toolpathd_core::toolpath::quantize::Grid;
+use toolpathd_core::toolpath::rail::Rail;
 
 /// Decimals of coefficients and of the second point.
 pub const RAIL_DECIMALS: u8 = 6;
@@ -62,7 +62,9 @@ impl FineGrid {
         let scaled = v * self.scale();
         // Beyond this, an f64 holds no units.
         if scaled.amax() > 1e15 {
-            return Err(crate::toolpath::quantize::QuantizeError::OutOfRange { value_mm: v.amax() }.into());
+            return Err(
+                toolpathd_core::toolpath::quantize::QuantizeError::OutOfRange { value_mm: v.amax() }.into()
+            );
         }
         Ok([0, 1, 2].map(|k| scaled[k].round() as i64))
     }

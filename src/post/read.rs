@@ -26,8 +26,8 @@ use nalgebra::Point3;
 pub use self::posed::{Pace, Posed, ROTARY, RailStep, TipMode};
 use super::dialect::{Dialect, Syntax};
 pub use super::nc::Fault;
-use crate::geometry::curve::Curve;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The effect of one block.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -52,8 +52,8 @@ use self::segments::Fitting;
 use self::text::{Output, Tally, Writer, line_end, push_with_g1};
 use super::dialect::Dialect;
 use super::nc::{Distance, Motion};
-use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{Fit, Joints, Measure};
+use toolpathd_core::budget::{Budget, Stopped};
+use toolpathd_core::geometry::arc_fit::{Fit, Joints, Measure};
 
 /// Blocks of a run that are fitted at once. Of each window, the curves that end in its first three quarters
 /// are written. The next window begins where these curves end. A larger window needs more memory and time; a

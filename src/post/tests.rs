@@ -8,15 +8,15 @@ use super::dialects::fanuc::FANUC;
 use super::dialects::linuxcnc::LINUXCNC;
 use super::read::{Reader, Step};
 use super::*;
-use crate::budget::Budget;
-use crate::geometry::curve::{Curve, Direction};
-use crate::geometry::plane::Plane;
-use crate::toolpath::cutting::{Coolant, CuttingRequest};
-use crate::toolpath::measure::measure;
-use crate::toolpath::program::{Custom, Resolution, SafeHome, Units};
-use crate::toolpath::tool::Shape;
-use crate::toolpath::units::FeedRate;
-use crate::toolpath::{Builder, Role};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::cutting::{Coolant, CuttingRequest};
+use toolpathd_core::toolpath::measure::measure;
+use toolpathd_core::toolpath::program::{Custom, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::tool::Shape;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Builder, Role};
 
 mod custom;
 mod deckel;
@@ -262,7 +262,7 @@ fn hops() -> impl Strategy<Value = Hop> {
     ]
 }
 
-fn hop(path: &mut Builder, hop: &Hop) -> Result<(), crate::toolpath::PathError> {
+fn hop(path: &mut Builder, hop: &Hop) -> Result<(), toolpathd_core::toolpath::PathError> {
     let at = path.at();
     match *hop {
         Hop::Rapid(by) => path.rapid(at + Vector3::from(by)),

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use super::WriteError;
 use super::dialect::Numbers;
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::toolpath::program::Units;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The letters of the axes, and of the offsets of centres and control points along the axes.
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
@@ -171,8 +171,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::post::dialects::fanuc::FANUC;
-    use crate::post::dialects::linuxcnc::LINUXCNC;
+    use crate::dialects::fanuc::FANUC;
+    use crate::dialects::linuxcnc::LINUXCNC;
 
     #[test]
     fn fixed_numbers_keep_their_decimals_and_have_no_minus_zero() {

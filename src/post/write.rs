@@ -13,7 +13,7 @@ use super::dialect::Syntax;
 use super::header::Remark;
 use super::lower::Lowered;
 use super::{ProgramJob, WriteError};
-use crate::toolpath::tool::DEFAULT_NUMBER;
+use toolpathd_core::toolpath::tool::DEFAULT_NUMBER;
 
 /// Returns the text of a whole program.
 ///

@@ -12,8 +12,8 @@ mod table1;
 mod way;
 
 use nalgebra::Vector2;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{Fit, Fitted, Points, Shape, fit};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{Fit, Fitted, Points, Shape, fit};
 
 use way::{Way, order_deviation};
 

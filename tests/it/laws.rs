@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Point3;
 use proptest::prelude::*;
-use toolpathd::budget::{Budget, Stopped};
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::budget::{Budget, Stopped};
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{
     CutDirection, Engine, Error, Interpolation, Job, Plan, SectionPlane, plan,
 };
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::{FeedRate, Tolerance};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
 
 /// Random grids of points: a square grid with the given pitch (mm), with shifted points and random heights.
 fn grid(rows: usize, columns: usize, pitch: impl Strategy<Value = f64>) -> impl Strategy<Value = PointGrid> {

@@ -6,8 +6,8 @@
 
 use nalgebra::{Point3, Vector3, Vector4};
 use proptest::prelude::*;
-use toolpathd::geometry::surface::Surface;
-use toolpathd::geometry::surface::nurbs::Nurbs;
+use toolpathd_core::geometry::surface::Surface;
+use toolpathd_core::geometry::surface::nurbs::Nurbs;
 
 /// A clamped knot vector whose inner knots are given steps apart; a step of zero repeats a knot.
 fn knots(degree: usize, steps: &[u8]) -> Vec<f64> {

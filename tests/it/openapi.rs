@@ -4,7 +4,7 @@ mod answers;
 mod schema;
 
 use serde_json::Value;
-use toolpathd::http::contract;
+use toolpathd_server::http::contract;
 
 const COMMITTED: &str = include_str!("../../openapi/openapi.json");
 

@@ -17,8 +17,8 @@ mod samples;
 mod service;
 mod sweep;
 
-use toolpathd::budget::Budget;
-use toolpathd::operations::pocketing::plan;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::operations::pocketing::plan;
 
 use area::Area;
 use cases::{Case, PATTERNS, SLOT_FEED, job};

@@ -15,12 +15,12 @@ mod spline;
 mod variants;
 mod verdict;
 
-use toolpathd::budget::Budget;
-use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::point_grid::Ends;
+use toolpathd_core::operations::surface_milling::{
     CutDirection, Engine, Error, Interpolation, Job, SectionPlane, Spacing, plan,
 };
-use toolpathd::toolpath::units::Tolerance;
+use toolpathd_core::toolpath::units::Tolerance;
 
 use jobs::{PLANES, die, freeform, heights, job, points};
 use motion::{Kind, Motion, planned};

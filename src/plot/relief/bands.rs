@@ -3,9 +3,9 @@
 use nalgebra::Point3;
 
 use super::{Corner, split};
-use crate::plot::number::{RoundNumber, fixed, with_decimals};
-use crate::plot::text::{self, SIZE_MM};
-use crate::plot::view::View;
+use crate::number::{RoundNumber, fixed, with_decimals};
+use crate::text::{self, SIZE_MM};
+use crate::view::View;
 
 /// Most steps that the range of heights is divided into. Round steps make at least two fifths of this number.
 const STEPS: f64 = 12.0;

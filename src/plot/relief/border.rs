@@ -7,7 +7,7 @@
 
 use nalgebra::Point2;
 
-use crate::plot::pen::Pen;
+use crate::pen::Pen;
 
 /// A place in thousandths of a millimetre of paper. That is finer than coordinates are written, and makes
 /// equal places equal numbers.

@@ -8,8 +8,8 @@ use nalgebra::Point3;
 use roxmltree::{Document, Node};
 
 use super::of_path;
-use crate::geometry::curve::Curve;
-use crate::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::{Move, Role, Toolpath};
 
 /// The axes that point to the right and upward.
 const VIEWS: [(&str, [usize; 2]); 3] = [("plan", [0, 1]), ("front", [0, 2]), ("left-side", [2, 1])];

@@ -7,8 +7,8 @@ use roxmltree::Document;
 use super::super::relief::MAX_BYTES;
 use super::super::{Drawing, Scene, svg};
 use super::reading::{self, strokes};
-use crate::geometry::surface::{BezierSurface, BicubicPatch, Surface};
-use crate::machining::wire_model::sketch;
+use toolpathd_core::geometry::surface::{BezierSurface, BicubicPatch, Surface};
+use toolpathd_core::machining::wire_model::sketch;
 
 /// `n` by `n` patches over unit squares, whose control points are `at` thirds of the squares.
 fn patches(n: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> BezierSurface {

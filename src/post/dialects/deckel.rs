@@ -5,11 +5,11 @@
 //! they do not show is not written: arcs become lines, and inches, dwells, coolant, work offsets, comments
 //! and leaning tools are refused.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, Verification,
 };
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::{SafeHome, Units};
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{SafeHome, Units};
 
 pub const DECKEL: Dialect = Dialect {
     name: "deckel",

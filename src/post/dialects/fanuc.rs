@@ -11,7 +11,7 @@
 //! * The program does not set how far the control may cut corners. A parameter of the control sets that, or
 //!   G5.1 (contour control).
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax,
     TipControl, Turns, Verification,
 };

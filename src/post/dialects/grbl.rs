@@ -7,10 +7,10 @@
 //!   make so is divided, or written as lines.
 //! * M30 resets the work offset to G54 and motion to G1, which harms no program that starts as these do.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, BlockNumbers, Point, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Syntax, Verification,
 };
-use crate::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::cutting::Coolant;
 
 pub const GRBL: Dialect = Dialect {
     name: "grbl",

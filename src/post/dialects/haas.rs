@@ -5,7 +5,7 @@
 //! * Tip control is G234, in a block of G0 and without G43. It knows angles, no vectors.
 
 use super::fanuc::{FANUC, TIP_CONTROL, WORDS};
-use crate::post::dialect::{Dialect, FiveAxisWords, Iso, ProgramNumber, Syntax, TipControl, Turns};
+use crate::dialect::{Dialect, FiveAxisWords, Iso, ProgramNumber, Syntax, TipControl, Turns};
 
 pub const HAAS: Dialect = Dialect {
     name: "haas",

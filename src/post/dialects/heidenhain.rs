@@ -6,11 +6,11 @@
 //! * G54 to G59 are the rows 1 to 6 of the table of presets.
 //! * The move to zero of the machine's coordinates is `M91`; there is no move to a reference point.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, TipControl, Turns, Verification,
 };
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::SafeHome;
 
 pub const HEIDENHAIN: Dialect = Dialect {
     name: "heidenhain",

@@ -2,7 +2,7 @@
 //! read programs of this dialect but the reader that checks each of them.
 
 use super::fanuc::{FANUC, WORDS};
-use crate::post::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Syntax, Verification};
+use crate::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Syntax, Verification};
 
 pub const ISO: Dialect = Dialect {
     name: "iso",

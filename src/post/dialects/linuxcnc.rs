@@ -9,7 +9,7 @@
 //!   deviation in the program's header includes the distance of these arcs from the parabola.
 //! * The program ends with M30, without percent signs.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, Syntax, Verification,
 };
 

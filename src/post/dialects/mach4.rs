@@ -5,7 +5,7 @@
 //! * Editions of the manual disagree on a P without a point, so a dwell has one.
 
 use super::fanuc::WORDS;
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, Syntax, Verification,
 };
 

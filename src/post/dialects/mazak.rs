@@ -2,7 +2,7 @@
 //! of them. The words are those of Fanuc.
 
 use super::fanuc::FANUC;
-use crate::post::dialect::{Dialect, Verification};
+use crate::dialect::{Dialect, Verification};
 
 pub const MAZAK: Dialect = Dialect {
     name: "mazak",

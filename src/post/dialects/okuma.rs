@@ -5,10 +5,10 @@
 //! * A dwell counts seconds, as F.
 //! * There is no G28 and no G53.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax, Verification,
 };
-use crate::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::program::SafeHome;
 
 pub const OKUMA: Dialect = Dialect {
     name: "okuma",

@@ -11,11 +11,11 @@
 //!   SINUMERIK ONE (*NC programming*, 12/2019, p. 684) excludes polynomials of XH, YH and ZH under it.
 //! * Under G93, F is 1 divided by the minutes that the block takes, also under TRAORI.
 
-use crate::post::dialect::{
+use crate::dialect::{
     Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, Syntax,
     TipControl, Turns, Verification,
 };
-use crate::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::program::SafeHome;
 
 pub const SIEMENS: Dialect = Dialect {
     name: "siemens",

@@ -1,9 +1,9 @@
 //! What G and M words do to the modal state.
 
 use super::modal::{Distance, FeedMode, Modal, Modifier, Motion};
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::toolpath::program::Units;
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
 
 /// G words of one line, and M words of one line, that are read: one of each modal group. A longer list is
 /// refused.

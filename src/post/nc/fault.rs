@@ -1,6 +1,6 @@
 //! The faults for which a reader refuses a line.
 
-use crate::geometry::curve::ArcError;
+use toolpathd_core::geometry::curve::ArcError;
 
 /// What is wrong with a line.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

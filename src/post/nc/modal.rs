@@ -1,8 +1,8 @@
 //! The modal state: what the words of a block set for later blocks.
 
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::toolpath::program::Units;
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
 
 /// The motion of G0 to G3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,8 +14,8 @@
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::{PathFault, PathTextError, Reading, coordinate, direction, feed};
-use crate::toolpath::pose::{Pace, Pose, Waypoint};
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+use toolpathd_core::toolpath::units::FeedRate;
 
 const INCH_MM: f64 = 25.4;
 

@@ -19,12 +19,12 @@ use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::tokens::{Word, words};
 use super::{PathFault, PathTextError, Reading, coordinate, direction, feed};
-use crate::machine::{Joints, Machine};
-use crate::post::nc::{Distance, Effect, FeedMode, Modifier, Motion, Place, effect};
-use crate::toolpath::pose::{Pace, Pose, Waypoint};
-use crate::toolpath::program::Units;
-use crate::toolpath::tool_axes::angle_between;
-use crate::toolpath::units::FeedRate;
+use crate::nc::{Distance, Effect, FeedMode, Modifier, Motion, Place, effect};
+use toolpathd_core::machine::{Joints, Machine};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::tool_axes::angle_between;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// Reads the poses of a program. `top_mm` is the distance of the point whose speed is the feed where the tip
 /// rests.
@@ -294,7 +294,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::machine::named::by_name;
+    use toolpathd_core::machine::named::by_name;
 
     fn reading() -> Reading {
         Reading { feed: None, limit: 1000 }

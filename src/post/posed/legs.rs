@@ -1,13 +1,13 @@
 //! A leaning toolpath as straight motions between poses, and motions along rails.
 
 use super::super::{MAX_BLOCKS, ProgramJob, WriteError};
-use crate::geometry::curve::Curve;
-use crate::toolpath::flatten::flatten;
-use crate::toolpath::path::{Move, Toolpath};
-use crate::toolpath::pose::Pose;
-use crate::toolpath::rail::Rail;
-use crate::toolpath::tool_axes::angle_between;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::flatten::flatten;
+use toolpathd_core::toolpath::path::{Move, Toolpath};
+use toolpathd_core::toolpath::pose::Pose;
+use toolpathd_core::toolpath::rail::Rail;
+use toolpathd_core::toolpath::tool_axes::angle_between;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// How fast the tool turns between two passes, radians per second: 29 degrees by s.
 const TURN_PER_S: f64 = 0.5;

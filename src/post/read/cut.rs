@@ -3,9 +3,9 @@
 use nalgebra::Point3;
 
 use super::{Fault, Step};
-use crate::geometry::curve::{Arc, Curve, Direction, Line};
-use crate::geometry::plane::Plane;
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Line};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// A cutting motion whose curve is not known yet. Places in mm.
 #[derive(Debug, Clone, Copy)]

@@ -26,9 +26,9 @@ mod words;
 use self::words::{Signs, Words, count, number, position};
 use super::cut::Cut;
 use super::{Language, Step};
-use crate::post::dialect::Dialect;
-use crate::post::nc::{Fault, Motion, WordFault};
-use crate::toolpath::units::FeedRate;
+use crate::dialect::Dialect;
+use crate::nc::{Fault, Motion, WordFault};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The least height at which the machine rests between programs, mm.
 const LEAST_REST_MM: f64 = 100.0;

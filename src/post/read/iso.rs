@@ -12,12 +12,12 @@ use nalgebra::{Point3, Vector3};
 use self::posed::Leaning;
 use self::words::Words;
 use super::{Language, Step};
-use crate::geometry::curve::{Arc, Curve, Line, Parabola};
-use crate::geometry::plane::Plane;
-use crate::post::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Parabolas, Point, TipControl};
-use crate::post::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
-use crate::toolpath::program::Units;
-use crate::toolpath::units::FeedRate;
+use crate::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Parabolas, Point, TipControl};
+use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
+use toolpathd_core::geometry::curve::{Arc, Curve, Line, Parabola};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// G codes that the reader knows, in tenths. In a dialect that writes parabolas, the reader also knows G5.1.
 const KNOWN_G: &[i32] = &[

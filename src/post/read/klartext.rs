@@ -35,11 +35,11 @@ use nalgebra::Point3;
 use self::words::{Functions, Limits, Words};
 use super::number::Number;
 use super::{Language, Step, TipMode};
-use crate::geometry::plane::Plane;
-use crate::post::dialect::Dialect;
-use crate::post::nc::{Fault, WordFault};
-use crate::toolpath::program::Units;
-use crate::toolpath::units::FeedRate;
+use crate::dialect::Dialect;
+use crate::nc::{Fault, WordFault};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The control has no tool of a larger number.
 const MAX_TOOL: u32 = 32_767;

@@ -1,6 +1,6 @@
 //! Motions that state the tool axis, as every reader yields them.
 
-use crate::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The letters of rotary axes.
 pub const ROTARY: [char; 3] = ['A', 'B', 'C'];

@@ -31,11 +31,11 @@ mod words;
 
 use self::words::{Keyword, Words};
 use super::{Language, Step, TipMode};
-use crate::geometry::plane::Plane;
-use crate::post::dialect::{BlockNumbers, Dialect, Syntax};
-use crate::post::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
-use crate::toolpath::program::Units;
-use crate::toolpath::units::FeedRate;
+use crate::dialect::{BlockNumbers, Dialect, Syntax};
+use crate::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The number of a tool and of its cutting edge, at most.
 const MAX_TOOL: u32 = 99_999_999;

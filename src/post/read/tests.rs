@@ -4,11 +4,11 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::geometry::curve::ArcError;
-use crate::post::DIALECTS;
-use crate::post::dialects::fanuc::FANUC;
-use crate::post::dialects::linuxcnc::LINUXCNC;
-use crate::post::nc::WordFault;
+use crate::DIALECTS;
+use crate::dialects::fanuc::FANUC;
+use crate::dialects::linuxcnc::LINUXCNC;
+use crate::nc::WordFault;
+use toolpathd_core::geometry::curve::ArcError;
 
 const LIMIT_MM: f64 = 0.0015;
 

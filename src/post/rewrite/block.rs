@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::post::nc::{Codes, Decimal, Lexer, Token};
+use crate::nc::{Codes, Decimal, Lexer, Token};
 
 /// Longest line that may stand in a run, bytes. Bounds the memory of a window of such lines.
 pub const MAX_RUN_BLOCK_LENGTH: usize = 256;

@@ -1,11 +1,11 @@
 //! Follows the modal state of the control line by line, and says on which modes a line relies.
 
 use super::block::Block;
-use crate::post::dialect::{Dialect, Point};
-use crate::post::nc::{
+use crate::dialect::{Dialect, Point};
+use crate::nc::{
     Decimal, Distance, Effect, FeedMode, Function, Modal, Motion, Place, effect, function, is_coordinate,
 };
-use crate::toolpath::program::Units;
+use toolpathd_core::toolpath::program::Units;
 
 /// The modal state before a line. Coordinates are millionths of a unit of the program.
 pub type Modes = Modal<i64, Feed>;

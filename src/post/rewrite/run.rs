@@ -6,9 +6,9 @@ use nalgebra::Point3;
 
 use super::block::Block;
 use super::modes::{Feed, Modes, default_decimals};
-use crate::post::dialect::Dialect;
-use crate::post::nc::{Distance, FeedMode, Motion, SCALES, is_coordinate};
-use crate::toolpath::program::{Resolution, Units};
+use crate::dialect::Dialect;
+use crate::nc::{Distance, FeedMode, Motion, SCALES, is_coordinate};
+use toolpathd_core::toolpath::program::{Resolution, Units};
 
 /// Largest relative difference of the speeds that the blocks of a run imply under G93. A larger value joins
 /// blocks of visibly different speeds; a smaller value ends runs at the rounding of feeds.

@@ -11,12 +11,12 @@
 
 use nalgebra::Point3;
 
-use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{Fit, FitError, fit_in_space};
-use crate::geometry::curve::Curve;
-use crate::geometry::following;
-use crate::toolpath::program::Resolution;
-use crate::toolpath::quantize::{self, Curves, Written};
+use toolpathd_core::budget::{Budget, Stopped};
+use toolpathd_core::geometry::arc_fit::{Fit, FitError, fit_in_space};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::following;
+use toolpathd_core::toolpath::program::Resolution;
+use toolpathd_core::toolpath::quantize::{self, Curves, Written};
 
 /// How often the points of a curve are fitted again. More tries rarely succeed and cost time.
 const MAX_TRIES: u8 = 3;

@@ -1,9 +1,9 @@
 use std::fmt::Write;
 
 use super::*;
-use crate::geometry::arc_fit::Method;
-use crate::post::dialects::fanuc::FANUC;
-use crate::post::dialects::linuxcnc::LINUXCNC;
+use crate::dialects::fanuc::FANUC;
+use crate::dialects::linuxcnc::LINUXCNC;
+use toolpathd_core::geometry::arc_fit::Method;
 
 mod evaluator;
 mod random;

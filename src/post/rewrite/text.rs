@@ -4,12 +4,12 @@
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};
 use super::segments::Segment;
-use crate::geometry::curve::Curve;
-use crate::geometry::plane::Plane;
-use crate::post::dialect::{Dialect, Point};
-use crate::post::nc::{Distance, FeedMode};
-use crate::post::words::{self, AXES, OFFSETS, push_fixed};
-use crate::toolpath::quantize::{Form, Written};
+use crate::dialect::{Dialect, Point};
+use crate::nc::{Distance, FeedMode};
+use crate::words::{self, AXES, OFFSETS, push_fixed};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::quantize::{Form, Written};
 
 /// Digits of a feed in inverse time. Seven digits keep the time to a millionth of itself.
 const RATE_DIGITS: i32 = 7;

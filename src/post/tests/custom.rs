@@ -1,9 +1,9 @@
 //! A shop's own lines in programs.
 
 use super::*;
-use crate::post::custom::{CustomFault, Refused, refused};
-use crate::post::dialects::{grbl::GRBL, heidenhain::HEIDENHAIN, siemens::SIEMENS};
-use crate::toolpath::program::Custom;
+use crate::custom::{CustomFault, Refused, refused};
+use crate::dialects::{grbl::GRBL, heidenhain::HEIDENHAIN, siemens::SIEMENS};
+use toolpathd_core::toolpath::program::Custom;
 
 fn lines(lines: &[&str]) -> Vec<String> {
     lines.iter().map(|&line| line.to_owned()).collect()
@@ -189,7 +189,7 @@ fn lines_that_break_the_program_are_refused() {
             }
         }
     }
-    let deckel = crate::post::dialect("deckel").unwrap();
+    let deckel = crate::dialect("deckel").unwrap();
     assert_eq!(refused(deckel, &Custom { header: lines(&["M1"]), ..Custom::default() }).len(), 1);
 }
 

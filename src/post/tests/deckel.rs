@@ -5,7 +5,7 @@
 //! that were printed badly are zeros here.
 
 use super::*;
-use crate::post::dialects::deckel::DECKEL;
+use crate::dialects::deckel::DECKEL;
 
 /// The points of the wire at y = 0, as (x, z).
 const FIRST_WIRE: [[f64; 2]; 20] = [

@@ -1,8 +1,8 @@
 //! What holds in every dialect: random toolpaths, user text, and whole programs as a machinist reads them.
 
 use super::*;
-use crate::toolpath::Move;
-use crate::toolpath::quantize::quantize;
+use toolpathd_core::toolpath::Move;
+use toolpathd_core::toolpath::quantize::quantize;
 
 /// Cutting conditions that every dialect can write.
 fn plain() -> Cutting {
@@ -210,7 +210,7 @@ fn numbers_beyond_a_control_are_refused_with_their_limit() {
     let mut waiting = Toolpath::builder(Point3::origin());
     waiting.dwell(7200.0).unwrap();
     let waiting = waiting.finish().unwrap();
-    let klartext = &crate::post::dialects::heidenhain::HEIDENHAIN;
+    let klartext = &crate::dialects::heidenhain::HEIDENHAIN;
     let in_klartext =
         |path: &Toolpath| in_dialect(klartext, path, &program_of(klartext), &plain(), &[]).map(|_| ());
     let too_many = Err(WriteError::TooManyWholeDigits { limit: 5 });
@@ -233,7 +233,7 @@ fn numbers_beyond_a_control_are_refused_with_their_limit() {
 
 #[test]
 fn a_siemens_program_selects_the_cutting_edge_that_is_asked_for() {
-    let siemens = &crate::post::dialects::siemens::SIEMENS;
+    let siemens = &crate::dialects::siemens::SIEMENS;
     for (length_offset, edge, head) in
         [(None, "\nD1\n", "T2 D1 "), (Some(2), "\nD2\n", "T2 D2 "), (Some(1), "\nD1\n", "T2 D1 ")]
     {

@@ -1,7 +1,7 @@
 //! Parabolas in each dialect.
 
 use super::*;
-use crate::geometry::curve::Parabola;
+use toolpathd_core::geometry::curve::Parabola;
 
 /// Level parabolas after a plunge along an arc in another plane, and before moves that need their G words
 /// again.
@@ -56,7 +56,7 @@ fn lies_along(path: &Toolpath, text: &str, dialect: &Dialect, limit_mm: f64) {
     let meant: Vec<Curve> = path
         .moves()
         .filter_map(|step| match step {
-            crate::toolpath::Move::Feed { along, .. } => Some(*along),
+            toolpathd_core::toolpath::Move::Feed { along, .. } => Some(*along),
             _ => None,
         })
         .collect();

@@ -4,12 +4,12 @@
 use nalgebra::{Unit, UnitVector3};
 
 use super::*;
-use crate::machine::{Joints, Machine, Straying, named};
-use crate::post::dialects::heidenhain::HEIDENHAIN;
-use crate::post::dialects::siemens::SIEMENS;
-use crate::post::path_text::tokens::words;
-use crate::toolpath::Move;
-use crate::toolpath::pose::Pose;
+use crate::dialects::heidenhain::HEIDENHAIN;
+use crate::dialects::siemens::SIEMENS;
+use crate::path_text::tokens::words;
+use toolpathd_core::machine::{Joints, Machine, Straying, named};
+use toolpathd_core::toolpath::Move;
+use toolpathd_core::toolpath::pose::Pose;
 
 const ALLOWED: Straying = Straying { tip_mm: 0.002, axis: 1e-4 };
 
@@ -259,7 +259,7 @@ fn pose_at(
         AxisOutput::Angles => Pose { tip: place.into(), ..pose },
         AxisOutput::Vectors | AxisOutput::Rails => {
             let [a, b] = [from.2, to.2].map(|v| unit(v[0], v[1], v[2]));
-            Pose { tip: place.into(), axis: crate::toolpath::tool_axes::between(&a, &b, part) }
+            Pose { tip: place.into(), axis: toolpathd_core::toolpath::tool_axes::between(&a, &b, part) }
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Rails for Siemens: read back as the same polynomials, and near the toolpath.
 
 use super::*;
-use crate::machine::Straying;
-use crate::post::dialects::siemens::SIEMENS;
-use crate::post::read::RailStep;
-use crate::toolpath::rail::{ORDER, Rail};
+use crate::dialects::siemens::SIEMENS;
+use crate::read::RailStep;
+use toolpathd_core::machine::Straying;
+use toolpathd_core::toolpath::rail::{ORDER, Rail};
 
 /// A pass whose rails bend and lean, each with a few chords.
 fn railed(rails: &[Rail]) -> Toolpath {

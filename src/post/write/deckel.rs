@@ -14,10 +14,10 @@
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, tool_of};
-use crate::post::block::Block;
-use crate::post::words::{self, AXES, FeedWord};
-use crate::post::{ProgramJob, WriteError};
-use crate::toolpath::path::Role;
+use crate::block::Block;
+use crate::words::{self, AXES, FeedWord};
+use crate::{ProgramJob, WriteError};
+use toolpathd_core::toolpath::path::Role;
 
 const NUMBERING: Numbering = Numbering { prefix: "N", first: 1, step: 1, max: u32::MAX };
 

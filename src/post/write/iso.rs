@@ -5,16 +5,16 @@ mod rails;
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks, tool_of};
-use crate::geometry::plane::Plane;
-use crate::post::block::{AxisWords, Block};
-use crate::post::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point};
-use crate::post::header::Remark;
-use crate::post::lower::Lowered;
-use crate::post::rails::RailWords;
-use crate::post::words::{self, AXES, FeedWord, OFFSETS};
-use crate::post::{ProgramJob, WriteError};
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::{SafeHome, Units};
+use crate::block::{AxisWords, Block};
+use crate::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point};
+use crate::header::Remark;
+use crate::lower::Lowered;
+use crate::rails::RailWords;
+use crate::words::{self, AXES, FeedWord, OFFSETS};
+use crate::{ProgramJob, WriteError};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{SafeHome, Units};
 
 /// Most characters of a program's name. Controls show no more in their lists of programs.
 const MAX_PROGRAM_NAME_LENGTH: usize = 32;

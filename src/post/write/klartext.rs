@@ -8,15 +8,15 @@
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks, tool_of};
-use crate::geometry::curve::Direction;
-use crate::post::block::{AxisWords, Block, BlockFeed};
-use crate::post::dialect::{Comment, TipControl};
-use crate::post::header::Remark;
-use crate::post::posed::VECTOR_DECIMALS;
-use crate::post::words::{self, AXES, FeedWord};
-use crate::post::{ProgramJob, WriteError};
-use crate::toolpath::cutting::Coolant;
-use crate::toolpath::program::{SafeHome, Units};
+use crate::block::{AxisWords, Block, BlockFeed};
+use crate::dialect::{Comment, TipControl};
+use crate::header::Remark;
+use crate::posed::VECTOR_DECIMALS;
+use crate::words::{self, AXES, FeedWord};
+use crate::{ProgramJob, WriteError};
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{SafeHome, Units};
 
 const COMMENT: Comment = Comment { open: "; ", separator: " = ", close: "" };
 const NUMBERING: Numbering = Numbering { prefix: "", first: 0, step: 1, max: u32::MAX };

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::post::WriteError;
-use crate::post::dialect::Dialect;
-use crate::post::words;
+use crate::WriteError;
+use crate::dialect::Dialect;
+use crate::words;
 
 /// A text, with the places of a shop's own lines by their indices.
 pub struct Written {

@@ -1,10 +1,10 @@
 //! Remarks as comments of one line each.
 
 use super::lines::Lines;
-use crate::post::WriteError;
-use crate::post::dialect::{Comment, Dialect};
-use crate::post::header::{self, Remark};
-use crate::post::words;
+use crate::WriteError;
+use crate::dialect::{Comment, Dialect};
+use crate::header::{self, Remark};
+use crate::words;
 
 /// Most characters of a remark. A longer line would be hard to read on a control's screen.
 const MAX_REMARK_LENGTH: usize = 100;

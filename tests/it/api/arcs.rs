@@ -15,7 +15,7 @@ use futures_util::stream::{iter, unfold};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
-use toolpathd::http::{App, router};
+use toolpathd_server::http::{App, router};
 use tower::ServiceExt;
 
 use super::support::{Answer, Server, app, aside, connect, post, send, write};

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::routing::post;
-use toolpathd::budget::Budget;
-use toolpathd::http::compute::memory::Memory;
-use toolpathd::http::compute::{Capacity, Compute, Failure};
+use toolpathd_core::budget::Budget;
+use toolpathd_server::http::compute::memory::Memory;
+use toolpathd_server::http::compute::{Capacity, Compute, Failure};
 
-use toolpathd::http::App;
+use toolpathd_server::http::App;
 
 use super::support::{
     MILL, ONE_PASS, Server, app, aside, connect, post as post_to, post_head, read_answer, write,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use toolpathd::http::App;
+use toolpathd_server::http::App;
 
 use super::support::{app, post};
 

@@ -5,7 +5,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use toolpathd::http::compute::Failure;
+use toolpathd_server::http::compute::Failure;
 
 use super::support::{MILL, ONE_PASS, Server, app, connect, post, write};
 

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use toolpathd::http::contract;
-use toolpathd::post::{DIALECTS, Dialect};
+use toolpathd_post::{DIALECTS, Dialect};
+use toolpathd_server::http::contract;
 
 use super::support::{app, for_dialect, post};
 

@@ -1,9 +1,9 @@
 //! Tests of smoothing through the interface: figures, samples and refusals.
 
 use serde_json::{Value, json};
-use toolpathd::machine::named;
-use toolpathd::post::path_text::{self, Reading};
-use toolpathd::toolpath::pose::{Pace, Waypoint};
+use toolpathd_core::machine::named;
+use toolpathd_core::toolpath::pose::{Pace, Waypoint};
+use toolpathd_post::path_text::{self, Reading};
 
 use super::support::{app, post};
 

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use toolpathd::post::{DIALECTS, Dialect};
+use toolpathd_post::{DIALECTS, Dialect};
 
 use super::support::{app, for_dialect, post};
 
@@ -69,7 +69,7 @@ async fn a_smooth_path_has_its_golden_rails() {
 
 /// The move home that a dialect has.
 fn safe_home(dialect: &Dialect) -> &'static str {
-    use toolpathd::toolpath::program::SafeHome;
+    use toolpathd_core::toolpath::program::SafeHome;
     if dialect.abilities.safe_homes.contains(&SafeHome::G53) { "g53" } else { "none" }
 }
 

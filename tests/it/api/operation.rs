@@ -16,7 +16,7 @@ use super::support::{
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The value of the metric with this name and these labels. `None` if there is no such metric.
-async fn figure(app: &std::sync::Arc<toolpathd::http::App>, name: &str) -> Option<f64> {
+async fn figure(app: &std::sync::Arc<toolpathd_server::http::App>, name: &str) -> Option<f64> {
     let text = get(app, "/metrics").await.text();
     let line = text.lines().find_map(|line| line.strip_prefix(&format!("{name} ")).map(str::to_owned));
     line.map(|value| value.parse().expect("a number"))

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use toolpathd::post::read::{Reader, Step};
-use toolpathd::post::{self, DIALECTS};
+use toolpathd_post::DIALECTS;
+use toolpathd_post::read::{Reader, Step};
 
 use super::support::{Answer, MILL, app, for_dialect, get, post};
 
@@ -81,7 +81,7 @@ async fn every_example_of_writing_is_answered_in_every_form_and_dialect() {
 }
 
 /// Fails unless the figures of a report agree with the program beside it.
-fn certificate_holds(answer: &Value, dialect: &post::Dialect) {
+fn certificate_holds(answer: &Value, dialect: &toolpathd_post::Dialect) {
     let (report, nc) = (&answer["report"], answer["nc"].as_str().expect("a text"));
     let unit = if report["units"] == "inch" { 25.4 } else { 1.0 };
     let decimals = i32::try_from(report["decimals"].as_i64().expect("a number")).expect("a small number");

@@ -92,5 +92,5 @@ fn the_openapi_command_prints_the_contract() {
     let output =
         Command::new(env!("CARGO_BIN_EXE_toolpathd")).arg("openapi").output().expect("the program starts");
     assert!(output.status.success());
-    assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), toolpathd::http::contract());
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), toolpathd_server::http::contract());
 }

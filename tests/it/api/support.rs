@@ -12,11 +12,11 @@ use clap::Parser;
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
-use toolpathd::config::{Cli, Settings};
-use toolpathd::http::{App, router, serve};
-use toolpathd::post::Dialect;
-use toolpathd::toolpath::cutting::Coolant;
-use toolpathd::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::SafeHome;
+use toolpathd_post::Dialect;
+use toolpathd_server::config::{Cli, Settings};
+use toolpathd_server::http::{App, router, serve};
 use tower::ServiceExt;
 
 pub const ONE_PASS: &str = include_str!("../../../openapi/examples/surfaces-mill/one-pass.json");

@@ -6,7 +6,7 @@
 //! 2. Dynamic programming finds the shortest chain of pairs between which an element is possible.
 
 use nalgebra::Vector2;
-use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Measure};
+use toolpathd_core::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Measure};
 
 use super::inputs::{KINDS, Random, few};
 use super::way::{WIDEST, Way, order_deviation};

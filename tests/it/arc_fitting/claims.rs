@@ -2,10 +2,10 @@
 //! differ. No job fails. No stated deviation is smaller than the deviation that dense samples show.
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{Continuity, Fit, Joints, Measure, Method};
-use toolpathd::operations::arc_fitting::{Error, Job, Plan, plan};
-use toolpathd::toolpath::{Move, Role};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{Continuity, Fit, Joints, Measure, Method};
+use toolpathd_core::operations::arc_fitting::{Error, Job, Plan, plan};
+use toolpathd_core::toolpath::{Move, Role};
 
 use super::inputs::Random;
 

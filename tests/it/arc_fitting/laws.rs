@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{
     Continuity, Fit, FitError, FittedCurve, Joints, LARGEST_RADIUS_MM, Measure, Method, Shape, Shapes,
     fit_in_space,
 };
-use toolpathd::geometry::curve::Curve;
-use toolpathd::geometry::following::{from_lines, from_points};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::following::{from_lines, from_points};
 
 use super::inputs::{KINDS, Random, few, polar, walk};
 use super::way::Way;

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
-use toolpathd::geometry::arc_fit::{Element, Fit, Joints, Method, Shape};
+use toolpathd_core::geometry::arc_fit::{Element, Fit, Joints, Method, Shape};
 
 use super::inputs::{Random, polar};
 use super::{fitted, judge};

@@ -10,7 +10,7 @@
 //! The fit leaves out many more pairs. The comparison shows that these pairs do not change the number.
 
 use nalgebra::Vector2;
-use toolpathd::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};
+use toolpathd_core::geometry::arc_fit::{Fit, Joints, LARGEST_RADIUS_MM, Method};
 
 use super::inputs::{Random, polar, walk};
 use super::way::{WIDEST, Way};

@@ -16,18 +16,18 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Vector2};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{Fit, Joints, Method};
-use toolpathd::geometry::curve::{Curve, Direction};
-use toolpathd::geometry::surface::any_surface::AnySurface;
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::machining::offset_section::{PlaneAt, Sections, Spacing};
-use toolpathd::machining::regularity;
-use toolpathd::operations::surface_milling::{Job, plan};
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::{FeedRate, Tolerance};
-use toolpathd::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{Fit, Joints, Method};
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::surface::any_surface::AnySurface;
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::offset_section::{PlaneAt, Sections, Spacing};
+use toolpathd_core::machining::regularity;
+use toolpathd_core::operations::surface_milling::{Job, plan};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
+use toolpathd_core::toolpath::{Move, Role, Toolpath};
 
 use super::way::Way;
 use super::{fitted, judge, ways};

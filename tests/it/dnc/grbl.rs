@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
-use toolpathd::dnc::{Address, Delivery, Failure, Left, Progress, Stop, Target, send};
+use toolpathd_server::dnc::{Address, Delivery, Failure, Left, Progress, Stop, Target, send};
 
 use super::mock::settings;
 

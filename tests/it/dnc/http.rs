@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use axum::body::Body;
 use axum::http::Request;
 use serde_json::{Value, json};
-use toolpathd::http::App;
+use toolpathd_server::http::App;
 
 use super::mock::{Control, Habits, program, tape};
 use crate::api::support::{self, Answer, Server, aside, connect, get, read_answer, send, write};

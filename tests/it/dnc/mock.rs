@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
-use toolpathd::dnc::{Address, Settings, Target};
+use toolpathd_server::dnc::{Address, Settings, Target};
 
 const XON: u8 = 0x11;
 const XOFF: u8 = 0x13;

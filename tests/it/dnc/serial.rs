@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use toolpathd::dnc::{Delivery, Failure, Left, Outcome, Progress, Stop, send};
+use toolpathd_server::dnc::{Delivery, Failure, Left, Outcome, Progress, Stop, send};
 
 use super::mock::{Control, Habits, Seen, program, tape};
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
-use toolpathd::dnc::{Address, Left, Stop, Target, send};
+use toolpathd_server::dnc::{Address, Left, Stop, Target, send};
 
 use super::mock::{program, settings, tape};
 

@@ -5,7 +5,7 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use toolpathd::dnc::{Address, Delivery, Failure, Left, Outcome, Stop, Target, send};
+use toolpathd_server::dnc::{Address, Delivery, Failure, Left, Outcome, Stop, Target, send};
 
 use super::mock::{program, settings, tape};
 

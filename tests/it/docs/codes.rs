@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use clap::CommandFactory;
 use serde_json::Value;
-use toolpathd::config::Cli;
+use toolpathd_server::config::Cli;
 
 use super::fields::contract;
 use super::page::read;

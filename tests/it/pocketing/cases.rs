@@ -3,13 +3,15 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
-use toolpathd::geometry::element::{Element, PlaneArc};
-use toolpathd::operations::pocketing::{ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern};
-use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::Curves;
-use toolpathd::toolpath::tool::{Shape, Tool};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::geometry::element::{Element, PlaneArc};
+use toolpathd_core::operations::pocketing::{
+    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern,
+};
+use toolpathd_core::toolpath::cutting::CuttingRequest;
+use toolpathd_core::toolpath::program::{Resolution, Units};
+use toolpathd_core::toolpath::quantize::Curves;
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::units::FeedRate;
 
 use super::plane::{Piece, Vertex};
 

@@ -1,12 +1,12 @@
 //! The checker has to find what is wrong: toolpaths and reports are spoiled in one way each.
 
 use nalgebra::Vector3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::{Curve, Line};
-use toolpathd::operations::pocketing::{Job, Pattern, Plan, plan};
-use toolpathd::toolpath::path::Builder;
-use toolpathd::toolpath::units::FeedRate;
-use toolpathd::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::{Curve, Line};
+use toolpathd_core::operations::pocketing::{Job, Pattern, Plan, plan};
+use toolpathd_core::toolpath::path::Builder;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Move, Role, Toolpath};
 
 use super::area::Area;
 use super::cases::{self, Case, FEED, SLOT_FEED, job};

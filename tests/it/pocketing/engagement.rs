@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use toolpathd::toolpath::Role;
+use toolpathd_core::toolpath::Role;
 
 use super::motion::{Kind, Motion};
 use super::plane::{P, Piece};

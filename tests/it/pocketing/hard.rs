@@ -1,9 +1,9 @@
 //! Input that has no pocket, or one that is hard to plan.
 
-use toolpathd::budget::Budget;
-use toolpathd::geometry::region::OutlineError;
-use toolpathd::operations::pocketing::{Job, Plan, PocketError, Warning, plan};
-use toolpathd::toolpath::tool::{Shape, Tool};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::region::OutlineError;
+use toolpathd_core::operations::pocketing::{Job, Plan, PocketError, Warning, plan};
+use toolpathd_core::toolpath::tool::{Shape, Tool};
 
 use super::area::Area;
 use super::cases::{self, Case, PATTERNS, SLOT_FEED, box_at, circle_at, job, pocket, polygon};

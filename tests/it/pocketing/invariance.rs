@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use toolpathd::budget::Budget;
-use toolpathd::operations::pocketing::{Pattern, Plan, plan};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::operations::pocketing::{Pattern, Plan, plan};
 
 use super::area::Area;
 use super::cases::{self, Case, FEED, PATTERNS, SLOT_FEED, job};

@@ -1,8 +1,8 @@
 //! The moves of a toolpath in the checker's own terms.
 
-use toolpathd::geometry::curve::{Curve, Direction};
-use toolpathd::geometry::plane::Plane;
-use toolpathd::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::{Move, Role, Toolpath};
 
 use super::plane::{P, Piece};
 

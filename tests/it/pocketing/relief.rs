@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use toolpathd::http::App;
+use toolpathd_server::http::App;
 
 use super::cases::{box_at, circle_at};
 use super::heights::{self, Heights};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use toolpathd::http::App;
+use toolpathd_server::http::App;
 
 use super::plane::{Outline, P, Piece, Vertex};
 use crate::api::support::{self, post};

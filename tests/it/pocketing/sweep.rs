@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
-use toolpathd::operations::pocketing::{Job, Plan};
-use toolpathd::toolpath::Role;
+use toolpathd_core::operations::pocketing::{Job, Plan};
+use toolpathd_core::toolpath::Role;
 
 use super::area::Area;
 use super::cases::{Case, TOP_MM};

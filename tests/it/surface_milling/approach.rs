@@ -2,13 +2,13 @@
 //! part. Links join neighbouring passes.
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::Curve;
-use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::surface::point_grid::Ends;
+use toolpathd_core::operations::surface_milling::{
     CutDirection, Entry, Exit, Job, Plan, Spacing, Stock, Warning, plan,
 };
-use toolpathd::toolpath::{Move, Role};
+use toolpathd_core::toolpath::{Move, Role};
 
 use super::jobs::{PLANES, die, heights, job};
 use super::verdict::judge;

@@ -4,13 +4,13 @@
 //! cutter radius apart. Every cutter, both directions of section planes and every boundary are tried.
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::surface::net_grid::NetGrid;
-use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{Boundary, Error, Job, SectionPlane, Warning, plan};
-use toolpathd::toolpath::tool::{Shape, Tool};
-use toolpathd::toolpath::{Move, Role};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::net_grid::NetGrid;
+use toolpathd_core::geometry::surface::point_grid::Ends;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{Boundary, Error, Job, SectionPlane, Warning, plan};
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::{Move, Role};
 
 use super::corruption::{HALF_LENGTH_MM, RADIUS_MM, extruded};
 use super::jobs::{PLANES, heights, job};

@@ -4,14 +4,14 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::surface::nurbs::Nurbs;
-use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::nurbs::Nurbs;
+use toolpathd_core::geometry::surface::point_grid::Ends;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{
     Boundary, Engine, Error, Job, Plan, SectionPlane, Spacing, plan,
 };
-use toolpathd::toolpath::tool::{Shape, Tool};
+use toolpathd_core::toolpath::tool::{Shape, Tool};
 
 use super::jobs::{PLANES, die, freeform, grid_of, heights, job};
 use super::motion::{Kind, Motion, planned, written};

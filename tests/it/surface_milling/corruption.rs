@@ -6,17 +6,17 @@
 //! enough to measure depths in that plane.
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::{Arc, Curve, Direction, Line};
-use toolpathd::geometry::surface::BezierSurface;
-use toolpathd::geometry::surface::any_surface::AnySurface;
-use toolpathd::geometry::surface::nurbs::Nurbs;
-use toolpathd::geometry::surface::point_grid::Ends;
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::machining::gouge::{GougeProof, Penetration};
-use toolpathd::operations::surface_milling::{Job, plan};
-use toolpathd::toolpath::Move;
-use toolpathd::toolpath::tool::{Shape, Tool};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Line};
+use toolpathd_core::geometry::surface::BezierSurface;
+use toolpathd_core::geometry::surface::any_surface::AnySurface;
+use toolpathd_core::geometry::surface::nurbs::Nurbs;
+use toolpathd_core::geometry::surface::point_grid::Ends;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::gouge::{GougeProof, Penetration};
+use toolpathd_core::operations::surface_milling::{Job, plan};
+use toolpathd_core::toolpath::Move;
+use toolpathd_core::toolpath::tool::{Shape, Tool};
 
 use super::contact::depth;
 use super::jobs::{heights, job};

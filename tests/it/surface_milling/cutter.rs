@@ -235,7 +235,7 @@ fn downhill(slope: [f64; 2], [a, b, c]: [f64; 3], is_free: [bool; 2]) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+    use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 
     use super::*;
 

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use nalgebra::Point3;
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{CutDirection, Job, SectionPlane};
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::{FeedRate, Tolerance};
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{CutDirection, Job, SectionPlane};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
 
 pub const PLANES: [SectionPlane; 2] = [SectionPlane::Zx, SectionPlane::Yz];
 

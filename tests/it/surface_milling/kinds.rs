@@ -1,12 +1,14 @@
 //! Compares paths over cylinders, spheres and roofs, given as NURBS, with closed forms.
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::surface::nurbs::Nurbs;
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{Boundary, Engine, Error, Job, SectionPlane, Spacing, plan};
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::{FeedRate, Tolerance};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::nurbs::Nurbs;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{
+    Boundary, Engine, Error, Job, SectionPlane, Spacing, plan,
+};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
 
 use super::motion::{Kind, Motion, planned};
 

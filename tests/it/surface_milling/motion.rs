@@ -2,15 +2,15 @@
 //! here, not by the library.
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::curve::{Curve, Direction};
-use toolpathd::geometry::plane::Plane;
-use toolpathd::operations::surface_milling::{Job, Plan};
-use toolpathd::post::read::{Reader, Step};
-use toolpathd::post::{self, ProgramJob};
-use toolpathd::toolpath::program::{Custom, Program, SafeHome};
-use toolpathd::toolpath::units::FeedRate;
-use toolpathd::toolpath::{Move, Role};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::operations::surface_milling::{Job, Plan};
+use toolpathd_core::toolpath::program::{Custom, Program, SafeHome};
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Move, Role};
+use toolpathd_post::ProgramJob;
+use toolpathd_post::read::{Reader, Step};
 
 /// One motion of the tip.
 #[derive(Debug, Clone, Copy)]
@@ -162,7 +162,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         safe_home: SafeHome::None,
         custom: Custom::default(),
     };
-    let dialect = post::dialect("linuxcnc").unwrap();
+    let dialect = toolpathd_post::dialect("linuxcnc").unwrap();
     let target = ProgramJob {
         program: &program,
         tool: Some(&job.tool),
@@ -172,7 +172,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
         warnings: &[],
         five_axes: None,
     };
-    let text = post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
+    let text = toolpathd_post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
     let beside: Vec<(Kind, Motion)> =
         planned(plan).into_iter().flatten().filter(|m| matches!(m.0, Kind::Link | Kind::Lead)).collect();

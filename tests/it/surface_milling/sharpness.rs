@@ -7,13 +7,13 @@
 use std::f64::consts::PI;
 
 use nalgebra::Point3;
-use toolpathd::budget::Budget;
-use toolpathd::geometry::surface::Surface;
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
-use toolpathd::machining::cutter::Cutter;
-use toolpathd::machining::drop_cutter::Contacts;
-use toolpathd::operations::surface_milling::{Interpolation, Job, plan};
-use toolpathd::toolpath::tool::{Shape, Tool};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::Surface;
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid};
+use toolpathd_core::machining::cutter::Cutter;
+use toolpathd_core::machining::drop_cutter::Contacts;
+use toolpathd_core::operations::surface_milling::{Interpolation, Job, plan};
+use toolpathd_core::toolpath::tool::{Shape, Tool};
 
 use super::jobs::{heights, job};
 use super::motion::{Kind, Motion, planned, written};

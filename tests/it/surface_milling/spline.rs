@@ -5,7 +5,7 @@
 //! moments along v, and the moments along v of the moments along u. No code is shared with the library.
 
 use nalgebra::{DMatrix, Point3, Vector3};
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 
 /// Values (0, 1) and moments (2, 3) at the two ends of a cell, along u and along v.
 type Cell = [[Vector3<f64>; 4]; 4];

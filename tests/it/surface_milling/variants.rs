@@ -1,9 +1,9 @@
 //! The same part moved, turned, mirrored, with its points in another order, or measured with noise.
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::surface::point_grid::{Ends, PointGrid};
-use toolpathd::geometry::surface::source::Source;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid};
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::operations::surface_milling::{
     CutDirection, Engine, Error, Job, Report, SectionPlane, Spacing,
 };
 

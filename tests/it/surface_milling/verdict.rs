@@ -2,8 +2,8 @@
 //! library.
 
 use nalgebra::Vector3;
-use toolpathd::budget::Budget;
-use toolpathd::operations::surface_milling::{
+use toolpathd_core::budget::Budget;
+use toolpathd_core::operations::surface_milling::{
     CutDirection, Error, Job, Plan, SectionPlane, Spacing, Stock, plan,
 };
 

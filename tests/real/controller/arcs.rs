@@ -6,12 +6,12 @@ use std::fmt::{self, Write};
 use std::path::Path;
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::arc_fit::{Fit, Method};
-use toolpathd::geometry::curve::{Direction, Line};
-use toolpathd::geometry::plane::Plane;
-use toolpathd::post::dialect;
-use toolpathd::post::rewrite::{RewriteJob, Rewriter};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::arc_fit::{Fit, Method};
+use toolpathd_core::geometry::curve::{Direction, Line};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_post::dialect;
+use toolpathd_post::rewrite::{RewriteJob, Rewriter};
 
 use crate::canon::{self, Motion};
 

@@ -7,9 +7,9 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::curve::{Direction, Parabola};
-use toolpathd::geometry::plane::Plane;
-use toolpathd::post::dialect::{Dialect, Dwell, Syntax};
+use toolpathd_core::geometry::curve::{Direction, Parabola};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_post::dialect::{Dialect, Dwell, Syntax};
 
 /// Longest time for one program. If the interpreter takes longer, it hangs.
 const PATIENCE: Duration = Duration::from_secs(300);

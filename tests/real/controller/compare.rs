@@ -3,15 +3,15 @@
 use std::fmt;
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::curve::{Arc, Curve, Direction, Parabola};
-use toolpathd::post::Dialect;
-use toolpathd::post::read::{Reader, Step};
-use toolpathd::toolpath::Toolpath;
-use toolpathd::toolpath::measure::measure;
-use toolpathd::toolpath::path::Move;
-use toolpathd::toolpath::program::{Resolution, Units};
-use toolpathd::toolpath::quantize::{Curves, MAX_DISPLACEMENT_STEPS, quantize};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Parabola};
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::measure::measure;
+use toolpathd_core::toolpath::path::Move;
+use toolpathd_core::toolpath::program::{Resolution, Units};
+use toolpathd_core::toolpath::quantize::{Curves, MAX_DISPLACEMENT_STEPS, quantize};
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_post::Dialect;
+use toolpathd_post::read::{Reader, Step};
 
 use crate::canon::Motion;
 

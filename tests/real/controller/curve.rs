@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use nalgebra::{Point2, Point3};
-use toolpathd::budget::Budget;
-use toolpathd::geometry::deviation::{Band, Measure};
-use toolpathd::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
-use toolpathd::post::{self, ProgramJob, dialect};
-use toolpathd::toolpath::cutting::CuttingRequest;
-use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::deviation::{Band, Measure};
+use toolpathd_core::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
+use toolpathd_core::toolpath::cutting::CuttingRequest;
+use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_post::{ProgramJob, dialect};
 
 use crate::canon::{self, Motion};
 
@@ -63,7 +63,7 @@ pub fn check(directory: &Path) -> Result<String, String> {
         custom: Custom::default(),
     };
     let cutting = plan.cutting.ok_or("no conditions")?;
-    let written = post::write(
+    let written = toolpathd_post::write(
         &plan.toolpath,
         &ProgramJob {
             program: &program,

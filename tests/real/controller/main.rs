@@ -29,12 +29,12 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, fs, process, thread};
 
-use toolpathd::budget::Budget;
-use toolpathd::post::{self, DIALECTS, Dialect, ProgramJob};
-use toolpathd::toolpath::Toolpath;
-use toolpathd::toolpath::cutting::{Coolant, Cutting};
-use toolpathd::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
-use toolpathd::toolpath::tool::Tool;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
+use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_post::{DIALECTS, Dialect, ProgramJob};
 
 /// Number of random toolpaths, unless the variable `CONTROLLER_TOOLPATHS` says another.
 const TOOLPATHS: usize = 1_000;
@@ -125,7 +125,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             five_axes: None,
         };
         let name = format!("random{seed}-{}", dialect.name);
-        let found = post::write(&case.toolpath, &job, &Budget::unlimited())
+        let found = toolpathd_post::write(&case.toolpath, &job, &Budget::unlimited())
             .map_err(|error| error.to_string())
             .and_then(|written| {
                 if dialect.name == "grbl" {
@@ -174,7 +174,8 @@ fn cuts_alike_from_home(
 ) -> Result<(), String> {
     let program = Program { safe_home, ..job.program.clone() };
     let job = ProgramJob { program: &program, ..*job };
-    let written = post::write(toolpath, &job, &Budget::unlimited()).map_err(|error| error.to_string())?;
+    let written =
+        toolpathd_post::write(toolpath, &job, &Budget::unlimited()).map_err(|error| error.to_string())?;
     let text = canon::translated(&written.text, job.dialect);
     let name = format!("{}-home", program.name.as_deref().unwrap_or_default().replace(' ', ""));
     let homed = canon::interpret(&text, directory, &name)?;
@@ -197,7 +198,7 @@ fn dialects() -> Vec<&'static Dialect> {
 /// The dialect of a file called `name.dialect.extension`.
 fn dialect_of(path: &Path) -> Option<&'static Dialect> {
     let name = Path::new(path.file_stem()?).extension()?.to_str()?;
-    post::dialect(name)
+    toolpathd_post::dialect(name)
 }
 
 /// The paths of the programs in `directory`, sorted. An error where there are none.

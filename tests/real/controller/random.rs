@@ -4,12 +4,12 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Vector3};
-use toolpathd::geometry::curve::Direction;
-use toolpathd::geometry::plane::Plane;
-use toolpathd::toolpath::cutting::{Coolant, Cutting, CuttingRequest};
-use toolpathd::toolpath::tool::Tool;
-use toolpathd::toolpath::units::FeedRate;
-use toolpathd::toolpath::{Builder, Role, Toolpath};
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::cutting::{Coolant, Cutting, CuttingRequest};
+use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{Builder, Role, Toolpath};
 
 pub struct Case {
     pub toolpath: Toolpath,
@@ -73,7 +73,7 @@ pub fn case(seed: u64) -> Case {
     }
 }
 
-fn add(path: &mut Builder, random: &mut Random) -> Result<(), toolpathd::toolpath::PathError> {
+fn add(path: &mut Builder, random: &mut Random) -> Result<(), toolpathd_core::toolpath::PathError> {
     let at = path.at();
     let rate = random.feed();
     match random.below(10) {

@@ -1,6 +1,6 @@
 //! The largest use of the limits, by differences of the coordinates at equal times.
 
-use toolpathd::operations::five_axis::schedule::Schedule;
+use toolpathd_core::operations::five_axis::schedule::Schedule;
 
 use crate::paths::Case;
 

@@ -3,10 +3,10 @@
 
 use copp::path::{Path, SmoothingConfig, SmoothingTolerance};
 use nalgebra::{DMatrix, Point3, Unit, Vector3};
-use toolpathd::budget::Budget;
-use toolpathd::operations::five_axis::{Job, Method, plan};
-use toolpathd::toolpath::pose::{Pace, Pose, Waypoint};
-use toolpathd::toolpath::units::FeedRate;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::operations::five_axis::{Job, Method, plan};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+use toolpathd_core::toolpath::units::FeedRate;
 
 const FEED_MM_PER_MIN: f64 = 3000.0;
 const TOP_MM: f64 = 50.0;

@@ -13,8 +13,8 @@ mod paths;
 
 use std::time::Instant;
 
-use toolpathd::budget::Budget;
-use toolpathd::operations::five_axis::schedule::schedule;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::operations::five_axis::schedule::schedule;
 
 fn main() {
     let mut arguments = std::env::args().skip(1).peekable();

@@ -1,6 +1,6 @@
 //! Test paths: coordinates as functions of the parameter, with derivatives by truncated power series.
 
-use toolpathd::operations::five_axis::schedule::{Derivatives, Limits, Station};
+use toolpathd_core::operations::five_axis::schedule::{Derivatives, Limits, Station};
 
 /// The Taylor coefficients of a function up to the third.
 #[derive(Clone, Copy)]

@@ -2,8 +2,8 @@ use proptest::prelude::*;
 
 use super::super::{Placed, ReadError, Reader as Steps};
 use super::*;
-use crate::geometry::curve::Curve;
-use crate::post::dialects::deckel::DECKEL;
+use crate::dialects::deckel::DECKEL;
+use toolpathd_core::geometry::curve::Curve;
 
 const LIMIT_MM: f64 = 0.0015;
 

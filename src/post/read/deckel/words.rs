@@ -1,9 +1,9 @@
 //! The words of one motion, in the form of the print.
 
 use super::super::number::Number;
-use crate::post::dialect::Dialect;
-use crate::post::nc::{Fault, Motion, WordFault};
-use crate::toolpath::units::FeedRate;
+use crate::dialect::Dialect;
+use crate::nc::{Fault, Motion, WordFault};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// The words of a motion, in their order.
 const NAMES: [&str; 5] = ["G", "X", "Y", "Z", "F"];

@@ -4,7 +4,7 @@ use super::super::posed::{Pace, Posed, ROTARY, TipMode};
 use super::super::{Fault, Step};
 use super::words::Words;
 use super::{OwnCodes, Reader};
-use crate::post::nc::{FeedMode, Motion};
+use crate::nc::{FeedMode, Motion};
 
 const NO_OFFSET: i32 = 490;
 

@@ -1,7 +1,7 @@
 //! Reads the words of one line strictly: a character that begins no word, and an incomplete number or
 //! comment, are faults.
 
-use crate::post::nc::{Codes, Fault, Lexer, Token};
+use crate::nc::{Codes, Fault, Lexer, Token};
 
 /// Characters of a number, more than any control reads. A longer number is a fault.
 const MAX_NUMBER_LENGTH: usize = 40;

@@ -6,11 +6,11 @@ use super::super::cut::Cut;
 use super::super::{Pace, Posed, Step, TipMode};
 use super::words::{self, Speed, Words};
 use super::{Feed, Reader};
-use crate::geometry::curve::Direction;
-use crate::geometry::plane::Plane;
-use crate::post::nc::{Fault, WordFault};
-use crate::toolpath::program::Units;
-use crate::toolpath::units::FeedRate;
+use crate::nc::{Fault, WordFault};
+use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::units::FeedRate;
 
 const LINEAR: [&str; 3] = ["X", "Y", "Z"];
 const ROTARY: [&str; 3] = ["A", "B", "C"];

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use super::super::tests::{check_faults, read_as, word};
 use super::super::{Pace, Posed, ReadError, Reader as Steps};
 use super::*;
-use crate::geometry::curve::{ArcError, Curve};
-use crate::post::dialects::heidenhain::HEIDENHAIN;
+use crate::dialects::heidenhain::HEIDENHAIN;
+use toolpathd_core::geometry::curve::{ArcError, Curve};
 
 const LIMIT_MM: f64 = 0.0015;
 

@@ -1,8 +1,8 @@
 //! The words of one block of Klartext: each is a name and, for most names, a number right behind it.
 
 use super::super::number::Number;
-use crate::geometry::curve::Direction;
-use crate::post::nc::{Fault, WordFault};
+use crate::nc::{Fault, WordFault};
+use toolpathd_core::geometry::curve::Direction;
 
 /// The names that may stand in each kind of block, in the order in which the control writes them. A word may
 /// stand once for each time that its name is listed. In the plane ZX, Z may stand before X or behind it.

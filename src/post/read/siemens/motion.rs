@@ -4,7 +4,7 @@ use super::super::cut::Cut;
 use super::super::{Pace, Posed, ROTARY, Step, TipMode};
 use super::Reader;
 use super::words::Words;
-use crate::post::nc::{Fault, FeedMode, Motion, WordFault};
+use crate::nc::{Fault, FeedMode, Motion, WordFault};
 
 /// The letters of a position, and of the offsets from the start of an arc to its centre.
 const LINEAR: [char; 3] = ['X', 'Y', 'Z'];

@@ -6,8 +6,8 @@
 use super::super::number::Number;
 use super::super::posed::RailStep;
 use super::Reader;
-use crate::post::nc::{Fault, FeedMode, WordFault};
-use crate::toolpath::units::FeedRate;
+use crate::nc::{Fault, FeedMode, WordFault};
+use toolpathd_core::toolpath::units::FeedRate;
 
 const TIP: [&str; 3] = ["X", "Y", "Z"];
 const SECOND: [&str; 3] = ["XH", "YH", "ZH"];

@@ -2,8 +2,8 @@
 //! longer words.
 
 use super::super::number::Number;
-use crate::post::dialect::Dialect;
-use crate::post::nc::{Fault, WordFault};
+use crate::dialect::Dialect;
+use crate::nc::{Fault, WordFault};
 
 /// Letters that carry a value, at most once a line.
 const VALUES: [&str; 13] = ["X", "Y", "Z", "I", "J", "K", "A", "B", "C", "F", "S", "T", "D"];

@@ -1,10 +1,10 @@
 //! The words of blocks that state the tool axis.
 
 use super::Writer;
-use crate::post::WriteError;
-use crate::post::block::{AxisWords, BlockFeed};
-use crate::post::dialect::{AxisOutput, TipControl};
-use crate::post::posed::VECTOR_DECIMALS;
+use crate::WriteError;
+use crate::block::{AxisWords, BlockFeed};
+use crate::dialect::{AxisOutput, TipControl};
+use crate::posed::VECTOR_DECIMALS;
 
 impl Writer<'_> {
     /// The words after which coordinates are those of the tip, with the length offset.

@@ -1,9 +1,9 @@
 //! Rails in the words of Siemens: polynomials of the tip and of a second point.
 
 use super::Writer;
-use crate::post::WriteError;
-use crate::post::rails::{RAIL_DECIMALS, RailWords};
-use crate::post::words::{AXES, FeedWord, fixed};
+use crate::WriteError;
+use crate::rails::{RAIL_DECIMALS, RailWords};
+use crate::words::{AXES, FeedWord, fixed};
 
 const SECOND: [&str; 3] = ["XH", "YH", "ZH"];
 

@@ -1,0 +1,11 @@
+//! The computations of toolpathd, without input or output: geometry, cutters, machines, toolpaths, and one
+//! module for each operation. Each operation has a function `plan(&job, &budget)`.
+
+pub mod budget;
+pub mod geometry;
+pub mod language;
+pub mod machine;
+pub mod machining;
+pub mod operations;
+pub mod parallel;
+pub mod toolpath;

@@ -1,0 +1,226 @@
+//! Draws a toolpath, a surface or both as one SVG sheet: A4 landscape, to scale when printed.
+//!
+//! # Method
+//! 1. `layout` arranges three views in first-angle projection: plan, front and left side. It takes the
+//!    largest standard scale at which all three fit.
+//! 2. `view` projects each curve into each view. An arc or a helix is drawn as an arc in the view that faces
+//!    its plane. In the other views an arc is a straight line, and a helix is drawn as chords.
+//! 3. `pen` writes the path data of the curves. It omits details below the resolution of the drawing.
+//! 4. `relief` draws the surface under the paths, as coloured bands of heights.
+//! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again with fewer strokes. A stroke is
+//!    omitted if earlier strokes of its kind pass near all of it (`ink`). The sheet then says how near.
+//!
+//! # Guarantees
+//! * Each point of a move is drawn within 0.02 mm of paper of its exact place, unless the sheet says that
+//!   strokes are omitted.
+//! * A sheet has about 3 MB at most.
+//! * The same content gives the same bytes. Texts of the caller appear as text only, never as markup.
+//!
+//! # Degenerate input
+//! If there is nothing to draw, or a coordinate is larger than a thousand kilometres in size, the sheet has
+//! no drawing and says so. A single point is drawn at 1:1.
+//!
+//! # Cost
+//! O(n) for n moves and points.
+
+mod axes;
+mod class;
+mod column;
+pub mod diagram;
+mod ink;
+mod layout;
+mod marks;
+mod number;
+mod pen;
+mod relief;
+#[cfg(test)]
+mod tests;
+pub mod text;
+mod view;
+
+use nalgebra::Point3;
+
+use class::Class;
+use layout::Layout;
+use pen::Pen;
+use relief::Relief;
+use text::escape;
+use toolpathd_core::geometry::mesh::Mesh;
+use toolpathd_core::geometry::surface::Surface;
+use toolpathd_core::toolpath::{Move, Toolpath};
+use view::View;
+
+/// The sheet is A4 landscape: width and height, mm.
+const SHEET_MM: [u32; 2] = [297, 210];
+
+/// The content of a sheet: the drawing and the texts beside it.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    pub title: &'a str,
+    /// Lines beside the drawing: part, tool, feeds, proved figures.
+    pub notes: &'a [String],
+    pub toolpath: Option<&'a Toolpath>,
+    pub drawing: &'a Drawing,
+}
+
+/// What is drawn in addition to the toolpath: a surface, polylines and points; mm.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Drawing {
+    /// The surface that is drawn as bands of heights with shade.
+    pub relief: Option<Mesh>,
+    /// Wires of a surface.
+    pub surface: Vec<Vec<Point3<f64>>>,
+    /// Designed curves.
+    pub curve: Vec<Vec<Point3<f64>>>,
+    /// The edges of places that stay uncut.
+    pub uncut: Vec<Vec<Point3<f64>>>,
+    /// The edges of the band in which elements have to stay.
+    pub band: Vec<Vec<Point3<f64>>>,
+    /// The places where elements meet.
+    pub joints: Vec<Point3<f64>>,
+}
+
+impl Drawing {
+    pub fn of_surface(surface: Vec<Vec<Point3<f64>>>) -> Self {
+        Self { surface, ..Self::default() }
+    }
+
+    /// A surface as a relief, with its wires on top.
+    pub fn of_relief(relief: &dyn Surface, surface: Vec<Vec<Point3<f64>>>) -> Self {
+        Self { relief: Some(Mesh::of(relief, relief::CELLS)), ..Self::of_surface(surface) }
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
+        let shaded = self.relief.iter().flat_map(Mesh::points);
+        let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band).flatten();
+        lines.chain(&self.joints).chain(shaded)
+    }
+}
+
+/// Most bytes of path data before strokes are left out. A browser shows a picture of this size, and a mail
+/// carries it, without delay.
+pub const MAX_PATH_BYTES: usize = 2_000_000;
+
+/// Cell sizes of the rasters on which strokes are left out, mm of paper. The first is the width of a line.
+/// The last has so few cells that the paths cannot grow much beyond the limit.
+const RASTERS_MM: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+
+/// Path data by view and class.
+type Paths = [[String; Class::ALL.len()]; 3];
+
+/// Draws `scene` as an SVG document.
+pub fn svg(scene: &Scene) -> String {
+    let mut out = opening(scene.title, "plan, front and left side", "");
+    match Layout::of(scene) {
+        Ok(layout) => {
+            let (paths, raster_mm) = draw(scene, &layout);
+            let shaded = scene.drawing.relief.as_ref().map(|mesh| relief::draw(mesh, &layout));
+            let Relief { style, definitions, views: reliefs } = shaded.unwrap_or_default();
+            if !style.is_empty() {
+                out += &format!("<style>{style}</style>\n<defs>\n{definitions}</defs>\n");
+            }
+            for ((view, paths), relief) in layout.views.iter().zip(&paths).zip(&reliefs) {
+                out += &format!("<g class=\"view\" id=\"{}\">\n", view.id);
+                if !relief.is_empty() {
+                    out += &format!("<g class=\"relief\">\n{relief}</g>\n");
+                }
+                out += &axes::draw(view, &layout);
+                out += &strokes(paths);
+                out += &marks::draw(scene, view);
+                out += "</g>\n";
+            }
+            out += &column::draw(scene, &layout, &used(&paths), raster_mm);
+        }
+        Err(reason) => out += &column::refusal(scene, &reason.to_string()),
+    }
+    out + "</svg>\n"
+}
+
+/// The beginning of a sheet, up to its border. `shows` says what is drawn; `style` adds rules.
+fn opening(title: &str, shows: &str, style: &str) -> String {
+    let title = escape(&text::clean(title));
+    let [width, height] = SHEET_MM;
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" width=\"{width}mm\" height=\"{height}mm\" \
+         viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}: {shows}\">\n\
+         <title>{title}</title>\n<style>{}{style}</style>\n{}",
+        class::style(),
+        column::border()
+    )
+}
+
+/// The paths, and the cell size of the raster, mm, if strokes were left out. The paths are drawn without a
+/// raster first, then with larger and larger cells until the path data is small enough. So each curve is
+/// projected three to fifteen times.
+fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
+    let [finer @ .., coarsest] = RASTERS_MM;
+    let attempts = [None].into_iter().chain(finer.map(Some));
+    for raster_mm in attempts {
+        if let Some(paths) = trace(scene, layout, raster_mm, MAX_PATH_BYTES) {
+            return (paths, raster_mm);
+        }
+    }
+    let paths = trace(scene, layout, Some(coarsest), usize::MAX);
+    (paths.unwrap_or_default(), Some(coarsest))
+}
+
+/// The paths; `None` if they grow beyond `max_bytes`.
+fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usize) -> Option<Paths> {
+    let mut pens = [(); 3].map(|()| Class::ALL.map(|_| Pen::new(raster_mm)));
+    let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
+        pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
+    };
+    let Drawing { relief: _, surface, curve, uncut, band, joints } = scene.drawing;
+    let polylines =
+        [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve), (Class::Uncut, uncut)];
+    for (class, wires) in polylines {
+        for wire in wires {
+            for (view, pens) in layout.views.iter().zip(&mut pens) {
+                trace_wire(view, wire, &mut pens[class as usize]);
+            }
+            if !is_within(&pens) {
+                return None;
+            }
+        }
+    }
+    for step in scene.toolpath.iter().flat_map(|toolpath| toolpath.moves()) {
+        let Some((class, curve)) = class::of(step) else { continue };
+        for (view, pens) in layout.views.iter().zip(&mut pens) {
+            view.trace(&curve, &mut pens[class as usize]);
+        }
+        if !is_within(&pens) {
+            return None;
+        }
+    }
+    for joint in joints {
+        for (view, pens) in layout.views.iter().zip(&mut pens) {
+            trace_wire(view, std::slice::from_ref(joint), &mut pens[Class::Joint as usize]);
+        }
+    }
+    if !is_within(&pens) {
+        return None;
+    }
+    Some(pens.map(|pens| pens.map(Pen::finish)))
+}
+
+fn trace_wire(view: &View, wire: &[Point3<f64>], pen: &mut Pen) {
+    for pair in wire.windows(2) {
+        pen.line(view.project(&pair[0]), view.project(&pair[1]));
+    }
+    if let [point] = wire {
+        pen.line(view.project(point), view.project(point));
+    }
+}
+
+/// The classes with a stroke in some view.
+fn used(paths: &Paths) -> Vec<Class> {
+    Class::ALL
+        .into_iter()
+        .filter(|class| paths.iter().any(|view| !view[*class as usize].is_empty()))
+        .collect()
+}
+
+fn strokes(paths: &[String; Class::ALL.len()]) -> String {
+    let elements = Class::ALL.iter().zip(paths).filter(|(_, data)| !data.is_empty());
+    elements.map(|(class, data)| format!("<path class=\"{}\" d=\"{data}\"/>\n", class.name())).collect()
+}

@@ -1,0 +1,214 @@
+//! The post-processor: writes a toolpath as the text of an NC program in a dialect.
+//!
+//! # Method
+//! 1. `abilities` refuses what the dialect has no words for. `lower` turns the toolpath into blocks.
+//!    [`toolpathd_core::toolpath::quantize`] rounds their coordinates to the decimals of the program.
+//! 2. `header` collects the comments for people that stand before the first block.
+//!    Where the tool leans, `posed` turns poses into blocks.
+//! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
+//!    prescribes.
+//! 4. `check` reads the text back with [`read`]. It compares each motion and each dwell of the text with the
+//!    block from which it was written.
+//!
+//! [`rewrite`] is separate: it shortens programs of any origin.
+//!
+//! # Guarantees
+//! * A program is returned only if `check` finds no difference.
+//! * The Frechet distance between the feed moves of the toolpath and those of the program is at most 1.5
+//!   units of the last decimal. Errors do not accumulate, because each end of a move is an absolute
+//!   coordinate, rounded on its own.
+//! * The program moves to the start of the toolpath first in X and Y and then in Z. After the last move it
+//!   retracts to the clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
+//! * A rapid that moves Z together with X or Y becomes two blocks, one for Z and one for X and Y. Upward, the
+//!   block for Z comes first; downward, it comes last.
+//! * User text appears only in comments.
+//!
+//! # Cost
+//! O(n) for n moves, in time and memory: about 1.5 microseconds for each move (`benches/programs.rs`).
+
+pub mod dialect;
+pub mod dialects;
+pub mod path_text;
+pub mod read;
+pub mod rewrite;
+
+mod abilities;
+mod block;
+mod check;
+mod custom;
+mod header;
+mod lower;
+mod nc;
+mod posed;
+mod rails;
+mod words;
+mod write;
+
+pub use abilities::{Missing, missing};
+pub use custom::{CustomPart, MAX_LINES, Refused, refused};
+pub use dialect::{AxisOutput, Dialect};
+pub use dialects::{DIALECTS, dialect};
+pub use header::clock;
+pub use posed::FiveAxes;
+
+use nalgebra::Point3;
+use write::Written;
+
+use toolpathd_core::budget::{Budget, Stopped};
+use toolpathd_core::machine::FollowError;
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::cutting::Cutting;
+use toolpathd_core::toolpath::program::Program;
+use toolpathd_core::toolpath::quantize::{Grid, QuantizeError};
+use toolpathd_core::toolpath::tool::Tool;
+
+/// Most blocks of one program. Two million blocks with their text take some 200 MB. A few arcs of kilometre
+/// radius, written as chords, reach this limit.
+pub const MAX_BLOCKS: usize = 2_000_000;
+
+/// Blocks between two checks of the budget. More blocks delay a cancellation; fewer cost time.
+const BLOCKS_BETWEEN_CHECKS: usize = 1024;
+
+/// The input from which a program is written, without its toolpath.
+#[derive(Debug, Clone, Copy)]
+pub struct ProgramJob<'a> {
+    pub program: &'a Program,
+    /// Without a tool the program calls tool 1 with length offset 1, and its header says nothing about the
+    /// tool.
+    pub tool: Option<&'a Tool>,
+    pub cutting: &'a Cutting,
+    pub dialect: &'a Dialect,
+    /// User text, one comment each; any characters.
+    pub comments: &'a [String],
+    /// Warnings to people at the machine; each becomes one comment or several. Any characters.
+    pub warnings: &'a [String],
+    /// How the axis of a leaning tool is written. `None` for a toolpath whose axis is straight up.
+    pub five_axes: Option<FiveAxes<'a>>,
+}
+
+impl ProgramJob<'_> {
+    /// The rotary axes in the order of their letters: each letter, and the place of its angle in a block.
+    fn rotary_words(&self) -> [(char, usize); 2] {
+        let [first, second] = self.rotary_names();
+        if second < first { [(second, 1), (first, 0)] } else { [(first, 0), (second, 1)] }
+    }
+
+    /// The letters of the rotary axes. A job whose angles are written has a machine.
+    fn rotary_names(&self) -> [char; 2] {
+        let machine = self.five_axes.and_then(|five| five.machine);
+        machine.map_or(['A', 'C'], |machine| [0, 1].map(|k| machine.rotary()[k].name))
+    }
+}
+
+/// A written program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NcProgram {
+    pub text: String,
+    /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
+    /// both ways.
+    pub max_displacement_mm: f64,
+    /// Upper bound for the angle between the tool axis of the program and the tool axis of the toolpath,
+    /// radians.
+    pub max_displacement_axis: f64,
+    /// The largest difference of the two radii of an arc block, mm.
+    pub max_radius_mismatch_mm: f64,
+    /// Blocks of motion and dwell.
+    pub blocks: usize,
+}
+
+/// Why a program is not written.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum WriteError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error(transparent)]
+    Quantize(#[from] QuantizeError),
+    #[error("a program cannot have {decimals} decimals; choose 1 to {max}")]
+    Decimals { decimals: u8, max: u8 },
+    #[error("the program number {number} is out of range; choose 1 to {max}")]
+    ProgramNumber { number: u32, max: u32 },
+    #[error(
+        "a number of the program needs more than the {limit} digits that the control reads; choose fewer decimals"
+    )]
+    TooManyDigits { limit: u32 },
+    #[error(
+        "a coordinate or a feed of the program has more than the {limit} digits before the point that the control reads; move the part nearer to the origin, lower the feed, or choose another dialect"
+    )]
+    TooManyWholeDigits { limit: u32 },
+    #[error(transparent)]
+    Missing(#[from] Missing),
+    #[error("line {} of `program.custom.{}` is refused: {}", .0.index + 1, .0.part.name(), .0.fault)]
+    Custom(Refused),
+    #[error("the dialect has no word for a dwell; leave dwells out, or choose another dialect")]
+    NoDwells,
+    #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
+    SpindleSpeed { rpm: f64 },
+    #[error("a cutting move of the toolpath has no feed; give every cutting move a feed")]
+    FeedMissing,
+    #[error("a feed of {mm_per_min} mm/min is too small or too large for a program; choose another feed")]
+    Feed { mm_per_min: f64 },
+    #[error("a dwell of {seconds} s is longer than the {most_s} s that the control reads; divide the dwell")]
+    Dwell { seconds: f64, most_s: f64 },
+    #[error(
+        "the toolpath leans or turns the tool; send `machine`, or `axis_output: vectors` in a dialect that has vectors"
+    )]
+    MachineMissing,
+    #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]
+    AxisOutput,
+    #[error(
+        "the second point of a rail is too near the tip for the decimals of the program; send `axis_output: vectors`"
+    )]
+    SecondPointTooNear,
+    #[error("near {at} {}", error.told())]
+    NotFollowed { error: FollowError, at: Point3<f64> },
+    #[error(
+        "near {at} the tool axis passes the pole of the machine, where a rotary axis would have to turn at once; lean the axis there, or turn the part"
+    )]
+    NearPole { at: Point3<f64> },
+    #[error("a motion of {seconds} s is too long for a feed by inverse time; divide it")]
+    InverseTime { seconds: f64 },
+    #[error("the program needs more than {limit} blocks; split the toolpath")]
+    TooManyBlocks { limit: usize },
+    #[error(
+        "a line of the program is longer than the {limit} characters that the control reads; choose fewer decimals, or no block numbers"
+    )]
+    LineTooLong { limit: usize },
+    #[error("the check of the written program failed: {0}")]
+    Unreadable(#[from] read::ReadError),
+    #[error("the check of the written program failed: line {line} has another {what} than the toolpath")]
+    Differs { line: usize, what: &'static str },
+}
+
+/// Writes `toolpath` as a program.
+///
+/// # Errors
+/// One of [`WriteError`]. A program that does not read back as its toolpath is never returned.
+pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<NcProgram, WriteError> {
+    let resolution = job.program.resolution;
+    let max = job.dialect.max_decimals;
+    if !(1..=max).contains(&resolution.decimals) {
+        return Err(WriteError::Decimals { decimals: resolution.decimals, max });
+    }
+    if let Some(first) = missing(job.dialect, job.program, job.cutting.coolant, job.tool).first() {
+        return Err((*first).into());
+    }
+    if let Some(first) = refused(job.dialect, &job.program.custom).into_iter().next() {
+        return Err(WriteError::Custom(first));
+    }
+    let grid = Grid::new(resolution);
+    let lowered = lower::lower(toolpath, job, budget)?;
+    let remarks = header::remarks(toolpath, &lowered, job)?;
+    let blocks = &lowered.blocks;
+    let Written { text, custom } = write::text(&lowered, &remarks, job)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &custom, &lowered, job, &grid, budget)?;
+    Ok(NcProgram {
+        text,
+        max_displacement_mm: lowered.displacement_mm,
+        max_displacement_axis: lowered.displacement_axis,
+        max_radius_mismatch_mm,
+        blocks: blocks.len(),
+    })
+}
+
+#[cfg(test)]
+mod tests;

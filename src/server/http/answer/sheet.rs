@@ -1,0 +1,126 @@
+//! Texts for people in an answer: the notes beside a drawing, and the comments at the head of an NC program.
+
+use super::{Cut, Outcome, Product};
+use crate::http::dto::meta;
+use crate::http::dto::setup::Setup;
+use crate::http::dto::toolpath::Warning;
+use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
+use toolpathd_core::toolpath::measure::measure;
+use toolpathd_core::toolpath::motion_time::motion_time;
+use toolpathd_core::toolpath::program::{Program, Units};
+use toolpathd_core::toolpath::tool::{Shape, Tool};
+use toolpathd_plot::Scene;
+use toolpathd_plot::diagram::{self, DiagramScene};
+use toolpathd_post::clock;
+
+/// The entry of `meta` that is the title of a picture.
+const PART_ID: &str = "part_id";
+
+/// The picture as SVG, with the notes below it.
+pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
+    toolpathd_plot::svg(&Scene {
+        title: &title(outcome),
+        notes: &lines(outcome),
+        toolpath: outcome.product.cut().map(|cut| &cut.toolpath),
+        drawing: &(outcome.drawing)(),
+    })
+}
+
+/// The diagrams of the product as SVG.
+pub fn diagrams<R, P: Product>(outcome: &Outcome<R, P>) -> String {
+    diagram::svg(&DiagramScene {
+        title: &title(outcome),
+        notes: &lines(outcome),
+        diagrams: outcome.product.diagrams(),
+        before: "given path at the feed, no ramps",
+        after: "smooth path",
+    })
+}
+
+/// The lines beside a picture: warnings, notes and what a setter needs.
+fn lines<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
+    let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
+    let setup = outcome.product.cut().map(setup).into_iter().flatten();
+    warnings.chain(notes(outcome)).chain(setup).collect()
+}
+
+/// The title of a picture: the part's id, else the program's name, else what the picture shows.
+pub fn title<R, P: Product>(outcome: &Outcome<R, P>) -> String {
+    let part_id = outcome.meta.as_ref().and_then(|meta| meta.get(PART_ID));
+    let name = || outcome.product.cut().and_then(|cut| cut.setup.program.name.as_ref());
+    part_id.or_else(name).map_or_else(|| P::TITLE.to_owned(), Clone::clone)
+}
+
+/// The lines that a setter needs: program, work offset, tool, spindle, coolant, feeds, clearance and cycle
+/// time.
+fn setup(cut: &Cut) -> Vec<String> {
+    let Cut { toolpath, cutting, setup: Setup { tool, program, dialect, .. }, comments: _, nc: _ } = cut;
+    let Some(cutting) = cutting else { return tool.iter().map(tool_line).collect() };
+    let mut lines = vec![program_line(program, dialect.name), offset_line(program)];
+    lines.extend(tool.iter().map(tool_line));
+    lines.extend(driving_lines(cutting));
+    let plain = measure(toolpath, cutting.rapid_feed).total_time_s;
+    if let Some((plain, with_ramps)) =
+        plain.zip(motion_time(toolpath, cutting.rapid_feed, cutting.acceleration))
+    {
+        lines.push(
+            format!("cycle time: {}, with acceleration {}", clock(plain), clock(with_ramps)).to_lowercase(),
+        );
+    }
+    lines
+}
+
+fn program_line(program: &Program, dialect: &str) -> String {
+    let name = program.name.as_ref().map_or(String::new(), |name| format!(" \"{name}\""));
+    let units = match program.resolution.units {
+        Units::Mm => "mm",
+        Units::Inch => "inches",
+    };
+    format!("program: {}{name} for {dialect}, {units}", program.number)
+}
+
+fn offset_line(program: &Program) -> String {
+    match program.work_offset {
+        Some(number) => format!("work offset: G{number}; its zero is X0 Y0 Z0 of this sheet"),
+        None => "work offset: the active one; set its zero to X0 Y0 Z0 of this sheet".to_owned(),
+    }
+}
+
+fn tool_line(tool: &Tool) -> String {
+    let (shape, corner) = match tool.shape {
+        Shape::Ball => ("ball", String::new()),
+        Shape::Flat => ("flat", String::new()),
+        Shape::BullNose { corner_radius_mm } => {
+            ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
+        }
+    };
+    let (number, length_offset) = tool.places();
+    format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{corner}", 2.0 * tool.radius_mm)
+}
+
+fn driving_lines(cutting: &Cutting) -> [String; 3] {
+    let spindle = cutting.spindle_rpm.map_or("not started".to_owned(), |rpm| format!("{rpm} rpm"));
+    let coolant = match cutting.coolant {
+        Coolant::Off => "off",
+        Coolant::Flood => "flood",
+        Coolant::Mist => "mist",
+    };
+    let [feed, plunge] =
+        [cutting.feed, cutting.plunge_feed].map(|feed| (feed.mm_per_min() * 1000.0).round() / 1000.0);
+    [
+        format!("spindle: {spindle}, coolant: {coolant}"),
+        format!("feed: {feed}, plunge: {plunge} mm/min"),
+        format!("clearance: Z {:.3} mm", cutting.clearance_z_mm),
+    ]
+}
+
+/// Warnings as lines for a program and a sheet: the code, then the detail.
+pub fn told(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(|warning| format!("{} - {}", warning.code.name(), warning.detail)).collect()
+}
+
+/// The texts of the caller's `meta` and the comments of the operation.
+pub fn notes<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
+    let comments = outcome.product.cut().into_iter().flat_map(|cut| &cut.comments).cloned();
+    meta::notes(outcome.meta.as_ref()).chain(comments).collect()
+}

@@ -1,0 +1,146 @@
+//! What each dialect can write, as `/v1/dialects` lists it.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::axis_output::AxisOutput;
+use super::cutting::Coolant;
+use super::dialect::DEFAULT;
+use super::names::from_core;
+use super::program::{SafeHome, Units};
+use toolpathd_post::DIALECTS;
+use toolpathd_post::dialect::{Parabolas, Verification};
+
+/// The dialects in which programs can be written.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Dialects {
+    /// Name of the dialect that is used where `program.dialect` is absent.
+    default: &'static str,
+    /// All dialects.
+    dialects: Vec<Dialect>,
+}
+
+/// What one dialect can write. A request that asks for anything else is refused, with a pointer to it.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Dialect {
+    /// Name of the dialect: the value of `program.dialect`.
+    name: &'static str,
+    /// The controls that the dialect is for.
+    description: &'static str,
+    /// What has read programs of this dialect besides the reader with which the service checks each program.
+    verified_by: VerifiedBy,
+    /// Extension of a program's file, without the dot.
+    file_extension: &'static str,
+    /// Number of decimals of a written coordinate where the request has no `program.decimals`.
+    default_decimals: DefaultDecimals,
+    /// Largest number of decimals of a written coordinate.
+    max_decimals: u8,
+    /// Largest number of decimals of a written feed. A feed is refused if
+    /// rounding to these decimals changes it by more than 0.05 %.
+    max_feed_decimals: u8,
+    /// The largest `program.number`: a plain number. Absent where the dialect has no program numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_program_number: Option<u32>,
+    /// Largest number of characters of a line.
+    max_line_length: usize,
+    /// Units of programs.
+    units: Vec<Units>,
+    /// The arcs that are written as arcs. All others become lines within the rounding of the program.
+    arcs: Arcs,
+    /// Whether parabolas at one height are written as parabolas. All others become lines.
+    parabolas: bool,
+    /// Legal values of `program.work_offset`.
+    work_offsets: Vec<String>,
+    /// Legal values of `program.safe_home`.
+    safe_home: Vec<SafeHome>,
+    /// Legal values of `cutting.coolant`.
+    coolant: Vec<Coolant>,
+    /// Whether programs can pause.
+    dwells: bool,
+    /// Whether programs hold comments: the name, `meta`, figures and warnings. Without comments, warnings are
+    /// in the JSON answer and in the header `toolpathd-warnings` only.
+    comments: bool,
+    /// Whether programs state the radius of the tool, so that requests need `tool`.
+    needs_tool: bool,
+    /// Whether `tool.length_offset` may differ from `tool.number`.
+    length_offsets: bool,
+    /// Legal values of `axis_output`: how programs state the axis of a leaning tool. Empty for a control of
+    /// three axes.
+    axis_output: Vec<AxisOutput>,
+}
+
+/// What has read programs of a dialect.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum VerifiedBy {
+    /// The interpreter of the control itself.
+    Interpreter,
+    /// The interpreter of another control, after words that it reads differently were translated.
+    RelatedInterpreter,
+    /// A reader that was written from published descriptions, apart from the writer. No control was at hand.
+    Reader,
+    /// Nothing. Try a program in the air first.
+    Unverified,
+}
+
+/// The arcs that a dialect writes as arcs.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Arcs {
+    /// No arcs.
+    AsLines,
+    /// Arcs in the planes XY, ZX and YZ, and no helices.
+    Flat,
+    /// Arcs in the planes XY, ZX and YZ, and helices.
+    WithHelices,
+}
+
+from_core!(Verification => VerifiedBy, [Interpreter, RelatedInterpreter, Reader, Unverified]);
+from_core!(toolpathd_post::dialect::Arcs => Arcs, [AsLines, Flat, WithHelices]);
+
+/// Numbers of decimals by units.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct DefaultDecimals {
+    /// Number of decimals of a program in mm.
+    mm: u8,
+    /// Number of decimals of a program in inches.
+    inch: u8,
+}
+
+impl Dialects {
+    /// All dialects.
+    pub fn all() -> Self {
+        Self { default: DEFAULT.name, dialects: DIALECTS.iter().map(|&dialect| dialect.into()).collect() }
+    }
+}
+
+impl From<&toolpathd_post::Dialect> for Dialect {
+    fn from(dialect: &toolpathd_post::Dialect) -> Self {
+        let abilities = dialect.abilities;
+        Self {
+            name: dialect.name,
+            description: dialect.description,
+            file_extension: dialect.file_extension,
+            default_decimals: DefaultDecimals {
+                mm: dialect.default_decimals_mm,
+                inch: dialect.default_decimals_inch,
+            },
+            verified_by: dialect.verification.into(),
+            max_decimals: dialect.max_decimals,
+            max_feed_decimals: dialect.numbers.max_feed_decimals,
+            max_program_number: dialect.max_program_number,
+            max_line_length: dialect.max_line_length,
+            units: abilities.units.iter().map(|&units| units.into()).collect(),
+            arcs: dialect.curves.arcs.into(),
+            parabolas: dialect.curves.parabolas != Parabolas::AsLines,
+            work_offsets: abilities.work_offsets.iter().map(|number| format!("G{number}")).collect(),
+            safe_home: abilities.safe_homes.iter().map(|&home| home.into()).collect(),
+            coolant: abilities.coolants.iter().map(|&coolant| coolant.into()).collect(),
+            dwells: abilities.has_dwells,
+            comments: abilities.has_comments,
+            needs_tool: abilities.needs_tool,
+            length_offsets: abilities.length_offsets.is_some(),
+            axis_output: AxisOutput::all_of(dialect),
+        }
+    }
+}

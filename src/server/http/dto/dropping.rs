@@ -1,0 +1,110 @@
+//! The request to lower a cutter onto a surface, and the report of the places where the cutter touches the
+//! surface.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use utoipa::openapi::Ref;
+use utoipa::openapi::schema::ArrayBuilder;
+use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Type};
+
+use super::check::Violations;
+use super::meta::{self, Meta, MetaTexts};
+use super::point::PlanePoint;
+use super::schema::{array_of, schema_of};
+use super::surface::Surface;
+use super::tool::Tool;
+use crate::config::Limits;
+use crate::http::decode::IntoJob;
+use crate::http::decode::object;
+use crate::http::error::ApiError;
+use crate::http::place::Place;
+use crate::http::pointer::Pointer;
+use toolpathd_core::operations::cutter_location as core;
+
+/// A surface, a cutter, and the places at which the cutter comes down.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DropRequest {
+    /// The surface that the cutter comes down onto.
+    surface: Surface,
+    /// The cutter.
+    #[serde(deserialize_with = "object::required")]
+    tool: Tool,
+    /// The places of the cutter's axis: points `[x, y]` in mm.
+    #[schema(value_type = DropPoints)]
+    points: Vec<PlanePoint>,
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
+    /// and the sheet repeat the texts.
+    #[schema(value_type = Option<MetaTexts>)]
+    meta: Option<Meta>,
+}
+
+schema_of!(DropPoints, "Points `[x, y]`, in mm.", {
+    array_of(Ref::from_schema_name(PlanePoint::name()), 1, Limits::DEFAULT.drop_points)
+});
+
+/// A request in the core's terms.
+#[derive(Debug)]
+pub struct DropJob {
+    pub job: core::Job,
+    pub meta: Option<Meta>,
+}
+
+impl IntoJob for DropRequest {
+    type Job = DropJob;
+
+    fn into_job(self, limits: &Limits) -> Result<DropJob, ApiError> {
+        let Self { surface, tool, points, meta } = self;
+        let root = Pointer::root();
+        let mut violations = Violations::default();
+        surface.check(&root.field("surface"), limits, &mut violations);
+        let tool = tool.convert(&root.field("tool"), &mut violations);
+        check_points(&points, &root.field("points"), limits, &mut violations);
+        meta::check(meta.as_ref(), &mut violations);
+        violations.result()?;
+        let points = points.into_iter().map(Point2::from).collect();
+        Ok(DropJob { job: core::Job { surface: surface.into(), tool, points }, meta })
+    }
+}
+
+fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations: &mut Violations) {
+    if !violations.count_of_points(at, points.len(), 1, limits.drop_points) {
+        return;
+    }
+    for (k, point) in points.iter().enumerate().filter(|(_, point)| !point.is_legal()) {
+        point.check_in(at, k, violations);
+    }
+}
+
+/// Where the cutter touches.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct DropReport {
+    /// For each point the position of the cutter's tip, in mm, when the cutter, lowered from above, first
+    /// touches the surface. `null` where the cutter misses the surface.
+    #[schema(value_type = Places)]
+    tips: Vec<Option<Place>>,
+    /// For each point a place where the cutter then touches the surface, in mm. `null` where the cutter
+    /// misses the surface.
+    #[schema(value_type = Places)]
+    contacts: Vec<Option<Place>>,
+    /// Proved bound of how far a tip is below its exact height, in mm. No tip is above its exact height.
+    /// Floating-point rounding is not included in either statement.
+    gap_max_mm: f64,
+}
+
+schema_of!(Places, "Points `[x, y, z]`, in mm, or `null`.", {
+    let null = ObjectBuilder::new().schema_type(Type::Null);
+    ArrayBuilder::new().items(OneOfBuilder::new().item(Ref::from_schema_name(Place::name())).item(null))
+});
+
+impl From<&[Option<core::Location>]> for DropReport {
+    fn from(locations: &[Option<core::Location>]) -> Self {
+        let all = || locations.iter();
+        Self {
+            tips: all().map(|at| at.map(|location| location.tip.into())).collect(),
+            contacts: all().map(|at| at.map(|location| location.contact.into())).collect(),
+            gap_max_mm: all().flatten().map(|location| location.gap_mm).fold(0.0, f64::max),
+        }
+    }
+}

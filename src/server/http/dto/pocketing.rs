@@ -1,0 +1,332 @@
+//! The request to plan a pocket, and its conversion to a job.
+
+mod cleared;
+mod relief;
+pub mod report;
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::check::{Range, Violations};
+use super::cutting::Cutting;
+use super::meta::{Meta, MetaTexts};
+use super::names::{from_core, into_core};
+use super::outline::Region;
+use super::program::Program;
+use super::schema::{array_of, schema_of};
+use super::setup::{JobWithSetup, SentSetup};
+use super::surface::Surface;
+use super::tool::Tool;
+use crate::config::Limits;
+use crate::http::decode::{IntoJob, object};
+use crate::http::error::{ApiError, FieldCode};
+use crate::http::pointer::Pointer;
+pub use cleared::Cleared;
+use relief::{Heights, IslandsBy, SentRelief};
+use toolpathd_core::operations::pocketing as core;
+use utoipa::openapi::Ref;
+
+/// A pocket to be cleared.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PocketRequest {
+    /// The wall of the pocket and its islands. Required without `heights` and `surface`. With one of them,
+    /// everything outside the region stays. Default: the rectangle of `heights`, or the outline of `surface`.
+    #[serde(default, deserialize_with = "object::optional")]
+    region: Option<Region>,
+    /// Measured heights of the part. On each level, places that are higher than the level's floor stay.
+    #[serde(default, deserialize_with = "object::optional")]
+    heights: Option<Heights>,
+    /// The surface of the part, without overhangs. On each level, places that are higher than the level's
+    /// floor stay.
+    surface: Option<Surface>,
+    /// How islands are found in `heights` or `surface`.
+    #[serde(default)]
+    #[schema(default = "slicing")]
+    islands_by: IslandsBy,
+    /// Spacing of the grid on which `islands_by: labelling` samples a surface, in mm. Default: a tenth of the
+    /// cutter's diameter.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    cell_mm: Option<f64>,
+    /// What earlier tools have emptied. Only the material that is left is cut.
+    #[schema(value_type = Option<ClearedList>)]
+    cleared: Option<Vec<Cleared>>,
+    /// Height of the stock's top, in mm. Default: 0; with `heights` or `surface` their highest point.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
+    top_z_mm: Option<f64>,
+    /// Height of the pocket's floor, in mm; below `top_z_mm`.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
+    floor_z_mm: f64,
+    /// Largest depth of a level, in mm. Every level but the last is this deep, unless `roughing_allowance_mm`
+    /// makes it less deep; the last level ends on the floor.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    stepdown_max_mm: f64,
+    /// Thickest material that a level may leave on slopes of `heights` or `surface`, in mm, at a right angle
+    /// to the slope. Levels are then as deep as this limit and `stepdown_max_mm` allow. A level ends on a
+    /// horizontal plane of the part if more than this limit would stay on the plane. Default: no limit.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    roughing_allowance_mm: Option<f64>,
+    /// The cutter: `flat`.
+    #[serde(deserialize_with = "object::required")]
+    tool: Tool,
+    /// Largest distance of neighbouring passes, in mm; at most the cutter's diameter.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    stepover_mm: f64,
+    /// The patterns among which each level chooses. Default: all.
+    #[schema(value_type = Option<Patterns>)]
+    patterns: Option<Vec<Pattern>>,
+    /// The figure that the chosen pattern has least.
+    #[serde(default)]
+    #[schema(default = "time")]
+    choose_by: ChooseBy,
+    /// How the cutter comes down into the material. Default: the defaults of all members.
+    #[serde(default, deserialize_with = "object::optional")]
+    entry: Option<PocketEntry>,
+    /// The side on which the material is. `climb`: on the right of the cutter, seen along the feed.
+    /// `conventional`: on the left. Rows to and fro have it on both sides in turn.
+    #[serde(default)]
+    #[schema(default = "climb")]
+    direction: Direction,
+    /// Feeds, spindle, coolant and heights.
+    #[serde(deserialize_with = "object::required")]
+    cutting: Cutting,
+    /// How the NC program is written. Default: for LinuxCNC in mm.
+    #[serde(default, deserialize_with = "object::required")]
+    program: Program,
+    /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
+    /// the header of the program and the sheet repeat the texts.
+    #[schema(value_type = Option<MetaTexts>)]
+    meta: Option<Meta>,
+}
+
+/// A way to clear a level. All but `engagement` have a pass along walls and islands of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Pattern {
+    /// Rings about the islands, outward.
+    IslandOffset,
+    /// Rings beside the wall and the islands at once.
+    IslandStockOffset,
+    /// Rows to and fro up to walls and islands.
+    ZigzagOffset,
+    /// Rows to and fro only where the pass along walls and islands leaves material.
+    ZigzagStockOffset,
+    /// Rows up to the wall that go around islands and on.
+    ContinuousOffset,
+    /// Rows that go around islands and on, and end inside the pass along the wall.
+    ContinuousStockOffset,
+    /// Passes whose angle in the material is bounded.
+    Engagement,
+}
+
+schema_of!(Patterns, "Patterns, each once.", { array_of(Ref::from_schema_name("Pattern"), 1, 7) });
+
+schema_of!(ClearedList, "Emptied places.", {
+    array_of(Ref::from_schema_name("ClearedPlaces"), 0, MOST_CLEARED)
+});
+
+/// The figure by which a pattern is chosen.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ChooseBy {
+    /// The time of all moves at their feeds, entries and slots included.
+    #[default]
+    Time,
+    /// The paper's time: cutting length by feed, and rapid length by traverse rate.
+    PaperTime,
+    /// The estimated time on a machine that accelerates and brakes.
+    TimeWithAcceleration,
+}
+
+/// The side on which the material is.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = MillingDirection)]
+pub enum Direction {
+    #[default]
+    Climb,
+    Conventional,
+}
+
+/// How the cutter comes down into the material: on the largest helix that fits, else on a ramp along the
+/// pass, else straight down.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PocketEntry {
+    /// Largest diameter of the circle that the cutter's centre follows on a helix, in mm; at most the
+    /// cutter's diameter. Default: 0.9 of the cutter's diameter.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    max_diameter_mm: Option<f64>,
+    /// Smallest diameter of this circle, in mm. Default: a quarter of the cutter's diameter, or
+    /// `max_diameter_mm` where that is less.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    min_diameter_mm: Option<f64>,
+    /// Steepest angle of helices and ramps, in degrees.
+    #[schema(minimum = 0.1, maximum = 89, default = 5)]
+    ramp_angle_deg: Option<f64>,
+    /// Whether the cutter may go straight down where neither a helix nor a ramp fits.
+    #[serde(default = "yes")]
+    #[schema(default = true)]
+    plunge: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+into_core!(Pattern => core::Pattern, [
+    IslandOffset, IslandStockOffset, ZigzagOffset, ZigzagStockOffset, ContinuousOffset, ContinuousStockOffset,
+    Engagement
+]);
+from_core!(core::Pattern => Pattern, [
+    IslandOffset, IslandStockOffset, ZigzagOffset, ZigzagStockOffset, ContinuousOffset, ContinuousStockOffset,
+    Engagement
+]);
+into_core!(ChooseBy => core::ChooseBy, [Time, PaperTime, TimeWithAcceleration]);
+into_core!(Direction => core::Milling, [Climb, Conventional]);
+
+/// The most emptied places.
+const MOST_CLEARED: usize = 1000;
+
+/// Legal angles of ramps, degrees.
+const RAMP: Range = Range { min: 0.1, max: 89.0 };
+
+/// The default angle of ramps, degrees.
+const DEFAULT_RAMP_DEG: f64 = 5.0;
+
+/// The default diameters of helices, as parts of the cutter's diameter. The larger leaves no core.
+const DEFAULT_HELIX: [f64; 2] = [0.25, 0.9];
+
+impl PocketEntry {
+    fn convert(
+        entry: Option<Self>,
+        at: &Pointer,
+        diameter_mm: f64,
+        violations: &mut Violations,
+    ) -> core::EntryLimits {
+        let [least, most] = DEFAULT_HELIX.map(|part| part * diameter_mm);
+        let none = Self { max_diameter_mm: None, min_diameter_mm: None, ramp_angle_deg: None, plunge: true };
+        let Self { max_diameter_mm, min_diameter_mm, ramp_angle_deg, plunge } = entry.unwrap_or(none);
+        let range = Range { max: diameter_mm, ..Range::POSITIVE };
+        violations.optional(&at.field("max_diameter_mm"), max_diameter_mm, range, "mm");
+        let max_diameter_mm = max_diameter_mm.unwrap_or_else(|| most.max(min_diameter_mm.unwrap_or(0.0)));
+        let range = Range { max: max_diameter_mm, ..Range::POSITIVE };
+        violations.optional(&at.field("min_diameter_mm"), min_diameter_mm, range, "mm");
+        violations.optional(&at.field("ramp_angle_deg"), ramp_angle_deg, RAMP, "degrees");
+        core::EntryLimits {
+            max_diameter_mm,
+            min_diameter_mm: min_diameter_mm.unwrap_or(least.min(max_diameter_mm)),
+            ramp_angle: ramp_angle_deg.unwrap_or(DEFAULT_RAMP_DEG).to_radians(),
+            plunge,
+        }
+    }
+}
+
+impl IntoJob for PocketRequest {
+    type Job = JobWithSetup<core::Job>;
+
+    fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
+        let Self {
+            region,
+            heights,
+            surface,
+            islands_by,
+            cell_mm,
+            cleared,
+            top_z_mm,
+            floor_z_mm,
+            stepdown_max_mm,
+            roughing_allowance_mm,
+            tool,
+            stepover_mm,
+            patterns,
+            choose_by,
+            entry,
+            direction,
+            cutting,
+            program,
+            meta,
+        } = self;
+        let root = Pointer::root();
+        let mut violations = Violations::default();
+        let sent = SentRelief {
+            surface,
+            heights,
+            islands_by,
+            cell_mm,
+            roughing_allowance_mm,
+            has_region: region.is_some(),
+        };
+        let (relief, islands_by) = sent.convert(tool.diameter_mm(), limits, &mut violations);
+        let area = region.map(|region| region.convert(&root.field("region"), limits, &mut violations));
+        let cleared = emptied(cleared.unwrap_or_default(), limits, &mut violations);
+        let checked_tool = tool.convert(&root.field("tool"), &mut violations);
+        if !tool.is_flat() {
+            let detail = "a pocket has a flat floor: send a tool of `shape: flat`";
+            violations.add(&root.field("tool").field("shape"), FieldCode::Unsupported, detail);
+        }
+        violations.optional(&root.field("top_z_mm"), top_z_mm, Range::COORDINATE, "mm");
+        violations.number(&root.field("floor_z_mm"), floor_z_mm, Range::COORDINATE, "mm");
+        // The default top of a relief is not known before the relief is computed.
+        let top = top_z_mm.or(relief.is_none().then_some(0.0));
+        if let Some(top) = top.filter(|top| floor_z_mm >= *top) {
+            let detail = format!("the floor at {floor_z_mm} mm is not below the top at {top} mm");
+            violations.add(&root.field("floor_z_mm"), FieldCode::OutOfRange, detail);
+        }
+        violations.number(&root.field("stepdown_max_mm"), stepdown_max_mm, Range::POSITIVE, "mm");
+        let stepovers = Range { max: tool.diameter_mm(), ..Range::POSITIVE };
+        violations.number(&root.field("stepover_mm"), stepover_mm, stepovers, "mm");
+        let patterns =
+            patterns.map(|patterns| checked_patterns(&root.field("patterns"), patterns, &mut violations));
+        let entry = PocketEntry::convert(entry, &root.field("entry"), tool.diameter_mm(), &mut violations);
+        let sent = SentSetup { tool: Some(checked_tool), cutting: Some(cutting), program, meta };
+        let (setup, cutting, meta) = sent.convert(&mut violations);
+        let Some(cutting) = cutting else { return Err(violations.into_error()) };
+        violations.result()?;
+        let job = core::Job {
+            area,
+            relief,
+            islands_by,
+            cleared,
+            top_z_mm,
+            floor_z_mm,
+            stepdown_max_mm,
+            roughing_allowance_mm,
+            tool: checked_tool,
+            stepover_mm,
+            patterns: patterns.unwrap_or_else(|| core::Pattern::ALL.to_vec()),
+            choose_by: choose_by.into(),
+            entry,
+            milling: direction.into(),
+            cutting,
+            resolution: setup.program.resolution,
+            curves: setup.dialect.curves,
+            move_limit: limits.moves,
+            comparison_limit: limits.cut_comparisons,
+        };
+        Ok(JobWithSetup { job, setup, meta })
+    }
+}
+
+fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {
+    let at = Pointer::root().field("cleared");
+    if cleared.len() > MOST_CLEARED {
+        let detail = format!("there are {} emptied places; send at most {MOST_CLEARED}", cleared.len());
+        violations.add(&at, FieldCode::LimitExceeded, detail);
+        return Vec::new();
+    }
+    let convert = |(k, cleared): (usize, Cleared)| cleared.convert(&at.index(k), limits, violations);
+    cleared.into_iter().enumerate().filter_map(convert).collect()
+}
+
+fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Violations) -> Vec<core::Pattern> {
+    if patterns.is_empty() {
+        violations.add(at, FieldCode::WrongLength, "the list is empty; send at least one pattern");
+    }
+    for (k, pattern) in patterns.iter().enumerate() {
+        if patterns[..k].contains(pattern) {
+            violations.add(&at.index(k), FieldCode::Conflict, "the pattern stands twice; send it once");
+        }
+    }
+    patterns.into_iter().map(Into::into).collect()
+}

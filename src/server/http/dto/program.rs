@@ -1,0 +1,199 @@
+//! The member `program` of requests: how the service writes the NC program.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::check::Violations;
+use super::dialect::{self, DialectName};
+use super::meta::MAX_TEXT_CHARACTERS;
+use super::names::{from_core, into_core};
+use crate::http::decode::object;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use toolpathd_core::toolpath::program as core;
+use toolpathd_post::{CustomPart, Dialect, MAX_LINES};
+
+/// The smallest and the largest legal number of a program.
+const NUMBERS: (u32, u32) = (1, 99_999_999);
+
+/// How the NC program is written.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Program {
+    /// Name of the control's dialect, as listed by `/v1/dialects`.
+    #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
+    dialect: Option<String>,
+    /// Number of the program: the O number in a dialect that has O numbers, else a part of the file's name.
+    /// `/v1/dialects` lists the largest number of each dialect.
+    #[schema(minimum = 1, maximum = 99_999_999, default = 1)]
+    number: Option<u32>,
+    /// Name of the program. The name stands in a comment of the program, in plain letters and digits, and in
+    /// the file's name.
+    #[schema(max_length = 1000)]
+    name: Option<String>,
+    /// Units of the written program. Lengths in requests and reports are always in mm.
+    #[serde(default)]
+    #[schema(default = "mm")]
+    units: Units,
+    /// Number of decimals of a written coordinate. With more decimals, rounding moves the path less. Default:
+    /// as `/v1/dialects` lists for the dialect, mostly 3 in mm and 4 in inches.
+    #[schema(minimum = 1, maximum = 6)]
+    decimals: Option<u32>,
+    /// Whether blocks are numbered: N10, N20 and so on.
+    #[serde(default)]
+    #[schema(default = false)]
+    block_numbers: bool,
+    /// Work offset that the start of the program selects. Without a work offset the program runs with the
+    /// active offset, and the answer warns.
+    work_offset: Option<WorkOffset>,
+    /// How the tool moves up along Z before the tool change and before the end of the program. `g28`: to the
+    /// reference point. `g53`: to zero of the machine's coordinates. `none`: the tool is changed where it
+    /// stands, and the program ends at the clearance plane.
+    #[serde(default)]
+    #[schema(default = "none")]
+    safe_home: SafeHome,
+    /// Lines of your own in the program. The service checks each line, writes it as it is, and behind the
+    /// lines sets the modes of the program again. Default: none.
+    #[serde(default, deserialize_with = "object::required")]
+    custom: Custom,
+}
+
+/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
+/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
+/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
+/// lines of `header` may select a work offset; `work_offset` comes after them.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Custom {
+    /// Lines before the first line that sets modes, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    header: Vec<String>,
+    /// Lines in place of the line that changes the tool, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    tool_change: Vec<String>,
+    /// Lines before the line that ends the program, in order.
+    #[serde(default)]
+    #[schema(max_items = 50)]
+    footer: Vec<String>,
+}
+
+/// The way up along Z before the tool change and before the end of the program.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SafeHome {
+    #[default]
+    None,
+    G28,
+    G53,
+}
+
+/// Units of a written program.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Units {
+    #[default]
+    Mm,
+    Inch,
+}
+
+from_core!(core::Units => Units, [Mm, Inch]);
+into_core!(Units => core::Units, [Mm, Inch]);
+into_core!(SafeHome => core::SafeHome, [None, G28, G53]);
+from_core!(core::SafeHome => SafeHome, [None, G28, G53]);
+
+/// A work offset of the control.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+pub enum WorkOffset {
+    G54 = 54,
+    G55 = 55,
+    G56 = 56,
+    G57 = 57,
+    G58 = 58,
+    G59 = 59,
+}
+
+impl Custom {
+    fn to_core(&self) -> core::Custom {
+        let Self { header, tool_change, footer } = self;
+        core::Custom { header: header.clone(), tool_change: tool_change.clone(), footer: footer.clone() }
+    }
+}
+
+impl Program {
+    pub fn check(&self, at: &Pointer, violations: &mut Violations) {
+        let Self {
+            dialect,
+            number,
+            name,
+            units: _,
+            decimals,
+            block_numbers: _,
+            work_offset: _,
+            safe_home: _,
+            custom,
+        } = self;
+        let dialect = dialect::find(dialect.as_deref()).unwrap_or_else(|detail| {
+            violations.add(&at.field("dialect"), FieldCode::UnknownDialect, detail);
+            dialect::DEFAULT
+        });
+        if let Some(number) = *number {
+            let max = dialect.max_program_number.unwrap_or(NUMBERS.1);
+            violations.integer(&at.field("number"), number, (NUMBERS.0, max));
+        }
+        Self::check_custom(custom, dialect, &at.field("custom"), violations);
+        if let Some(name) = name {
+            violations.text(&at.field("name"), name, MAX_TEXT_CHARACTERS);
+        }
+        if let Some(decimals) = *decimals {
+            violations.integer(&at.field("decimals"), decimals, (1, dialect.max_decimals.into()));
+        }
+    }
+
+    fn check_custom(custom: &Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
+        let Custom { header, tool_change, footer } = custom;
+        for (field, lines) in [("header", header), ("tool_change", tool_change), ("footer", footer)] {
+            if lines.len() > MAX_LINES {
+                let detail = format!("{} lines are too many; send at most {MAX_LINES}", lines.len());
+                violations.add(&at.field(field), FieldCode::TooLong, detail);
+                return;
+            }
+        }
+        for toolpathd_post::Refused { part, index, fault } in
+            toolpathd_post::refused(dialect, &custom.to_core())
+        {
+            let field = match part {
+                CustomPart::Header => "header",
+                CustomPart::ToolChange => "tool_change",
+                CustomPart::Footer => "footer",
+            };
+            violations.add(&at.field(field).index(index), FieldCode::Unsupported, fault.to_string());
+        }
+    }
+
+    /// The dialect and the program. Illegal values, which `check` has reported, become the defaults.
+    pub fn convert(self) -> (&'static Dialect, core::Program) {
+        let Self { dialect, number, name, units, decimals, block_numbers, work_offset, safe_home, custom } =
+            self;
+        let dialect = dialect::find(dialect.as_deref()).unwrap_or(dialect::DEFAULT);
+        let usual = match units {
+            Units::Mm => dialect.default_decimals_mm,
+            Units::Inch => dialect.default_decimals_inch,
+        };
+        let decimals = decimals
+            .and_then(|value| u8::try_from(value).ok())
+            .filter(|value| (1..=dialect.max_decimals).contains(value))
+            .unwrap_or(usual);
+        let program = core::Program {
+            resolution: core::Resolution { units: units.into(), decimals },
+            number: number.unwrap_or(1),
+            name,
+            block_numbers,
+            work_offset: work_offset.map(|offset| offset as u8),
+            safe_home: safe_home.into(),
+            custom: custom.to_core(),
+        };
+        (dialect, program)
+    }
+}

@@ -1,0 +1,151 @@
+//! Problem documents for data that give no surface. These faults show only when the whole surface is made;
+//! all other faults are found when the request is checked.
+
+use crate::http::error::{ApiError, Code, FieldCode, FieldError};
+use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::surface::ferguson::FergusonError;
+use toolpathd_core::geometry::surface::joints::NotSmooth;
+use toolpathd_core::geometry::surface::net_grid::NetGridError;
+use toolpathd_core::geometry::surface::normal_sweep::NormalSweepError;
+use toolpathd_core::geometry::surface::nurbs::NurbsError;
+use toolpathd_core::geometry::surface::parallel_sweep::ParallelSweepError;
+use toolpathd_core::geometry::surface::point_grid::GridError;
+use toolpathd_core::geometry::surface::ruled::RuledError;
+use toolpathd_core::geometry::surface::source::SourceError;
+
+impl From<SourceError> for ApiError {
+    fn from(error: SourceError) -> Self {
+        let detail = error.to_string();
+        let (at, code) = match error {
+            SourceError::PointGrid(error) => of_grid(error),
+            SourceError::Ferguson(error) => of_ferguson(error),
+            SourceError::NetGrid(error) => of_nets(error),
+            SourceError::Nurbs(error) => of_nurbs(error),
+            SourceError::ParallelSweep(error) => of_parallel_sweep(error),
+            SourceError::NormalSweep(error) => return of_normal_sweep(error, detail),
+            SourceError::Ruled(error) => return of_ruled(error, detail),
+        };
+        Self::invalid(vec![FieldError::new(&at, code, detail)])
+    }
+}
+
+impl From<NotSmooth> for ApiError {
+    fn from(error: NotSmooth) -> Self {
+        let detail = error.to_string();
+        match error {
+            NotSmooth::Stopped(stopped) => stopped.into(),
+            NotSmooth::Edge { at, angle_deg: _ } => Self::new(Code::NotSmooth, detail).at(at.into()),
+            NotSmooth::Gap { at, gap_mm: _, patches: [_, [i, j]] } => {
+                let patch = surface().field("patches").index(i).index(j);
+                Self::new(Code::NotSmooth, detail).at(at.into()).blaming(&patch, FieldCode::PatchesApart)
+            }
+        }
+    }
+}
+
+fn surface() -> Pointer {
+    Pointer::root().field("surface")
+}
+
+fn of_grid(error: GridError) -> (Pointer, FieldCode) {
+    let points = surface().field("points");
+    let tangents = surface().field("end_tangents");
+    match error {
+        GridError::TooFewRows { rows: _ } => (points, FieldCode::TooFewPoints),
+        GridError::TooFewPoints { row, points: _ } => (points.index(row), FieldCode::TooFewPoints),
+        GridError::Ragged { row, points: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
+        GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
+        GridError::EndTangents { side, given: _, expected: _ } => {
+            (tangents.field(side), FieldCode::WrongLength)
+        }
+        GridError::EndTangentNotFinite { side } => (tangents.field(side), FieldCode::TooLarge),
+    }
+}
+
+fn of_ferguson(error: FergusonError) -> (Pointer, FieldCode) {
+    match error {
+        FergusonError::Rows { field, found: _, expected: _ } => {
+            (surface().field(field), FieldCode::WrongLength)
+        }
+        FergusonError::Columns { field, row, found: _, expected: _ } => {
+            (surface().field(field).index(row), FieldCode::WrongLength)
+        }
+        FergusonError::NotFinite { field, row, column } => {
+            (surface().field(field).index(row).index(column), FieldCode::TooLarge)
+        }
+    }
+}
+
+fn of_nets(error: NetGridError) -> (Pointer, FieldCode) {
+    let patches = surface().field("patches");
+    match error {
+        NetGridError::Empty => (patches, FieldCode::TooFewPoints),
+        NetGridError::Ragged { row, found: _, expected: _ } => (patches.index(row), FieldCode::RaggedGrid),
+        NetGridError::NotFinite { i, j } => (patches.index(i).index(j), FieldCode::TooLarge),
+    }
+}
+
+fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
+    let of = |names: [&str; 2], along: usize| surface().field(names[along]);
+    let knots = |along: usize| of(["knots_u", "knots_v"], along);
+    let points = surface().field("control_points");
+    let weights = surface().field("weights");
+    match error {
+        NurbsError::Degree { along, degree: _ } => {
+            (of(["degree_u", "degree_v"], along), FieldCode::OutOfRange)
+        }
+        NurbsError::TooFewPoints { along: _, points: _, degree: _ } => (points, FieldCode::TooFewPoints),
+        NurbsError::Ragged { row, found: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
+        NurbsError::PointNotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
+        NurbsError::KnotCount { along, found: _, points: _, degree: _ } => {
+            (knots(along), FieldCode::WrongLength)
+        }
+        NurbsError::EmptyDomain { along } => (knots(along), FieldCode::OutOfRange),
+        NurbsError::KnotsDecrease { along, index }
+        | NurbsError::SpanTooShort { along, index }
+        | NurbsError::KnotMultiplicity { along, index, multiplicity: _, degree: _ } => {
+            (knots(along).index(index), FieldCode::OutOfRange)
+        }
+        NurbsError::TooManyPatches { patches: _, limit: _ } => (points, FieldCode::LimitExceeded),
+        NurbsError::WeightRows { found: _, expected: _ } => (weights, FieldCode::WrongLength),
+        NurbsError::WeightColumns { row, found: _, expected: _ } => {
+            (weights.index(row), FieldCode::WrongLength)
+        }
+        NurbsError::Weight { i, j, weight: _ } | NurbsError::WeightRatio { i, j, weight: _, largest: _ } => {
+            (weights.index(i).index(j), FieldCode::OutOfRange)
+        }
+    }
+}
+
+fn of_parallel_sweep(error: ParallelSweepError) -> (Pointer, FieldCode) {
+    match error {
+        ParallelSweepError::Empty => (surface(), FieldCode::TooFewPoints),
+        ParallelSweepError::TooManyPatches { patches: _ } => (surface(), FieldCode::LimitExceeded),
+    }
+}
+
+fn of_normal_sweep(error: NormalSweepError, detail: String) -> ApiError {
+    let basic = surface().field("basic");
+    ApiError::invalid(vec![match error {
+        NormalSweepError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
+        NormalSweepError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        NormalSweepError::Corner { place, turn_deg: _ }
+        | NormalSweepError::Reversal { place, turn_deg: _ }
+        | NormalSweepError::Fold { place, side: _, reach_mm: _, radius_mm: _ }
+        | NormalSweepError::Mitre { place, side: _, reach_mm: _, room_mm: _ }
+        | NormalSweepError::Cusp { place } => {
+            FieldError::in_text(&basic, place, FieldCode::OutOfRange, detail)
+        }
+    }])
+}
+
+fn of_ruled(error: RuledError, detail: String) -> ApiError {
+    ApiError::invalid(vec![match error {
+        RuledError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
+        RuledError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        RuledError::Cusp { curve, place } => {
+            let name = if curve == 0 { "first" } else { "second" };
+            FieldError::in_text(&surface().field(name), place, FieldCode::OutOfRange, detail)
+        }
+    }])
+}

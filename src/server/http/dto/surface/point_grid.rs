@@ -1,0 +1,174 @@
+//! The surface kind `point_grid` in requests: measured points.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+use utoipa::ToSchema;
+use utoipa::openapi::Ref;
+
+use super::grid::{self, PointRows};
+use super::grid_order;
+use crate::config::Limits;
+use crate::http::decode::object;
+use crate::http::decode::tagged::Kind;
+use crate::http::dto::check::Violations;
+use crate::http::dto::names::into_core;
+use crate::http::dto::point::Point;
+use crate::http::dto::schema::{array_of, schema_of};
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::surface::point_grid as core;
+
+/// Measured points, joined by a smooth surface: bicubic splines with uniform parameters.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointGrid {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// Points in mm through which the surface passes: `points[i][j]`, i along u and j along v. At least 2
+    /// rows of at least 2 points; every row is as long as the first row.
+    #[schema(value_type = PointRows)]
+    points: Vec<Vec<Point>>,
+    /// The mixed derivatives at the points. `spline`: the derivatives of the cubic spline. `zero`: zero.
+    #[serde(default)]
+    #[schema(default = "spline")]
+    twist: Twist,
+    /// The end conditions of the splines. `not_a_knot`: the first two spans are one cubic, and the last two
+    /// spans are one cubic. `natural`: no curvature at the edges; this flattens the rim of a curved part.
+    /// `clamped`: the tangents of `end_tangents`. `bessel`: the slope of the parabola through the three
+    /// points nearest to the edge. Default: `not_a_knot`. The warning `ends_reduced` is given only where the
+    /// request itself contains `ends: not_a_knot`.
+    ends: Option<Ends>,
+    /// What to do with an outlier: a point P that lies far from its neighbours. Even the nearest of them is
+    /// more than five times as far from P as any of them is from its own neighbours, P not counted. Such a
+    /// point is mostly a mistake and takes long to mill. `refuse`: the answer is a problem. `accept`: the
+    /// point is milled.
+    #[serde(default)]
+    #[schema(default = "refuse")]
+    outliers: Outliers,
+    /// Tangents at the boundaries, in mm. Required with `ends: clamped`, refused with other ends.
+    #[serde(default, deserialize_with = "object::optional")]
+    end_tangents: Option<EndTangents>,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Twist {
+    #[default]
+    Spline,
+    Zero,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Ends {
+    Natural,
+    NotAKnot,
+    Clamped,
+    Bessel,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Outliers {
+    #[default]
+    Refuse,
+    Accept,
+}
+
+/// Tangents across the boundaries, in mm, one vector for each boundary point: the derivative by a parameter
+/// that grows by 1 from point to point.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EndTangents {
+    /// Tangents along u at the points of the first row, in mm: the derivative by a parameter that grows by 1
+    /// from row to row, in the direction of growing u.
+    #[schema(value_type = TangentRow)]
+    u0: Vec<Point>,
+    /// Tangents along u at the points of the last row, in mm, measured as for `u0`.
+    #[schema(value_type = TangentRow)]
+    u1: Vec<Point>,
+    /// Tangents along v at the first point of each row, in mm: the derivative by a parameter that grows by 1
+    /// from point to point, in the direction of growing v.
+    #[schema(value_type = TangentRow)]
+    v0: Vec<Point>,
+    /// Tangents along v at the last point of each row, in mm, measured as for `v0`.
+    #[schema(value_type = TangentRow)]
+    v1: Vec<Point>,
+}
+
+schema_of!(TangentRow, "Vectors `[x, y, z]`, in mm, one for each point of a boundary.", {
+    array_of(Ref::from_schema_name("Point"), 2, Limits::DEFAULT.surface_points / 2)
+});
+
+into_core!(Twist => core::Twist, [Spline, Zero]);
+
+impl PointGrid {
+    pub fn points(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().flatten()
+    }
+
+    pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+        let Self { _kind: _, points, twist: _, ends, outliers, end_tangents } = self;
+        let Some(size) = grid::check_points(&at.field("points"), points, limits, violations) else { return };
+        grid_order::check(&at.field("points"), points, *outliers == Outliers::Refuse, violations);
+        let at_tangents = at.field("end_tangents");
+        match (ends, end_tangents) {
+            (Some(Ends::Clamped), Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),
+            (Some(Ends::Clamped), None) => {
+                let detail = "`end_tangents` is required with `ends: clamped`";
+                violations.add(&at_tangents, FieldCode::MissingField, detail);
+            }
+            (_, Some(_)) => {
+                let detail = "`end_tangents` needs `ends: clamped`";
+                violations.add(&at_tangents, FieldCode::UnknownField, detail);
+            }
+            (_, None) => {}
+        }
+    }
+}
+
+impl EndTangents {
+    fn check(&self, at: &Pointer, (rows, columns): (usize, usize), violations: &mut Violations) {
+        let Self { u0, u1, v0, v1 } = self;
+        for (name, side, expected) in
+            [("u0", u0, columns), ("u1", u1, columns), ("v0", v0, rows), ("v1", v1, rows)]
+        {
+            let at = at.field(name);
+            if side.len() != expected {
+                let detail = format!(
+                    "there are {} vectors for {expected} boundary points; send equally many",
+                    side.len()
+                );
+                violations.add(&at, FieldCode::WrongLength, detail);
+            }
+            for (k, vector) in side.iter().enumerate() {
+                vector.check_in(&at, k, violations);
+            }
+        }
+    }
+}
+
+/// Converts a surface that has been checked.
+impl From<PointGrid> for core::PointGrid {
+    fn from(PointGrid { _kind: _, points, twist, ends, outliers: _, end_tangents }: PointGrid) -> Self {
+        Self {
+            points: grid::converted(points),
+            twist: twist.into(),
+            ends: match (ends, end_tangents) {
+                (Some(Ends::Clamped), Some(tangents)) => core::Ends::Clamped(tangents.into()),
+                (None | Some(Ends::Clamped), _) => core::Ends::Usual,
+                (Some(Ends::Natural), _) => core::Ends::Natural,
+                (Some(Ends::NotAKnot), _) => core::Ends::NotAKnot,
+                (Some(Ends::Bessel), _) => core::Ends::Bessel,
+            },
+        }
+    }
+}
+
+impl From<EndTangents> for core::EndTangents {
+    fn from(EndTangents { u0, u1, v0, v1 }: EndTangents) -> Self {
+        let vectors = |side: Vec<Point>| side.into_iter().map(Vector3::from).collect();
+        Self { u0: vectors(u0), u1: vectors(u1), v0: vectors(v0), v1: vectors(v1) }
+    }
+}

@@ -1,0 +1,142 @@
+//! Shows any JSON value as a table of limited size.
+
+use serde_json::{Map, Value};
+
+use super::label::Label;
+use super::number;
+use toolpathd_plot::text::{clean, escape};
+
+/// Most numbers of a list that are shown. Of a longer list only the length is shown.
+const LONGEST_LIST: usize = 4;
+/// Most rows of a table. The last row tells how many rows are left out.
+const LONGEST_TABLE: usize = 40;
+/// Most members of an object that are shown. A last row tells how many members are left out.
+const MOST_MEMBERS: usize = 60;
+/// Most levels of objects within objects. Of a deeper object only the number of members is shown.
+const DEEPEST: usize = 3;
+/// Most characters of a text. A longer text ends in an ellipsis.
+const LONGEST_TEXT: usize = 500;
+
+/// `value` as a table. Empty for an empty value.
+pub fn table(name: &str, value: &Value) -> String {
+    let label = Label::of(name);
+    let rows = match value {
+        Value::Object(members) => members_as_rows(members, label.unit, 0),
+        Value::Array(items) if items.is_empty() => String::new(),
+        Value::Array(items) => as_grid(items).unwrap_or_else(|| row(&label, value)),
+        Value::Null => String::new(),
+        _ => row(&label, value),
+    };
+    wrap(&rows)
+}
+
+/// An object of texts as a table. Its names are shown unchanged, not turned into words.
+pub fn verbatim(value: &Value) -> String {
+    let members = value.as_object().into_iter().flatten().take(MOST_MEMBERS);
+    let rows = members.map(|(name, value)| {
+        let label = Label { words: show_text(name), unit: None, is_bound: false };
+        row(&label, value)
+    });
+    wrap(&rows.collect::<String>())
+}
+
+fn wrap(rows: &str) -> String {
+    if rows.is_empty() { String::new() } else { format!("<table>\n{rows}</table>\n") }
+}
+
+/// A row for each plain member. Then each member that is an object or a table follows, with a heading.
+fn members_as_rows(members: &Map<String, Value>, unit: Option<&'static str>, depth: usize) -> String {
+    let mut rows = String::new();
+    let mut shown: Vec<_> = members.iter().take(MOST_MEMBERS).collect();
+    // Plain members come first, so that below a heading only its own rows stand. In a box `min` precedes
+    // `max`.
+    shown.sort_by_key(|(name, value)| (value.is_object() || is_grid(value), *name == "max"));
+    for (name, value) in shown {
+        let mut label = Label::of(name);
+        label.unit = label.unit.or(unit);
+        rows += &match value {
+            Value::Object(inner) if depth < DEEPEST && !inner.is_empty() => {
+                heading(&label.words) + &members_as_rows(inner, label.unit, depth + 1)
+            }
+            Value::Array(items) => match as_grid(items) {
+                Some(grid) => {
+                    format!("{}<tr><td colspan=\"2\">{}</td></tr>\n", heading(&label.words), wrap(&grid))
+                }
+                None => row(&label, value),
+            },
+            _ => row(&label, value),
+        };
+    }
+    if members.len() > MOST_MEMBERS {
+        rows += &heading(&format!("and {} more", members.len() - MOST_MEMBERS));
+    }
+    rows
+}
+
+fn heading(words: &str) -> String {
+    format!("<tr class=\"group\"><th colspan=\"2\">{words}</th></tr>\n")
+}
+
+fn row(label: &Label, value: &Value) -> String {
+    format!("<tr><th>{}</th><td>{}</td></tr>\n", label.words, cell(value, label))
+}
+
+fn is_grid(value: &Value) -> bool {
+    value.get(0).is_some_and(Value::is_object)
+}
+
+/// A list of objects as rows, with a column for each member of the first object. `None` for other lists.
+fn as_grid(items: &[Value]) -> Option<String> {
+    let first = items.first()?.as_object()?;
+    let columns: Vec<(&String, Label)> =
+        first.keys().take(MOST_MEMBERS).map(|name| (name, Label::of(name))).collect();
+    let head: String = columns.iter().map(|(_, label)| format!("<th>{}</th>", label.words)).collect();
+    let mut rows = format!("<tr>{head}</tr>\n");
+    for item in items.iter().take(LONGEST_TABLE) {
+        let cells = columns.iter().map(|(name, label)| {
+            format!("<td>{}</td>", item.get(*name).map_or(String::new(), |value| cell(value, label)))
+        });
+        rows += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+    }
+    if items.len() > LONGEST_TABLE {
+        let more = items.len() - LONGEST_TABLE;
+        rows += &format!("<tr><td colspan=\"{}\">and {more} more</td></tr>\n", columns.len().max(1));
+    }
+    Some(rows)
+}
+
+/// A value as the text of one cell.
+fn cell(value: &Value, label: &Label) -> String {
+    let with_unit = |text: String| match label.unit {
+        // A time in seconds already has its unit and ends in h:mm:ss in parentheses.
+        Some(unit) if !text.ends_with(')') => format!("{text} {unit}"),
+        _ => text,
+    };
+    match value {
+        Value::Null => "\u{2013}".into(),
+        Value::Bool(is_true) => if *is_true { "yes" } else { "no" }.into(),
+        Value::Number(number) => with_unit(number::show(number, label)),
+        Value::String(text) => show_text(text),
+        Value::Array(items) => match numbers(items, label) {
+            Some(text) => with_unit(text),
+            None => format!("{} entries", items.len()),
+        },
+        Value::Object(members) => format!("{} members", members.len()),
+    }
+}
+
+/// A short list of numbers, such as a point, as text. `None` for other lists.
+fn numbers(items: &[Value], label: &Label) -> Option<String> {
+    let is_short = !items.is_empty() && items.len() <= LONGEST_LIST;
+    let show = |item: &Value| Some(number::show(item.as_number()?, label));
+    let texts: Option<Vec<String>> = if is_short { items.iter().map(show).collect() } else { None };
+    texts.map(|texts| texts.join(", "))
+}
+
+fn show_text(text: &str) -> String {
+    let text = clean(text);
+    match text.char_indices().nth(LONGEST_TEXT) {
+        Some((end, _)) => format!("{}\u{2026}", escape(&text[..end])),
+        None => escape(&text),
+    }
+}

@@ -1,0 +1,240 @@
+//! `POST /v1/five-axis/smooth`: smooths a path of tips and tool axes, and answers the motion along it.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+use nalgebra::Point3;
+
+use crate::http::App;
+use crate::http::answer::{Cut, Outcome, Product, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::check::Violations;
+use crate::http::dto::five_axis::{
+    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
+};
+use crate::http::dto::program_writing::conditions;
+use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::{ApiError, Code, FieldCode};
+use crate::http::extract::JobBody;
+use crate::http::failure::not_followed;
+use crate::http::negotiation::{Form, Offers, Toolpaths, Wanted};
+use crate::http::output::Representation;
+use crate::http::pointer::Pointer;
+use crate::http::v1::programs_write::clearance_chosen;
+use toolpathd_core::budget::Budget;
+use toolpathd_core::machine::Machine;
+use toolpathd_core::operations::five_axis::history::{self, Course};
+use toolpathd_core::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
+use toolpathd_core::toolpath::PathError;
+use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_plot::Drawing;
+use toolpathd_plot::diagram::Diagram;
+
+/// The answer in JSON.
+type SmoothAnswer = Answer<SmoothReport, SmoothMembers>;
+
+/// The forms of the answer, and its query.
+pub enum Smooths {}
+
+impl Offers for Smooths {
+    const OFFERS: &'static [Representation] = Toolpaths::OFFERS;
+    const OWN_PARAMETERS: &'static [&'static str] = &SmoothQuery::NAMES;
+    type Query = SmoothQuery;
+}
+
+/// Smooth a path of five axes.
+///
+/// The answer says how far the smooth path is from the given path, how long the motion takes and how it
+/// accelerates, and holds straight moves along the path. With `?samples=true` the answer holds the motion
+/// itself. As `text/x-gcode` it is the NC program.
+#[utoipa::path(post, path = "/v1/five-axis/smooth", operation_id = "smoothPath", tag = "five-axis",
+    params(Wanted<Smooths>, SmoothQuery), request_body = SmoothRequest,
+    responses((status = 200, description = "The smooth path: its figures, its program or a picture.", body = SmoothAnswer)))]
+pub async fn smooth_path(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Smooths>,
+    body: JobBody<SmoothRequest>,
+) -> Result<Response, ApiError> {
+    let representation = wanted.form.representation;
+    let shown = Shown {
+        samples: wanted.query.with_samples(),
+        program: wanted.form.with_nc || representation == Representation::Gcode,
+        diagrams: match representation {
+            Representation::Svg => wanted.query.shows_motion(),
+            representation => representation == Representation::Html,
+        },
+    };
+    answer(&app, wanted, body, move |job, budget| smooth(job, shown, budget)).await
+}
+
+/// What the answer holds beside the toolpath.
+#[derive(Clone, Copy)]
+struct Shown {
+    samples: bool,
+    program: bool,
+    diagrams: bool,
+}
+
+/// The toolpath and the motion.
+struct Motion {
+    cut: Cut,
+    samples: Vec<TimedPose>,
+    machine: Option<Machine>,
+    shown: Shown,
+    diagrams: Vec<Diagram>,
+}
+
+impl Product for Motion {
+    type Members = SmoothMembers;
+
+    const TITLE: &'static str = "Path of the tip";
+
+    fn cut(&self) -> Option<&Cut> {
+        Some(&self.cut)
+    }
+
+    fn diagrams(&self) -> &[Diagram] {
+        &self.diagrams
+    }
+
+    fn members(self, written: Option<String>, form: &Form) -> SmoothMembers {
+        let Self { cut, samples, machine, shown, diagrams: _ } = self;
+        let samples: Option<Vec<Sample>> = shown
+            .samples
+            .then(|| samples.iter().map(|sample| Sample::new(sample, machine.as_ref())).collect());
+        SmoothMembers { path: cut.members(written, form), motion: SampleMembers { samples } }
+    }
+}
+
+fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
+    let SmoothJob { job, setup, cutting, has_program, meta } = job;
+    let Plan { report, samples, toolpath } = five_axis::plan(&job, budget)?;
+    let mut warnings = Vec::new();
+    if !report.is_within_tolerance {
+        warnings.push(excess(&report));
+    }
+    if let Some(LimitsProof::GapAt(at)) = report.limits_proof {
+        warnings.push(not_proved(at));
+    }
+    let mut violations = Violations::default();
+    let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
+    let cutting = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
+    violations.result()?;
+    if let Some(cutting) = cutting {
+        warnings.extend(is_chosen.then(|| clearance_chosen(cutting.clearance_z_mm)));
+        warnings.extend(rounded(&job, &report));
+    }
+    let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
+    let comments = vec![proved(&report)];
+    let diagrams = if shown.diagrams { diagrams(&job, &samples, budget)? } else { Vec::new() };
+    Ok(Outcome {
+        meta,
+        warnings,
+        report: SmoothReport::from(&report),
+        product: Motion {
+            cut: Cut { toolpath, cutting, setup, comments, nc: None },
+            samples,
+            machine: job.machine,
+            shown,
+            diagrams,
+        },
+        drawing: drawing(given),
+    })
+}
+
+/// Feed, acceleration, jerk and the angles of the axes, before and after.
+fn diagrams(job: &Job, samples: &[TimedPose], budget: &Budget) -> Result<Vec<Diagram>, ApiError> {
+    let [before, after] = history::before_and_after(job, samples, budget)?;
+    let scaled =
+        |course: Course, factor: f64| course.into_iter().map(|[t, value]| [t, value * factor]).collect();
+    let diagram = |name: String, [before, after]: [Course; 2], factor: f64| Diagram {
+        name,
+        before: scaled(before, factor),
+        after: scaled(after, factor),
+    };
+    let of_tip = [("feed, mm/min", 60.0), ("acceleration, mm/s2", 1.0), ("jerk, mm/s3", 1.0)];
+    let tips = before.tip.into_iter().zip(after.tip).zip(of_tip);
+    let mut all: Vec<Diagram> = tips
+        .map(|((before, after), (name, factor))| diagram(name.to_owned(), [before, after], factor))
+        .collect();
+    for ((_, before), (name, after)) in before.angles.into_iter().zip(after.angles) {
+        all.push(diagram(format!("{name}, degrees"), [before, after], 1.0_f64.to_degrees()));
+    }
+    Ok(all)
+}
+
+/// The line of a program's header about the path.
+fn proved(report: &Report) -> String {
+    format!(
+        "SMOOTH PATH WITHIN {:.4} MM AND {:.4} DEGREES OF {} POSES",
+        rounded_up(report.moves_deviation_mm),
+        rounded_up(report.moves_deviation_axis.to_degrees()),
+        report.n_poses
+    )
+}
+
+fn excess(report: &Report) -> Warning {
+    Warning {
+        code: WarningCode::ToleranceExceeded,
+        detail: format!(
+            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
+            rounded_up(report.deviation_mm),
+            rounded_up(report.deviation_axis.to_degrees())
+        ),
+    }
+}
+
+fn not_proved(at: Point3<f64>) -> Warning {
+    let detail = format!(
+        "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
+    );
+    Warning { code: WarningCode::LimitsNotProved, detail }
+}
+
+/// The warning that rounding, and straying between blocks, may leave the tolerance.
+fn rounded(job: &Job, report: &Report) -> Option<Warning> {
+    let written_mm = report.cut_deviation_mm.unwrap_or(report.moves_deviation_mm) + job.rounding_mm;
+    let detail = format!(
+        "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
+        rounded_up(written_mm)
+    );
+    let is_beyond = report.is_within_tolerance && written_mm > job.tolerance_mm;
+    is_beyond.then_some(Warning { code: WarningCode::RoundingExceedsTolerance, detail })
+}
+
+/// The given tips beside the toolpath.
+fn drawing(given: Vec<Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
+    Box::new(move || Drawing { curve: vec![given.clone()], joints: given.clone(), ..Drawing::default() })
+}
+
+impl From<FiveAxisError> for ApiError {
+    fn from(error: FiveAxisError) -> Self {
+        let detail = error.to_string();
+        let path = Pointer::root().field("path");
+        let invalid =
+            |at: &Pointer| Self::new(Code::InvalidRequest, detail.clone()).blaming(at, FieldCode::OutOfRange);
+        match error {
+            FiveAxisError::Stopped(stopped) => stopped.into(),
+            FiveAxisError::NoMotion => invalid(&path),
+            FiveAxisError::OppositeAxes { index } => invalid(&path.index(index).field("axis")),
+            FiveAxisError::ToleranceNotReached { at } => {
+                Self::new(Code::ToleranceNotReached, detail).at(at.into())
+            }
+            FiveAxisError::NotFollowed { error, at } => Self::new(not_followed(&error), detail).at(at.into()),
+            FiveAxisError::OnPole { at } => Self::new(Code::AxisOnPole, detail).at(at.into()),
+            FiveAxisError::NotScheduled { at, .. } => {
+                let limits = Pointer::root().field("limits");
+                Self::new(Code::InvalidRequest, detail).blaming(&limits, FieldCode::OutOfRange).at(at.into())
+            }
+            FiveAxisError::Moves(PathError::TooManyMoves { .. }) => {
+                let at = Pointer::root().field("tolerance_mm");
+                Self::new(Code::LimitExceeded, format!("{detail}; send a larger tolerance"))
+                    .blaming(&at, FieldCode::LimitExceeded)
+            }
+            FiveAxisError::Moves(_) => Self::new(Code::InternalError, detail),
+            FiveAxisError::TooManySamples { .. } => Self::new(Code::LimitExceeded, detail)
+                .blaming(&Pointer::root().field("sample_period_ms"), FieldCode::LimitExceeded),
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! `POST /v1/pockets/plan`: plans the clearing of a pocket, and answers a toolpath, an NC program or a
+//! picture.
+
+mod failure;
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+use nalgebra::Point3;
+
+use crate::http::App;
+use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::dto::answer::Answer;
+use crate::http::dto::pocketing::PocketRequest;
+use crate::http::dto::pocketing::report::PocketReport;
+use crate::http::dto::setup::JobWithSetup;
+use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::ApiError;
+use crate::http::extract::JobBody;
+use crate::http::negotiation::{Toolpaths, Wanted};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::element::Element;
+use toolpathd_core::operations::pocketing::{self, Job, Plan};
+use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_plot::Drawing;
+
+/// The answer in JSON.
+type PocketAnswer = Answer<PocketReport>;
+
+/// Plan the clearing of a pocket.
+///
+/// The answer is the toolpath with the figures of every pattern on every level, the NC program, or a picture.
+#[utoipa::path(post, path = "/v1/pockets/plan", operation_id = "planPocket", tag = "pockets",
+    params(Wanted<Toolpaths>), request_body = PocketRequest,
+    responses((status = 200, description = "The toolpath, the program or a picture.", body = PocketAnswer)))]
+pub async fn plan_pocket(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Toolpaths>,
+    body: JobBody<PocketRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, plan).await
+}
+
+fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport, Cut>, ApiError> {
+    let JobWithSetup { job, setup, meta } = job;
+    let Plan { toolpath, report, cutting, warnings } = pocketing::plan(&job, budget)?;
+    Ok(Outcome {
+        meta,
+        warnings: warnings.iter().map(Warning::from).collect(),
+        product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+        report: PocketReport::from(&report),
+        drawing: Box::new(move || drawing(&report)),
+    })
+}
+
+/// The walls and the islands of each level, at the level's top and floor, and the edges of what stays uncut.
+fn drawing(report: &pocketing::Report) -> Drawing {
+    let mut drawing = Drawing::default();
+    for level in &report.levels {
+        let at_floor = |outline: &Vec<Element>| polyline(outline, level.z_mm);
+        drawing.curve.extend(level.outlines.iter().map(|outline| polyline(outline, level.top_z_mm)));
+        drawing.curve.extend(level.outlines.iter().map(at_floor));
+        drawing.uncut.extend(level.uncut.iter().map(at_floor));
+    }
+    drawing
+}
+
+/// Largest turn of the part of an arc that is drawn as one straight line, radians.
+const LARGEST_TURN: f64 = 0.1;
+
+fn polyline(chain: &[Element], z: f64) -> Vec<Point3<f64>> {
+    let mut points = Vec::with_capacity(chain.len() + 1);
+    for element in chain {
+        let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
+        points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
+    }
+    points.extend(chain.last().map(Element::end));
+    points.into_iter().map(|p| Point3::new(p.x, p.y, z)).collect()
+}
+
+/// The line with the proved figures for the program's header. The gouge is rounded up.
+fn proved(report: &pocketing::Report) -> String {
+    let n_levels = report.levels.len();
+    format!(
+        "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}",
+        rounded_up(report.gouge_max_mm),
+        report.uncut_area_mm2,
+        if n_levels == 1 { "" } else { "S" }
+    )
+}
+
+impl From<&pocketing::Warning> for Warning {
+    fn from(warning: &pocketing::Warning) -> Self {
+        match warning {
+            pocketing::Warning::PlacesNotReached { count, largest } => Self {
+                code: WarningCode::PlacesNotReached,
+                detail: format!(
+                    "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
+                    largest.area_mm2, largest.at.x, largest.at.y
+                ),
+            },
+            pocketing::Warning::IslandsByLabelling { gouge_mm } => Self {
+                code: WarningCode::RoughingPathGouges,
+                detail: format!(
+                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
+                    rounded_up(*gouge_mm)
+                ),
+            },
+            pocketing::Warning::StepoverNarrowed => Self {
+                code: WarningCode::StepoverNarrowed,
+                detail: "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material"
+                    .into(),
+            },
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places. Answers, for each place, the
+//! cutter location at which the cutter first touches the surface.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+
+use crate::http::App;
+use crate::http::answer::{Outcome, answer};
+use crate::http::dto::answer::{Answer, NoMembers};
+use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
+use crate::http::error::ApiError;
+use crate::http::extract::JobBody;
+use crate::http::negotiation::{Models, Wanted};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::wire_model::{self, Wire};
+use toolpathd_core::operations::cutter_location::{self, Error};
+use toolpathd_plot::Drawing;
+
+/// The answer in JSON.
+type DropAnswer = Answer<DropReport, NoMembers>;
+
+/// Lower a cutter onto a surface at many places.
+///
+/// The answer is the position of the cutter's tip where the cutter touches the surface first, for every
+/// place.
+#[utoipa::path(post, path = "/v1/surfaces/drop", operation_id = "dropCutter", tag = "surfaces",
+    params(Wanted<Models>), request_body = DropRequest,
+    responses((status = 200, description = "The tips, in the order of the points.", body = DropAnswer)))]
+pub async fn drop_cutter(
+    State(app): State<Arc<App>>,
+    wanted: Wanted<Models>,
+    body: JobBody<DropRequest>,
+) -> Result<Response, ApiError> {
+    answer(&app, wanted, body, locate).await
+}
+
+fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport, ()>, ApiError> {
+    let DropJob { job, meta } = job;
+    let locations = cutter_location::locate(&job, budget)?;
+    let surface = job.surface;
+    Ok(Outcome {
+        meta,
+        warnings: Vec::new(),
+        report: DropReport::from(&locations[..]),
+        product: (),
+        drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
+    })
+}
+
+/// A few curves on the surface.
+fn sketched(surface: &Source) -> Vec<Wire> {
+    surface.surface().map(|surface| wire_model::sketch(&surface)).unwrap_or_default()
+}
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Source(source) => source.into(),
+        }
+    }
+}

@@ -6,20 +6,25 @@ WORKDIR /build
 # their target. Cargo then keeps the flag away from build scripts and procedural macros, which must stay dynamic.
 ENV RUSTFLAGS="-C target-feature=+crt-static"
 
-# The dependencies have a layer of their own. It is built again only when the manifest or the lock file changes.
+# The dependencies have a layer of their own. It is built again only when a manifest or the lock file changes.
 COPY Cargo.toml Cargo.lock ./
+COPY src/core/Cargo.toml src/core/
+COPY src/post/Cargo.toml src/post/
+COPY src/plot/Cargo.toml src/plot/
+COPY src/server/Cargo.toml src/server/
 # Benchmarks are not built, but the manifest names them.
 COPY benches benches
-# Empty files stand for the other targets that the manifest names, so that Cargo builds the dependencies alone.
-RUN mkdir -p src tests/real/controller tests/real/overload \
+# Empty files stand for the other targets that the manifests name, so that Cargo builds the dependencies alone.
+RUN mkdir -p tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/lib.rs tests/real/controller/main.rs tests/real/overload/main.rs \
+    && touch src/core/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
+        tests/real/controller/main.rs tests/real/overload/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 
 COPY . .
 # The empty files are newer than the sources. Without `touch` Cargo would keep what it built from them.
-RUN touch src/main.rs src/lib.rs \
+RUN touch src/main.rs src/*/lib.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && mv target/*/release/toolpathd /toolpathd
 

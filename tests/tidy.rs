@@ -1,100 +1,37 @@
-//! Checks the architecture of the sources: which layer may name which, what the core must not name, and how
-//! long a file may be.
+//! Checks the sources: what computations must not name, which modules depend on each other in a circle, and how
+//! long a file may be. The compiler checks which crate may name which.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The top-level modules of the crate, each with the modules that it may name. A module that is missing here
-/// fails the test.
-const LAYERS: &[(&str, &[&str])] = &[
-    ("parallel", &[]),
-    ("budget", &["parallel"]),
-    ("geometry", &["budget"]),
-    ("language", &["budget", "geometry"]),
-    ("machining", &["budget", "geometry"]),
-    ("toolpath", &["budget", "geometry", "machining"]),
-    ("machine", &["toolpath"]),
-    ("operations", &["budget", "geometry", "language", "machine", "machining", "toolpath"]),
-    ("post", &["budget", "geometry", "machine", "machining", "toolpath"]),
-    ("plot", &["budget", "geometry", "machining", "toolpath"]),
-    (
-        "http",
-        &[
-            "budget",
-            "geometry",
-            "language",
-            "machine",
-            "machining",
-            "toolpath",
-            "operations",
-            "parallel",
-            "post",
-            "plot",
-            "config",
-            "dnc",
-        ],
-    ),
-    ("dnc", &[]),
-    ("config", &["dnc"]),
-    ("log", &[]),
-    ("main", &["http", "config", "dnc", "log"]),
-    ("lib", &[]),
-];
+/// The crates below the server, each with its folder. They are computations: they name no file, no socket, no
+/// terminal and no clock.
+const COMPUTING: &[&str] = &["core", "post", "plot"];
 
-/// The layers that may name files, sockets, the terminal and frameworks.
-const OUTER: &[&str] = &["http", "config", "dnc", "log", "main"];
-
-/// Words that no other layer may name: frameworks, files, sockets, processes, the clock and the terminal.
-#[rustfmt::skip]
-const OUTSIDE: &[&str] = &[
-    "axum", "clap", "eprintln!", "http_body", "hyper", "indicatif", "mime", "println!", "prometheus_client", "rustix", "serde", "serialport", "sha2",
-    "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime", "tokio", "tower", "tracing",
-    "utoipa",
-];
+/// Words of the standard library that a crate of computations must not name. Its manifest tells which other
+/// libraries it may name.
+const OUTSIDE: &[&str] =
+    &["eprintln!", "println!", "std::env", "std::fs", "std::io", "std::net", "std::process", "SystemTime"];
 
 /// Most lines of a source file. A longer file cannot be read in one sitting.
 const LONGEST_FILE: usize = 420;
 
 #[test]
-fn every_layer_names_only_the_layers_below_it() {
+fn the_computations_name_no_file_no_socket_and_no_clock() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
-        let layer = layer_of(&path);
-        let Some((_, allowed)) = LAYERS.iter().find(|(name, _)| *name == layer) else {
-            wrong.push(format!("{}: the layer {layer} is not in `LAYERS`", path.display()));
-            continue;
-        };
-        for (number, line) in code_lines(&text) {
-            for named in modules_named(line) {
-                let known = LAYERS.iter().any(|(name, _)| *name == named);
-                if known && named != layer && !allowed.contains(&named.as_str()) {
-                    wrong.push(format!(
-                        "{}:{number}: the layer {layer} must not name {named}",
-                        path.display()
-                    ));
-                }
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn the_core_names_no_framework_no_file_no_socket_and_no_clock() {
-    let mut wrong = Vec::new();
-    for (path, text) in sources() {
-        let layer = layer_of(&path);
-        if OUTER.contains(&layer.as_str()) {
+        let module = module_of(&path);
+        if !COMPUTING.contains(&module[0].as_str()) {
             continue;
         }
         for (number, line) in code_lines(&text) {
             for word in OUTSIDE {
                 if names(line, word) {
-                    wrong.push(format!("{}:{number}: the core must not name {word}", path.display()));
+                    wrong.push(format!("{}:{number}: a computation must not name {word}", path.display()));
                 }
             }
-            if layer != "budget" && names(line, "Instant") {
+            if module != ["core", "budget"] && names(line, "Instant") {
                 wrong.push(format!("{}:{number}: names the clock; only `budget` may", path.display()));
             }
         }
@@ -154,10 +91,10 @@ fn no_file_has_a_catch_all_name_and_every_folder_has_a_file_of_its_name() {
             path.display()
         );
         let folder = path.parent().unwrap();
-        if folder != Path::new("src") {
-            let head = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).with_extension("rs");
-            assert!(head.is_file(), "{} lacks a file of the same name beside it", folder.display());
-        }
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let is_crate = folder == Path::new("src") || root.join(folder).join("lib.rs").is_file();
+        let head = root.join(folder).with_extension("rs");
+        assert!(is_crate || head.is_file(), "{} lacks a file of the same name beside it", folder.display());
     }
 }
 
@@ -210,10 +147,11 @@ fn every_file_that_the_architecture_names_exists() {
     }
 }
 
-/// The path of the module in a file, by segments, without the name of the crate.
+/// The path of the module in a file, by segments. The first segment is the folder of the crate.
 fn module_of(path: &Path) -> Vec<String> {
     let inner = path.strip_prefix("src").unwrap().with_extension("");
-    inner.components().map(|name| name.as_os_str().to_str().unwrap().to_owned()).collect()
+    let names = inner.components().map(|name| name.as_os_str().to_str().unwrap().to_owned());
+    names.filter(|name| name != "lib").collect()
 }
 
 /// The module paths that code names: every path of every `use`, and every path that begins with `crate`,
@@ -226,7 +164,7 @@ fn paths_in(code: &str) -> impl Iterator<Item = Vec<String>> {
         let statement = code[at + 4..].split(';').next().unwrap_or_default();
         unfold("", &statement.replace(char::is_whitespace, ""), &mut paths);
     }
-    for first in ["crate::", "super::", "self::"] {
+    for first in ["crate::", "super::", "self::", "toolpathd_"] {
         for (at, _) in code.match_indices(first) {
             let is_path = |c: &char| c.is_alphanumeric() || *c == '_' || *c == ':';
             paths.push(code[at..].chars().take_while(is_path).collect());
@@ -270,7 +208,7 @@ fn resolve(
     let mut rest = path;
     match rest.first()?.as_str() {
         "crate" => {
-            at.clear();
+            at.truncate(1);
             rest = &rest[1..];
         }
         "super" | "self" => {
@@ -281,7 +219,12 @@ fn resolve(
                 rest = &rest[1..];
             }
         }
-        _ => {}
+        first => {
+            if let Some(name) = first.strip_prefix("toolpathd_") {
+                at = vec![name.to_owned()];
+                rest = &rest[1..];
+            }
+        }
     }
     at.extend_from_slice(rest);
     while !at.is_empty() && !modules.contains_key(&at) {
@@ -309,24 +252,6 @@ fn sources() -> Vec<(PathBuf, String)> {
     files.sort();
     assert!(files.len() > 20, "only {} source files were found", files.len());
     files
-}
-
-/// The top-level module that a file belongs to.
-fn layer_of(path: &Path) -> String {
-    let first = path.components().nth(1).unwrap().as_os_str().to_str().unwrap();
-    first.trim_end_matches(".rs").to_owned()
-}
-
-/// The top-level modules that a line names: the first segment after `crate::` or `toolpathd::`.
-fn modules_named(line: &str) -> Vec<String> {
-    let mut named = Vec::new();
-    for prefix in ["crate::", "toolpathd::"] {
-        for (at, _) in line.match_indices(prefix) {
-            let rest = line[at + prefix.len()..].chars();
-            named.push(rest.take_while(|c| c.is_alphanumeric() || *c == '_').collect());
-        }
-    }
-    named
 }
 
 /// Numbered lines without comments.

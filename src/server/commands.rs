@@ -1,5 +1,5 @@
-//! The four commands of the binary: start the service, check a running service, print the contract (the OpenAPI
-//! description of the service), or send a program to a control.
+//! The four commands of the binary: start the service, check a running service, print the contract (the
+//! OpenAPI description of the service), or send a program to a control.
 
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};

@@ -1,4 +1,4 @@
-"""Runs the random tests of the library and of tests/it on fresh seeds.
+"""Runs the random tests of the crates and of tests/it on fresh seeds.
 
 First every kept case runs again. Each line of tests/real/explore/cases is a case: a seed, a test binary and the name of a
 test. If a kept case fails, the script ends with exit code 1. Then random tests run on fresh seeds until the time is over. A
@@ -31,17 +31,20 @@ SEED = int(os.environ.get("EXPLORE_SEED", random.SystemRandom().randrange(1 << 3
 # Longest time of one test, in seconds. A test that takes longer counts as failed.
 LONGEST = 300
 
+# The test binaries, each with the folder of its sources.
+FOLDERS = {name: ROOT / "src" / name for name in ["core", "post", "plot", "server"]} | {"it": ROOT / "tests/it"}
+
 # Matches a function, together with the attribute that makes the function a test.
 FUNCTION = re.compile(r"(#\[(?:tokio::)?test\]\s*(?:#\[[^\]]*\]\s*|//[^\n]*\s*)*)?\bfn (\w+)(?:<[^(]*>)?\(([^{)]*)")
 
 
 def binaries():
-    """The paths of the test binaries of the library and of tests/it, by name. .ci/run has built them already."""
+    """The paths of the test binaries of the crates and of tests/it, by name. .ci/run has built them already."""
     build = ["cargo", "test", "--locked", "--quiet", "--no-run", "--lib", "--test", "it", "--message-format=json"]
     lines = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.splitlines()
     artifacts = [json.loads(line) for line in lines if line.startswith("{")]
     tests = [one for one in artifacts if one.get("executable") and one["profile"]["test"]]
-    return {"lib" if "lib" in one["target"]["kind"] else one["target"]["name"]: one["executable"] for one in tests}
+    return {one["target"]["name"].removeprefix("toolpathd_"): one["executable"] for one in tests}
 
 
 def random_tests(folder):
@@ -55,7 +58,7 @@ def random_tests(folder):
         asks = ["Random::stream", "TestRunner"]
         asks += [one[2] for one in functions if not one[1] and any(word in bodies[one[2]] for word in asks)]
         asking = re.compile("|".join(rf"\b{word}\b" for word in asks))
-        module = "::".join(path.relative_to(folder).with_suffix("").parts)
+        module = "::".join(part for part in path.relative_to(folder).with_suffix("").parts if part != "lib")
         names += [
             (module, one[2]) for one in functions if one[1] and (one[3].strip() or asking.search(bodies[one[2]]))
         ]
@@ -103,10 +106,10 @@ def again(executables):
 def explore(executables):
     """Tries fresh seeds until the time is over."""
     tests = []
-    for binary, folder in [("lib", ROOT / "src"), ("it", ROOT / "tests/it")]:
+    for binary, folder in FOLDERS.items():
         names = listed(executables[binary])
         for module, function in random_tests(folder):
-            tests += [(binary, name) for name in names if re.fullmatch(rf"{module}::(\w+::)*{function}", name)]
+            tests += [(binary, name) for name in names if re.fullmatch(rf"{module}(::)?(\w+::)*{function}", name)]
     tests = sorted(set(tests))
     print(f"{len(tests)} random tests for {SECONDS:.0f} s, EXPLORE_SEED={SEED}", flush=True)
     source, lock, end = random.Random(SEED), threading.Lock(), time.monotonic() + SECONDS

@@ -1,11 +1,10 @@
-//! The documents agree with the service: their examples are run, and their tables match the contract.
+//! The documents agree with the service: their examples are run, and every operation has a section.
 
 mod codes;
 mod curl;
 mod examples;
-mod fields;
 mod links;
+mod operations;
 mod page;
 mod readme;
 mod recipe;
-mod schema;

@@ -6,7 +6,7 @@ use clap::CommandFactory;
 use serde_json::Value;
 use toolpathd_server::config::Cli;
 
-use super::fields::contract;
+use super::operations::contract;
 use super::page::read;
 
 /// The names in the first column of the table after the line `mark`.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::fields::{contract, operations};
+use super::operations::{contract, operations};
 use super::page::{blocks, read};
 
 /// Most words of the README, as `wc -w` counts them.

@@ -45,16 +45,16 @@ fn print_contract() -> Result<(), Failure> {
 
 /// Asks a running service for `/livez`. An image without a shell and curl uses this as its health check.
 fn check_health(settings: &Settings) -> Result<(), Failure> {
-    const PATIENCE: Duration = Duration::from_secs(3);
+    const ANSWER_TIMEOUT: Duration = Duration::from_secs(3);
     let mut address = settings.listen;
     match address.ip().to_canonical() {
         ip if !ip.is_unspecified() => {}
         IpAddr::V4(_) => address.set_ip(Ipv4Addr::LOCALHOST.into()),
         IpAddr::V6(_) => address.set_ip(Ipv6Addr::LOCALHOST.into()),
     }
-    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)
+    let mut stream = TcpStream::connect_timeout(&address, ANSWER_TIMEOUT)
         .map_err(|error| format!("{address} does not answer: {error}"))?;
-    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_read_timeout(Some(ANSWER_TIMEOUT))?;
     stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
     let mut answer = String::new();
     stream.read_to_string(&mut answer)?;
@@ -89,7 +89,7 @@ fn serve_until_signal(settings: &Settings) -> Result<(), Failure> {
         let stopped = async move {
             let _ = stopped.await;
         };
-        Ok::<_, Failure>(serve::serve(listener, router(&app), &app, stopped).await?)
+        Ok::<_, Failure>(serve(listener, router(&app), &app, stopped).await?)
     });
     // A computation that has not noticed yet that it must stop does not hold up the end.
     runtime.shutdown_background();

@@ -8,7 +8,7 @@
 //! 3. [`run()`] connects a sender with a [`Line`]: a serial port or a TCP connection.
 //!
 //! # Guarantees
-//! * On a line with a known speed, at most [`pace::IN_FLIGHT`] characters are on their way: given to the
+//! * On a line with a known speed, at most [`in_flight::MOST`] characters are on their way: given to the
 //!   system and not yet taken by the line. A control that sends XOFF then receives at most these characters,
 //!   and those sent while its XOFF is under way.
 //! * A sending ends in a state that [`Left`] names. The sender appends nothing to half a block. Until the
@@ -18,8 +18,8 @@ pub mod estimate;
 pub mod format;
 pub mod grbl;
 pub mod handshake;
+pub mod in_flight;
 pub mod line;
-pub mod pace;
 pub mod run;
 pub mod sender;
 pub mod serial;

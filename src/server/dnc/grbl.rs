@@ -24,7 +24,7 @@ mod program;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::pace::Pace;
+use super::in_flight::InFlight;
 use super::sender::{Delivery, Failure, Left, Outcome, Progress, Sender, Step};
 use super::settings::Settings;
 pub use program::{Program, program};
@@ -92,7 +92,7 @@ pub struct Grbl {
     answer: Vec<u8>,
     went_on: Duration,
     patience: Duration,
-    pace: Pace,
+    in_flight: InFlight,
     failure: Option<Failure>,
     left: Left,
     n_received: usize,
@@ -115,7 +115,7 @@ impl Grbl {
             answer: Vec::new(),
             went_on: Duration::ZERO,
             patience: settings.patience,
-            pace: Pace::new(is_paced.then(|| settings.characters_per_s())),
+            in_flight: InFlight::new(is_paced.then(|| settings.characters_per_s())),
             failure: None,
             left: Left::Nothing,
             n_received: 0,
@@ -261,8 +261,8 @@ impl Sender for Grbl {
             return Step::Ended;
         }
         // A command may wait behind a few characters on the line, but behind no line of the program.
-        let room = self.pace.room(now, queued);
-        let time_of_room = self.pace.time_of_room(now, queued).min(self.next_tick());
+        let room = self.in_flight.room(now, queued);
+        let time_of_room = self.in_flight.time_of_room(now, queued).min(self.next_tick());
         if self.command.is_some() {
             return if room > 0 { Step::Write(self.command.as_slice()) } else { Step::Wait(time_of_room) };
         }
@@ -283,7 +283,7 @@ impl Sender for Grbl {
         if count == 0 {
             return;
         }
-        self.pace.wrote(count, now);
+        self.in_flight.wrote(count, now);
         if self.command.take().is_none() {
             self.at += count;
         }
@@ -317,7 +317,7 @@ impl Sender for Grbl {
 
     fn progress(&mut self, now: Duration, queued: usize) -> Progress {
         Progress {
-            n_characters: self.at.saturating_sub(self.pace.in_flight(now, queued)),
+            n_characters: self.at.saturating_sub(self.in_flight.characters(now, queued)),
             n_characters_total: self.program.text().len(),
             n_lines: self.answered,
             n_lines_total: self.program.n_lines(),

@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use super::format::Format;
-use super::pace::Pace;
+use super::in_flight::InFlight;
 use super::sender::{Failure, Left, Outcome, Progress, Sender, Step};
 use super::settings::{Flow, Settings};
 use super::tape::{LineCounter, Tape, XOFF, XON};
@@ -27,7 +27,7 @@ pub struct Handshake {
     end: usize,
     /// Number of characters of the end mark that were given to the system.
     mark_at: usize,
-    pace: Pace,
+    in_flight: InFlight,
     format: Format,
     flow: Flow,
     patience: Duration,
@@ -52,7 +52,7 @@ impl Handshake {
             at: 0,
             end,
             mark_at: 0,
-            pace: Pace::new(is_paced.then(|| settings.characters_per_s())),
+            in_flight: InFlight::new(is_paced.then(|| settings.characters_per_s())),
             format: settings.format(),
             flow: settings.flow,
             patience: settings.patience,
@@ -95,7 +95,7 @@ impl Handshake {
 
     /// Number of characters of the tape that the line has taken for certain.
     fn taken(&self, now: Duration, queued: usize) -> usize {
-        (self.at + self.mark_at).saturating_sub(self.pace.in_flight(now, queued)).min(self.at)
+        (self.at + self.mark_at).saturating_sub(self.in_flight.characters(now, queued)).min(self.at)
     }
 
     /// `taken` is the number of characters that the line has taken for certain.
@@ -135,7 +135,7 @@ impl Sender for Handshake {
     }
 
     fn next(&mut self, now: Duration, queued: usize) -> Step<'_> {
-        let in_flight = self.pace.in_flight(now, queued);
+        let in_flight = self.in_flight.characters(now, queued);
         if self.failure.is_some() || self.rest().is_empty() && in_flight == 0 {
             return Step::Ended;
         }
@@ -148,13 +148,13 @@ impl Sender for Handshake {
             return Step::Ended;
         }
         if self.rest().is_empty() {
-            return Step::Wait(self.pace.time_of_room(now, queued).min(self.limit()));
+            return Step::Wait(self.in_flight.time_of_room(now, queued).min(self.limit()));
         }
         if self.held_since.is_some() {
             return Step::Wait(self.limit());
         }
-        match self.pace.room(now, queued) {
-            0 => Step::Wait(self.pace.time_of_room(now, queued).min(self.limit())),
+        match self.in_flight.room(now, queued) {
+            0 => Step::Wait(self.in_flight.time_of_room(now, queued).min(self.limit())),
             room => {
                 let rest = self.rest();
                 Step::Write(&rest[..room.min(rest.len())])
@@ -166,7 +166,7 @@ impl Sender for Handshake {
         if count == 0 {
             return;
         }
-        self.pace.wrote(count, now);
+        self.in_flight.wrote(count, now);
         self.went_on = now;
         if self.at < self.end {
             self.at += count;

@@ -1,7 +1,19 @@
-//! From a job to its answer: runs the computation on a thread, and encodes its result in the form
-//! that the caller wants.
+//! Answers. This file leads from a job to its answer: it runs the computation on a thread, and encodes its
+//! result in the form that the caller wants.
+//!
+//! Here belongs what makes the body of an answer: whole, as events, or as a stream.
 
+pub mod allowed_time;
+pub mod compression;
+pub mod encoded;
+pub mod events;
+mod page;
+pub mod program_stream;
+pub mod sending;
 pub mod sheet;
+#[cfg(test)]
+mod tests;
+pub mod timing;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -11,7 +23,8 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::App;
+use super::byte_limit::ByteLimit;
+use super::compute::Compute;
 use super::decode::IntoJob;
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
 use super::dto::axis_output::AxisSetup;
@@ -20,13 +33,15 @@ use super::dto::meta::Meta;
 use super::dto::setup::Setup;
 use super::dto::toolpath::{Measures, Warning};
 use super::error::{ApiError, Code, FieldCode, FieldError};
-use super::events::{self, Begun};
-use super::extract::JobBody;
-use super::negotiation::{Form, Offers, Wanted};
-use super::output::{Encoded, Representation, file_name, page};
 use super::pointer::Pointer;
-use super::retry;
-use super::timing::{SERVER_TIMING, Timing};
+use super::request::body::JobBody;
+use super::request::negotiation::{Form, Offers, Wanted};
+use super::request::representation::Representation;
+use super::request::retry;
+use crate::config::Limits;
+use encoded::{Encoded, file_name};
+use events::Begun;
+use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::Cutting;
@@ -112,6 +127,15 @@ impl Product for Cut {
     }
 }
 
+/// What computed answers need.
+#[derive(Clone)]
+pub struct Computing {
+    pub compute: Arc<Compute>,
+    pub limits: Limits,
+    /// The memory for answers that wait for their callers.
+    pub memory: Arc<ByteLimit>,
+}
+
 /// Decodes the body, runs `plan` with its job, and answers the outcome in the form that the caller wants. All
 /// of this is one computation.
 ///
@@ -119,7 +143,7 @@ impl Product for Cut {
 /// When the queue is full, or decoding, planning or encoding fails. An answer of events reports a failure
 /// after decoding as an event `problem`.
 pub async fn answer<O: Offers, T, R, P, F>(
-    app: &Arc<App>,
+    computing: Computing,
     wanted: Wanted<O>,
     body: JobBody<T>,
     plan: F,
@@ -133,16 +157,16 @@ where
     let form = wanted.form;
     let request_id = form.request_id.clone();
     let is_streamed = form.representation == Representation::Events;
-    let (limits, memory) = (app.limits, Arc::clone(&app.answer_memory));
+    let Computing { compute, limits, memory } = computing;
     let asked = Instant::now();
     let decoded = Begun::default();
     let tell_decoded = decoded.clone();
-    let compute = move |budget: &Budget| {
+    let job = move |budget: &Budget| {
         let begun = Instant::now();
-        let job = body.job(&limits)?;
+        let decoded = body.job(&limits)?;
         let parsed = Instant::now();
         tell_decoded.tell();
-        let outcome = plan(job, budget)?;
+        let outcome = plan(decoded, budget)?;
         let computed = Instant::now();
         let encoded = represent(outcome, &form, budget)?;
         let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
@@ -155,13 +179,12 @@ where
         };
         Ok::<_, ApiError>((encoded, timing))
     };
-    let ticket = app.compute.admit()?;
+    let ticket = compute.admit()?;
     if is_streamed {
-        let app = Arc::clone(app);
-        let start = |listener| async move { Ok(app.compute.run(ticket, Some(listener), compute).await??.0) };
+        let start = |listener| async move { Ok(compute.run(ticket, Some(listener), job).await??.0) };
         return events::stream(request_id, decoded, start).await;
     }
-    let (encoded, timing) = app.compute.run(ticket, None, compute).await??;
+    let (encoded, timing) = compute.run(ticket, None, job).await??;
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
 }
 
@@ -275,144 +298,4 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<St
 
 fn no_toolpath() -> ApiError {
     ApiError::new(Code::InternalError, "there is no toolpath to write a program of")
-}
-
-#[cfg(test)]
-mod tests {
-    use axum::body::to_bytes;
-    use axum::http::header;
-    use nalgebra::Point3;
-    use serde_json::{Value, json};
-
-    use super::*;
-    use crate::http::ENGINE_VERSION;
-    use crate::http::dto::toolpath::WarningCode;
-    use crate::http::request_id::RequestId;
-    use toolpathd_core::toolpath::Role;
-    use toolpathd_core::toolpath::cutting::CuttingRequest;
-    use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
-    use toolpathd_core::toolpath::tool::Tool;
-
-    #[derive(Serialize, ToSchema)]
-    struct Report {
-        n_passes: usize,
-    }
-
-    fn cut() -> Cut {
-        let rate = FeedRate::from_mm_per_min(500.0).expect("a feed");
-        let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 2.0));
-        builder.rapid(Point3::new(10.0, 0.0, 2.0)).expect("a rapid");
-        builder.line(Point3::new(10.0, 0.0, 0.0), rate, Role::Plunge).expect("a line");
-        Cut {
-            toolpath: builder.finish().expect("a toolpath"),
-            cutting: Some(CuttingRequest::at_feed(rate).at_heights(20.0, 2.0)),
-            setup: Setup {
-                tool: Some(Tool::ball(3.0)),
-                program: Program {
-                    resolution: Resolution { units: Units::Mm, decimals: 3 },
-                    number: 1,
-                    name: Some("die".to_owned()),
-                    block_numbers: false,
-                    work_offset: None,
-                    safe_home: SafeHome::None,
-                    custom: Custom::default(),
-                },
-                dialect: toolpathd_post::DIALECTS[0],
-                five_axes: None,
-            },
-            comments: vec!["PROVED".to_owned()],
-            nc: None,
-        }
-    }
-
-    fn written_cut() -> Cut {
-        Cut { nc: Some("M2\n".to_owned()), ..cut() }
-    }
-
-    fn outcome<P>(product: P) -> Outcome<Report, P> {
-        let warning = Warning { code: WarningCode::PassesApart, detail: "far".to_owned() };
-        Outcome {
-            meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
-            warnings: vec![warning],
-            report: Report { n_passes: 1 },
-            product,
-            drawing: Box::new(|| {
-                Drawing::of_surface(vec![vec![Point3::origin(), Point3::new(4.0, 0.0, 0.0)]])
-            }),
-        }
-    }
-
-    /// Content type and text of the answer.
-    async fn shown<P: Product>(
-        outcome: Outcome<Report, P>,
-        representation: Representation,
-        with_toolpath: Option<bool>,
-    ) -> Result<(String, String), ApiError> {
-        let request_id = RequestId::of(&Default::default());
-        let media_type = representation.media_types()[0];
-        let form =
-            Form { representation, media_type, with_toolpath, with_nc: false, with_gzip: false, request_id };
-        let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
-        let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
-        let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");
-        Ok((content_type, String::from_utf8(body.into()).expect("UTF-8")))
-    }
-
-    async fn json_of<P: Product>(outcome: Outcome<Report, P>, with_toolpath: Option<bool>) -> Value {
-        let (_, text) = shown(outcome, Representation::Json, with_toolpath).await.expect("an answer");
-        serde_json::from_str(&text).expect("JSON")
-    }
-
-    #[tokio::test]
-    async fn the_answer_has_the_members_of_the_contract() {
-        let answer = json_of(outcome(cut()), None).await;
-        assert_eq!(answer["engine_version"], ENGINE_VERSION);
-        assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
-        // First the warning of the operation, then the warnings that every toolpath gets.
-        assert_eq!(answer["warnings"][0]["code"], "passes_apart");
-        assert_eq!(answer["warnings"][1]["code"], "no_spindle_speed");
-        assert_eq!(answer["report"]["n_passes"], 1);
-        assert_eq!(answer["measures"]["rapid_length_mm"], 10.0);
-        assert_eq!(answer["measures"]["moves"]["line"], 1);
-        assert_eq!(answer["measures"]["bounds"]["max"], json!([10.0, 0.0, 2.0]));
-        assert_eq!(answer["toolpath"]["passes"][0]["moves"][1]["role"], "plunge");
-        assert_eq!(answer.get("nc"), None);
-    }
-
-    #[tokio::test]
-    async fn absent_and_unwanted_members_are_left_out() {
-        let surface = json_of(outcome(()), None).await;
-        let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
-        assert_eq!(members, ["engine_version", "meta", "report", "warnings"]);
-        assert_eq!(json_of(outcome(cut()), Some(false)).await.get("toolpath"), None);
-        let written = json_of(outcome(written_cut()), None).await;
-        assert_eq!((written.get("toolpath"), &written["nc"]), (None, &json!("M2\n")));
-        assert!(json_of(outcome(written_cut()), Some(true)).await["toolpath"].is_object());
-    }
-
-    #[tokio::test]
-    async fn a_program_is_written_once_and_says_what_the_caller_and_the_operation_say() {
-        let (content_type, text) = shown(outcome(cut()), Representation::Gcode, None).await.expect("NC text");
-        assert_eq!(content_type, "text/x-gcode; charset=us-ascii");
-        assert!(text.contains("PART_ID 7") && text.contains("PROVED"), "{text}");
-        let written = shown(outcome(written_cut()), Representation::Gcode, None).await;
-        assert_eq!(written.expect("NC text").1, "M2\n");
-        let error = shown(outcome(()), Representation::Gcode, None).await.expect_err("no toolpath");
-        assert_eq!(error.code(), Code::InternalError);
-    }
-
-    #[tokio::test]
-    async fn a_picture_has_the_part_id_as_its_title() {
-        let picture = shown(outcome(cut()), Representation::Svg, None).await;
-        let (content_type, text) = picture.expect("a picture");
-        assert_eq!(content_type, "image/svg+xml; charset=utf-8");
-        assert!(text.contains("7 &lt;b&gt;") && text.contains("PROVED"), "{text}");
-        assert!(text.contains("ball, diameter 6 mm"), "{text}");
-        let page = shown(outcome(()), Representation::Html, None).await;
-        let (content_type, text) = page.expect("a page");
-        assert_eq!(content_type, "text/html; charset=utf-8");
-        assert!(text.contains("<title>7 &lt;b&gt;</title>") && text.contains("<svg"), "{text}");
-        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(cut()) }), "die");
-        assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(()) }), "Surface");
-    }
 }

@@ -1,4 +1,15 @@
-//! Serves one connection, with limits on the time that the caller may take.
+//! Connections: how they are accepted, how many there may be, and the limits on the time that a caller may
+//! take.
+//!
+//! Here belongs what lies between the socket and the first layer of the service. A request is hyper's
+//! business before, and the business of [`service`](super::service) after.
+
+mod drained_body;
+mod limit;
+mod parser_refusal;
+mod reading_speed;
+pub mod serve;
+mod socket;
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -19,12 +30,15 @@ use tokio::time::{Instant, interval, sleep_until, timeout};
 use tokio_io_timeout::TimeoutStream;
 use tower::ServiceExt;
 
-use super::linger::Lingering;
-use super::marks::{Arrival, Endless, Streamed};
-use super::pace::{Pace, Paced};
-use super::refusal::Explained;
-use super::socket::Socket;
+use super::answer::allowed_time::AllowedTime;
+use super::request::arrival::Arrival;
+use super::service::metrics::Metrics;
 use crate::config::Settings;
+use drained_body::DrainedBody;
+use limit::ConnectionLimit;
+use parser_refusal::Explained;
+use reading_speed::{MeasuredBody, ReadingSpeed};
+use socket::Socket;
 
 /// How long an idle connection stays open after the signal, because a request may already be on its way.
 const IDLE_GRACE: Duration = Duration::from_millis(500);
@@ -33,9 +47,9 @@ const IDLE_GRACE: Duration = Duration::from_millis(500);
 /// connection that is being closed.
 const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
-/// Time within which a connection on a spare place must send the head of a request. It is closed after twice
+/// Time within which a connection beyond the limit must send the head of a request. It is closed after twice
 /// this time.
-const SPARE_LIMIT: Duration = Duration::from_secs(1);
+const BEYOND_LIMIT_TIME: Duration = Duration::from_secs(1);
 
 /// Largest head of a request.
 const HEAD_BYTES: u32 = 96 * 1024;
@@ -50,9 +64,27 @@ const STREAMS: u32 = 100;
 /// Size of the write buffer of one request of HTTP/2.
 const WRITE_AHEAD_BYTES: usize = 64 * 1024;
 
+/// What connections need.
+pub struct Connections {
+    limit: ConnectionLimit,
+    times: TimeLimits,
+    metrics: Arc<Metrics>,
+}
+
+impl Connections {
+    pub fn new(settings: &Settings, metrics: Arc<Metrics>) -> Self {
+        Self { limit: ConnectionLimit::new(settings), times: TimeLimits::new(settings), metrics }
+    }
+
+    /// Number of connections within the limit.
+    pub fn open(&self) -> usize {
+        self.limit.open()
+    }
+}
+
 /// Time limits of a connection.
 #[derive(Debug, Clone, Copy)]
-pub struct Patience {
+struct TimeLimits {
     /// For the head of a request to arrive.
     header: Duration,
     /// For the caller to take the next byte of an answer.
@@ -63,8 +95,8 @@ pub struct Patience {
     last_stream: Duration,
 }
 
-impl Patience {
-    pub fn new(settings: &Settings) -> Self {
+impl TimeLimits {
+    fn new(settings: &Settings) -> Self {
         Self {
             header: settings.header_timeout_s,
             write: settings.write_timeout_s,
@@ -80,18 +112,18 @@ impl Patience {
         (!activity.is_endless()).then_some(longest)
     }
 
-    /// How often it is looked whether an answer goes out too slowly.
-    fn look_interval(&self) -> Duration {
+    /// How often it is checked whether an answer goes out too slowly.
+    fn check_interval(&self) -> Duration {
         (self.write / 8).clamp(Duration::from_millis(10), Duration::from_secs(2))
     }
 }
 
 /// Serves one connection until either side ends it.
-pub async fn connection(
+async fn connection(
     stream: TcpStream,
     router: Router,
     arrival: Arrival,
-    patience: Patience,
+    times: TimeLimits,
     draining: watch::Receiver<bool>,
 ) {
     let activity = Arc::new(Activity::default());
@@ -100,13 +132,13 @@ pub async fn connection(
         let (activity, closing, socket) = (Arc::clone(&activity), draining.clone(), socket.clone());
         service_fn(move |request: Request<Incoming>| {
             let busy = Busy::new(&activity);
-            let must_close = *closing.borrow() || arrival == Arrival::Spare;
+            let must_close = *closing.borrow() || arrival == Arrival::BeyondLimit;
             answer(request, router.clone(), arrival, busy, must_close, socket.clone())
         })
     };
     let header_limit = match arrival {
-        Arrival::Regular => patience.header,
-        Arrival::Spare => patience.header.min(SPARE_LIMIT),
+        Arrival::Regular => times.header,
+        Arrival::BeyondLimit => times.header.min(BEYOND_LIMIT_TIME),
     };
     let mut builder = auto::Builder::new(TokioExecutor::new());
     builder
@@ -127,11 +159,11 @@ pub async fn connection(
         .max_send_buf_size(WRITE_AHEAD_BYTES)
         .max_header_list_size(HEAD_BYTES);
     let mut stream = TimeoutStream::new(socket);
-    stream.set_write_timeout(Some(patience.write));
+    stream.set_write_timeout(Some(times.write));
     let connection = builder.serve_connection(TokioIo::new(Explained::new(Box::pin(stream))), service);
     match arrival {
-        Arrival::Regular => supervise(connection, activity, patience, draining).await,
-        Arrival::Spare => drop(timeout(2 * SPARE_LIMIT, connection).await),
+        Arrival::Regular => supervise(connection, activity, times, draining).await,
+        Arrival::BeyondLimit => drop(timeout(2 * BEYOND_LIMIT_TIME, connection).await),
     }
 }
 
@@ -150,7 +182,7 @@ async fn answer(
     let version = request.version();
     let (mut parts, body) = request.into_parts();
     parts.extensions.insert(arrival);
-    let body = Body::new(Lingering::new(&parts.headers, body));
+    let body = Body::new(DrainedBody::new(&parts.headers, body));
     let answered = router.oneshot(Request::from_parts(parts, body));
     let response = if version <= Version::HTTP_11 {
         tokio::select! {
@@ -175,7 +207,7 @@ async fn answer(
 async fn supervise<C, E>(
     connection: C,
     activity: Arc<Activity>,
-    patience: Patience,
+    times: TimeLimits,
     mut draining: watch::Receiver<bool>,
 ) where
     C: hyper_util::server::graceful::GracefulConnection<Error = E> + Future<Output = Result<(), E>>,
@@ -184,11 +216,11 @@ async fn supervise<C, E>(
     tokio::pin!(connection);
     // hyper's own timer does not run before the first bytes show whether the connection is HTTP/1 or HTTP/2,
     // nor between the requests of HTTP/2. The timer of this loop always runs.
-    let mut idle_limit = patience.header;
+    let mut idle_limit = times.header;
     let mut is_draining = false;
     let mut idle_since = Instant::now();
     let mut seen = activity.count();
-    let mut look = interval(patience.look_interval());
+    let mut check = interval(times.check_interval());
     // The latest end of a connection that is being closed.
     let mut end: Option<Instant> = None;
     loop {
@@ -200,8 +232,8 @@ async fn supervise<C, E>(
                 }
                 return;
             }
-            _ = look.tick() => {
-                if activity.is_too_slow(patience.write) {
+            _ = check.tick() => {
+                if activity.is_too_slow(times.write) {
                     tracing::debug!("the caller takes its answer too slowly");
                     return;
                 }
@@ -221,7 +253,7 @@ async fn supervise<C, E>(
                     // The connection answers the requests in progress, reads no further request, and closes.
                     connection.as_mut().graceful_shutdown();
                     let far = Duration::from_secs(u64::from(u32::MAX));
-                    end = Some(Instant::now() + patience.last(&activity).unwrap_or(far));
+                    end = Some(Instant::now() + times.last(&activity).unwrap_or(far));
                 }
                 seen = now;
                 idle_since = Instant::now();
@@ -238,7 +270,7 @@ struct Activity {
     streams: AtomicBool,
     endless: AtomicBool,
     /// The answers that are being sent.
-    paces: Mutex<Vec<Weak<Pace>>>,
+    speeds: Mutex<Vec<Weak<ReadingSpeed>>>,
 }
 
 impl Activity {
@@ -262,9 +294,9 @@ impl Activity {
 
     /// Whether the caller takes one of its answers too slowly.
     fn is_too_slow(&self, write_timeout: Duration) -> bool {
-        let mut paces = self.paces.lock().unwrap_or_else(PoisonError::into_inner);
-        paces.retain(|pace| pace.strong_count() > 0);
-        paces.iter().filter_map(Weak::upgrade).any(|pace| pace.is_too_slow(write_timeout))
+        let mut speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
+        speeds.retain(|speed| speed.strong_count() > 0);
+        speeds.iter().filter_map(Weak::upgrade).any(|speed| speed.is_too_slow(write_timeout))
     }
 }
 
@@ -278,24 +310,23 @@ impl Busy {
         Self(Arc::clone(activity))
     }
 
-    /// Counts the request as answered. Of its answer only the head is known; its body tells its pace from now
-    /// on.
+    /// Counts the request as answered. Of its answer only the head is known; its body tells its speed from
+    /// now on.
     fn finish(self, mut response: Response) -> Response {
-        if response.extensions().get::<Streamed>().is_some() {
-            self.0.streams.store(true, Ordering::Relaxed);
+        match response.extensions().get() {
+            Some(AllowedTime::OfStream) => self.0.streams.store(true, Ordering::Relaxed),
+            Some(AllowedTime::Any) => self.0.endless.store(true, Ordering::Relaxed),
+            None => {}
         }
-        if response.extensions().get::<Endless>().is_some() {
-            self.0.endless.store(true, Ordering::Relaxed);
-        }
-        let share = response.extensions_mut().remove();
+        let held = response.extensions_mut().remove();
         response.map(|body| {
-            let paced = Paced::new(body, share);
-            let mut paces = self.0.paces.lock().unwrap_or_else(PoisonError::into_inner);
-            if paces.len() > 2 * STREAMS as usize {
-                paces.retain(|pace| pace.strong_count() > 0);
+            let measured = MeasuredBody::new(body, held);
+            let mut speeds = self.0.speeds.lock().unwrap_or_else(PoisonError::into_inner);
+            if speeds.len() > 2 * STREAMS as usize {
+                speeds.retain(|speed| speed.strong_count() > 0);
             }
-            paces.push(Arc::downgrade(paced.pace()));
-            Body::new(paced)
+            speeds.push(Arc::downgrade(measured.speed()));
+            Body::new(measured)
         })
     }
 }
@@ -316,20 +347,20 @@ mod tests {
     #[test]
     fn a_connection_that_streams_stays_open_until_the_deadline_of_streams() {
         let settings = Cli::parse_from(["toolpathd", "--deadline-s", "30", "--stream-deadline-s", "3600"]);
-        let patience = Patience::new(&settings.settings);
+        let times = TimeLimits::new(&settings.settings);
         let activity = Arc::new(Activity::default());
         Busy::new(&activity).finish(Response::default());
-        assert_eq!(patience.last(&activity), Some(Duration::from_secs(340)));
+        assert_eq!(times.last(&activity), Some(Duration::from_secs(340)));
 
         let mut streamed = Response::default();
-        streamed.extensions_mut().insert(Streamed);
+        streamed.extensions_mut().insert(AllowedTime::OfStream);
         Busy::new(&activity).finish(streamed);
         assert!(!activity.is_busy());
-        assert_eq!(patience.last(&activity), Some(Duration::from_secs(3900)));
+        assert_eq!(times.last(&activity), Some(Duration::from_secs(3900)));
 
         let mut endless = Response::default();
-        endless.extensions_mut().insert(Endless);
+        endless.extensions_mut().insert(AllowedTime::Any);
         Busy::new(&activity).finish(endless);
-        assert_eq!(patience.last(&activity), None);
+        assert_eq!(times.last(&activity), None);
     }
 }

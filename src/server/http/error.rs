@@ -1,7 +1,9 @@
 //! Errors as the caller sees them: problem documents (RFC 9457). Only this module turns failures into status
 //! codes.
 
+mod failure;
 mod field;
+mod sent_part;
 
 use std::fmt;
 use std::num::NonZero;
@@ -12,10 +14,11 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::place::Place;
+use super::answer_point::Place;
 use super::pointer::Pointer;
-use super::sent_part::SentPart;
+pub use failure::{not_followed, place_of};
 pub use field::{FieldCode, FieldError};
+pub use sent_part::SentPart;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 

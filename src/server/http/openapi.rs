@@ -6,15 +6,19 @@ mod examples;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
-use axum::http::{HeaderMap, HeaderValue};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode};
 use serde_json::{Map, Value};
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::answer::encoded::Encoded;
+use super::app::App;
 use super::error::{ApiError, Problem};
-use super::output::{Encoded, JSON, accept};
-use super::{App, health, metrics, v1};
+use super::request::accept;
+use super::request::representation::JSON;
+use super::service::{health, metrics};
+use super::v1;
 
 #[derive(OpenApi)]
 #[openapi(
@@ -38,7 +42,7 @@ use super::{App, health, metrics, v1};
         (name = "service", description = "What this server accepts, and its contract"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
-    components(schemas(Problem, super::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
+    components(schemas(Problem, super::answer::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
         super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline, super::dto::pocketing::Cleared,
         super::dto::pocketing::Pattern, super::dto::five_axis::SentPose, super::dto::five_axis::SentRotary))
 )]
@@ -67,14 +71,14 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
 }
 
 /// Every path of the contract.
-pub fn paths() -> Vec<&'static str> {
+fn paths() -> Vec<&'static str> {
     static PATHS: LazyLock<Vec<String>> =
         LazyLock::new(|| routes().into_openapi().paths.paths.into_keys().collect());
     PATHS.iter().map(String::as_str).collect()
 }
 
 /// The methods that a path answers; none for a path that the contract does not name.
-pub fn methods(path: &str) -> Vec<String> {
+fn methods(path: &str) -> Vec<String> {
     static METHODS: LazyLock<BTreeMap<String, Vec<String>>> = LazyLock::new(|| {
         let document = serde_json::to_value(routes().into_openapi().paths).unwrap_or_default();
         let of = |item: &Value| {
@@ -83,6 +87,23 @@ pub fn methods(path: &str) -> Vec<String> {
         document.as_object().into_iter().flatten().map(|(path, item)| (path.clone(), of(item))).collect()
     });
     METHODS.get(path).cloned().unwrap_or_default()
+}
+
+/// What the contract says of a path that no handler has answered: the paths or methods there are.
+pub fn unanswered(status: StatusCode, method: &Method, path: &str) -> Option<String> {
+    match status {
+        StatusCode::NOT_FOUND => {
+            Some(format!("there is nothing at this path; there are {}", paths().join(", ")))
+        }
+        StatusCode::METHOD_NOT_ALLOWED => {
+            let allowed = match methods(path) {
+                none if none.is_empty() => "another method".to_owned(),
+                methods => methods.join(" and "),
+            };
+            Some(format!("`{path}` does not answer {method}, but {allowed}"))
+        }
+        _ => None,
+    }
 }
 
 /// Answer this contract.

@@ -121,7 +121,7 @@ impl Server {
             let stopped = async move {
                 let _ = stopped.await;
             };
-            serve::serve(listener, router, &app, stopped).await
+            serve(listener, router, &app, stopped).await
         });
         Self { address, stop, task }
     }

@@ -3,7 +3,7 @@ use std::collections::VecDeque;
 use proptest::prelude::*;
 
 use super::*;
-use crate::dnc::pace::IN_FLIGHT;
+use crate::dnc::in_flight::MOST;
 
 /// A control with a receive buffer of 256 characters, on a line with a speed, in simulated time.
 struct Control {
@@ -100,7 +100,7 @@ fn simulate(sender: &mut Handshake, control: &mut Control, jitter: f64, cancel: 
         }
         match sender.next(now, 0) {
             Step::Write(bytes) => {
-                assert!(bytes.len() <= IN_FLIGHT && !bytes.is_empty());
+                assert!(bytes.len() <= MOST && !bytes.is_empty());
                 control.write(bytes, seconds);
                 let count = bytes.len();
                 sender.wrote(count, now);
@@ -239,7 +239,7 @@ proptest! {
         simulate(&mut sender, &mut control, jitter, None);
         prop_assert_eq!(&control.received, sender.tape.bytes());
         prop_assert!(control.most_held <= 256, "{} characters in the buffer", control.most_held);
-        let law = IN_FLIGHT as f64 + latency * rate + 2.0;
+        let law = MOST as f64 + latency * rate + 2.0;
         prop_assert!(control.most_since_off as f64 <= law, "{} characters after XOFF", control.most_since_off);
     }
 

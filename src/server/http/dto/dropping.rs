@@ -15,10 +15,10 @@ use super::schema::{array_of, schema_of};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
+use crate::http::answer_point::Place;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
-use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use toolpathd_core::operations::cutter_location as core;
 

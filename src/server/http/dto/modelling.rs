@@ -10,10 +10,10 @@ use super::names::into_core;
 use super::surface::Surface;
 use super::toolpath::Bounds;
 use crate::config::Limits;
+use crate::http::answer_point::Place;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
-use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::surface::any_surface::AnySurface;
 use toolpathd_core::geometry::surface::{

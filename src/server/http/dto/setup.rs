@@ -6,7 +6,7 @@ use super::cutting::Cutting;
 use super::meta::{self, Meta};
 use super::program::Program;
 use crate::http::error::FieldCode;
-use crate::http::failure::place_of;
+use crate::http::error::place_of;
 use crate::http::pointer::Pointer;
 use toolpathd_core::toolpath::cutting::{Coolant, CuttingRequest};
 use toolpathd_core::toolpath::{program, tool};

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::axis::{AxisDirection, components};
 use super::moves::Move;
 use super::point::{Coordinates, Point};
-use crate::http::place::Place;
+use crate::http::answer_point::Place;
 use toolpathd_core::toolpath as core;
 use toolpathd_core::toolpath::cutting::{Caution, Cutting};
 use toolpathd_core::toolpath::measure;

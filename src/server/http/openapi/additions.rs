@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
 
 use crate::http::error::PROBLEM_JSON;
-use crate::http::output::{EVENTS, JSON, Representation};
+use crate::http::request::representation::{EVENTS, JSON, Representation};
 
 const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, with `Progress` as data: one event at the \
     beginning of every stage, and at most ten events a second within a stage. The last event is `result`, with the JSON answer on \

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::http::output::{GCODE, JSON};
+use crate::http::request::representation::{GCODE, JSON};
 
 /// The texts of files in a folder of `openapi/`, each with its name. The folder `surfaces-mill` belongs to
 /// `/v1/surfaces/mill`, and `five-axis-smooth` to `/v1/five-axis/smooth`.

@@ -12,18 +12,19 @@ use futures_util::future::ready;
 use futures_util::stream::once;
 use nalgebra::Point3;
 
-use crate::http::App;
+use crate::http::answer::encoded::Encoded;
+use crate::http::answer::program_stream::{ProgramStream, Streams};
 use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::app::App;
 use crate::http::dto::answer::{Answer, Head, PathMembers};
 use crate::http::dto::arc_fitting::{AnyFitReport, FitRequest, ProgramQuery};
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
-use crate::http::extract::{JobBody, media_type, next_bytes};
-use crate::http::negotiation::{Offers, Toolpaths, Wanted};
-use crate::http::output::{Encoded, GCODE, Representation};
 use crate::http::pointer::Pointer;
-use crate::http::program_stream::ProgramStream;
+use crate::http::request::body::{BodyLimits, JobBody, media_type};
+use crate::http::request::negotiation::{Offers, Toolpaths, Wanted};
+use crate::http::request::representation::{GCODE, Representation};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::operations::arc_fitting::{self, Error, Job, Plan};
 use toolpathd_core::toolpath::units::rounded_up;
@@ -48,19 +49,19 @@ pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<R
     let (is_program, request) = match media_type(request.headers()) {
         Some(name) if GCODE.contains(&name.as_str()) => (true, request),
         // `curl -T` sends no type, and `curl -d` sends the type of a form unless told otherwise.
-        None => looks_like_program(&app, request).await?,
+        None => looks_like_program(app.body_limits, request).await?,
         Some(name) if name == "application/x-www-form-urlencoded" => {
-            looks_like_program(&app, request).await?
+            looks_like_program(app.body_limits, request).await?
         }
         Some(_) => (false, request),
     };
     if is_program {
-        return fit_program(&app, request).await;
+        return fit_program(&app.streams, request).await;
     }
     let (mut parts, body) = request.into_parts();
     let wanted = Wanted::<Toolpaths>::from_request_parts(&mut parts, &app).await?;
     let body = JobBody::<FitRequest>::from_request(Request::from_parts(parts, body), &app).await?;
-    answer(&app, wanted, body, fit).await
+    answer(app.computing.clone(), wanted, body, fit).await
 }
 
 /// The same as `POST`, for `curl -T`.
@@ -77,12 +78,12 @@ pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Respon
 /// Whether a body without a media type is an NC program. A program begins with `%`, `/`, a comment, or a
 /// letter and a digit; JSON never does. Returns the request with its whole body. A body with a content coding
 /// counts as JSON.
-async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, Request), ApiError> {
+async fn looks_like_program(limits: BodyLimits, request: Request) -> Result<(bool, Request), ApiError> {
     if request.headers().contains_key(header::CONTENT_ENCODING) {
         return Ok((false, request));
     }
     let (parts, mut body) = request.into_parts();
-    let Some(first) = next_bytes(&mut body, app).await? else {
+    let Some(first) = limits.next_bytes(&mut body).await? else {
         return Ok((false, Request::from_parts(parts, body)));
     };
     let is_program = match first.trim_ascii_start() {
@@ -96,11 +97,11 @@ async fn looks_like_program(app: &Arc<App>, request: Request) -> Result<(bool, R
 }
 
 /// Rewrites an NC program as a stream and answers the text, or its report alone.
-async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiError> {
+async fn fit_program(streams: &Streams, request: Request) -> Result<Response, ApiError> {
     let (mut parts, body) = request.into_parts();
-    let Wanted { form, query } = Wanted::<Streams>::from_request_parts(&mut parts, app).await?;
+    let Wanted { form, query } = Wanted::<ProgramForms>::from_request_parts(&mut parts, &()).await?;
     let job = query.job()?;
-    let stream = ProgramStream::begin(app, Request::from_parts(parts, body), Rewriter::new(job))?;
+    let stream = ProgramStream::begin(streams, Request::from_parts(parts, body), Rewriter::new(job))?;
     if form.representation == Representation::Gcode {
         let file_name = format!("arcs.{}", job.dialect.file_extension);
         return stream.text(form.media_type, &file_name).await;
@@ -111,9 +112,9 @@ async fn fit_program(app: &Arc<App>, request: Request) -> Result<Response, ApiEr
 }
 
 /// The forms of the answer to an NC program: its rewritten text, or its report as JSON.
-enum Streams {}
+enum ProgramForms {}
 
-impl Offers for Streams {
+impl Offers for ProgramForms {
     const OFFERS: &'static [Representation] = &[Representation::Gcode, Representation::Json];
     const PARAMETERS: &'static [&'static str] = &["format"];
     const OWN_PARAMETERS: &'static [&'static str] = &ProgramQuery::NAMES;

@@ -3,21 +3,18 @@
 
 mod failure;
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::{Point2, Point3};
 
-use crate::http::App;
-use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::interpolation::{InterpolateReport, InterpolateRequest};
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Toolpaths, Wanted};
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::operations::interpolation::{self, Job, Plan, Sketch};
 use toolpathd_core::toolpath::units::rounded_up;
@@ -34,11 +31,11 @@ type InterpolateAnswer = Answer<InterpolateReport>;
     params(Wanted<Toolpaths>), request_body = InterpolateRequest,
     responses((status = 200, description = "The elements, the program or a picture.", body = InterpolateAnswer)))]
 pub async fn interpolate_curve(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Toolpaths>,
     body: JobBody<InterpolateRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, interpolate).await
+    answer(computing, wanted, body, interpolate).await
 }
 
 fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<InterpolateReport, Cut>, ApiError> {

@@ -1,8 +1,8 @@
 //! `GET /v1/dialects`: the dialects in which programs can be written.
 
+use crate::http::answer::encoded::Encoded;
 use crate::http::dto::capabilities::Dialects;
 use crate::http::error::ApiError;
-use crate::http::output::Encoded;
 
 /// List the dialects in which programs can be written.
 ///

@@ -3,19 +3,20 @@
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, Path, Request, State};
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::http::App;
-use crate::http::admission::Share;
+use crate::http::answer::allowed_time::AllowedTime;
+use crate::http::answer::encoded::Encoded;
+use crate::http::answer::events::{self, Begun};
+use crate::http::app::App;
+use crate::http::byte_limit::HeldBytes;
 use crate::http::dto::dnc::{DncTargets, SentProgram};
 use crate::http::error::{ApiError, Code};
-use crate::http::events::{self, Begun};
-use crate::http::extract::program_body;
-use crate::http::marks::Endless;
-use crate::http::negotiation::{NoQuery, Offers, Wanted};
-use crate::http::output::{Encoded, Representation};
-use crate::http::retry::IDEMPOTENCY_KEY;
+use crate::http::request::body::program_body;
+use crate::http::request::negotiation::{NoQuery, Offers, Wanted};
+use crate::http::request::representation::Representation;
+use crate::http::request::retry::IDEMPOTENCY_KEY;
 use toolpathd_core::budget::Budget;
 
 /// List the controls to which programs can be sent.
@@ -49,38 +50,38 @@ pub async fn send_program(
     Path(target): Path<String>,
     request: Request,
 ) -> Result<Response, ApiError> {
-    check_origin(request.headers(), &app)?;
+    check_origin(request.headers(), &app.cors_origins)?;
     if request.headers().contains_key(IDEMPOTENCY_KEY) {
         let detail = "a program that is sent twice runs twice: send no `idempotency-key`, and look at the machine before you send again";
         return Err(ApiError::new(Code::BadRequest, detail));
     }
     let control = app.controls.find(&target)?;
     let (mut parts, body) = request.into_parts();
-    let form = Wanted::<Sendings>::from_request_parts(&mut parts, &app).await?.form;
+    let form = Wanted::<Sendings>::from_request_parts(&mut parts, &()).await?.form;
     let request = Request::from_parts(parts, body);
-    let share = Share::of(&request)?;
-    let program = program_body(request, &app).await?;
+    let held = HeldBytes::of(&request)?;
+    let program = program_body(request, app.body_limits).await?;
     let found = control.clone();
     let make = move |_: &Budget| found.sender(&program.decoded()?.bytes);
     let sender = app.compute.run(app.compute.admit()?, None, make).await??;
     let taken = control.take()?;
     if form.representation == Representation::Events {
-        let start = |listener| taken.send(sender, share, Some(listener));
+        let start = |listener| taken.send(sender, held, Some(listener));
         let mut response = events::stream(form.request_id, Begun::told(), start).await?;
-        response.extensions_mut().insert(Endless);
+        response.extensions_mut().insert(AllowedTime::Any);
         return Ok(response);
     }
-    Ok(taken.send(sender, share, None).await?.into_response())
+    Ok(taken.send(sender, held, None).await?.into_response())
 }
 
 /// Refuses a page of another origin that `--cors-origin` does not list. A browser sends plain text to any
 /// address without asking first, so any page that somebody opens could start a machine.
-fn check_origin(headers: &HeaderMap, app: &App) -> Result<(), ApiError> {
+fn check_origin(headers: &HeaderMap, allowed: &[HeaderValue]) -> Result<(), ApiError> {
     let Some(origin) = headers.get(header::ORIGIN) else { return Ok(()) };
     let text = origin.to_str().unwrap_or_default();
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
     let is_own = text.split_once("://").is_some_and(|(_, authority)| Some(authority) == host);
-    if is_own || app.cors_origins.contains(origin) {
+    if is_own || allowed.contains(origin) {
         return Ok(());
     }
     let detail = format!("pages of `{text}` may not send programs; list the origin in `--cors-origin`");

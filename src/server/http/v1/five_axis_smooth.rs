@@ -1,13 +1,10 @@
 //! `POST /v1/five-axis/smooth`: smooths a path of tips and tool axes, and answers the motion along it.
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
 
-use crate::http::App;
-use crate::http::answer::{Cut, Outcome, Product, answer};
+use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::check::Violations;
 use crate::http::dto::five_axis::{
@@ -15,12 +12,12 @@ use crate::http::dto::five_axis::{
 };
 use crate::http::dto::program_writing::conditions;
 use crate::http::dto::toolpath::{Warning, WarningCode};
+use crate::http::error::not_followed;
 use crate::http::error::{ApiError, Code, FieldCode};
-use crate::http::extract::JobBody;
-use crate::http::failure::not_followed;
-use crate::http::negotiation::{Form, Offers, Toolpaths, Wanted};
-use crate::http::output::Representation;
 use crate::http::pointer::Pointer;
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Form, Offers, Toolpaths, Wanted};
+use crate::http::request::representation::Representation;
 use crate::http::v1::programs_write::clearance_chosen;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machine::Machine;
@@ -52,7 +49,7 @@ impl Offers for Smooths {
     params(Wanted<Smooths>, SmoothQuery), request_body = SmoothRequest,
     responses((status = 200, description = "The smooth path: its figures, its program or a picture.", body = SmoothAnswer)))]
 pub async fn smooth_path(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Smooths>,
     body: JobBody<SmoothRequest>,
 ) -> Result<Response, ApiError> {
@@ -65,7 +62,7 @@ pub async fn smooth_path(
             representation => representation == Representation::Html,
         },
     };
-    answer(&app, wanted, body, move |job, budget| smooth(job, shown, budget)).await
+    answer(computing, wanted, body, move |job, budget| smooth(job, shown, budget)).await
 }
 
 /// What the answer holds beside the toolpath.

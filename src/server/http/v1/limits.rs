@@ -7,11 +7,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::config::Limits;
-use crate::http::App;
+use crate::http::answer::encoded::Encoded;
+use crate::http::app::App;
 use crate::http::dto::meta;
 use crate::http::dto::modelling::MAX_CONTROL_POINTS;
 use crate::http::error::ApiError;
-use crate::http::output::Encoded;
 use toolpathd_core::geometry::surface::any_surface::PATCH_LIMIT;
 use toolpathd_core::operations::{pocketing, surface_milling};
 use toolpathd_post::MAX_BLOCKS;
@@ -102,7 +102,7 @@ impl From<&App> for ServerLimits {
             samples,
             curve_steps,
             cut_comparisons,
-        } = app.limits;
+        } = app.computing.limits;
         Self {
             body_bytes,
             surface_points,
@@ -125,14 +125,14 @@ impl From<&App> for ServerLimits {
             blocks: MAX_BLOCKS,
             meta_entries: meta::MAX_ENTRIES,
             text_characters: meta::MAX_TEXT_CHARACTERS,
-            workers: app.workers,
-            queue: app.queue,
-            queue_wait_s: app.queue_wait.as_secs_f64(),
-            deadline_s: app.deadline.as_secs_f64(),
+            workers: app.capacity.workers,
+            queue: app.capacity.queue,
+            queue_wait_s: app.capacity.wait.as_secs_f64(),
+            deadline_s: app.capacity.deadline.as_secs_f64(),
             stream_bytes: app.streams.bytes,
             stream_deadline_s: app.streams.deadline.as_secs_f64(),
-            body_timeout_s: app.body_timeout.as_secs_f64(),
-            body_deadline_s: app.body_deadline.as_secs_f64(),
+            body_timeout_s: app.body_limits.timeout.as_secs_f64(),
+            body_deadline_s: app.body_limits.deadline.as_secs_f64(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! `GET /v1/machines`: the machines that requests may name.
 
+use crate::http::answer::encoded::Encoded;
 use crate::http::dto::five_axis::Machines;
 use crate::http::error::ApiError;
-use crate::http::output::Encoded;
 
 /// List the machines that `/v1/five-axis/smooth` knows by name.
 ///

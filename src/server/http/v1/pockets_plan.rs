@@ -3,22 +3,19 @@
 
 mod failure;
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
 
-use crate::http::App;
-use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::pocketing::PocketRequest;
 use crate::http::dto::pocketing::report::PocketReport;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Toolpaths, Wanted};
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::element::Element;
 use toolpathd_core::operations::pocketing::{self, Job, Plan};
@@ -35,11 +32,11 @@ type PocketAnswer = Answer<PocketReport>;
     params(Wanted<Toolpaths>), request_body = PocketRequest,
     responses((status = 200, description = "The toolpath, the program or a picture.", body = PocketAnswer)))]
 pub async fn plan_pocket(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Toolpaths>,
     body: JobBody<PocketRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, plan).await
+    answer(computing, wanted, body, plan).await
 }
 
 fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport, Cut>, ApiError> {

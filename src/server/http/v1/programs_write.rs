@@ -1,12 +1,9 @@
 //! `POST /v1/programs/write`: writes the NC program of a toolpath.
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::App;
-use crate::http::answer::{Cut, Outcome, answer, sheet};
+use crate::http::answer::{Computing, Cut, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::axis_output::AxisSetup;
 use crate::http::dto::meta;
@@ -14,8 +11,8 @@ use crate::http::dto::program_writing::{WriteReport, WriteRequest, Writing};
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Programs, Wanted};
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Programs, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
@@ -31,11 +28,11 @@ type WriteAnswer = Answer<WriteReport>;
     params(Wanted<Programs>), request_body = WriteRequest,
     responses((status = 200, description = "The program, the report or a picture.", body = WriteAnswer)))]
 pub async fn write_program(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Programs>,
     body: JobBody<WriteRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, write).await
+    answer(computing, wanted, body, write).await
 }
 
 fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteReport, Cut>, ApiError> {

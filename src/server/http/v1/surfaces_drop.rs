@@ -1,18 +1,15 @@
 //! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places. Answers, for each place, the
 //! cutter location at which the cutter first touches the surface.
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::App;
-use crate::http::answer::{Outcome, answer};
+use crate::http::answer::{Computing, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
 use crate::http::error::ApiError;
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Models, Wanted};
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Models, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model::{self, Wire};
@@ -30,11 +27,11 @@ type DropAnswer = Answer<DropReport, NoMembers>;
     params(Wanted<Models>), request_body = DropRequest,
     responses((status = 200, description = "The tips, in the order of the points.", body = DropAnswer)))]
 pub async fn drop_cutter(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Models>,
     body: JobBody<DropRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, locate).await
+    answer(computing, wanted, body, locate).await
 }
 
 fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport, ()>, ApiError> {

@@ -3,20 +3,17 @@
 
 mod failure;
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::App;
-use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::milling::{MillReport, MillRequest};
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Toolpaths, Wanted};
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model;
@@ -34,11 +31,11 @@ type MillAnswer = Answer<MillReport>;
     params(Wanted<Toolpaths>), request_body = MillRequest,
     responses((status = 200, description = "The toolpath, the program or a picture.", body = MillAnswer)))]
 pub async fn mill_surface(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Toolpaths>,
     body: JobBody<MillRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, mill).await
+    answer(computing, wanted, body, mill).await
 }
 
 fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<MillReport, Cut>, ApiError> {

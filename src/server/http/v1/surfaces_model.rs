@@ -1,19 +1,16 @@
 //! `POST /v1/surfaces/model`: answers the patches, measures and wires of a surface, or its picture.
 
-use std::sync::Arc;
-
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::App;
-use crate::http::answer::{Outcome, answer};
+use crate::http::answer::{Computing, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::modelling::{ModelJob, ModelReport, ModelRequest};
 use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::{ApiError, Code, FieldCode};
-use crate::http::extract::JobBody;
-use crate::http::negotiation::{Models, Wanted};
 use crate::http::pointer::Pointer;
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Models, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machining::wire_model::{WireError, sketch};
 use toolpathd_core::operations::surface_model::{self, Error};
@@ -29,11 +26,11 @@ type ModelAnswer = Answer<ModelReport, NoMembers>;
     params(Wanted<Models>), request_body = ModelRequest,
     responses((status = 200, description = "The description or a picture.", body = ModelAnswer)))]
 pub async fn model_surface(
-    State(app): State<Arc<App>>,
+    State(computing): State<Computing>,
     wanted: Wanted<Models>,
     body: JobBody<ModelRequest>,
 ) -> Result<Response, ApiError> {
-    answer(&app, wanted, body, model).await
+    answer(computing, wanted, body, model).await
 }
 
 fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, ApiError> {

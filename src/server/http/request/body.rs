@@ -1,0 +1,213 @@
+//! Reads the body of a request. A body of JSON is decoded into a job later, on the thread that computes.
+
+use std::future::poll_fn;
+use std::marker::PhantomData;
+use std::pin::Pin;
+use std::time::Duration;
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{FromRef, FromRequest, Request};
+use axum::http::{HeaderMap, header};
+use tokio::time::timeout;
+
+use super::coding::{Coding, gunzip};
+use super::representation::GCODE;
+use crate::config::{Limits, Settings};
+use crate::http::byte_limit::HeldBytes;
+use crate::http::decode::{self, IntoJob};
+use crate::http::error::{ApiError, Code};
+
+/// First size of the buffer of a body. A full buffer doubles. So the buffer follows the bytes that arrive,
+/// not the `Content-Length` that the caller announces.
+const FIRST_BYTES: usize = 16 * 1024;
+
+/// A body that was read, with its content coding.
+pub struct SentBody {
+    bytes: Bytes,
+    coding: Coding,
+    held: HeldBytes,
+    limit: usize,
+}
+
+impl SentBody {
+    async fn read(request: Request, limits: BodyLimits) -> Result<Self, ApiError> {
+        let coding = Coding::of(request.headers())?;
+        let held = HeldBytes::of(&request)?;
+        let bytes = limits.read(request.into_body(), &held).await?;
+        Ok(Self { bytes, coding, held, limit: limits.bytes })
+    }
+
+    /// The body without its content coding. Belongs on a thread that computes, because it takes time.
+    ///
+    /// # Errors
+    /// `bad_request` and `payload_too_large` from [`gunzip`]; `overloaded` when there is no memory for it.
+    pub fn decoded(&self) -> Result<Decoded, ApiError> {
+        let (bytes, held) = match self.coding {
+            Coding::Identity => (self.bytes.clone(), None),
+            Coding::Gzip => {
+                let bytes = gunzip(&self.bytes, self.limit)?;
+                let held = self.held.sibling();
+                held.take(bytes.len())?;
+                (bytes.into(), Some(held))
+            }
+        };
+        Ok(Decoded { bytes, _held: held })
+    }
+}
+
+/// A body without a content coding.
+pub struct Decoded {
+    pub bytes: Bytes,
+    /// The memory of bytes that came out of gzip.
+    _held: Option<HeldBytes>,
+}
+
+/// The body of a job in JSON, not decoded yet.
+pub struct JobBody<T: IntoJob> {
+    body: SentBody,
+    kind: PhantomData<fn() -> T>,
+}
+
+impl<T: IntoJob> JobBody<T> {
+    /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
+    ///
+    /// # Errors
+    /// `malformed_json` or `invalid_request`; for a body in gzip also `bad_request`, `payload_too_large` and
+    /// `overloaded`.
+    pub fn job(&self, limits: &Limits) -> Result<T::Job, ApiError> {
+        decode::job::<T>(&self.body.decoded()?.bytes, limits)
+    }
+}
+
+/// Reads a body of NC text. A body without a type counts as NC text, and so does the type that `curl --data`
+/// sends unless told otherwise.
+///
+/// # Errors
+/// `unsupported_media_type`, `unsupported_coding`, and the failures of reading.
+pub async fn program_body(request: Request, limits: BodyLimits) -> Result<SentBody, ApiError> {
+    let media_type = media_type(request.headers());
+    let is_text = |name: &str| GCODE.contains(&name) || name == "application/x-www-form-urlencoded";
+    if let Some(name) = media_type.filter(|name| !is_text(name)) {
+        let detail = format!("`{name}` is not read here; send `{}`", GCODE[0]);
+        return Err(ApiError::new(Code::UnsupportedMediaType, detail));
+    }
+    SentBody::read(request, limits).await
+}
+
+impl<T: IntoJob, S: Sync> FromRequest<S> for JobBody<T>
+where
+    BodyLimits: FromRef<S>,
+{
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
+        check_content_type(request.headers())?;
+        Ok(Self { body: SentBody::read(request, BodyLimits::from_ref(state)).await?, kind: PhantomData })
+    }
+}
+
+/// The media type of the body, without parameters, in lower case.
+pub fn media_type(headers: &HeaderMap) -> Option<String> {
+    let value = headers.get(header::CONTENT_TYPE)?;
+    let essence = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
+    Some(essence.to_ascii_lowercase())
+}
+
+/// Checks that the body is JSON by its media type: `application/json`, any `application/...+json`, or no
+/// type. `application/x-www-form-urlencoded` counts as JSON too, because `curl -d` sends it unless told
+/// otherwise.
+fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
+    let Some(essence) = media_type(headers) else { return Ok(()) };
+    let is_json = essence == "application/json"
+        || (essence.starts_with("application/") && essence.ends_with("+json"))
+        || essence == "application/x-www-form-urlencoded";
+    if !is_json {
+        let detail = format!("`{essence}` is not read here; send `application/json`");
+        return Err(ApiError::new(Code::UnsupportedMediaType, detail));
+    }
+    Ok(())
+}
+
+/// The limits of a body that is read.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyLimits {
+    /// Most bytes.
+    pub bytes: usize,
+    /// Longest pause within the body.
+    pub timeout: Duration,
+    /// Longest time in which the whole body arrives.
+    pub deadline: Duration,
+}
+
+impl BodyLimits {
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            bytes: settings.body_limit,
+            timeout: settings.body_timeout_s,
+            deadline: settings.body_deadline_s,
+        }
+    }
+
+    /// Reads the whole body. Refuses a body that is too large, that stops arriving, or that takes too long in
+    /// all.
+    async fn read(self, body: Body, held: &HeldBytes) -> Result<Bytes, ApiError> {
+        timeout(self.deadline, self.read_all(body, held)).await.map_err(|_| {
+            let seconds = self.deadline.as_secs_f64();
+            ApiError::new(Code::RequestTimeout, format!("the body did not arrive within {seconds} s"))
+        })?
+    }
+
+    async fn read_all(self, mut body: Body, held: &HeldBytes) -> Result<Bytes, ApiError> {
+        let limit = self.bytes;
+        let too_large = |size: u64| {
+            let detail = format!("the body has at least {size} bytes; at most {limit} are allowed");
+            ApiError::new(Code::PayloadTooLarge, detail)
+        };
+        let announced = body.size_hint().lower();
+        if announced > limit as u64 {
+            return Err(too_large(announced));
+        }
+        // More than the announced bytes never arrive.
+        let most = body.size_hint().upper().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or(limit);
+        let mut bytes = Vec::new();
+        while let Some(data) = self.next_bytes(&mut body).await? {
+            let needed = bytes.len() + data.len();
+            if needed > limit {
+                return Err(too_large(needed as u64));
+            }
+            if needed > bytes.capacity() {
+                let capacity = (2 * bytes.capacity()).max(FIRST_BYTES).min(most).max(needed);
+                held.take(capacity - bytes.capacity())?;
+                bytes.reserve_exact(capacity - bytes.len());
+            }
+            bytes.extend_from_slice(&data);
+        }
+        Ok(bytes.into())
+    }
+
+    /// The next bytes of the body, at least one. `None` at the end of the body.
+    ///
+    /// # Errors
+    /// `request_timeout` when no byte arrives within the body timeout; `bad_request` when the body cannot be
+    /// read.
+    pub async fn next_bytes(self, body: &mut Body) -> Result<Option<Bytes>, ApiError> {
+        let next = timeout(self.timeout, next_data(body)).await.map_err(|_| {
+            let seconds = self.timeout.as_secs_f64();
+            ApiError::new(Code::RequestTimeout, format!("no byte of the body arrived for {seconds} s"))
+        })?;
+        next.transpose().map_err(|_| ApiError::new(Code::BadRequest, "the body could not be read"))
+    }
+}
+
+async fn next_data(body: &mut Body) -> Option<Result<Bytes, axum::Error>> {
+    loop {
+        match poll_fn(|context| Pin::new(&mut *body).poll_frame(context)).await? {
+            Ok(frame) => match frame.into_data() {
+                Ok(data) if !data.is_empty() => return Some(Ok(data)),
+                // Trailers and the empty frames of HTTP/2 bring no bytes, so the time limit still runs.
+                _ => {}
+            },
+            Err(error) => return Some(Err(error)),
+        }
+    }
+}

@@ -8,8 +8,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::element::Element;
 use toolpathd_core::geometry::height_field::HeightGrid;
+use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{
     ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief, plan,
 };
@@ -19,12 +19,12 @@ use toolpathd_core::toolpath::quantize::Curves;
 use toolpathd_core::toolpath::tool::{Shape, Tool};
 use toolpathd_core::toolpath::units::FeedRate;
 
-fn outline(corners: &[[f64; 2]]) -> Vec<Element> {
+fn outline(corners: &[[f64; 2]]) -> Vec<Segment> {
     let at = |k: usize| Point2::from(corners[k % corners.len()]);
-    (0..corners.len()).map(|k| Element::Line { start: at(k), end: at(k + 1) }).collect()
+    (0..corners.len()).map(|k| Segment::Line { start: at(k), end: at(k + 1) }).collect()
 }
 
-fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Vec<Element> {
+fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Vec<Segment> {
     outline(&[[x, y], [x + width, y], [x + width, y + height], [x, y + height]])
 }
 

@@ -8,13 +8,13 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point2;
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::element::{Element, PlaneArc};
 use toolpathd_core::geometry::region::{Outline, Region};
+use toolpathd_core::geometry::segment::Segment;
 
 const SIZES: [usize; 4] = [10, 100, 1_000, 10_000];
 
 /// A wavy ring of lines and arcs in turn, of about 1 mm each.
-fn elements(n: usize, shift: f64) -> Vec<Element> {
+fn elements(n: usize, shift: f64) -> Vec<Segment> {
     let at = |k: usize| {
         let angle = TAU * (k % n) as f64 / n as f64;
         let radius = n as f64 / TAU * (1.0 + 0.1 * (5.0 * angle).sin());
@@ -23,7 +23,7 @@ fn elements(n: usize, shift: f64) -> Vec<Element> {
     let element = |k: usize| {
         let (start, end) = (at(k), at(k + 1));
         let bulge = if k.is_multiple_of(2) { 0.1 } else { 0.0 };
-        PlaneArc::with_bulge(start, end, bulge).map_or(Element::Line { start, end }, Element::Arc)
+        Segment::bulging(start, end, bulge)
     };
     (0..n).map(element).collect()
 }
@@ -39,14 +39,13 @@ fn plate(n: usize) -> Region {
     let island = |k: usize| {
         let [x, y] = [k % side, k / side].map(|k| 10.0 * (k + 1) as f64);
         let ends = [Point2::new(x + 2.0, y), Point2::new(x - 2.0, y)];
-        let half =
-            |[start, end]: [Point2<f64>; 2]| Element::Arc(PlaneArc::with_bulge(start, end, -1.0).unwrap());
+        let half = |[start, end]: [Point2<f64>; 2]| Segment::bulging(start, end, -1.0);
         Outline::new(&[half(ends), half([ends[1], ends[0]])], &Budget::unlimited()).unwrap()
     };
     let far = 10.0 * (side + 1) as f64;
     let corners = [[0.0, 0.0], [far, 0.0], [far, far], [0.0, far]].map(|[x, y]| Point2::new(x, y));
-    let wall: Vec<Element> =
-        (0..4).map(|k| Element::Line { start: corners[k], end: corners[(k + 1) % 4] }).collect();
+    let wall: Vec<Segment> =
+        (0..4).map(|k| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] }).collect();
     let wall = Outline::new(&wall, &Budget::unlimited()).unwrap();
     let islands: Vec<Outline> = (0..n).map(island).collect();
     Region::new(&[wall], &islands, &Budget::unlimited()).unwrap()

@@ -49,9 +49,10 @@ mod space;
 mod stabbing_bound;
 mod tangent;
 
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::segment::Segment;
 use bounds::Bounds;
 use optimal::{Node, Outcome};
 
@@ -94,27 +95,42 @@ const PART_FOR_BOUNDS: usize = 3;
 /// Nodes kept for a second search, after a search over all nodes exceeded its budget.
 const THINNED: usize = 1_500;
 
-/// One element. It ends at `to`, which stands for the point with index `end`, and starts where the element
-/// before it ends.
+/// One element. Its end stands for the point with index `end`, and it starts where the element before it
+/// ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     pub end: usize,
-    pub to: Vector2<f64>,
     pub shape: Shape,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    Line,
-    /// tan(sweep / 4), positive if the arc lies to the left of its chord; such an arc turns clockwise.
-    Arc {
-        bulge: f64,
-    },
-    /// One full turn, back to the start.
+    Segment(Segment),
+    /// One full turn, from a place back to it.
     FullCircle {
-        center: Vector2<f64>,
+        at: Point2<f64>,
+        center: Point2<f64>,
         is_ccw: bool,
     },
+}
+
+impl Element {
+    /// The place where the element ends.
+    pub fn to(&self) -> Point2<f64> {
+        match self.shape {
+            Shape::Segment(segment) => segment.end(),
+            Shape::FullCircle { at, .. } => at,
+        }
+    }
+
+    fn line(end: usize, start: Vector2<f64>, to: Vector2<f64>) -> Self {
+        let [start, at] = [start, to].map(Point2::from);
+        Self { end, shape: Shape::Segment(Segment::Line { start, end: at }) }
+    }
+
+    fn bulging(end: usize, [start, to]: [Vector2<f64>; 2], bulge: f64) -> Self {
+        Self { end, shape: Shape::Segment(Segment::bulging(start.into(), to.into(), bulge)) }
+    }
 }
 
 /// The kinds of elements that a fit may use.
@@ -269,17 +285,17 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
         let [from, to] = [pair[0], pair[1]];
         let span = Span { points, first: from.index, last: to.index, from: from.at, to: to.at };
         match span.best(rule) {
-            Some(0.0) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Line }),
-            Some(bulge) => elements.push(Element { end: to.index, to: to.at, shape: Shape::Arc { bulge } }),
+            Some(bulge) => elements.push(Element::bulging(to.index, [from.at, to.at], bulge)),
             // The search found an element over this span. Should rounding prevent that now, lines from point
             // to point still keep the tolerance.
             None => {
+                let mut at = from.at;
                 let inner = (from.index + 1..to.index).map(|k| Node { index: k, at: points.flat[k] });
-                elements.extend(inner.chain([to]).map(|node| Element {
-                    end: node.index,
-                    to: node.at,
-                    shape: Shape::Line,
-                }));
+                elements.extend(
+                    inner
+                        .chain([to])
+                        .map(|node| Element::line(node.index, std::mem::replace(&mut at, node.at), node.at)),
+                );
             }
         }
     }
@@ -351,15 +367,8 @@ fn for_bounds(most: usize, n: usize) -> usize {
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {
     let turn = full_circle::full_turn(flat, rule)?;
     let start = turn.center + (flat[0] - turn.center).normalize() * turn.radius;
-    let shape = Shape::FullCircle { center: turn.center, is_ccw: turn.is_ccw };
-    Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, to: start, shape }] })
-}
-
-/// The centre of the arc from `from` to `to` with this bulge, mm.
-pub fn center(from: Vector2<f64>, to: Vector2<f64>, bulge: f64) -> Vector2<f64> {
-    let half = (to - from) * 0.5;
-    let left = Vector2::new(-half.y, half.x);
-    from + half + left * ((bulge * bulge - 1.0) / (2.0 * bulge))
+    let shape = Shape::FullCircle { at: start.into(), center: turn.center.into(), is_ccw: turn.is_ccw };
+    Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, shape }] })
 }
 
 #[cfg(test)]

@@ -26,11 +26,12 @@
 //! the band, below or above it, O(log(1 / g)) readings. Here g is the difference of the two, divided by the
 //! limit.
 
+mod element;
 mod gauge;
 
-use super::element::Element;
 use super::interval::Interval;
 use super::plane_curve::PlaneCurve;
+pub use element::Element;
 use gauge::{Gauge, Normal, Reading, Vertical};
 
 /// The allowance by which every band is widened for rounding: `GUARD_MM`, mm, plus `GUARD_PART` of the

@@ -8,7 +8,7 @@
 //! 3. The remaining parts are joined into chains (`link`).
 //! 4. At nearly straight corners, a mitre replaces the arc: the elements before and after the arc are
 //!    lengthened until they meet (`mitre`).
-//! 5. The least distance between the offset and the contours is computed (`distance`). If it is below the
+//! 5. The least distance between the offset and the contours is computed. If it is below the
 //!    given distance by more than 1e-6 mm, all mitres are undone, and it is computed again. If it is still
 //!    too small, the offset is refused.
 //!
@@ -18,7 +18,7 @@
 //!   it ends.
 //! * The offset of an open contour does not run around the ends of the contour.
 //! * Contours may cross themselves and each other. If no part of a piece remains, the offset is empty.
-//!   Parabolas are refused, and so are more than a million elements.
+//!   More than a million elements are refused.
 //!
 //! # Cost
 //! O(n (log n + k)) for n elements, where k is the number of elements of contours that lie within the given
@@ -29,7 +29,6 @@
 //! Industry 58, 2007.
 
 mod clip;
-pub(super) mod distance;
 mod link;
 mod mitre;
 pub(super) mod pieces;
@@ -39,7 +38,7 @@ pub(super) mod tree;
 use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::Segment;
 use clip::Clip;
 use link::OpenRange;
 use tree::Tree;
@@ -79,8 +78,6 @@ pub enum Side {
 pub enum OffsetError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("the contour has a parabola at {at}; only lines and arcs have offsets of lines and arcs")]
-    Parabola { at: Point2<f64> },
     #[error("near {at} no offset could be proved to keep its distance from the contour")]
     Unproved { at: Point2<f64> },
     #[error("the offset needs more than {limit} elements")]
@@ -96,18 +93,14 @@ pub enum OffsetError {
 /// # Errors
 /// One of [`OffsetError`].
 pub fn offset(
-    contours: &[&[Element]],
+    contours: &[&[Segment]],
     side: Side,
     distance_mm: f64,
     mitre_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, OffsetError> {
+) -> Result<Vec<Vec<Segment>>, OffsetError> {
     if contours.iter().map(|contour| contour.len()).sum::<usize>() > LIMIT {
         return Err(OffsetError::TooMany { limit: LIMIT });
-    }
-    let is_parabola = |element: &&Element| matches!(element, Element::Parabola { .. });
-    if let Some(parabola) = contours.iter().copied().flatten().find(is_parabola) {
-        return Err(OffsetError::Parabola { at: parabola.start() });
     }
     let to_left = if side == Side::Left { distance_mm } else { -distance_mm };
     let mut elements = Vec::new();
@@ -121,7 +114,7 @@ pub fn offset(
     }
     let contours = Tree::new(elements);
 
-    let largest = contours.elements().iter().map(Element::magnitude).fold(distance_mm, f64::max);
+    let largest = contours.elements().iter().map(Segment::magnitude).fold(distance_mm, f64::max);
     let rounding = ROUNDING * largest;
     let mut clip = Clip::new(&contours, distance_mm, rounding);
     let mut ranges = Vec::new();
@@ -158,8 +151,8 @@ pub fn offset(
 /// # Errors
 /// When the budget ends.
 pub fn unreached(
-    contour: &[Element],
-    offset: &[Vec<Element>],
+    contour: &[Segment],
+    offset: &[Vec<Segment>],
     distance_mm: f64,
     budget: &Budget,
 ) -> Result<f64, Stopped> {
@@ -187,8 +180,8 @@ pub fn unreached(
 
 /// The contour without elements that are too short to have a direction. The next element starts where the
 /// skipped one did.
-fn without_specks(contour: &[Element]) -> Vec<Element> {
-    let mut kept: Vec<Element> = Vec::with_capacity(contour.len());
+fn without_specks(contour: &[Segment]) -> Vec<Segment> {
+    let mut kept: Vec<Segment> = Vec::with_capacity(contour.len());
     for element in contour {
         let start = match kept.last() {
             Some(before) => before.end(),
@@ -196,8 +189,8 @@ fn without_specks(contour: &[Element]) -> Vec<Element> {
         };
         let Some(turn) = pieces::turn_between(element, [0.0, 1.0], [start, element.end()]) else { continue };
         kept.push(match element {
-            Element::Arc(arc) => Element::Arc(PlaneArc { start, turn, ..*arc }),
-            line => Element::Line { start, end: line.end() },
+            Segment::Line { end, .. } => Segment::Line { start, end: *end },
+            Segment::Arc(arc) => arc.between([start, arc.end()], turn),
         });
     }
     kept
@@ -205,7 +198,7 @@ fn without_specks(contour: &[Element]) -> Vec<Element> {
 
 fn prove(
     contours: &Tree,
-    chains: &[Vec<Element>],
+    chains: &[Vec<Segment>],
     distance_mm: f64,
     budget: &Budget,
 ) -> Result<(), OffsetError> {
@@ -217,7 +210,7 @@ fn prove(
         let (middle, reach) = element.disc();
         let mut too_near = None;
         contours.near(middle, allowed + reach, |other, _| {
-            let (least, at) = distance::between(element, &contours.elements()[other]);
+            let (least, at) = element.distance_between(&contours.elements()[other]);
             too_near = (least < allowed).then_some(at);
             too_near.is_none()
         });

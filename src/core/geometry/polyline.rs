@@ -1,9 +1,9 @@
-//! Polylines as fewer elements.
+//! Polylines as fewer segments.
 
 use nalgebra::{Point2, Vector2};
 
 use super::arc_fit::{self, Fit, Joints, Measure, Method, Points, Shape};
-use super::element::{Element, PlaneArc};
+use super::segment::Segment;
 use crate::budget::{Budget, Stopped};
 
 /// Arcs and lines through some of the points of a polyline. They are within `within_mm` of its lines, and its
@@ -11,7 +11,7 @@ use crate::budget::{Budget, Stopped};
 ///
 /// # Errors
 /// When the budget ends.
-pub fn as_arcs(points: &[Point2<f64>], within_mm: f64, budget: &Budget) -> Result<Vec<Element>, Stopped> {
+pub fn as_arcs(points: &[Point2<f64>], within_mm: f64, budget: &Budget) -> Result<Vec<Segment>, Stopped> {
     let mut flat: Vec<Vector2<f64>> = points.iter().map(|p| p.coords).collect();
     flat.dedup();
     if flat.len() < 2 {
@@ -24,19 +24,12 @@ pub fn as_arcs(points: &[Point2<f64>], within_mm: f64, budget: &Budget) -> Resul
         ..Fit::within(within_mm)
     };
     let fitted = arc_fit::fit(Points { flat: &flat, heights: &[] }, &request, budget)?;
-    let mut start = Point2::from(fitted.start);
-    let mut elements = Vec::with_capacity(fitted.elements.len());
-    for element in fitted.elements {
-        let end = Point2::from(element.to);
-        let arc = match element.shape {
-            Shape::Arc { bulge } => PlaneArc::with_bulge(start, end, bulge),
-            // An open chain has no full circles.
-            Shape::Line | Shape::FullCircle { .. } => None,
-        };
-        elements.push(arc.map_or(Element::Line { start, end }, Element::Arc));
-        start = end;
-    }
-    Ok(elements)
+    // An open chain has no full circles.
+    let segment = |element: arc_fit::Element| match element.shape {
+        Shape::Segment(segment) => segment,
+        Shape::FullCircle { at, .. } => Segment::Line { start: at, end: at },
+    };
+    Ok(fitted.elements.into_iter().map(segment).collect())
 }
 
 #[cfg(test)]

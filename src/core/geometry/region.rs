@@ -37,10 +37,9 @@ mod winding;
 use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::Element;
-use crate::geometry::offset::distance;
 use crate::geometry::offset::tree::{Bounds, Tree};
 use crate::geometry::offset::{OffsetError, Side, offset};
+use crate::geometry::segment::Segment;
 use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
 pub use outline::{Outline, OutlineError, area};
 use trace::Wedge;
@@ -117,7 +116,7 @@ impl Region {
     ///
     /// # Errors
     /// One of [`RegionError`].
-    pub fn on_the_left(chains: &[Vec<Element>], budget: &Budget) -> Result<Self, RegionError> {
+    pub fn on_the_left(chains: &[Vec<Segment>], budget: &Budget) -> Result<Self, RegionError> {
         let loops = chains.iter().map(|elements| Loop { group: 0, elements }).collect();
         Self::of(loops, |[winding, _]| winding > 0, budget)
     }
@@ -186,7 +185,7 @@ impl Region {
     ///
     /// The element is divided where it meets the boundary. A piece counts as inside if its middle is in the
     /// region or nearer to the boundary than `tolerance_mm`. Adjacent pieces inside become one part.
-    pub fn ranges_inside(&self, element: &Element, tolerance_mm: f64) -> Vec<[f64; 2]> {
+    pub fn ranges_inside(&self, element: &Segment, tolerance_mm: f64) -> Vec<[f64; 2]> {
         let mut cuts = vec![0.0, 1.0];
         let length = element.length();
         let mut met = Vec::new();
@@ -195,7 +194,7 @@ impl Region {
             contacts::append(element, other, SNAP_MM, &mut met);
             met.extend([other.start(), other.end()]);
             for p in &met {
-                let foot = element.foot(*p, 0.5);
+                let foot = element.foot(*p);
                 if foot.distance.abs() <= SNAP_MM && foot.u > 0.0 && foot.u < 1.0 {
                     cuts.push(foot.u);
                 }
@@ -216,7 +215,7 @@ impl Region {
     }
 
     /// Whether a line or an arc runs in the region, or nearer to its boundary than `tolerance_mm`.
-    pub fn contains(&self, element: &Element, tolerance_mm: f64) -> bool {
+    pub fn contains(&self, element: &Segment, tolerance_mm: f64) -> bool {
         let inside = |t: f64| self.place(element.at(t), tolerance_mm) != Place::Outside;
         let length = element.length();
         inside(0.0)
@@ -267,11 +266,11 @@ impl Region {
 
     /// The least distance of a line or an arc from the boundary, mm, if it is less than `bound_mm`; else
     /// `bound_mm`.
-    pub fn clearance(&self, element: &Element, bound_mm: f64) -> f64 {
+    pub fn clearance(&self, element: &Segment, bound_mm: f64) -> f64 {
         let (middle, reach) = element.disc();
         let mut least = bound_mm;
         self.boundary.near(middle, bound_mm + reach, |k, _| {
-            least = least.min(distance::between(element, &self.boundary.elements()[k]).0);
+            least = least.min(element.distance_between(&self.boundary.elements()[k]).0);
             true
         });
         least
@@ -284,7 +283,7 @@ impl Region {
         }
         let wedge = if side == Side::Left { Wedge::Inside } else { Wedge::Outside };
         let contours = trace::contours(self.outlines(), wedge, budget)?;
-        let contours: Vec<&[Element]> = contours.iter().map(Vec::as_slice).collect();
+        let contours: Vec<&[Segment]> = contours.iter().map(Vec::as_slice).collect();
         let chains = offset(&contours, side, distance_mm, 0.0, budget)?;
         for chain in &chains {
             if let (Some(first), Some(last)) = (chain.first(), chain.last())

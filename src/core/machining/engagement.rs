@@ -2,13 +2,13 @@
 //! cutter's circle touches material that nothing has removed yet.
 //!
 //! # Method
-//! 1. The path so far is kept as segments ([`Swept`]). The stadium of a segment is the set of places that are
-//!    nearer to the segment than the cutter's radius. The cutter has removed all material in the stadiums. An
-//!    arc is kept as a few long chords, and also as many short chords. The stadium of a chord has a smaller
-//!    radius: the cutter's radius less the height of the arc over the chord. The short chords are used only
-//!    where the long chords leave material.
+//! 1. The path so far is kept as chords ([`Swept`]). The stadium of a chord is the set of places that are
+//!    nearer to the chord than the cutter's radius less the height of the path over the chord. The cutter has
+//!    removed all material in the stadiums. A line is kept as one long chord. An arc is kept as a few long
+//!    chords, and also as many short chords. The short chords are used only where the long chords leave
+//!    material.
 //! 2. At a place of the path, the leading half of the circle consists of the points whose direction from the
-//!    centre makes at most a right angle with the motion. A segment frees the points of this half circle that
+//!    centre makes at most a right angle with the motion. A chord frees the points of this half circle that
 //!    lie inside its stadium. These points form ranges, which have a closed form (`spans`).
 //! 3. A stretch is a part of a motion. On a straight stretch, each point of the circle moves along a line. A
 //!    stadium is convex, so a point that is inside a stadium at both ends of the stretch is inside this
@@ -29,7 +29,7 @@
 //! * Beside thin slivers, the excess is several degrees, because chords stand for arcs.
 //!
 //! # Cost
-//! O(m) for each stretch, where m is the number of segments within a diameter of the stretch.
+//! O(m) for each stretch, where m is the number of chords within a diameter of the stretch.
 
 mod bounds;
 mod cells;
@@ -40,7 +40,7 @@ mod tests;
 use nalgebra::{Point2, Vector2};
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::{PlaneArc, Segment};
 use cells::Cells;
 use spans::Left;
 
@@ -54,11 +54,11 @@ const LARGEST_TURN: f64 = 0.5;
 /// that show its edge, and over the few that are enough elsewhere.
 const CHORD_HEIGHTS: [f64; 2] = [0.001, 0.02];
 
-/// Segments at a larger distance from the cutter's centre free no point of the cutter's circle, in radii. The
-/// short chords may be nearer than their segment by the height of the arc.
+/// Long chords at a larger distance from the cutter's centre free no point of the cutter's circle, in radii.
+/// Their short chords may be nearer by the height of the arc.
 const REACH: f64 = 2.0 + CHORD_HEIGHTS[1];
 
-/// The size of the cells in which segments are searched, as a part of the radius.
+/// The size of the cells in which long chords are searched, as a part of the radius.
 const CELL: f64 = 0.5;
 
 /// Material that is narrower across the motion does not count as such where the motion must be clear, as a
@@ -72,9 +72,9 @@ const STRAIGHT_ON_MM: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub struct Swept {
     radius_mm: f64,
-    segments: Vec<Segment>,
+    long_chords: Vec<LongChord>,
     /// The short chords of all arcs, in the order of the path.
-    chords: Vec<Chord>,
+    short_chords: Vec<Chord>,
     cells: Cells,
     /// Buffers that are used again.
     near: Vec<u32>,
@@ -93,7 +93,7 @@ struct Chord {
 
 /// A line of the path, or one of the few long chords of an arc of the path.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
+struct LongChord {
     chord: Chord,
     /// The range of the short chords that show the same part of the arc more exactly; empty for a line.
     short: [u32; 2],
@@ -151,8 +151,8 @@ impl Swept {
         let cells = Cells::new(CELL * radius_mm);
         Self {
             radius_mm,
-            segments: Vec::new(),
-            chords: Vec::new(),
+            long_chords: Vec::new(),
+            short_chords: Vec::new(),
             cells,
             near: Vec::new(),
             steps: 0,
@@ -160,51 +160,50 @@ impl Swept {
         }
     }
 
-    /// How many times a segment has been compared with the cutter. The time of all calls grows with this
+    /// How many times a chord has been compared with the cutter. The time of all calls grows with this
     /// number: 15 to 35 million took a second on one core.
     pub fn comparisons(&self) -> u64 {
         self.comparisons
     }
 
     /// Sweeps along an element.
-    pub fn push(&mut self, element: &Element) {
-        let Element::Arc(arc) = element else {
-            let (start, end) = (element.start(), element.end());
-            return self.push_line(Chord { start, end, slack_mm: 0.0 });
+    pub fn push(&mut self, element: &Segment) {
+        let arc = match element {
+            Segment::Line { start, end } => return self.push_line(*start, *end),
+            Segment::Arc(arc) => arc,
         };
         let [fine, coarse] = CHORD_HEIGHTS.map(|height| chords(arc, height * self.radius_mm));
         let each = fine.div_ceil(coarse);
         for k in 0..coarse {
-            let from = self.chords.len() as u32;
+            let from = self.short_chords.len() as u32;
             if each > 1 {
                 let own = (k * each..(k + 1) * each).map(|k| chord(element, arc, k, coarse * each));
-                self.chords.extend(own);
+                self.short_chords.extend(own);
             }
-            let short = [from, self.chords.len() as u32];
-            self.push_segment(Segment { chord: chord(element, arc, k, coarse), short });
+            let short = [from, self.short_chords.len() as u32];
+            self.push_long(LongChord { chord: chord(element, arc, k, coarse), short });
         }
     }
 
-    fn push_line(&mut self, line: Chord) {
-        let Chord { start, end, .. } = line;
+    fn push_line(&mut self, start: Point2<f64>, end: Point2<f64>) {
         let own = end - start;
-        // A line that goes on in its direction stays one segment.
-        if let Some(Segment { chord: last, .. }) = self.segments.last_mut()
+        // A line that goes on in its direction stays one chord.
+        if let Some(LongChord { chord: last, .. }) = self.long_chords.last_mut()
             && last.slack_mm == 0.0
             && last.end == start
             && own.perp(&(end - last.start)).abs() <= STRAIGHT_ON_MM * own.norm()
             && own.dot(&(start - last.start)) >= 0.0
         {
             last.end = end;
-            self.cells.add(start, end, self.segments.len() as u32 - 1);
+            self.cells.add(start, end, self.long_chords.len() as u32 - 1);
             return;
         }
-        self.push_segment(Segment { chord: line, short: [0, 0] });
+        self.push_long(LongChord { chord: Chord { start, end, slack_mm: 0.0 }, short: [0, 0] });
     }
 
-    fn push_segment(&mut self, segment: Segment) {
-        self.cells.add(segment.chord.start, segment.chord.end, self.segments.len() as u32);
-        self.segments.push(segment);
+    fn push_long(&mut self, long: LongChord) {
+        self.cells.add(long.chord.start, long.chord.end, self.long_chords.len() as u32);
+        self.long_chords.push(long);
     }
 
     /// The angles along a motion, in order and without gaps. A stretch whose angle is at most `enough`
@@ -214,7 +213,7 @@ impl Swept {
     /// When the budget ends.
     pub fn follow(
         &mut self,
-        motion: &Element,
+        motion: &Segment,
         enough: Enough,
         budget: &Budget,
     ) -> Result<Vec<Stretch>, Stopped> {
@@ -238,7 +237,7 @@ impl Swept {
     /// When the budget ends.
     pub fn survey(
         &mut self,
-        motion: &Element,
+        motion: &Segment,
         enough: Enough,
         budget: &Budget,
     ) -> Result<Vec<Stretch>, Stopped> {
@@ -255,7 +254,7 @@ impl Swept {
     ///
     /// # Errors
     /// When the budget ends.
-    pub fn is_clear(&mut self, motion: &Element, budget: &Budget) -> Result<bool, Stopped> {
+    pub fn is_clear(&mut self, motion: &Segment, budget: &Budget) -> Result<bool, Stopped> {
         // Most motions that are not clear have material at one of these places, which are looked at fast.
         let is_clear_at = |t: &f64| Enough::Clear.is_met(self.left_at(&Frame::at(motion, *t)));
         if ![1.0, 0.5, 0.0].iter().all(is_clear_at) {
@@ -284,8 +283,8 @@ impl Swept {
         let mut near = std::mem::take(&mut self.near);
         self.cells.about(p, REACH * self.radius_mm, &mut near);
         near.retain(|k| {
-            let Chord { start, end, .. } = self.segments[*k as usize].chord;
-            distance_to_segment(p, start, end) < REACH * self.radius_mm
+            let Chord { start, end, .. } = self.long_chords[*k as usize].chord;
+            distance_to_chord(p, start, end) < REACH * self.radius_mm
         });
         let is_free =
             self.is_square_free(p, self.radius_mm, (p, self.radius_mm - margin_mm), margin_mm, &near);
@@ -305,11 +304,11 @@ impl Swept {
         let to_corner = half_mm * std::f64::consts::SQRT_2;
         self.comparisons += near.len() as u64;
         let contains = |Chord { start, end, slack_mm }: &Chord| {
-            distance_to_segment(middle, *start, *end) + to_corner < self.radius_mm - slack_mm
+            distance_to_chord(middle, *start, *end) + to_corner < self.radius_mm - slack_mm
         };
         let is_swept = |k: &u32| {
-            let segment = &self.segments[*k as usize];
-            contains(&segment.chord) || self.short(segment).iter().any(contains)
+            let long = &self.long_chords[*k as usize];
+            contains(&long.chord) || self.short(long).iter().any(contains)
         };
         if (middle - disc.0).norm() - to_corner >= disc.1 || near.iter().any(is_swept) {
             return true;
@@ -323,30 +322,30 @@ impl Swept {
             })
     }
 
-    /// The short chords of a segment.
-    fn short(&self, segment: &Segment) -> &[Chord] {
-        let [from, to] = segment.short;
-        &self.chords[from as usize..to as usize]
+    /// The short chords of a long one.
+    fn short(&self, long: &LongChord) -> &[Chord] {
+        let [from, to] = long.short;
+        &self.short_chords[from as usize..to as usize]
     }
 
     /// How many parts a motion is examined in.
-    fn parts(&self, motion: &Element) -> usize {
+    fn parts(&self, motion: &Segment) -> usize {
         let by_length = motion.length() / (LONGEST * self.radius_mm);
         by_length.max(motion.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize
     }
 }
 
 /// One of `count` equal chords of an arc.
-fn chord(element: &Element, arc: &PlaneArc, k: usize, count: usize) -> Chord {
-    let half = 0.5 * arc.turn.abs() / count as f64;
+fn chord(element: &Segment, arc: &PlaneArc, k: usize, count: usize) -> Chord {
+    let half = 0.5 * arc.turn().abs() / count as f64;
     let [start, end] = [k, k + 1].map(|k| element.at(k as f64 / count as f64));
-    Chord { start, end, slack_mm: arc.radius * (1.0 - half.cos()) }
+    Chord { start, end, slack_mm: arc.radius() * (1.0 - half.cos()) }
 }
 
 /// How many chords no farther from an arc than this stand for it.
 fn chords(arc: &PlaneArc, height_mm: f64) -> usize {
-    let turn = 2.0 * (1.0 - height_mm / arc.radius).max(-1.0).acos();
-    (arc.turn.abs() / turn.min(1.0)).ceil().max(1.0) as usize
+    let turn = 2.0 * (1.0 - height_mm / arc.radius()).max(-1.0).acos();
+    (arc.turn().abs() / turn.min(1.0)).ceil().max(1.0) as usize
 }
 
 /// The frame of a cutter: x along its motion.
@@ -356,7 +355,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn at(motion: &Element, t: f64) -> Self {
+    fn at(motion: &Segment, t: f64) -> Self {
         Self { origin: motion.at(t), along: motion.direction(t) }
     }
 
@@ -366,7 +365,7 @@ impl Frame {
     }
 }
 
-fn distance_to_segment(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
+fn distance_to_chord(p: Point2<f64>, start: Point2<f64>, end: Point2<f64>) -> f64 {
     let (along, from) = (end - start, p - start);
     let square = along.norm_squared();
     let u = if square > 0.0 { (from.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };

@@ -44,10 +44,10 @@ mod straight;
 use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::deviation::{Ends, Measure, Spread, Verdict, judge};
-use crate::geometry::element::Element;
+use crate::geometry::deviation::{Element, Ends, Measure, Spread, Verdict, judge};
 pub use crate::geometry::offset::Side;
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::geometry::segment::Segment;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::{PathError, Toolpath};
@@ -292,7 +292,7 @@ fn in_band(
     for pair in joints.windows(2) {
         budget.check()?;
         let [start, end] = [pair[0], pair[1]];
-        let element = Element::Line { start: start.at, end: end.at };
+        let element = Element::Segment(Segment::Line { start: start.at, end: end.at });
         let offsets = Spread {
             least_mm: start.offset_mm.min(end.offset_mm),
             most_mm: start.offset_mm.max(end.offset_mm),

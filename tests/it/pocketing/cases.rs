@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
-use toolpathd_core::geometry::element::{Element, PlaneArc};
+use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{
     ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern,
 };
@@ -185,13 +185,13 @@ pub fn three_levels() -> Case {
 }
 
 /// The elements of an outline, in the terms of the library.
-pub fn elements(outline: &[Vertex]) -> Vec<Element> {
+pub fn elements(outline: &[Vertex]) -> Vec<Segment> {
     let element = |(from, to): (&Vertex, &Vertex)| {
         let (start, end) = (Point2::new(from[0], from[1]), Point2::new(to[0], to[1]));
         match Piece::with_bulge([from[0], from[1]], [to[0], to[1]], from[2]) {
-            Piece::Line { .. } => Element::Line { start, end },
+            Piece::Line { .. } => Segment::Line { start, end },
             Piece::Arc { center, radius, sweep, .. } => {
-                Element::Arc(PlaneArc { start, end, center: center.into(), radius, turn: sweep })
+                Segment::about(center.into(), radius, [start, end], sweep)
             }
         }
     };

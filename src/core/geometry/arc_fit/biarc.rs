@@ -19,7 +19,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Element, Shape};
+use super::Element;
 
 /// Directions whose angle has a smaller sine count as parallel, and arcs with a smaller bulge as lines.
 const STRAIGHT: f64 = 1e-9;
@@ -32,11 +32,11 @@ pub fn elements(points: &[Vector2<f64>], is_closed: bool) -> Vec<Element> {
         let [start, end] = [tangents[k], tangents[k + 1]];
         match joint([from, to], [start, end]) {
             Some(joint) => {
-                elements.push(Element { end: k, to: joint, shape: shape(bulge_along([from, joint], start)) });
+                elements.push(element(k, [from, joint], bulge_along([from, joint], start)));
                 // Run backwards, the second arc starts against the tangent at its end.
-                elements.push(Element { end: k + 1, to, shape: shape(-bulge_along([to, joint], -end)) });
+                elements.push(element(k + 1, [joint, to], -bulge_along([to, joint], -end)));
             }
-            None => elements.push(Element { end: k + 1, to, shape: Shape::Line }),
+            None => elements.push(Element::line(k + 1, from, to)),
         }
     }
     elements
@@ -94,6 +94,10 @@ fn bulge_along([from, to]: [Vector2<f64>; 2], start: Vector2<f64>) -> f64 {
     (0.5 * chord.perp(&start).atan2(chord.dot(&start))).tan()
 }
 
-fn shape(bulge: f64) -> Shape {
-    if bulge.abs() < STRAIGHT { Shape::Line } else { Shape::Arc { bulge } }
+fn element(end: usize, [start, to]: [Vector2<f64>; 2], bulge: f64) -> Element {
+    if bulge.abs() < STRAIGHT {
+        Element::line(end, start, to)
+    } else {
+        Element::bulging(end, [start, to], bulge)
+    }
 }

@@ -20,6 +20,7 @@ use nalgebra::Vector2;
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
 use super::chord_frame::ChordFrame;
 use super::{FLATTEST_MM, Measure, Shapes};
+use crate::geometry::segment::center;
 use crate::geometry::solve;
 
 /// Arcs with a smaller radius, in tolerances, are refused for polylines: for such arcs the checks prove
@@ -209,7 +210,7 @@ impl<'a> Span<'a> {
             let along = self.to - self.from;
             return points.map(|p| along.dot(&p)).is_sorted();
         }
-        let center = super::center(self.from, self.to, bulge);
+        let center = center(self.from, self.to, bulge);
         // An arc to the left of its chord turns clockwise.
         let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
         // The first and the last line belong to points that may lie beside the element's ends.
@@ -276,7 +277,7 @@ impl<'a> Span<'a> {
 
     /// Whether every line between the points stays within `tolerance` mm of the arc on its inside.
     fn keeps_lines(&self, track: &ChordFrame, tolerance: f64, chord: &Chord) -> bool {
-        let center = super::center(self.from, self.to, track.bulge);
+        let center = center(self.from, self.to, track.bulge);
         let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
         // The worst case: the longest line, with both ends on the innermost circle.

@@ -9,12 +9,13 @@
 //! If there are several stretches, a second fit treats all points as one stretch with helices. The fit with
 //! fewer curves is the result.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
-use super::{Element, Fit, Fitted, Joints, Points, Shape, center, fit};
+use super::{Element, Fit, Fitted, Joints, Points, Shape, fit};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
+use crate::geometry::segment::Segment;
 
 /// Coordinates that differ by less count as equal, mm: the program that computed them may have rounded.
 const LEVEL_MM: f64 = 1e-9;
@@ -149,19 +150,20 @@ fn fit_stretch(
         .map(|element| {
             let at = |p: Vector2<f64>, height: f64| plane.to_workpiece(&Vector3::new(p.x, p.y, height));
             let end_height = height_of(&element, &local);
-            let [start, end] = [at(from, height), at(element.to, end_height)];
-            let arc = |is_ccw: bool, center: Vector2<f64>| {
+            let to = element.to().coords;
+            let [start, end] = [at(from, height), at(to, end_height)];
+            let arc = |is_ccw: bool, center: Point2<f64>| {
                 let direction = if is_ccw { Direction::Ccw } else { Direction::Cw };
-                Arc::new(plane, direction, start, end, at(center, height)).map(Curve::Arc)
+                Arc::new(plane, direction, start, end, at(center.coords, height)).map(Curve::Arc)
             };
             let line = Curve::Line(Line { start, end });
             // An arc can be so short that rounding makes its two radii differ. A line replaces it.
             let curve = match element.shape {
-                Shape::Line => line,
-                Shape::Arc { bulge } => arc(bulge < 0.0, center(from, element.to, bulge)).unwrap_or(line),
-                Shape::FullCircle { center, is_ccw } => arc(is_ccw, center).unwrap_or(line),
+                Shape::Segment(Segment::Line { .. }) => line,
+                Shape::Segment(Segment::Arc(own)) => arc(own.turn() > 0.0, own.center()).unwrap_or(line),
+                Shape::FullCircle { center, is_ccw, .. } => arc(is_ccw, center).unwrap_or(line),
             };
-            (from, height) = (element.to, end_height);
+            (from, height) = (to, end_height);
             FittedCurve { end: element.end, curve }
         })
         .collect();
@@ -172,7 +174,8 @@ fn fit_stretch(
 /// a height between theirs.
 fn height_of(element: &Element, local: &[Vector3<f64>]) -> f64 {
     let at = local[element.end];
-    let Some(next) = local.get(element.end + 1).filter(|_| element.to != at.xy()) else { return at.z };
-    let [passed, left] = [at, *next].map(|p| (element.to - p.xy()).norm());
+    let to = element.to().coords;
+    let Some(next) = local.get(element.end + 1).filter(|_| to != at.xy()) else { return at.z };
+    let [passed, left] = [at, *next].map(|p| (to - p.xy()).norm());
     at.z + (next.z - at.z) * passed / (passed + left)
 }

@@ -27,7 +27,7 @@ use super::candidate::{Points, Rule, Span, Witnesses};
 use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
-use super::{Element, Fit, Fitted, Joints, Shape, WINDOW, for_bounds, joints, looks, shaped};
+use super::{Element, Fit, Fitted, Joints, WINDOW, for_bounds, joints, looks, shaped};
 use crate::budget::{Budget, Stopped};
 
 /// Nodes on points, for each element of the guiding chain, which need not be smooth.
@@ -295,8 +295,11 @@ impl Search<'_> {
             let is_flat = bulge.abs() * 2.0 * FLAT_RADIUS_MM < chord.half;
             let is_line =
                 is_flat && self.bulges(&span)?.1.iter().any(|part| (part[0]..=part[1]).contains(&0.0));
-            let shape = if is_line { Shape::Line } else { Shape::Arc { bulge } };
-            elements.push(Element { end: span.last, to: span.to, shape });
+            elements.push(if is_line {
+                Element::line(span.last, span.from, span.to)
+            } else {
+                Element::bulging(span.last, [span.from, span.to], bulge)
+            });
             let is_corner = self.corners.binary_search(&span.first).is_ok();
             direction = (!is_corner).then(|| chord.direction() + 2.0 * bulge.atan());
             arrival = before;

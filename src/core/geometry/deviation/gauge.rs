@@ -5,10 +5,10 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::Ends;
-use crate::geometry::element::Element;
+use super::{Element, Ends};
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+use crate::geometry::segment::Segment;
 
 /// Rounding of a foot and its distance, as a part of the largest coordinate: a few dozen operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -65,18 +65,18 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
     fn read_near(&self, t: f64, u: f64) -> Reading {
         let [x, y] = self.curve.enclose(t, t).point;
         let p = Point2::new(x.mid(), y.mid());
-        let foot = self.element.foot(p, u);
+        let (foot, slip) = self.element.foot(p, u);
         let rounding = ROUNDING * (self.element.magnitude() + p.x.abs() + p.y.abs());
-        let slack = x.width() + y.width() + rounding + foot.slip;
+        let slack = x.width() + y.width() + rounding + slip;
         let distance = Interval::around(foot.distance, slack);
         let out = match (self.ends, self.element) {
-            (Ends::OnCurve, Element::Line { .. }) => {
+            (Ends::OnCurve, Element::Segment(Segment::Line { .. })) => {
                 (beyond(foot.u) - END_ROUNDING).max(0.0) * self.element.speed([foot.u; 2]).lo()
             }
             _ => 0.0,
         };
         let away = if out > 0.0 { (distance.mig().hypot(out) - slack).max(0.0) } else { distance.mig() };
-        let is_foot = foot.slip <= rounding;
+        let is_foot = slip <= rounding;
         Reading { t, distance, away, u: foot.u, is_foot, tangent: foot.tangent }
     }
 
@@ -106,7 +106,7 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         }
         let bend = cone.across(second);
         let curvature = match self.element {
-            Element::Line { .. } => return Some(bend),
+            Element::Segment(Segment::Line { .. }) => return Some(bend),
             _ if b.u < a.u => return None,
             element => element.curvature(a.u, b.u),
         };
@@ -133,8 +133,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
         let distance = a.distance + Interval::around(0.0, way);
         let speed = self.element.speed([a.u, b.u]);
         let jump = match self.element {
-            Element::Line { .. } => 0.0,
-            Element::Arc(_) | Element::Parabola { .. } => (b.u - a.u).abs() * speed.hi(),
+            Element::Segment(Segment::Line { .. }) => 0.0,
+            Element::Segment(Segment::Arc(_)) | Element::Parabola { .. } => (b.u - a.u).abs() * speed.hi(),
         };
         let is_inside = |u: f64| u.min(1.0 - u) * speed.lo() > way;
         if jump == 0.0 && (self.ends == Ends::Beside || is_inside(a.u)) {

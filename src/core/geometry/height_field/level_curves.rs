@@ -13,8 +13,8 @@ use nalgebra::Point2;
 
 use super::HeightField;
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::Element;
 use crate::geometry::polyline;
+use crate::geometry::segment::Segment;
 
 /// Where a line ends: at a corner, or on the edge between two corners, the smaller index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -33,7 +33,7 @@ pub fn around_low(
     z_mm: f64,
     fit_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, Stopped> {
+) -> Result<Vec<Vec<Segment>>, Stopped> {
     let is_low = |corner: u32| field.points[corner as usize].z <= z_mm;
     let mut next: HashMap<Node, Node> = HashMap::new();
     for triangle in &field.triangles {
@@ -99,7 +99,7 @@ fn chains(mut next: HashMap<Node, Node>) -> Vec<Vec<Node>> {
 
 /// The elements of a closed chain of nodes: lines along the edge of the field; elsewhere lines if `fit_mm` is
 /// zero, else arcs and lines within `fit_mm` of the lines between the nodes.
-fn elements(places: &[(Node, Point2<f64>)], fit_mm: f64, budget: &Budget) -> Result<Vec<Element>, Stopped> {
+fn elements(places: &[(Node, Point2<f64>)], fit_mm: f64, budget: &Budget) -> Result<Vec<Segment>, Stopped> {
     let mut chain = Vec::new();
     let mut curve: Vec<Point2<f64>> = Vec::new();
     let following = places.iter().cycle().skip(1);
@@ -108,7 +108,7 @@ fn elements(places: &[(Node, Point2<f64>)], fit_mm: f64, budget: &Budget) -> Res
         if is_on_rim || fit_mm == 0.0 {
             chain.extend(polyline::as_arcs(&std::mem::take(&mut curve), fit_mm, budget)?);
             if from != to {
-                chain.push(Element::Line { start: *from, end: *to });
+                chain.push(Segment::Line { start: *from, end: *to });
             }
             continue;
         }

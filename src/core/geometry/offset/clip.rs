@@ -18,10 +18,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::distance::{self, circle_meets, circles_meet, left};
 use super::pieces::{Piece, SHORTEST_MM};
 use super::tree::Tree;
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::{PlaneArc, Segment, circle_meets, circles_meet, left};
 
 /// Clips pieces one after the other, with buffers that are used again. Liu et al. remove parts between
 /// crossings of pieces only; here each piece is compared with each element near it.
@@ -51,7 +50,7 @@ impl<'a> Clip<'a> {
         let (middle, reach) = piece.element.disc();
         let blocking = self.distance - reach - self.rounding;
         let blocker = &self.contour.elements()[self.blocker];
-        if distance::to_point(blocker, middle) < blocking {
+        if blocker.distance_to(middle) < blocking {
             return;
         }
         self.blocked.clear();
@@ -91,7 +90,7 @@ impl<'a> Clip<'a> {
     /// Whether a place of the piece is too near to element `k`.
     fn is_blocked(&self, piece: &Piece, k: usize, place: Point2<f64>) -> bool {
         let element = &self.contour.elements()[k];
-        let distance = distance::to_point(element, place);
+        let distance = element.distance_to(place);
         if distance < self.distance - self.rounding - self.tie || self.tie == 0.0 {
             return distance < self.distance - self.rounding;
         }
@@ -100,10 +99,10 @@ impl<'a> Clip<'a> {
             return false;
         }
         let own = match &piece.element {
-            Element::Arc(arc) if piece.is_corner => arc.center - place,
-            _ => distance::nearest(&self.contour.elements()[piece.element_index], place) - place,
+            Segment::Arc(arc) if piece.is_corner => arc.center() - place,
+            _ => self.contour.elements()[piece.element_index].nearest(place) - place,
         };
-        let other = distance::nearest(element, place) - place;
+        let other = element.nearest(place) - place;
         k < piece.element_index || own.dot(&other) < 0.0
     }
 }
@@ -112,19 +111,19 @@ impl<'a> Clip<'a> {
 /// are its crossings with lines and circles, and the places where it comes nearest to them or is farthest
 /// from them. Where the piece touches a line or circle, the two crossings are inaccurate. The part between
 /// them is too near by no more than rounding.
-fn cross(piece: &Element, element: &Element, distance: f64, found: &mut Vec<f64>) {
+fn cross(piece: &Segment, element: &Segment, distance: f64, found: &mut Vec<f64>) {
     match element {
-        Element::Arc(arc) => {
-            cross_circle(piece, arc.center, arc.radius + distance, found);
-            if arc.radius > distance {
-                cross_circle(piece, arc.center, arc.radius - distance, found);
+        Segment::Line { start, end } => {
+            if let Some(along) = (end - start).try_normalize(0.0) {
+                let aside = left(along) * distance;
+                cross_line(piece, start + aside, along, found);
+                cross_line(piece, start - aside, along, found);
             }
         }
-        line => {
-            if let Some(along) = (line.end() - line.start()).try_normalize(0.0) {
-                let aside = left(along) * distance;
-                cross_line(piece, line.start() + aside, along, found);
-                cross_line(piece, line.start() - aside, along, found);
+        Segment::Arc(arc) => {
+            cross_circle(piece, arc.center(), arc.radius() + distance, found);
+            if arc.radius() > distance {
+                cross_circle(piece, arc.center(), arc.radius() - distance, found);
             }
         }
     }
@@ -132,45 +131,43 @@ fn cross(piece: &Element, element: &Element, distance: f64, found: &mut Vec<f64>
     cross_circle(piece, element.end(), distance, found);
 }
 
-fn cross_line(piece: &Element, from: Point2<f64>, along: Vector2<f64>, found: &mut Vec<f64>) {
+fn cross_line(piece: &Segment, from: Point2<f64>, along: Vector2<f64>, found: &mut Vec<f64>) {
     match piece {
-        Element::Arc(arc) => {
-            let crossings = circle_meets(arc.radius, from - arc.center, along);
+        Segment::Line { start, end } => {
+            let t = (from - start).perp(&along) / (end - start).perp(&along);
+            found.extend(Some(t).filter(|t| (0.0..1.0).contains(t)));
+        }
+        Segment::Arc(arc) => {
+            let crossings = circle_meets(arc.radius(), from - arc.center(), along);
             let extremes = [left(along), -left(along)];
             let spokes = crossings.into_iter().flatten().chain(extremes);
             found.extend(spokes.filter_map(|spoke| place_on(arc, spoke)));
         }
-        line => {
-            let t = (from - line.start()).perp(&along) / (line.end() - line.start()).perp(&along);
-            found.extend(Some(t).filter(|t| (0.0..1.0).contains(t)));
-        }
     }
 }
 
-fn cross_circle(piece: &Element, center: Point2<f64>, radius: f64, found: &mut Vec<f64>) {
+fn cross_circle(piece: &Segment, center: Point2<f64>, radius: f64, found: &mut Vec<f64>) {
     match piece {
-        Element::Arc(arc) => {
-            let apart = center - arc.center;
-            let crossings = circles_meet(arc.radius, apart, radius);
-            let spokes = crossings.into_iter().flatten().chain([apart, -apart]);
-            found.extend(spokes.filter_map(|spoke| place_on(arc, spoke)));
-        }
-        line => {
-            let chord = line.end() - line.start();
+        Segment::Line { start, end } => {
+            let chord = end - start;
             let length = chord.norm();
             let along = chord / length;
-            let foot = (center - line.start()).dot(&along) / length;
-            let crossings = circle_meets(radius, line.start() - center, along).into_iter().flatten();
+            let foot = (center - start).dot(&along) / length;
+            let crossings = circle_meets(radius, start - center, along).into_iter().flatten();
             let crossings = crossings.map(|spoke| foot + spoke.dot(&along) / length);
             found.extend(crossings.chain([foot]).filter(|t| (0.0..1.0).contains(t)));
+        }
+        Segment::Arc(arc) => {
+            let apart = center - arc.center();
+            let crossings = circles_meet(arc.radius(), apart, radius);
+            let spokes = crossings.into_iter().flatten().chain([apart, -apart]);
+            found.extend(spokes.filter_map(|spoke| place_on(arc, spoke)));
         }
     }
 }
 
 /// The fraction of the arc at which its circle meets the spoke; `None` if that is not on the arc.
 fn place_on(arc: &PlaneArc, spoke: Vector2<f64>) -> Option<f64> {
-    let start = arc.start - arc.center;
-    let angle = arc.turn.signum() * start.perp(&spoke).atan2(start.dot(&spoke));
-    let t = angle.rem_euclid(std::f64::consts::TAU) / arc.turn.abs();
+    let t = arc.angle_to(spoke) / arc.turn().abs();
     (t < 1.0).then_some(t)
 }

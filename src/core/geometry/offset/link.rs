@@ -17,7 +17,7 @@ use nalgebra::{Point2, center};
 
 use super::pieces::{self, Piece};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::Segment;
 
 /// The largest distance of a joint from the lines and circles of its pieces, mm: a tenth of the distance by
 /// which an offset may be too near.
@@ -54,7 +54,7 @@ pub(super) fn chains(
     ranges: &[OpenRange],
     joint_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, Stopped> {
+) -> Result<Vec<Vec<Segment>>, Stopped> {
     let followers = followers(pieces, ranges, joint_mm, budget)?;
     let mut is_followed = vec![false; ranges.len()];
     for follower in followers.iter().flatten() {
@@ -74,7 +74,7 @@ pub(super) fn chains(
             next = followers[k];
         }
         let chain = chain(pieces, ranges, &sequence, next.is_some());
-        if chain.iter().map(Element::length).sum::<f64>() > joint_mm {
+        if chain.iter().map(Segment::length).sum::<f64>() > joint_mm {
             chains.push((first, chain));
         }
     }
@@ -104,7 +104,7 @@ fn followers(
         for other in near.copied().filter(|other| *other != k) {
             let apart = (ends[other][0] - end).norm();
             let joint = center(end, &ends[other][0]);
-            let beside = |range: usize| pieces::from_carrier(&pieces[ranges[range].piece].element, joint);
+            let beside = |range: usize| pieces[ranges[range].piece].element.distance_to_carrier(joint);
             if apart <= joint_mm && beside(k) <= BESIDE_MM && beside(other) <= BESIDE_MM {
                 let steps = (ranges[other].piece + pieces.len() - ranges[k].piece) % pieces.len();
                 pairs.push(((apart / EQUALLY_NEAR_MM) as u64, steps, k, other));
@@ -127,7 +127,7 @@ fn ends(pieces: &[Piece], range: &OpenRange) -> [Point2<f64>; 2] {
     range.range.map(|t| pieces[range.piece].element.at(t))
 }
 
-fn chain(pieces: &[Piece], ranges: &[OpenRange], sequence: &[usize], is_closed: bool) -> Vec<Element> {
+fn chain(pieces: &[Piece], ranges: &[OpenRange], sequence: &[usize], is_closed: bool) -> Vec<Segment> {
     let ends = |k: usize| ends(pieces, &ranges[sequence[k]]);
     let joint = |before: usize, after: usize| center(&ends(before)[1], &ends(after)[0]);
     let Some(last) = sequence.len().checked_sub(1) else { return Vec::new() };
@@ -163,20 +163,18 @@ struct Way {
 impl Way {
     /// Appends the element. Arcs are made from their ends, so that the ends lie on the circle to rounding,
     /// wherever the joints are.
-    fn append_to(&self, chain: &mut Vec<Element>) {
+    fn append_to(&self, chain: &mut Vec<Segment>) {
         let Self { start, end, turn } = *self;
-        let bulge = -(turn / 4.0).tan();
-        let is_arc = (end - start).norm() >= SHORTEST_ARC_MM;
-        let arc = PlaneArc::with_bulge(start, end, bulge).filter(|_| is_arc);
-        match arc {
-            None => chain.push(Element::Line { start, end }),
-            Some(arc) if turn.abs() > LARGEST_TURN => {
-                let middle = Element::Arc(arc).at(0.5);
-                for [start, end] in [[start, middle], [middle, end]] {
-                    Self { start, end, turn: 0.5 * turn }.append_to(chain);
-                }
-            }
-            Some(arc) => chain.push(Element::Arc(arc)),
+        if (end - start).norm() < SHORTEST_ARC_MM {
+            return chain.push(Segment::Line { start, end });
+        }
+        let segment = Segment::turning(start, end, turn);
+        if turn.abs() <= LARGEST_TURN {
+            return chain.push(segment);
+        }
+        let middle = segment.at(0.5);
+        for [start, end] in [[start, middle], [middle, end]] {
+            Self { start, end, turn: 0.5 * turn }.append_to(chain);
         }
     }
 }

@@ -12,9 +12,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::distance::left;
-use super::pieces;
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::{PlaneArc, Segment, left};
 
 /// Steps of Newton's method to the place where two elements meet. Each step doubles the digits.
 const STEPS: usize = 4;
@@ -24,12 +22,12 @@ const MEETS_MM: f64 = 1e-9;
 
 /// The chain with mitres for arcs of radius `distance` mm, where the mitre is at most `most` mm farther from
 /// the contour.
-pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element> {
-    let mut kept: Vec<Element> = Vec::with_capacity(chain.len());
+pub(super) fn mitred(chain: &[Segment], distance: f64, most: f64) -> Vec<Segment> {
+    let mut kept: Vec<Segment> = Vec::with_capacity(chain.len());
     let mut k = 0;
     while k < chain.len() {
         let mitre = match (kept.last(), chain[k], chain.get(k + 1)) {
-            (Some(before), Element::Arc(corner), Some(after)) => {
+            (Some(before), Segment::Arc(corner), Some(after)) => {
                 mitre(before, &corner, after, distance, most)
             }
             _ => None,
@@ -50,53 +48,53 @@ pub(super) fn mitred(chain: &[Element], distance: f64, most: f64) -> Vec<Element
 /// arc. If the contour turns by the angle a and the arc has the radius d, the place is farther from the
 /// corner than d, by d (1 / cos(a / 2) - 1).
 fn mitre(
-    before: &Element,
+    before: &Segment,
     corner: &PlaneArc,
-    after: &Element,
+    after: &Segment,
     distance: f64,
     most: f64,
-) -> Option<[Element; 2]> {
-    let half = 0.5 * corner.turn.abs();
-    let is_about_corner = (corner.radius - distance).abs() <= 1e-6 * distance && half < 0.1;
+) -> Option<[Segment; 2]> {
+    let half = 0.5 * corner.turn().abs();
+    let is_about_corner = (corner.radius() - distance).abs() <= 1e-6 * distance && half < 0.1;
     if !is_about_corner || distance * (1.0 / half.cos() - 1.0) > most {
         return None;
     }
-    let middle = Element::Arc(*corner).at(0.5);
-    let first = corner.center + (middle - corner.center) / half.cos();
+    let middle = Segment::Arc(*corner).at(0.5);
+    let first = corner.center() + (middle - corner.center()) / half.cos();
     let mut place = first;
     for _ in 0..STEPS {
         let [(p, along), (q, across)] = [before, after].map(|element| foot(element, place));
         place = p + along * ((q - p).perp(&across) / along.perp(&across));
     }
-    let meets = [before, after].iter().all(|element| pieces::from_carrier(element, place) <= MEETS_MM);
+    let meets = [before, after].iter().all(|element| element.distance_to_carrier(place) <= MEETS_MM);
     // Written so that NaN counts as not meeting.
-    if !(meets && (place - first).norm() <= corner.radius * half) {
+    if !(meets && (place - first).norm() <= corner.radius() * half) {
         return None;
     }
     Some([lengthened(before, [before.start(), place])?, lengthened(after, [place, after.end()])?])
 }
 
 /// The place nearest to `p` on the line or circle that an element is a part of, and the direction there.
-fn foot(element: &Element, p: Point2<f64>) -> (Point2<f64>, Vector2<f64>) {
+fn foot(element: &Segment, p: Point2<f64>) -> (Point2<f64>, Vector2<f64>) {
     match element {
-        Element::Arc(arc) => {
-            let spoke = (p - arc.center).normalize();
-            (arc.center + spoke * arc.radius, left(spoke) * arc.turn.signum())
+        Segment::Line { start, end } => {
+            let along = (end - start).normalize();
+            (start + along * (p - start).dot(&along), along)
         }
-        line => {
-            let along = (line.end() - line.start()).normalize();
-            (line.start() + along * (p - line.start()).dot(&along), along)
+        Segment::Arc(arc) => {
+            let spoke = (p - arc.center()).normalize();
+            (arc.center() + spoke * arc.radius(), left(spoke) * arc.turn().signum())
         }
     }
 }
 
 /// The element on the same line or circle between new ends, which are a little farther apart than its own.
-fn lengthened(element: &Element, [start, end]: [Point2<f64>; 2]) -> Option<Element> {
-    let Element::Arc(arc) = element else { return Some(Element::Line { start, end }) };
+fn lengthened(element: &Segment, [start, end]: [Point2<f64>; 2]) -> Option<Segment> {
+    let Segment::Arc(arc) = element else { return Some(Segment::Line { start, end }) };
     let angle = |from: Point2<f64>, to: Point2<f64>| {
-        let (from, to) = (from - arc.center, to - arc.center);
+        let (from, to) = (from - arc.center(), to - arc.center());
         from.perp(&to).atan2(from.dot(&to))
     };
-    let turn = arc.turn + angle(start, arc.start) + angle(arc.end, end);
-    PlaneArc::with_bulge(start, end, -(turn / 4.0).tan()).map(Element::Arc)
+    let turn = arc.turn() + angle(start, arc.start()) + angle(arc.end(), end);
+    PlaneArc::with_bulge(start, end, -(turn / 4.0).tan()).map(Segment::Arc)
 }

@@ -19,12 +19,11 @@
 use nalgebra::Point2;
 
 use super::clip::Clip;
-use super::distance::left;
 use super::pieces::{self, Piece};
 use super::tree::Tree;
 use super::{CLOSED_MM, ELEMENTS_BETWEEN_CHECKS, ROUNDING, without_specks};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::{Segment, left};
 
 /// The difference of distances that decides which of two coincident pieces remains, mm: far above rounding,
 /// far below what matters.
@@ -35,8 +34,8 @@ const TIE_MM: f64 = 1e-9;
 ///
 /// # Errors
 /// When the budget ends.
-pub fn boundary(chains: &[&[Element]], radius_mm: f64, budget: &Budget) -> Result<Vec<Element>, Stopped> {
-    let mut elements: Vec<Element> = Vec::new();
+pub fn boundary(chains: &[&[Segment]], radius_mm: f64, budget: &Budget) -> Result<Vec<Segment>, Stopped> {
+    let mut elements: Vec<Segment> = Vec::new();
     let mut pieces = Vec::new();
     // For each piece, whether the chain is on its left.
     let mut is_left = Vec::new();
@@ -59,7 +58,7 @@ pub fn boundary(chains: &[&[Element]], radius_mm: f64, budget: &Budget) -> Resul
         }
         elements.extend(chain);
     }
-    let largest = elements.iter().map(Element::magnitude).fold(radius_mm, f64::max);
+    let largest = elements.iter().map(Segment::magnitude).fold(radius_mm, f64::max);
     let rounding = ROUNDING * largest;
     let tree = Tree::new(elements);
     let mut clip = Clip::new(&tree, radius_mm, rounding);
@@ -83,7 +82,7 @@ fn half_circle(center: Point2<f64>, start: Point2<f64>, radius: f64, element_ind
     let spoke = start - center;
     let turn = std::f64::consts::FRAC_PI_2;
     let quarter = |from, to| Piece {
-        element: Element::Arc(PlaneArc { start: center + from, end: center + to, center, radius, turn }),
+        element: Segment::about(center, radius, [center + from, center + to], turn),
         element_index,
         is_corner: true,
     };

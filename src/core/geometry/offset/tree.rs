@@ -6,9 +6,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::distance;
 use crate::geometry::bounding_tree::{BoundingTree, Visitor, Volume};
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 
 /// Elements under one box at the bottom of the tree.
 const LEAF: usize = 4;
@@ -20,7 +19,7 @@ const ROUNDING: f64 = 1e-14;
 /// A chain of elements with its boxes.
 #[derive(Debug, Clone)]
 pub(in crate::geometry) struct Tree {
-    elements: Vec<Element>,
+    elements: Vec<Segment>,
     /// Over ranges of indices of elements: from the first to before the last.
     boxes: BoundingTree<Bounds, [usize; 2]>,
 }
@@ -39,13 +38,13 @@ impl Bounds {
         high: Point2::new(-f64::INFINITY, -f64::INFINITY),
     };
 
-    pub(in crate::geometry) fn of(element: &Element) -> Self {
+    pub(in crate::geometry) fn of(element: &Segment) -> Self {
         let (start, end) = (element.start(), element.end());
         let (mut low, mut high) = (start.inf(&end), start.sup(&end));
-        if let Element::Arc(arc) = element {
+        if let Segment::Arc(arc) = element {
             for axis in [Vector2::x(), -Vector2::x(), Vector2::y(), -Vector2::y()] {
-                if distance::covers(arc, axis) {
-                    let extreme = arc.center + axis * arc.radius;
+                if arc.covers(axis) {
+                    let extreme = arc.center() + axis * arc.radius();
                     (low, high) = (low.inf(&extreme), high.sup(&extreme));
                 }
             }
@@ -70,13 +69,13 @@ impl Volume for Bounds {
 }
 
 impl Tree {
-    pub(in crate::geometry) fn new(elements: Vec<Element>) -> Self {
+    pub(in crate::geometry) fn new(elements: Vec<Segment>) -> Self {
         let mut boxes = BoundingTree::default();
         add(&mut boxes, &elements, [0, elements.len()]);
         Self { elements, boxes }
     }
 
-    pub(in crate::geometry) fn elements(&self) -> &[Element] {
+    pub(in crate::geometry) fn elements(&self) -> &[Segment] {
         &self.elements
     }
 
@@ -91,8 +90,8 @@ impl Tree {
         self.boxes.search(&mut Search {
             elements: &self.elements,
             matters: |bounds: &Bounds| bounds.distance(p) < opened,
-            see: |k, element: &Element| {
-                let distance = distance::to_point(element, p);
+            see: |k, element: &Segment| {
+                let distance = element.distance_to(p);
                 distance >= within || see(k, distance)
             },
             is_over: false,
@@ -100,11 +99,11 @@ impl Tree {
     }
 
     /// Shows the elements whose boxes meet `place`.
-    pub(in crate::geometry) fn meeting(&self, place: &Bounds, mut see: impl FnMut(usize, &Element)) {
+    pub(in crate::geometry) fn meeting(&self, place: &Bounds, mut see: impl FnMut(usize, &Segment)) {
         self.boxes.search(&mut Search {
             elements: &self.elements,
             matters: |bounds: &Bounds| bounds.meets(place),
-            see: |k, element: &Element| {
+            see: |k, element: &Segment| {
                 if Bounds::of(element).meets(place) {
                     see(k, element);
                 }
@@ -124,7 +123,7 @@ impl Tree {
 
 /// Adds a range of elements and returns the index of its node. The tree visits the second of two halves that
 /// promise the same first, so the second is the one that comes first in the chain.
-fn add(boxes: &mut BoundingTree<Bounds, [usize; 2]>, elements: &[Element], [from, to]: [usize; 2]) -> usize {
+fn add(boxes: &mut BoundingTree<Bounds, [usize; 2]>, elements: &[Segment], [from, to]: [usize; 2]) -> usize {
     if to - from <= LEAF {
         let bounds = elements[from..to].iter().map(Bounds::of);
         return boxes.add(bounds.fold(Bounds::NONE, |all, own| all.joined(&own)), [from, to]);
@@ -136,7 +135,7 @@ fn add(boxes: &mut BoundingTree<Bounds, [usize; 2]>, elements: &[Element], [from
 
 /// Shows the elements under boxes that matter, in the order of the chain, until `see` answers false.
 struct Search<'a, M, S> {
-    elements: &'a [Element],
+    elements: &'a [Segment],
     matters: M,
     see: S,
     is_over: bool,
@@ -145,7 +144,7 @@ struct Search<'a, M, S> {
 impl<M, S> Visitor<Bounds, [usize; 2]> for Search<'_, M, S>
 where
     M: Fn(&Bounds) -> bool,
-    S: FnMut(usize, &Element) -> bool,
+    S: FnMut(usize, &Segment) -> bool,
 {
     fn promise(&self, bounds: &Bounds) -> f64 {
         if (self.matters)(bounds) { 1.0 } else { 0.0 }
@@ -162,7 +161,7 @@ where
 
 /// The search for the element nearest to a point.
 struct Nearest<'a> {
-    elements: &'a [Element],
+    elements: &'a [Segment],
     p: Point2<f64>,
     distance: f64,
 }
@@ -178,7 +177,7 @@ impl Visitor<Bounds, [usize; 2]> for Nearest<'_> {
 
     fn visit(&mut self, [from, to]: &[usize; 2], _promise: f64) {
         for element in &self.elements[*from..*to] {
-            self.distance = self.distance.min(distance::to_point(element, self.p));
+            self.distance = self.distance.min(element.distance_to(self.p));
         }
     }
 }

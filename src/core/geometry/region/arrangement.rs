@@ -24,8 +24,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::contacts;
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::tree::{Bounds, Tree};
+use crate::geometry::segment::{PlaneArc, Segment};
 
 /// The least distance from an arc's end at which the arc is divided, mm.
 const SHORTEST_MM: f64 = 1e-9;
@@ -48,12 +48,12 @@ const ELEMENTS_BETWEEN_CHECKS: usize = 64;
 /// A closed loop. The area to its left belongs to the group.
 pub(super) struct Loop<'a> {
     pub group: usize,
-    pub elements: &'a [Element],
+    pub elements: &'a [Segment],
 }
 
 /// A part of an element between two vertices; it stands for all elements that run along it.
 pub(super) struct Edge {
-    pub element: Element,
+    pub element: Segment,
     pub from: usize,
     pub to: usize,
     /// How often the loops of each group run along the edge, less how often they run back along it.
@@ -193,33 +193,27 @@ fn cuts(
 }
 
 /// A measure, which grows along the element, of how far along it a place beside it is.
-fn along(element: &Element, p: Point2<f64>) -> f64 {
+fn along(element: &Segment, p: Point2<f64>) -> f64 {
     match element {
-        Element::Arc(arc) => arc.turn.signum() * from_middle(arc, p),
-        line => (line.end() - line.start()).dot(&(p - line.start())),
+        Segment::Line { start, end } => (end - start).dot(&(p - start)),
+        Segment::Arc(arc) => arc.turn().signum() * from_middle(arc, p),
     }
 }
 
 /// The angle from the middle of an arc to the spoke of a place, radians.
 fn from_middle(arc: &PlaneArc, p: Point2<f64>) -> f64 {
-    let middle = Element::Arc(*arc).at(0.5) - arc.center;
-    let spoke = p - arc.center;
+    let middle = Segment::Arc(*arc).at(0.5) - arc.center();
+    let spoke = p - arc.center();
     middle.perp(&spoke).atan2(middle.dot(&spoke))
 }
 
 /// The part of an element between two vertices beside it. Arcs are made from their ends: an arc that missed
 /// its vertex by the snap would have nearby places on the wrong side.
-fn between(element: &Element, start: Point2<f64>, end: Point2<f64>) -> Element {
-    let turn = match element {
-        Element::Arc(arc) => from_middle(arc, end) - from_middle(arc, start),
-        _ => 0.0,
-    };
-    arc_or_line(start, end, turn)
-}
-
-/// The arc between two places that turns by `turn` radians; without a turn, the line.
-pub(super) fn arc_or_line(start: Point2<f64>, end: Point2<f64>, turn: f64) -> Element {
-    PlaneArc::with_bulge(start, end, -(turn / 4.0).tan()).map_or(Element::Line { start, end }, Element::Arc)
+fn between(element: &Segment, start: Point2<f64>, end: Point2<f64>) -> Segment {
+    match element {
+        Segment::Line { .. } => Segment::Line { start, end },
+        Segment::Arc(arc) => Segment::turning(start, end, from_middle(arc, end) - from_middle(arc, start)),
+    }
 }
 
 /// The edges without repetitions, and a place where an edge was repeated.
@@ -290,28 +284,26 @@ impl Vertices {
 
 /// Appends the parts of an element along which y only rises or only falls. A line is one part; arcs are
 /// divided at their highest and lowest points.
-pub(super) fn append_monotone(element: &Element, parts: &mut Vec<Element>) {
-    let Element::Arc(arc) = element else {
+pub(super) fn append_monotone(element: &Segment, parts: &mut Vec<Segment>) {
+    let Segment::Arc(arc) = element else {
         parts.push(*element);
         return;
     };
-    let from = arc.start - arc.center;
     let mut cuts: Vec<(f64, Point2<f64>)> = Vec::with_capacity(2);
-    for pole in [nalgebra::Vector2::y(), -nalgebra::Vector2::y()] {
-        let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
-        let angle = angle.rem_euclid(std::f64::consts::TAU);
+    for pole in [Vector2::y(), -Vector2::y()] {
+        let angle = arc.angle_to(pole);
         // If the highest or lowest point is nearer to an end than this, y only rises or only falls along the
         // arc, to rounding.
-        let shortest = SHORTEST_MM / arc.radius;
-        if angle > shortest && angle < arc.turn.abs() - shortest {
-            cuts.push((angle, arc.center + pole * arc.radius));
+        let shortest = SHORTEST_MM / arc.radius();
+        if angle > shortest && angle < arc.turn().abs() - shortest {
+            cuts.push((angle, arc.center() + pole * arc.radius()));
         }
     }
     cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut turned, mut start) = (0.0, arc.start);
-    for (angle, place) in cuts.into_iter().chain([(arc.turn.abs(), arc.end)]) {
-        let turn = arc.turn.signum() * (angle - turned);
-        parts.push(Element::Arc(PlaneArc { start, end: place, turn, ..*arc }));
+    let (mut turned, mut start) = (0.0, arc.start());
+    for (angle, place) in cuts.into_iter().chain([(arc.turn().abs(), arc.end())]) {
+        let turn = arc.turn().signum() * (angle - turned);
+        parts.push(arc.between([start, place], turn));
         (turned, start) = (angle, place);
     }
 }

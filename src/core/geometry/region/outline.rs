@@ -6,9 +6,8 @@ use super::arrangement::{Arrangement, Loop, SNAP_MM};
 use super::winding::{self, Sides};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bounding_tree::Volume;
-use crate::geometry::element::{Element, PlaneArc};
-use crate::geometry::offset::distance;
 use crate::geometry::offset::tree::{Bounds, Tree};
+use crate::geometry::segment::Segment;
 
 /// The largest coordinate or radius, mm: its rounding is a hundredth of [`SNAP_MM`].
 const LARGEST_MM: f64 = 1e8;
@@ -24,7 +23,7 @@ const SMALL_TURN: f64 = 0.05;
 /// touch itself in single points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
-    elements: Vec<Element>,
+    elements: Vec<Segment>,
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -33,8 +32,6 @@ pub enum OutlineError {
     Stopped(#[from] Stopped),
     #[error("the outline has no elements")]
     Empty,
-    #[error("element {index} of the outline is a parabola; outlines consist of lines and arcs")]
-    Parabola { index: usize },
     #[error("element {index} of the outline has a coordinate or a radius beyond {LARGEST_MM:e} mm")]
     TooLarge { index: usize },
     #[error("element {index} of the outline ends {gap_mm} mm from the start of the next element, near {at}")]
@@ -53,7 +50,7 @@ impl Outline {
     ///
     /// # Errors
     /// One of [`OutlineError`]. Indices count elements from 0.
-    pub fn new(elements: &[Element], budget: &Budget) -> Result<Self, OutlineError> {
+    pub fn new(elements: &[Segment], budget: &Budget) -> Result<Self, OutlineError> {
         let joined = joined(elements)?;
         let area = area(&joined);
         if area.abs() <= SNAP_MM * length(&joined) {
@@ -75,11 +72,11 @@ impl Outline {
     }
 
     /// An outline of elements that need no check.
-    pub(super) fn unchecked(elements: Vec<Element>) -> Self {
+    pub(super) fn unchecked(elements: Vec<Segment>) -> Self {
         Self { elements }
     }
 
-    pub fn elements(&self) -> &[Element] {
+    pub fn elements(&self) -> &[Segment] {
         &self.elements
     }
 
@@ -97,13 +94,12 @@ impl Outline {
             let triangle = 0.5 * start.perp(&end);
             area += triangle;
             moment += (start + end) * (triangle / 3.0);
-            if let Element::Arc(arc) = element {
-                // The segment between arc and chord.
-                let segment = 0.5 * arc.radius * arc.radius * turn_less_sine(arc.turn);
-                let outward = (element.at(0.5) - arc.center) / arc.radius;
-                let lever = (arc.radius * (0.5 * arc.turn).sin()).powi(3) * (2.0 / 3.0);
-                area += segment;
-                moment += (arc.center - origin) * segment + outward * lever;
+            if let Segment::Arc(arc) = element {
+                let between = 0.5 * arc.radius() * arc.radius() * turn_less_sine(arc.turn());
+                let outward = (element.at(0.5) - arc.center()) / arc.radius();
+                let lever = (arc.radius() * (0.5 * arc.turn()).sin()).powi(3) * (2.0 / 3.0);
+                area += between;
+                moment += (arc.center() - origin) * between + outward * lever;
             }
         }
         origin + moment / area
@@ -116,7 +112,7 @@ impl Outline {
         for element in &self.elements {
             let (middle, reach) = element.disc();
             tree.near(middle, least + reach, |k, _| {
-                least = least.min(distance::between(element, &other.elements[k]).0);
+                least = least.min(element.distance_between(&other.elements[k]).0);
                 true
             });
         }
@@ -133,20 +129,20 @@ impl Outline {
     /// The same loop in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        Self { elements: self.elements.iter().rev().map(Element::reversed).collect() }
+        Self { elements: self.elements.iter().rev().map(Segment::reversed).collect() }
     }
 
     /// The loop with x negated, in the direction that keeps the same side on its left.
     #[must_use]
     pub fn mirrored(&self) -> Self {
-        let mirrored = |element: &Element| element.mirrored().reversed();
+        let mirrored = |element: &Segment| element.mirrored().reversed();
         Self { elements: self.elements.iter().rev().map(mirrored).collect() }
     }
 }
 
 /// The elements with gaps closed: each starts where the one before it ends. Arcs are made again from their
 /// ends and turns.
-fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
+fn joined(elements: &[Segment]) -> Result<Vec<Segment>, OutlineError> {
     if let Some(index) = elements.iter().position(|element| !is_small(element)) {
         return Err(OutlineError::TooLarge { index });
     }
@@ -159,29 +155,20 @@ fn joined(elements: &[Element]) -> Result<Vec<Element>, OutlineError> {
             let index = index.checked_sub(1).unwrap_or(elements.len() - 1);
             return Err(OutlineError::Open { index, gap_mm, at: start });
         }
-        let end = element.end();
-        match element {
-            Element::Parabola { .. } => return Err(OutlineError::Parabola { index }),
-            Element::Arc(arc) => {
-                let bulge = -(arc.turn / 4.0).tan();
-                let rise = 0.5 * bulge.abs() * (end - start).norm();
-                let arc = PlaneArc::with_bulge(start, end, bulge).filter(|_| rise > FLAT_MM);
-                joined.push(arc.map_or(Element::Line { start, end }, Element::Arc));
-            }
-            Element::Line { .. } => joined.push(Element::Line { start, end }),
-        }
+        let (end, bulge) = (element.end(), -(element.turn() / 4.0).tan());
+        let is_flat = 0.5 * bulge.abs() * (end - start).norm() <= FLAT_MM;
+        joined.push(if is_flat { Segment::Line { start, end } } else { Segment::bulging(start, end, bulge) });
         start = end;
     }
     joined.retain(|element| element.start() != element.end());
     if joined.is_empty() { Err(OutlineError::NoArea) } else { Ok(joined) }
 }
 
-/// Whether all numbers of an element are finite, and its coordinates and radius at most [`LARGEST_MM`].
-fn is_small(element: &Element) -> bool {
+/// Whether the ends of an element are finite, and its coordinates and radius at most [`LARGEST_MM`].
+fn is_small(element: &Segment) -> bool {
     // The magnitude does not show every NaN.
     let is_finite = [element.start(), element.end()].iter().flat_map(|p| p.iter()).all(|x| x.is_finite());
-    let turns = if let Element::Arc(arc) = element { arc.turn.is_finite() } else { true };
-    is_finite && turns && element.magnitude() <= LARGEST_MM
+    is_finite && element.magnitude() <= LARGEST_MM
 }
 
 /// The area that closed chains of lines and arcs enclose, mm². Counterclockwise chains count as positive,
@@ -189,18 +176,19 @@ fn is_small(element: &Element) -> bool {
 ///
 /// The result is the signed area of the polygons that the chords form, plus the signed area between each arc
 /// and its chord.
-pub fn area(chain: &[Element]) -> f64 {
-    let Some(origin) = chain.first().map(Element::start) else { return 0.0 };
-    let twice = |element: &Element| {
+pub fn area(chain: &[Segment]) -> f64 {
+    let Some(origin) = chain.first().map(Segment::start) else { return 0.0 };
+    let twice = |element: &Segment| {
         let chord = (element.start() - origin).perp(&(element.end() - origin));
         match element {
-            Element::Arc(arc) => chord + arc.radius * arc.radius * turn_less_sine(arc.turn),
-            _ => chord,
+            Segment::Line { .. } => chord,
+            Segment::Arc(arc) => chord + arc.radius() * arc.radius() * turn_less_sine(arc.turn()),
         }
     };
     0.5 * chain.iter().map(twice).sum::<f64>()
 }
 
+/// The area between an arc of radius 1 and its chord, twice.
 fn turn_less_sine(turn: f64) -> f64 {
     if turn.abs() > SMALL_TURN {
         return turn - turn.sin();
@@ -210,6 +198,6 @@ fn turn_less_sine(turn: f64) -> f64 {
 }
 
 /// The length of a chain, mm.
-pub(super) fn length(chain: &[Element]) -> f64 {
-    chain.iter().map(Element::length).sum()
+pub(super) fn length(chain: &[Segment]) -> f64 {
+    chain.iter().map(Segment::length).sum()
 }

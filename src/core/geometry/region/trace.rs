@@ -17,13 +17,13 @@ use std::collections::HashMap;
 
 use nalgebra::{Point2, Vector2};
 
-use super::arrangement::{Arrangement, Edge, SNAP_MM, append_monotone, arc_or_line};
+use super::arrangement::{Arrangement, Edge, SNAP_MM, append_monotone};
 use super::outline::{self, Outline};
 use super::winding::{self, Sides};
 use super::{Face, RegionError};
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::offset::tree::Tree;
+use crate::geometry::segment::Segment;
 
 /// Lines and circles that differ by less are the same, mm: the difference is rounding.
 const SAME_CARRIER_MM: f64 = 1e-9;
@@ -44,7 +44,7 @@ pub(super) enum Wedge {
 /// An edge of the boundary, with the area on its left.
 #[derive(Clone, Copy)]
 struct Side {
-    element: Element,
+    element: Segment,
     from: usize,
     to: usize,
     origin: usize,
@@ -116,7 +116,7 @@ pub(super) fn contours<'a>(
     outlines: impl Iterator<Item = &'a Outline>,
     wedge: Wedge,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, RegionError> {
+) -> Result<Vec<Vec<Segment>>, RegionError> {
     let mut vertices = Vec::new();
     let mut known = HashMap::new();
     let mut at = |p: Point2<f64>| {
@@ -125,7 +125,7 @@ pub(super) fn contours<'a>(
             vertices.len() - 1
         })
     };
-    let side = |(origin, element): (usize, &Element)| {
+    let side = |(origin, element): (usize, &Segment)| {
         let [from, to] = [element.start(), element.end()].map(&mut at);
         Side { element: *element, from, to, origin }
     };
@@ -199,10 +199,10 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
     // Sides may be tangent to each other at the vertex. So directions are measured as far from the vertex as
     // the shortest side allows.
     let arrived = boundary[k].element.reversed();
-    let chord = |element: &Element| (element.end() - element.start()).norm();
+    let chord = |element: &Segment| (element.end() - element.start()).norm();
     let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
     let reach = 0.5 * elements().map(chord).fold(f64::INFINITY, f64::min);
-    let direction = |element: &Element| {
+    let direction = |element: &Segment| {
         let t = (reach / element.length()).min(1.0);
         element.at(t) - element.start()
     };
@@ -217,7 +217,7 @@ fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Optio
 
 /// The elements of a loop: successive sides on one line or circle are one element, unless `is_end` holds for
 /// the vertex between them.
-fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Element> {
+fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Segment> {
     let joint = |before: &Side, after: &Side| if is_end(after.from) { None } else { joint([before, after]) };
     // If the loop begins in the middle of an element, that element comes last.
     let start = (1..sides.len()).find(|k| joint(&sides[k - 1], &sides[*k]).is_none()).unwrap_or(0);
@@ -231,29 +231,29 @@ fn joined(sides: &[Side], is_end: impl Fn(usize) -> bool) -> Vec<Element> {
         }
     }
     let remade = |side: Side| match side.element {
-        Element::Arc(arc) => arc_or_line(arc.start, arc.end, arc.turn),
-        line => line,
+        Segment::Line { .. } => side.element,
+        Segment::Arc(arc) => Segment::turning(arc.start(), arc.end(), arc.turn()),
     };
     elements.into_iter().map(remade).collect()
 }
 
 /// One element for two sides, if both are on the same line or circle.
-fn joint([before, after]: [&Side; 2]) -> Option<Element> {
+fn joint([before, after]: [&Side; 2]) -> Option<Segment> {
     let is_one = before.origin == after.origin;
     match (before.element, after.element) {
-        (Element::Arc(a), Element::Arc(b)) => {
-            let turn = a.turn + b.turn;
-            let beside = (a.center - b.center).norm() + (a.radius - b.radius).abs();
+        (Segment::Arc(a), Segment::Arc(b)) => {
+            let turn = a.turn() + b.turn();
+            let beside = (a.center() - b.center()).norm() + (a.radius() - b.radius()).abs();
             let is_same = is_one || beside <= SAME_CARRIER_MM;
-            (is_same && a.turn * b.turn > 0.0 && turn.abs() <= LARGEST_TURN)
-                .then_some(Element::Arc(PlaneArc { end: b.end, turn, ..a }))
+            (is_same && a.turn() * b.turn() > 0.0 && turn.abs() <= LARGEST_TURN)
+                .then(|| a.between([a.start(), b.end()], turn))
         }
-        (Element::Line { start, end: middle }, Element::Line { end, .. }) => {
+        (Segment::Line { start, end: middle }, Segment::Line { end, .. }) => {
             let chord = (end - start).normalize();
             let beside = chord.perp(&(middle - start)).abs();
             let is_ahead = (middle - start).dot(&(end - middle)) > 0.0;
             (is_ahead && (is_one && beside <= SNAP_MM || beside <= SAME_CARRIER_MM))
-                .then_some(Element::Line { start, end })
+                .then_some(Segment::Line { start, end })
         }
         _ => None,
     }

@@ -17,8 +17,8 @@ use nalgebra::Point2;
 
 use super::arrangement::{Arrangement, Edge};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::Element;
 use crate::geometry::offset::tree::{Bounds, Tree};
+use crate::geometry::segment::Segment;
 
 /// Edges between two checks of the budget.
 const EDGES_BETWEEN_CHECKS: usize = 64;
@@ -34,7 +34,7 @@ pub(super) struct Sides {
 /// y must only rise or only fall. The side of the element on which `p` lies decides, by the cross product for
 /// a line, and by the distance from the centre for an arc. No crossing is computed, so a ray that is tangent
 /// to an arc needs no special case.
-pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
+pub(super) fn passes(element: &Segment, p: Point2<f64>) -> i32 {
     let (start, end) = (element.start(), element.end());
     let sense = match (start.y <= p.y, end.y <= p.y) {
         (true, false) => 1,
@@ -42,16 +42,16 @@ pub(super) fn passes(element: &Element, p: Point2<f64>) -> i32 {
         _ => return 0,
     };
     let is_ahead = match element {
-        Element::Arc(arc) => {
-            let is_in_circle = (p - arc.center).norm() < arc.radius;
-            let bulges_ahead = f64::from(sense) * arc.turn > 0.0;
+        Segment::Line { .. } => f64::from(sense) * (end - start).perp(&(p - start)) > 0.0,
+        Segment::Arc(arc) => {
+            let is_in_circle = (p - arc.center()).norm() < arc.radius();
+            let bulges_ahead = f64::from(sense) * arc.turn() > 0.0;
             if bulges_ahead {
-                p.x < arc.center.x || is_in_circle
+                p.x < arc.center().x || is_in_circle
             } else {
-                p.x < arc.center.x && !is_in_circle
+                p.x < arc.center().x && !is_in_circle
             }
         }
-        _ => f64::from(sense) * (end - start).perp(&(p - start)) > 0.0,
     };
     if is_ahead { sense } else { 0 }
 }

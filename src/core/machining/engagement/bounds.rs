@@ -3,9 +3,9 @@
 use nalgebra::Vector2;
 
 use super::spans::{self, Few, Left, Spans};
-use super::{Chord, Enough, Frame, REACH, Segment, Stretch, Swept, distance_to_segment};
+use super::{Chord, Enough, Frame, LongChord, REACH, Stretch, Swept, distance_to_chord};
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 
 /// How near the bound of a stretch comes to the angles at its ends, degrees.
 const CLOSE_DEG: f64 = 1.0;
@@ -23,18 +23,18 @@ const MIXED: f64 = 0.1;
 /// Stretches between two checks of the budget.
 const STRETCHES_BETWEEN_CHECKS: usize = 256;
 
-/// The points of the half circle that segments free at a place.
+/// The points of the half circle that chords free at a place.
 pub(super) struct Freed {
-    /// The index of each segment with the ranges that the segment frees, and the same of the short chords.
-    of_segments: [Vec<(u32, Few)>; 2],
+    /// The index of each long chord with the ranges that the chord frees, and the same of the short chords.
+    of_chords: [Vec<(u32, Few)>; 2],
     pub left: Left,
 }
 
-/// The part of the half circle that no single segment frees at both places. The indices of the segments have
-/// to be in ascending order.
+/// The part of the half circle that no single chord frees at both places. The indices of the chords have to
+/// be in ascending order.
 fn common(first: &Freed, last: &Freed) -> Left {
     let mut both = Spans::default();
-    for (first, last) in first.of_segments.iter().zip(&last.of_segments) {
+    for (first, last) in first.of_chords.iter().zip(&last.of_chords) {
         let mut others = last.iter().peekable();
         for (k, own) in first {
             while others.next_if(|(other, _)| other < k).is_some() {}
@@ -50,7 +50,7 @@ impl Swept {
     /// Adds bounds of the angles along a part of a motion.
     pub(super) fn angles(
         &mut self,
-        motion: &Element,
+        motion: &Segment,
         [from, to]: [f64; 2],
         enough: Enough,
         stretches: &mut Vec<Stretch>,
@@ -62,8 +62,8 @@ impl Swept {
         let (middle, reach) = part.disc();
         let within = REACH * self.radius_mm + reach;
         near.retain(|k| {
-            let Chord { start, end, .. } = self.segments[*k as usize].chord;
-            distance_to_segment(middle, start, end) < within
+            let Chord { start, end, .. } = self.long_chords[*k as usize].chord;
+            distance_to_chord(middle, start, end) < within
         });
         let count = self.straight_parts(&part);
         let at = |k: usize| from + (to - from) * (k as f64 / count as f64);
@@ -92,7 +92,7 @@ impl Swept {
     /// Bounds of the halves of a stretch, and of their halves, until they are final.
     fn halve(
         &mut self,
-        motion: &Element,
+        motion: &Segment,
         range: [f64; 2],
         enough: Enough,
         near: &[u32],
@@ -125,7 +125,7 @@ impl Swept {
     /// Whether the bound of a stretch is near the angles at its ends, or as good as it gets.
     fn is_final(
         &self,
-        motion: &Element,
+        motion: &Segment,
         [from, to]: [f64; 2],
         left: Left,
         at_ends: [Left; 2],
@@ -141,54 +141,54 @@ impl Swept {
     }
 
     /// The number of parts of a motion along which points of the circle move straight enough.
-    fn straight_parts(&self, motion: &Element) -> usize {
+    fn straight_parts(&self, motion: &Segment) -> usize {
         match motion {
-            Element::Arc(arc) => {
-                let height = STRAIGHT * self.radius_mm / (arc.radius + self.radius_mm);
-                (arc.turn.abs() / (2.0 * (1.0 - height).acos())).ceil().max(1.0) as usize
+            Segment::Arc(arc) => {
+                let height = STRAIGHT * self.radius_mm / (arc.radius() + self.radius_mm);
+                (arc.turn().abs() / (2.0 * (1.0 - height).acos())).ceil().max(1.0) as usize
             }
-            _ => 1,
+            Segment::Line { .. } => 1,
         }
     }
 
-    /// The points that segments free at a place of a motion, where points of the circle move up to
+    /// The points that chords free at a place of a motion, where points of the circle move up to
     /// `height_mm` away from their chords.
-    fn freed(&self, motion: &Element, t: f64, height_mm: f64, near: &[u32]) -> Freed {
+    fn freed(&self, motion: &Segment, t: f64, height_mm: f64, near: &[u32]) -> Freed {
         self.freed_in(&Frame::at(motion, t), height_mm, near)
     }
 
-    /// The points that segments free in a frame. The short chords are used only where the segments leave
+    /// The points that chords free in a frame. The short chords are used only where the long ones leave
     /// material.
     fn freed_in(&self, frame: &Frame, height_mm: f64, near: &[u32]) -> Freed {
         let mut all = Spans::default();
-        let mut of_segments = Vec::with_capacity(near.len());
-        let mut of_chords = Vec::new();
+        let mut of_long = Vec::with_capacity(near.len());
+        let mut of_short = Vec::new();
         let half_circle = all.disc_of_left().unwrap_or_default();
         for k in near {
-            let segment = &self.segments[*k as usize];
-            if let Some(own) = self.freed_by(&segment.chord, frame, height_mm, half_circle) {
+            let long = &self.long_chords[*k as usize];
+            if let Some(own) = self.freed_by(&long.chord, frame, height_mm, half_circle) {
                 all.add(&own);
-                of_segments.push((*k, own));
+                of_long.push((*k, own));
             }
         }
         if let Some(disc) = all.disc_of_left() {
             for k in near {
-                let segment = &self.segments[*k as usize];
-                if !self.may_free_more(segment, frame, disc) {
+                let long = &self.long_chords[*k as usize];
+                if !self.may_free_more(long, frame, disc) {
                     continue;
                 }
-                for (chord, k) in self.short(segment).iter().zip(segment.short[0]..) {
+                for (chord, k) in self.short(long).iter().zip(long.short[0]..) {
                     if let Some(own) = self.freed_by(chord, frame, height_mm, disc) {
                         all.add(&own);
-                        of_chords.push((k, own));
+                        of_short.push((k, own));
                     }
                 }
             }
         }
-        Freed { of_segments: [of_segments, of_chords], left: all.left() }
+        Freed { of_chords: [of_long, of_short], left: all.left() }
     }
 
-    /// The part of the half circle that no segment frees in a frame. The last segments come first: they lie
+    /// The part of the half circle that no chord frees in a frame. The last chords come first: they lie
     /// beside the cutter, and most others add nothing to what they free.
     pub(super) fn left_in(&self, frame: &Frame, near: &mut Vec<u32>) -> Left {
         near.sort_unstable_by(|a, b| b.cmp(a));
@@ -197,9 +197,9 @@ impl Swept {
         let mut disc = all.disc_of_left().unwrap_or_default();
         for short in [false, true] {
             for k in near.iter() {
-                let segment = &self.segments[*k as usize];
-                let chords = if short { self.short(segment) } else { std::slice::from_ref(&segment.chord) };
-                if short && !self.may_free_more(segment, frame, disc) {
+                let long = &self.long_chords[*k as usize];
+                let chords = if short { self.short(long) } else { std::slice::from_ref(&long.chord) };
+                if short && !self.may_free_more(long, frame, disc) {
                     continue;
                 }
                 for chord in chords {
@@ -216,11 +216,11 @@ impl Swept {
         all.left()
     }
 
-    /// Whether the short chords of a segment may free a point of a disc, in radii of the cutter.
-    fn may_free_more(&self, segment: &Segment, frame: &Frame, (middle, within): (Vector2<f64>, f64)) -> bool {
-        let Chord { start, end, slack_mm } = segment.chord;
+    /// Whether the short chords of a long one may free a point of a disc, in radii of the cutter.
+    fn may_free_more(&self, long: &LongChord, frame: &Frame, (middle, within): (Vector2<f64>, f64)) -> bool {
+        let Chord { start, end, slack_mm } = long.chord;
         let [a, b] = [start, end].map(|p| frame.local(p) / self.radius_mm);
-        segment.short[0] < segment.short[1]
+        long.short[0] < long.short[1]
             && spans::is_near(a - middle, b - middle, 1.0 + slack_mm / self.radius_mm + within)
     }
 
@@ -243,10 +243,12 @@ impl Swept {
 
     /// How far points of the circle come from their chords along a part of a motion, mm. They are at most the
     /// sum of both radii from the centre of the motion's arc.
-    fn height_mm(&self, motion: &Element, part: f64) -> f64 {
+    fn height_mm(&self, motion: &Segment, part: f64) -> f64 {
         match motion {
-            Element::Arc(arc) => (arc.radius + self.radius_mm) * (1.0 - (0.5 * arc.turn.abs() * part).cos()),
-            _ => 0.0,
+            Segment::Arc(arc) => {
+                (arc.radius() + self.radius_mm) * (1.0 - (0.5 * arc.turn().abs() * part).cos())
+            }
+            Segment::Line { .. } => 0.0,
         }
     }
 }

@@ -1,12 +1,12 @@
-//! A grid of square cells that finds the segments near a place. Segments may be added between searches.
+//! A grid of square cells that finds the chords near a place. Chords may be added between searches.
 
 use std::collections::HashMap;
 
 use nalgebra::Point2;
 
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 
-/// The cells that list segments, each with the indices of its segments.
+/// The cells that list chords, each with the indices of its chords.
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
     size_mm: f64,
@@ -18,8 +18,8 @@ impl Cells {
         Self { size_mm, cells: HashMap::new() }
     }
 
-    /// Adds a segment. The segment is divided into pieces that are at most as long as a cell. The cell with
-    /// the middle of a piece lists the segment.
+    /// Adds a chord. The chord is divided into pieces that are at most as long as a cell. The cell with the
+    /// middle of a piece lists the chord.
     pub(super) fn add(&mut self, start: Point2<f64>, end: Point2<f64>, index: u32) {
         let count = ((end - start).norm() / self.size_mm).ceil().max(1.0) as usize;
         let mut before = None;
@@ -33,15 +33,15 @@ impl Cells {
         }
     }
 
-    /// Finds the segments that may be nearer to an element than `within` mm, each once, in ascending order.
-    pub(super) fn near(&self, element: &Element, within: f64, found: &mut Vec<u32>) {
+    /// Finds the chords that may be nearer to an element than `within` mm, each once, in ascending order.
+    pub(super) fn near(&self, element: &Segment, within: f64, found: &mut Vec<u32>) {
         let (middle, reach) = element.disc();
         self.about(middle, reach + within, found);
         found.sort_unstable();
         found.dedup();
     }
 
-    /// Finds the segments that may be nearer to a place than `within` mm. A segment may be found more than
+    /// Finds the chords that may be nearer to a place than `within` mm. A chord may be found more than
     /// once.
     pub(super) fn about(&self, middle: Point2<f64>, within: f64, found: &mut Vec<u32>) {
         found.clear();

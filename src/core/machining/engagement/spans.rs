@@ -8,11 +8,11 @@ use nalgebra::Vector2;
 /// Points nearer than this to the boundary of a stadium count as outside.
 const ROUNDING: f64 = 1e-12;
 
-/// The most ranges that one segment frees. The boundary of the segment's stadium crosses the circle at most
+/// The most ranges that one chord frees. The boundary of the chord's stadium crosses the circle at most
 /// eight times. Between these crossings the half circle has at most five ranges inside the stadium.
 const MOST: usize = 5;
 
-/// The ranges that one segment frees, in ascending order.
+/// The ranges that one chord frees, in ascending order.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Few {
     count: usize,
@@ -106,7 +106,7 @@ pub(super) struct Left {
     pub width: f64,
 }
 
-/// Whether the segment from `a` to `b` is nearer to the origin than `within`.
+/// Whether the chord from `a` to `b` is nearer to the origin than `within`.
 pub(super) fn is_near(a: Vector2<f64>, b: Vector2<f64>, within: f64) -> bool {
     let chord = b - a;
     let square = chord.norm_squared();
@@ -114,7 +114,7 @@ pub(super) fn is_near(a: Vector2<f64>, b: Vector2<f64>, within: f64) -> bool {
     (a + chord * u).norm_squared() < within * within
 }
 
-/// The ranges of the half circle that are nearer than `reach` to the segment from `a` to `b`.
+/// The ranges of the half circle that are nearer than `reach` to the chord from `a` to `b`.
 pub(super) fn freed(a: Vector2<f64>, b: Vector2<f64>, reach: f64) -> Few {
     let mut few = Few::default();
     let chord = b - a;

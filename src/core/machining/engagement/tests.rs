@@ -4,26 +4,26 @@ use nalgebra::Point2;
 
 use super::{Enough, Swept, straight_angle};
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::segment::Segment;
 
 const RADIUS_MM: f64 = 5.0;
 
 /// How much a bound may be above the angle, radians: two degrees.
 const LOOSE: f64 = 0.035;
 
-fn line(from: [f64; 2], to: [f64; 2]) -> Element {
-    Element::Line { start: from.into(), end: to.into() }
+fn line(from: [f64; 2], to: [f64; 2]) -> Segment {
+    Segment::Line { start: from.into(), end: to.into() }
 }
 
 /// A circle about the origin to the left, from the right.
-fn circle(radius: f64) -> [Element; 2] {
+fn circle(radius: f64) -> [Segment; 2] {
     let place = |x: f64| Point2::new(x, 0.0);
-    let half = |start, end| Element::Arc(PlaneArc { start, end, center: Point2::origin(), radius, turn: PI });
+    let half = |start, end| Segment::about(Point2::origin(), radius, [start, end], PI);
     [half(place(radius), place(-radius)), half(place(-radius), place(radius))]
 }
 
 /// The largest angle along elements that are followed one after the other.
-fn largest(swept: &mut Swept, elements: &[Element]) -> f64 {
+fn largest(swept: &mut Swept, elements: &[Segment]) -> f64 {
     let mut largest = 0.0f64;
     for element in elements {
         let stretches = swept.follow(element, Enough::Angle(0.0), &Budget::unlimited()).unwrap();
@@ -116,8 +116,8 @@ fn no_angle_inside_a_stretch_is_above_its_bound() {
         let (x, y) = (15.0 * turn.cos(), 11.0 * turn.sin());
         largest(&mut swept, &[line([x, y], [1.3 * y, 0.7 * x])]);
     }
-    let arc = PlaneArc::with_bulge(Point2::new(-25.0, -6.0), Point2::new(24.0, 9.0), 0.4).unwrap();
-    for motion in [Element::Arc(arc), line([-25.0, 3.0], [25.0, -4.0])] {
+    let arc = Segment::bulging(Point2::new(-25.0, -6.0), Point2::new(24.0, 9.0), 0.4);
+    for motion in [arc, line([-25.0, 3.0], [25.0, -4.0])] {
         let stretches = swept.survey(&motion, Enough::Angle(0.0), &Budget::unlimited()).unwrap();
         for stretch in stretches {
             for k in 0..=10 {

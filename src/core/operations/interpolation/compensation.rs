@@ -3,14 +3,14 @@
 use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::element::Element;
 use crate::geometry::offset::{OffsetError, Side, offset, unreached};
+use crate::geometry::segment::Segment;
 
 /// The path of the cutter's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensated {
     /// Chains of lines and arcs, in the direction of the contour.
-    pub chains: Vec<Vec<Element>>,
+    pub chains: Vec<Vec<Segment>>,
     /// The largest distance between the cutter and the contour, at sampled points, mm.
     pub uncut_mm: f64,
 }
@@ -35,7 +35,7 @@ pub enum CompensationError {
 /// # Errors
 /// One of [`CompensationError`].
 pub fn compensate(
-    contour: &[Element],
+    contour: &[Segment],
     side: Side,
     radius_mm: f64,
     mitre_mm: f64,
@@ -53,7 +53,7 @@ impl From<OffsetError> for CompensationError {
     fn from(error: OffsetError) -> Self {
         match error {
             OffsetError::Stopped(stopped) => Self::Stopped(stopped),
-            OffsetError::Unproved { at } | OffsetError::Parabola { at } => Self::Gouges { at },
+            OffsetError::Unproved { at } => Self::Gouges { at },
             OffsetError::TooMany { limit } => Self::TooMany { limit },
         }
     }

@@ -8,9 +8,11 @@ use nalgebra::{Point2, Vector2};
 use super::job::Method;
 use super::meter::Meter;
 use crate::geometry::arc_fit::{FLATTEST_MM, LARGEST_RADIUS_MM};
-use crate::geometry::deviation::{Band, Ends, GUARD_MM, GUARD_PART, Measure, Spread, Verdict, judge};
-use crate::geometry::element::Element;
+use crate::geometry::deviation::{
+    Band, Element, Ends, GUARD_MM, GUARD_PART, Measure, Spread, Verdict, judge,
+};
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::geometry::segment::Segment;
 use bow::Bow;
 
 /// Places at which a deviation is sampled, as shares of a range: at even steps, or, for bands with a narrow
@@ -159,7 +161,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             return None;
         }
         match shape {
-            Shape::Line => Some(Element::Line { start, end }),
+            Shape::Line => Some(Segment::Line { start, end }.into()),
             Shape::Parabola if self.is_lopsided() => {
                 let chord = (end - start).normalize();
                 let axis = if self.curve.is_graph() { Vector2::y() } else { Vector2::new(-chord.y, chord.x) };
@@ -191,7 +193,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         let p = self.curve.point(t);
         match self.band.measure {
             Measure::Normal => {
-                let foot = element.foot(p, near);
+                let (foot, _) = element.foot(p, near);
                 // Beyond an end of the element, the point is farther from the element than from its
                 // continuation.
                 let out = (-foot.u).max(foot.u - 1.0);
@@ -217,17 +219,17 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         let half = 0.5 * (end - start).norm();
         let bows = Bow::Arcs { start, end };
         let bulge = self.best_bow(&bows, [from, to])?;
-        let line = Element::Line { start, end };
+        let line = Segment::Line { start, end };
         let (below, above) = (self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM);
         let is_near = |s: &f64| {
-            (-above..=below).contains(&line.foot(self.curve.point(from + (to - from) * s), 0.5).distance)
+            (-above..=below).contains(&line.foot(self.curve.point(from + (to - from) * s)).distance)
         };
         let is_straight = self.places().iter().all(is_near);
         let is_too_large = half * (1.0 + bulge * bulge) > 2.0 * bulge.abs() * LARGEST_RADIUS_MM;
         if is_too_large || (is_straight && (bulge * half).abs() < FLATTEST_MM) {
-            return Some(line);
+            return Some(line.into());
         }
-        Some(bows.element(bulge).unwrap_or(line))
+        Some(Segment::bulging(start, end, bulge).into())
     }
 
     /// The bow whose deviations use both sides of the band alike; `None` if it is not finite.

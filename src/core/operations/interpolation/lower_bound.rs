@@ -29,9 +29,9 @@ use super::Error;
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
 use crate::geometry::deviation::{Ends, GUARD_MM, Measure, Verdict, judge};
-use crate::geometry::element::Element;
 use crate::geometry::interval::Interval;
 use crate::geometry::plane_curve::{Enclosure, PlaneCurve};
+use crate::geometry::segment::Segment;
 use crate::geometry::solve::bisect;
 
 /// How far beyond the guessed reach an element is tested, as shares of its length. The first element that
@@ -112,8 +112,11 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     /// Whether the chord over a range certainly leaves the band.
     fn is_outside(&self, [from, to]: [f64; 2]) -> bool {
-        let element = Element::Line { start: self.curve.point(from), end: self.curve.point(to) };
-        matches!(judge(self.curve, &element, [from, to], Ends::OnCurve, &self.band), Verdict::Outside { .. })
+        let line = Segment::Line { start: self.curve.point(from), end: self.curve.point(to) };
+        matches!(
+            judge(self.curve, &line.into(), [from, to], Ends::OnCurve, &self.band),
+            Verdict::Outside { .. }
+        )
     }
 
     /// Whether the curve turns to one side only over a range; by the normal measure also by less than a right

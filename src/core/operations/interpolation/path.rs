@@ -8,10 +8,10 @@ use super::meter::{Meter, Metered};
 use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
-use crate::geometry::deviation::Measure;
-use crate::geometry::element::Element;
+use crate::geometry::deviation::{Element, Measure};
 use crate::geometry::plane::Plane;
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::geometry::segment::Segment;
 use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::quantize::{self, Arcs, Parabolas};
@@ -50,16 +50,21 @@ pub fn path(
 ) -> Result<Path, Error> {
     let cutting = job.cutting.map(|cutting| cutting.above(TOP_MM.max(job.z_mm))).transpose()?;
     let stretches = runnable(curve, elements, job, budget)?;
-    let uncompensated: Vec<Element> = stretches.iter().map(|stretch| stretch.element).collect();
     let mut warnings = Vec::new();
     let chains = match job.compensation {
-        None => vec![uncompensated],
+        None => vec![stretches.iter().map(|stretch| stretch.element).collect()],
         Some((side, radius_mm)) => {
             let mitre_mm = MITRE_STEPS * job.resolution.step_mm();
-            let compensated = compensate(&uncompensated, side, radius_mm, mitre_mm, budget)?;
+            let segment = |stretch: &ProvedElement| match stretch.element {
+                Element::Segment(segment) => Ok(segment),
+                Element::Parabola { .. } => Err(Error::CompensatedParabola),
+            };
+            let contour = stretches.iter().map(segment).collect::<Result<Vec<Segment>, Error>>()?;
+            let compensated = compensate(&contour, side, radius_mm, mitre_mm, budget)?;
             let uncut_mm = compensated.uncut_mm;
             warnings.extend((uncut_mm > UNCUT_MM).then_some(Warning::ContourNotReached { uncut_mm }));
-            compensated.chains
+            let elements = |chain: Vec<Segment>| chain.into_iter().map(Element::Segment).collect();
+            compensated.chains.into_iter().map(elements).collect()
         }
     };
     let lifted = |chain: &Vec<Element>| chain.iter().map(|element| lifted(element, job.z_mm)).collect();
@@ -138,10 +143,12 @@ fn runnable(
 fn lifted(element: &Element, z_mm: f64) -> Result<Curve, Error> {
     let at = |p: &Point2<f64>| Point3::new(p.x, p.y, z_mm);
     Ok(match element {
-        Element::Line { start, end } => Curve::Line(Line { start: at(start), end: at(end) }),
-        Element::Arc(arc) => {
-            let direction = if arc.turn > 0.0 { Direction::Ccw } else { Direction::Cw };
-            let arc = Arc::new(Plane::Xy, direction, at(&arc.start), at(&arc.end), at(&arc.center));
+        Element::Segment(Segment::Line { start, end }) => {
+            Curve::Line(Line { start: at(start), end: at(end) })
+        }
+        Element::Segment(Segment::Arc(arc)) => {
+            let direction = if arc.turn() > 0.0 { Direction::Ccw } else { Direction::Cw };
+            let arc = Arc::new(Plane::Xy, direction, at(&arc.start()), at(&arc.end()), at(&arc.center()));
             Curve::Arc(arc.map_err(PathError::from)?)
         }
         Element::Parabola { start, control, end } => {

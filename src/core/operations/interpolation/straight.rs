@@ -10,8 +10,9 @@ use super::Error;
 use super::fit::{Fitted, Fitter};
 use super::job::Method;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
+use crate::geometry::deviation::Element;
 use crate::geometry::plane_curve::PlaneCurve;
+use crate::geometry::segment::{PlaneArc, Segment};
 
 /// A line is taken only if, after at most this many elements, the chain is back at an old joint.
 const MOST_MOVED: usize = 16;
@@ -33,8 +34,8 @@ pub fn straighten(
     }
     for k in 0..fitted.len() {
         budget.check()?;
-        if let Element::Arc(arc) = fitted[k].element
-            && bulge_mm(arc.start, arc.end, arc.turn) <= fitter.band.below_mm.max(fitter.band.above_mm)
+        if let Element::Segment(Segment::Arc(arc)) = fitted[k].element
+            && bulge_mm(&arc) <= fitter.band.below_mm.max(fitter.band.above_mm)
             && let Some(moved) = from_line(fitter, &fitted[k..])
         {
             fitted[k..k + moved.len()].copy_from_slice(&moved);
@@ -44,8 +45,8 @@ pub fn straighten(
 }
 
 /// The largest distance of an arc from its chord, mm.
-fn bulge_mm(start: nalgebra::Point2<f64>, end: nalgebra::Point2<f64>, turn: f64) -> f64 {
-    0.5 * (end - start).norm() * (turn / 4.0).tan().abs()
+fn bulge_mm(arc: &PlaneArc) -> f64 {
+    0.5 * (arc.end() - arc.start()).norm() * (arc.turn() / 4.0).tan().abs()
 }
 
 /// A line in place of the first element, and new elements after it up to an old joint; `None` if the chain

@@ -13,8 +13,8 @@ use super::router::{Router, Run};
 use super::rows::{self, AtIsland, Layout};
 use super::{engagement, islands, strips, work};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// What a new chain of rows costs, as a length in radii of the cutter, when directions of rows are compared.
 const COST_OF_CHAIN: f64 = 6.0;
@@ -81,8 +81,8 @@ fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Ve
         return Ok(router.finish());
     }
     let mirrored = centers.mirrored();
-    let emptied: Vec<Vec<Element>> =
-        emptied.iter().map(|path| path.iter().map(Element::mirrored).collect()).collect();
+    let emptied: Vec<Vec<Segment>> =
+        emptied.iter().map(|path| path.iter().map(Segment::mirrored).collect()).collect();
     let mut router = Router::new(conditions, &mirrored, &emptied, budget);
     engagement::cut(&mut router, &mirrored, budget)?;
     Ok(router.finish().iter().map(Run::mirrored).collect())
@@ -138,10 +138,10 @@ fn short_rows<'a>(
 fn shortest<const N: usize>(
     regions: [&Region; N],
     radius_mm: f64,
-    chains: impl Fn([&Region; N], Frame) -> Result<Vec<Vec<Element>>, PocketError>,
-) -> Result<Vec<Vec<Element>>, PocketError> {
+    chains: impl Fn([&Region; N], Frame) -> Result<Vec<Vec<Segment>>, PocketError>,
+) -> Result<Vec<Vec<Segment>>, PocketError> {
     let mirrored = regions.map(Region::mirrored);
-    let mut best: Option<(f64, Vec<Vec<Element>>)> = None;
+    let mut best: Option<(f64, Vec<Vec<Segment>>)> = None;
     for is_mirrored in [false, true] {
         let regions = if is_mirrored { mirrored.each_ref() } else { regions };
         for frame in Frame::candidates(regions[0]) {
@@ -162,8 +162,8 @@ fn shortest<const N: usize>(
 
 /// The length of chains and of the ways between them, where each follows the nearest end, with a length for
 /// every way.
-fn cost(chains: &[Vec<Element>], radius_mm: f64) -> f64 {
-    let mut cost: f64 = chains.iter().flatten().map(Element::length).sum();
+fn cost(chains: &[Vec<Segment>], radius_mm: f64) -> f64 {
+    let mut cost: f64 = chains.iter().flatten().map(Segment::length).sum();
     let mut ends: Vec<[Point2<f64>; 2]> =
         chains.iter().map(|chain| [chain[0].start(), chain[chain.len() - 1].end()]).collect();
     let mut at: Option<Point2<f64>> = None;

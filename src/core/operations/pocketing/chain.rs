@@ -3,12 +3,12 @@
 use nalgebra::Point2;
 
 use crate::geometry::curve::{Curve, Direction};
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::plane::Plane;
+use crate::geometry::segment::Segment;
 
 /// The distance of a place from an element, and the place on the element.
-pub fn foot(element: &Element, p: Point2<f64>) -> (f64, Point2<f64>) {
-    let u = element.foot(p, 0.5).u.clamp(0.0, 1.0);
+pub fn foot(element: &Segment, p: Point2<f64>) -> (f64, Point2<f64>) {
+    let u = element.foot(p).u.clamp(0.0, 1.0);
     [u, 0.0, 1.0]
         .map(|u| element.at(u))
         .map(|place| ((place - p).norm(), place))
@@ -17,10 +17,10 @@ pub fn foot(element: &Element, p: Point2<f64>) -> (f64, Point2<f64>) {
 }
 
 /// The element nearest to a place, and the fraction of its length.
-pub fn nearest(elements: &[Element], p: Point2<f64>) -> (usize, f64) {
+pub fn nearest(elements: &[Segment], p: Point2<f64>) -> (usize, f64) {
     let mut best = (f64::INFINITY, 0, 0.0);
     for (k, element) in elements.iter().enumerate() {
-        for t in [element.foot(p, 0.5).u.clamp(0.0, 1.0), 0.0, 1.0] {
+        for t in [element.foot(p).u.clamp(0.0, 1.0), 0.0, 1.0] {
             let distance = (element.at(t) - p).norm();
             if distance < best.0 {
                 best = (distance, k, t);
@@ -31,9 +31,9 @@ pub fn nearest(elements: &[Element], p: Point2<f64>) -> (usize, f64) {
 }
 
 /// The loop from the fraction `t` of element `k` on.
-pub fn begun_at(elements: &[Element], k: usize, t: f64) -> Vec<Element> {
+pub fn begun_at(elements: &[Segment], k: usize, t: f64) -> Vec<Segment> {
     let (before, after) = elements.split_at(k);
-    let mut begun: Vec<Element> = Vec::with_capacity(elements.len() + 1);
+    let mut begun: Vec<Segment> = Vec::with_capacity(elements.len() + 1);
     let Some((first, rest)) = after.split_first() else { return begun };
     let length = first.length();
     if t * length < 1e-6 {
@@ -49,14 +49,14 @@ pub fn begun_at(elements: &[Element], k: usize, t: f64) -> Vec<Element> {
 }
 
 /// The curve seen from above.
-pub fn from_above(along: &Curve) -> Element {
+pub fn from_above(along: &Curve) -> Segment {
     let (start, end) = (along.start().xy(), along.end().xy());
     match along {
         Curve::Arc(arc) if arc.plane() == Plane::Xy => {
             let sense = if arc.direction() == Direction::Ccw { 1.0 } else { -1.0 };
             let turn = sense * arc.sweep();
-            Element::Arc(PlaneArc { start, end, center: arc.center().xy(), radius: arc.radius(), turn })
+            Segment::about(arc.center().xy(), arc.radius(), [start, end], turn)
         }
-        _ => Element::Line { start, end },
+        _ => Segment::Line { start, end },
     }
 }

@@ -8,9 +8,9 @@ use super::conditions::Conditions;
 use super::level::Shape;
 use super::router::{Purpose, Run};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::offset::swept;
 use crate::geometry::region::{self, Region};
+use crate::geometry::segment::Segment;
 
 /// Uncut slivers that are thinner are forgiven, mm: a hundredth of a finishing allowance.
 const SLIVER_MM: f64 = 0.02;
@@ -42,7 +42,7 @@ pub struct Check {
     /// What the tool can reach and does not cut, mm².
     pub uncut_area_mm2: f64,
     /// The edges of the uncut places.
-    pub uncut: Vec<Element>,
+    pub uncut: Vec<Segment>,
     /// The largest angle in material, radians.
     pub engagement_max: f64,
     /// Where it is.
@@ -65,10 +65,10 @@ pub fn check(
 ) -> Result<Check, PocketError> {
     let mut check = Check::default();
     angles(runs, conditions, &mut check);
-    let chains: Vec<Vec<Element>> = runs.iter().map(Run::chain).collect();
-    let all: Vec<&[Element]> = chains.iter().chain(&shape.emptied).map(Vec::as_slice).collect();
+    let chains: Vec<Vec<Segment>> = runs.iter().map(Run::chain).collect();
+    let all: Vec<&[Segment]> = chains.iter().chain(&shape.emptied).map(Vec::as_slice).collect();
     let boundary = swept::boundary(&all, conditions.radius_mm, budget)?;
-    let is_inside = |element: &&Element| {
+    let is_inside = |element: &&Segment| {
         element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > SLIVER_MM
     };
     check.uncut = boundary.iter().filter(is_inside).copied().collect();

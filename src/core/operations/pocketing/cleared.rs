@@ -6,9 +6,9 @@ use super::job::Emptied;
 use super::part::region;
 use super::rings;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::offset::swept;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// Heights that differ by less are the same, mm.
 const SAME_HEIGHT_MM: f64 = 1e-6;
@@ -32,7 +32,7 @@ pub struct Cleared {
 struct Path {
     radius_mm: f64,
     /// Elements seen from above, with the height of their higher end, mm.
-    elements: Vec<(Element, f64)>,
+    elements: Vec<(Segment, f64)>,
 }
 
 impl Cleared {
@@ -67,7 +67,7 @@ impl Cleared {
     pub fn at(&self, z_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
         let mut all = self.regions.clone();
         for path in &self.paths {
-            let mut chains: Vec<Vec<Element>> = Vec::new();
+            let mut chains: Vec<Vec<Segment>> = Vec::new();
             for (element, _) in path.elements.iter().filter(|(_, z)| *z <= z_mm + SAME_HEIGHT_MM) {
                 match chains.last_mut() {
                     Some(chain) if chain.last().is_some_and(|last| last.end() == element.start()) => {
@@ -76,7 +76,7 @@ impl Cleared {
                     _ => chains.push(vec![*element]),
                 }
             }
-            let chains: Vec<&[Element]> = chains.iter().map(Vec::as_slice).collect();
+            let chains: Vec<&[Segment]> = chains.iter().map(Vec::as_slice).collect();
             let boundary = swept::boundary(&chains, path.radius_mm, budget)?;
             all.push(Region::on_the_left(&[boundary], budget)?);
         }
@@ -91,7 +91,7 @@ pub fn paths_over(
     pocket: &Region,
     radius_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, PocketError> {
+) -> Result<Vec<Vec<Segment>>, PocketError> {
     if emptied.is_empty() {
         return Ok(Vec::new());
     }

@@ -1,13 +1,13 @@
 //! Where level lines meet the outlines of a region, in the order along the lines and along the outlines.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
 use super::PocketError;
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::region::{self, Outline, Region};
+use crate::geometry::segment::Segment;
 
 /// The most lines, and the most places where they meet outlines.
 const MOST: usize = 1_000_000;
@@ -78,23 +78,23 @@ impl Frame {
     }
 
     /// The outlines of a region in this frame.
-    pub fn outlines(&self, region: &Region) -> Vec<Vec<Element>> {
+    pub fn outlines(&self, region: &Region) -> Vec<Vec<Segment>> {
         let back = self.rotation.inverse();
         let turned =
-            |outline: &Outline| outline.elements().iter().map(|element| rotated(element, &back)).collect();
+            |outline: &Outline| outline.elements().iter().map(|element| element.rotated(&back)).collect();
         region.outlines().map(turned).collect()
     }
 
     /// Elements of this frame in the workpiece.
-    pub fn in_workpiece(&self, elements: &[Element]) -> Vec<Element> {
-        elements.iter().map(|element| rotated(element, &self.rotation)).collect()
+    pub fn in_workpiece(&self, elements: &[Segment]) -> Vec<Segment> {
+        elements.iter().map(|element| element.rotated(&self.rotation)).collect()
     }
 }
 
 impl Crossings {
     /// The crossings of the outlines of a region with the lines at these heights, which rise. A line that
     /// runs along an edge counts as just above it.
-    pub fn new(outlines: &[Vec<Element>], ys: &[f64], budget: &Budget) -> Result<Self, PocketError> {
+    pub fn new(outlines: &[Vec<Segment>], ys: &[f64], budget: &Budget) -> Result<Self, PocketError> {
         let mut all: Vec<Crossing> = Vec::new();
         for (j, outline) in outlines.iter().enumerate() {
             budget.check()?;
@@ -155,7 +155,7 @@ impl Crossings {
     }
 
     /// The elements of the outline from one crossing on to another, without specks.
-    pub fn between(&self, outlines: &[Vec<Element>], from: usize, to: usize) -> Vec<Element> {
+    pub fn between(&self, outlines: &[Vec<Segment>], from: usize, to: usize) -> Vec<Segment> {
         let (a, b) = (self.all[from], self.all[to]);
         let outline = &outlines[a.outline];
         let mut way = Vec::new();
@@ -175,7 +175,7 @@ impl Crossings {
     }
 
     /// The lowest and the highest y of outlines.
-    pub fn range(outlines: &[Vec<Element>]) -> Option<[f64; 2]> {
+    pub fn range(outlines: &[Vec<Segment>]) -> Option<[f64; 2]> {
         let ys = outlines
             .iter()
             .flatten()
@@ -186,49 +186,32 @@ impl Crossings {
     }
 
     /// The least and the largest x of an element.
-    pub fn width(element: &Element) -> [f64; 2] {
+    pub fn width(element: &Segment) -> [f64; 2] {
         let xs = between_poles(element, Vector2::x()).into_iter().flatten().map(|t| element.at(t).x);
         xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     }
 
     /// Whether no line meets this outline.
-    pub fn is_untouched(&self, outlines: &[Vec<Element>], outline: &[Element]) -> bool {
+    pub fn is_untouched(&self, outlines: &[Vec<Segment>], outline: &[Segment]) -> bool {
         !self.all.iter().any(|crossing| std::ptr::eq(outlines[crossing.outline].as_slice(), outline))
     }
 
     /// Whether a loop runs counterclockwise.
-    pub fn turns_left(outline: &[Element]) -> bool {
+    pub fn turns_left(outline: &[Segment]) -> bool {
         region::area(outline) > 0.0
     }
 }
 
-fn rotated(element: &Element, rotation: &Rotation2<f64>) -> Element {
-    match element {
-        Element::Arc(arc) => Element::Arc(PlaneArc {
-            start: rotation * arc.start,
-            end: rotation * arc.end,
-            center: rotation * arc.center,
-            ..*arc
-        }),
-        line => Element::Line { start: rotation * line.start(), end: rotation * line.end() },
-    }
-}
-
 /// The ranges of an element along which y only rises or only falls.
-fn monotone(element: &Element) -> Vec<[f64; 2]> {
+fn monotone(element: &Segment) -> Vec<[f64; 2]> {
     between_poles(element, Vector2::y())
 }
 
 /// The ranges of an element between the places that are farthest along an axis and against it.
-fn between_poles(element: &Element, axis: Vector2<f64>) -> Vec<[f64; 2]> {
+fn between_poles(element: &Segment, axis: Vector2<f64>) -> Vec<[f64; 2]> {
     let mut cuts = vec![0.0];
-    if let Element::Arc(arc) = element {
-        let from = arc.start - arc.center;
-        let at_pole = |pole: Vector2<f64>| {
-            let angle = arc.turn.signum() * from.perp(&pole).atan2(from.dot(&pole));
-            angle.rem_euclid(TAU) / arc.turn.abs()
-        };
-        let mut poles = [axis, -axis].map(at_pole);
+    if let Segment::Arc(arc) = element {
+        let mut poles = [axis, -axis].map(|pole| arc.angle_to(pole) / arc.turn().abs());
         poles.sort_by(f64::total_cmp);
         cuts.extend(poles.into_iter().filter(|t| *t > 1e-12 && *t < 1.0 - 1e-12));
     }
@@ -237,18 +220,15 @@ fn between_poles(element: &Element, axis: Vector2<f64>) -> Vec<[f64; 2]> {
 }
 
 /// Where a monotone part of an element has the height `y`.
-fn meets(element: &Element, [from, to]: [f64; 2], y: f64) -> f64 {
+fn meets(element: &Segment, [from, to]: [f64; 2], y: f64) -> f64 {
     match element {
-        Element::Arc(arc) => {
-            let up = ((y - arc.center.y) / arc.radius).clamp(-1.0, 1.0);
-            let middle = element.at(0.5 * (from + to)) - arc.center;
-            let spoke = Vector2::new((1.0 - up * up).sqrt().copysign(middle.x), up) * arc.radius;
-            let angle = arc.turn.signum() * middle.perp(&spoke).atan2(middle.dot(&spoke));
-            (0.5 * (from + to) + angle / arc.turn.abs()).clamp(from, to)
+        Segment::Arc(arc) => {
+            let up = ((y - arc.center().y) / arc.radius()).clamp(-1.0, 1.0);
+            let middle = element.at(0.5 * (from + to)) - arc.center();
+            let spoke = Vector2::new((1.0 - up * up).sqrt().copysign(middle.x), up) * arc.radius();
+            let angle = arc.turn().signum() * middle.perp(&spoke).atan2(middle.dot(&spoke));
+            (0.5 * (from + to) + angle / arc.turn().abs()).clamp(from, to)
         }
-        line => {
-            let (a, b) = (line.start().y, line.end().y);
-            ((y - a) / (b - a)).clamp(from, to)
-        }
+        Segment::Line { start, end } => ((y - start.y) / (end.y - start.y)).clamp(from, to),
     }
 }

@@ -4,8 +4,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::PocketError;
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::region::{Outline, OutlineError, Region, RegionError};
+use crate::geometry::segment::Segment;
 
 /// How near the deepest place is found, as a part of the cutter's radius.
 const DEPTH_ACCURACY: f64 = 5e-4;
@@ -31,7 +31,7 @@ pub fn deepest(region: &Region, radius_mm: f64, budget: &Budget) -> Result<Point
 /// A disc as a region.
 pub fn disc(center: Point2<f64>, radius: f64, budget: &Budget) -> Result<Region, PocketError> {
     let [a, b] = [center - Vector2::x() * radius, center + Vector2::x() * radius];
-    let half = |start, end| Element::Arc(PlaneArc { start, end, center, radius, turn: std::f64::consts::PI });
+    let half = |start, end| Segment::about(center, radius, [start, end], std::f64::consts::PI);
     let outline = Outline::new(&[half(a, b), half(b, a)], budget).map_err(|error| match error {
         OutlineError::Stopped(stopped) => RegionError::Stopped(stopped),
         _ => RegionError::Tangled { at: center },

@@ -30,9 +30,9 @@ use super::pieces::Pieces;
 use super::rings;
 use super::router::{Purpose, Router};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::offset::swept;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 use tracker::Tracker;
 use wall::Wall;
 
@@ -67,7 +67,7 @@ fn tightest(conditions: &Conditions) -> f64 {
 fn is_left_inside(router: &Router, centers: &Region, budget: &Budget) -> Result<bool, PocketError> {
     let radius = router.conditions.radius_mm;
     let chains = router.chains();
-    let chains: Vec<&[Element]> = chains.iter().map(Vec::as_slice).collect();
+    let chains: Vec<&[Segment]> = chains.iter().map(Vec::as_slice).collect();
     let inside = centers.offset_inward(radius, budget)?;
     let boundary = swept::boundary(&chains, radius, budget)?;
     Ok(boundary.iter().any(|element| !inside.ranges_inside(element, 0.0).is_empty()))

@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 
 use super::conditions::Conditions;
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::region::{Place, Region};
+use crate::geometry::segment::Segment;
 
 /// How near the largest radius of a helix is found, mm.
 const RADIUS_ACCURACY_MM: f64 = 1e-3;
@@ -24,7 +24,7 @@ pub enum Entry {
     },
     /// To and fro along the first elements of the run, down to its start.
     Ramp {
-        along: Vec<Element>,
+        along: Vec<Segment>,
         strokes: usize,
     },
     Plunge,
@@ -65,9 +65,9 @@ pub fn helix(
 }
 
 /// A ramp along the run, or a plunge where the run is too short or no plunge is allowed.
-pub fn ramp(elements: &[Element], conditions: &Conditions) -> Option<Entry> {
+pub fn ramp(elements: &[Segment], conditions: &Conditions) -> Option<Entry> {
     let needed = conditions.depth_mm() / conditions.entry.ramp_angle.tan();
-    let whole: f64 = elements.iter().map(Element::length).sum();
+    let whole: f64 = elements.iter().map(Segment::length).sum();
     let stroke = whole.min(0.5 * needed);
     if stroke < SHORTEST_RAMP * conditions.radius_mm {
         return conditions.entry.plunge.then_some(Entry::Plunge);
@@ -77,7 +77,7 @@ pub fn ramp(elements: &[Element], conditions: &Conditions) -> Option<Entry> {
 }
 
 /// The elements up to this length.
-fn first_part(elements: &[Element], length_mm: f64) -> Vec<Element> {
+fn first_part(elements: &[Segment], length_mm: f64) -> Vec<Segment> {
     let mut left = length_mm;
     let mut part = Vec::new();
     for element in elements {
@@ -102,15 +102,15 @@ impl Entry {
                 Self::Helix { center: Point2::new(-center.x, center.y), is_left: !is_left }
             }
             Self::Ramp { along, strokes } => {
-                Self::Ramp { along: along.iter().map(Element::mirrored).collect(), strokes: *strokes }
+                Self::Ramp { along: along.iter().map(Segment::mirrored).collect(), strokes: *strokes }
             }
         }
     }
 
     /// What the entry sweeps at the floor of the level.
-    pub fn footprint(&self, start: Point2<f64>) -> Vec<Element> {
+    pub fn footprint(&self, start: Point2<f64>) -> Vec<Segment> {
         match self {
-            Self::Open | Self::Plunge => vec![Element::Line { start, end: start }],
+            Self::Open | Self::Plunge => vec![Segment::Line { start, end: start }],
             Self::Ramp { along, .. } => along[..1].iter().map(|first| first.part(0.0, 0.0)).collect(),
             Self::Helix { center, is_left } => circle(start, *center, *is_left).to_vec(),
         }
@@ -118,12 +118,12 @@ impl Entry {
 }
 
 /// The circle through `start` as two halves.
-pub fn circle(start: Point2<f64>, center: Point2<f64>, is_left: bool) -> [Element; 2] {
+pub fn circle(start: Point2<f64>, center: Point2<f64>, is_left: bool) -> [Segment; 2] {
     let radius = (start - center).norm();
     let opposite = center + (center - start);
     let turn = if is_left { std::f64::consts::PI } else { -std::f64::consts::PI };
     [
-        Element::Arc(PlaneArc { start, end: opposite, center, radius, turn }),
-        Element::Arc(PlaneArc { start: opposite, end: start, center, radius, turn }),
+        Segment::about(center, radius, [start, opposite], turn),
+        Segment::about(center, radius, [opposite, start], turn),
     ]
 }

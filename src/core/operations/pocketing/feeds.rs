@@ -2,7 +2,7 @@
 
 use super::conditions::Conditions;
 use super::router::{Purpose, Step};
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 use crate::toolpath::path::Role;
 use crate::toolpath::units::FeedRate;
 
@@ -12,7 +12,7 @@ const SHORTEST: f64 = 0.1;
 /// A part of a step with one feed.
 #[derive(Debug, Clone, Copy)]
 pub struct Part {
-    pub element: Element,
+    pub element: Segment,
     pub feed: FeedRate,
     pub role: Role,
 }

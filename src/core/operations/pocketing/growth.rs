@@ -8,8 +8,8 @@
 use super::PocketError;
 use super::depth::{deepest, disc};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// The most steps, and the most elements of all fronts.
 const MOST_STEPS: usize = 100_000;
@@ -34,7 +34,7 @@ pub fn waves(
     centers: &Region,
     step_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Vec<Vec<Element>>>, PocketError> {
+) -> Result<Vec<Vec<Vec<Segment>>>, PocketError> {
     let mut grown = seed.clone();
     let mut area = 0.0;
     let mut waves = Vec::new();
@@ -65,7 +65,7 @@ pub fn waves(
 }
 
 /// The chains of a region's boundary that are not on the edge of another region.
-fn fronts(grown: &Region, centers: &Region) -> Vec<Vec<Element>> {
+fn fronts(grown: &Region, centers: &Region) -> Vec<Vec<Segment>> {
     let mut fronts = Vec::new();
     for outline in grown.outlines() {
         let elements = outline.elements();

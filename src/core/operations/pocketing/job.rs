@@ -1,8 +1,8 @@
 //! The pocketing job: the area, the heights, the tool, and what is left to choose.
 
 use crate::geometry::curve::Curve;
-use crate::geometry::element::Element;
 use crate::geometry::height_field::HeightGrid;
+use crate::geometry::segment::Segment;
 use crate::geometry::surface::source::Source;
 use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::Resolution;
@@ -76,8 +76,8 @@ pub struct EntryLimits {
 /// wall.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlines {
-    pub boundary: Vec<Element>,
-    pub islands: Vec<Vec<Element>>,
+    pub boundary: Vec<Segment>,
+    pub islands: Vec<Vec<Segment>>,
 }
 
 /// The heights of a part that has more than a flat floor and upright walls.

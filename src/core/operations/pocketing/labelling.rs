@@ -19,9 +19,9 @@ use nalgebra::Point2;
 
 use super::PocketError;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::height_field::{HeightField, HeightGrid, SAME_HEIGHT_MM};
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// The largest number of cells.
 pub const MOST_CELLS: usize = 1_000_000;
@@ -105,7 +105,7 @@ pub fn low_cells(grid: &HeightGrid, z_mm: f64, budget: &Budget) -> Result<Region
                 if ways.is_empty() {
                     next.remove(&at);
                 }
-                let line = Element::Line { start: place(at), end: place(to) };
+                let line = Segment::Line { start: place(at), end: place(to) };
                 if line.length() > 0.0 {
                     chain.push(line);
                 }

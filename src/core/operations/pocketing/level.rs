@@ -8,8 +8,8 @@ use super::depth::deepest;
 use super::job::Job;
 use super::part::Part;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::{Outline, Region};
+use crate::geometry::segment::Segment;
 
 /// The most levels.
 pub const MOST_LEVELS: usize = 1000;
@@ -40,7 +40,7 @@ pub struct Shape {
     /// than the radius.
     pub deviation_mm: f64,
     /// Paths of the cutter over what earlier tools have emptied.
-    pub emptied: Vec<Vec<Element>>,
+    pub emptied: Vec<Vec<Segment>>,
 }
 
 /// One level.
@@ -178,7 +178,7 @@ impl Shape {
 
     /// About the length of a path that clears the shape, mm.
     pub fn path_length_mm(&self, stepover_mm: f64) -> f64 {
-        let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Element::length).sum();
+        let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Segment::length).sum();
         edge + self.reach.area() / stepover_mm
     }
 

@@ -19,10 +19,10 @@ use super::PocketError;
 use super::job::{IslandsBy, Job, Outlines, Relief};
 use super::labelling;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::height_field::{Facet, HeightField, HeightFieldError, HeightGrid, SAME_HEIGHT_MM};
 use crate::geometry::polyline;
 use crate::geometry::region::{Outline, OutlineError, Place, Region};
+use crate::geometry::segment::Segment;
 
 /// The largest distance between a surface and the triangles that stand for it, mm.
 const DEVIATION_MM: f64 = 0.001;
@@ -148,7 +148,7 @@ impl Part {
 /// The region inside the wall and outside all islands.
 pub fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
     let is_fitted = is_fitted(area);
-    let outline = |elements: &[Element], island: Option<usize>| {
+    let outline = |elements: &[Segment], island: Option<usize>| {
         let outline = if is_fitted {
             // Arcs may cross each other where the lines only come near.
             match Outline::new(&with_arcs(elements, budget)?, budget) {
@@ -178,11 +178,11 @@ fn is_fitted(area: &Outlines) -> bool {
 }
 
 /// The elements of an outline with arcs in place of runs of lines.
-fn with_arcs(elements: &[Element], budget: &Budget) -> Result<Vec<Element>, PocketError> {
+fn with_arcs(elements: &[Segment], budget: &Budget) -> Result<Vec<Segment>, PocketError> {
     let mut fitted = Vec::new();
     let mut run: Vec<Point2<f64>> = Vec::new();
     for element in elements {
-        if let Element::Line { start, end } = element {
+        if let Segment::Line { start, end } = element {
             if run.is_empty() {
                 run.push(*start);
             }

@@ -7,8 +7,8 @@ use super::entry::{Entry, circle};
 use super::feeds;
 use super::router::Run;
 use crate::geometry::curve::{Arc, Curve, Direction};
-use crate::geometry::element::Element;
 use crate::geometry::plane::Plane;
+use crate::geometry::segment::Segment;
 use crate::toolpath::path::{Builder, PathError, Role};
 use crate::toolpath::units::FeedRate;
 
@@ -67,11 +67,11 @@ fn enter(builder: &mut Builder, run: &Run, conditions: &Conditions) -> Result<()
             }
         }
         Entry::Ramp { along, strokes } => {
-            let length: f64 = along.iter().map(Element::length).sum();
+            let length: f64 = along.iter().map(Segment::length).sum();
             let whole = length * *strokes as f64;
             builder.check_room(*strokes as f64)?;
             let mut done = 0.0;
-            let back: Vec<Element> = along.iter().rev().map(Element::reversed).collect();
+            let back: Vec<Segment> = along.iter().rev().map(Segment::reversed).collect();
             for stroke in 0..*strokes {
                 let way = if stroke % 2 == 0 { along } else { &back };
                 for (k, element) in way.iter().enumerate() {
@@ -90,7 +90,7 @@ fn enter(builder: &mut Builder, run: &Run, conditions: &Conditions) -> Result<()
 /// Follows an element to the height `z` mm at its end.
 fn follow(
     builder: &mut Builder,
-    element: &Element,
+    element: &Segment,
     z: f64,
     feed: FeedRate,
     role: Role,
@@ -101,9 +101,9 @@ fn follow(
     if (to - at).norm() < 1e-9 {
         return Ok(());
     }
-    if let Element::Arc(arc) = element {
-        let direction = if arc.turn > 0.0 { Direction::Ccw } else { Direction::Cw };
-        let center = Point3::new(arc.center.x, arc.center.y, at.z);
+    if let Segment::Arc(arc) = element {
+        let direction = if arc.turn() > 0.0 { Direction::Ccw } else { Direction::Cw };
+        let center = Point3::new(arc.center().x, arc.center().y, at.z);
         if let Ok(arc) = Arc::with_center_near(Plane::Xy, direction, at, to, center) {
             return builder.follow(Curve::Arc(arc), feed, role);
         }

@@ -1,7 +1,7 @@
 //! The pieces of a stroke that meet material.
 
 use crate::budget::Stopped;
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 use crate::machining::engagement::Stretch;
 
 /// Where the angle in the material is smaller, a stroke is not followed, radians. The material that stays
@@ -16,19 +16,19 @@ pub enum Pieces {
     /// Everywhere.
     Whole,
     /// Only along these pieces.
-    Some(Vec<Vec<Element>>),
+    Some(Vec<Vec<Segment>>),
 }
 
 /// The pieces of a stroke along which there is material. Each piece begins `lead` radii before its material,
 /// or later if the stroke has less way without material there. `survey` finds the angles along an element,
 /// and need not be exact below the angle that it is given.
 pub fn pieces(
-    stroke: &[Element],
+    stroke: &[Segment],
     radius_mm: f64,
     lead: f64,
-    mut survey: impl FnMut(&Element, f64) -> Result<Vec<Stretch>, Stopped>,
+    mut survey: impl FnMut(&Segment, f64) -> Result<Vec<Stretch>, Stopped>,
 ) -> Result<Pieces, Stopped> {
-    let mut parts: Vec<(Element, bool)> = Vec::new();
+    let mut parts: Vec<(Segment, bool)> = Vec::new();
     for element in stroke {
         for stretch in survey(element, SLIVER)? {
             let part = element.part(stretch.from, stretch.to);
@@ -49,9 +49,9 @@ pub fn pieces(
     Ok(Pieces::Some(joined(&parts, JOINED * radius_mm, lead * radius_mm)))
 }
 
-fn joined(parts: &[(Element, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Element>> {
-    let mut pieces: Vec<Vec<Element>> = Vec::new();
-    let mut clear: Vec<Element> = Vec::new();
+fn joined(parts: &[(Segment, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Segment>> {
+    let mut pieces: Vec<Vec<Segment>> = Vec::new();
+    let mut clear: Vec<Segment> = Vec::new();
     for (part, meets) in parts {
         if !meets {
             clear.push(*part);
@@ -69,12 +69,12 @@ fn joined(parts: &[(Element, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Eleme
     pieces
 }
 
-fn length(elements: &[Element]) -> f64 {
-    elements.iter().map(Element::length).sum()
+fn length(elements: &[Segment]) -> f64 {
+    elements.iter().map(Segment::length).sum()
 }
 
 /// The last `length_mm` of a chain.
-fn tail(chain: &[Element], length_mm: f64) -> Vec<Element> {
+fn tail(chain: &[Segment], length_mm: f64) -> Vec<Segment> {
     let mut left = length_mm;
     let mut tail = Vec::new();
     for element in chain.iter().rev() {

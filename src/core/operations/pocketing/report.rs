@@ -12,8 +12,8 @@ use super::level::{Heights, Island, Level, Shape, Uncut, largest_places};
 use super::path;
 use crate::budget::Budget;
 use crate::geometry::curve::Curve;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::measure::measure;
 use crate::toolpath::motion_time::motion_time;
@@ -62,8 +62,8 @@ pub struct LevelReport {
     pub not_reached_mm2: f64,
     pub not_reached: Vec<Uncut>,
     /// The outlines of the pocket and of all that stays uncut, for pictures.
-    pub outlines: Vec<Vec<Element>>,
-    pub uncut: Vec<Vec<Element>>,
+    pub outlines: Vec<Vec<Segment>>,
+    pub uncut: Vec<Vec<Segment>>,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -162,7 +162,7 @@ impl LevelReport {
         let not_reached = shape.not_reached(budget)?;
         let elements =
             |region: &Region| region.outlines().map(|outline| outline.elements().to_vec()).collect();
-        let mut uncut: Vec<Vec<Element>> = elements(&not_reached);
+        let mut uncut: Vec<Vec<Segment>> = elements(&not_reached);
         uncut.extend(chosen.iter().flat_map(|(_, route)| &route.check.uncut).map(|element| vec![*element]));
         Ok(Self {
             top_z_mm: level.top_z_mm,

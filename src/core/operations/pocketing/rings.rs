@@ -7,8 +7,8 @@ use super::chain::nearest;
 use super::job::Milling;
 use super::router::Router;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::{Outline, Region};
+use crate::geometry::segment::Segment;
 
 /// The most rings of a level, and the most elements of all its rings.
 const MOST_RINGS: usize = 100_000;
@@ -24,7 +24,7 @@ pub struct Rings {
 struct Ring {
     face: Region,
     /// Open parts between this ring and the next that cover what neither of them does.
-    between: Vec<Vec<Element>>,
+    between: Vec<Vec<Segment>>,
     /// The rings a stepover farther inside.
     inner: Vec<usize>,
 }
@@ -70,7 +70,7 @@ fn next_inside(
     radius_mm: f64,
     stepover_mm: f64,
     budget: &Budget,
-) -> Result<(Vec<Region>, Vec<Vec<Element>>), PocketError> {
+) -> Result<(Vec<Region>, Vec<Vec<Segment>>), PocketError> {
     let none = || Ok((Vec::new(), Vec::new()));
     // What is farther from the ring than the radius is not cut by it.
     if face.area() < std::f64::consts::PI * radius_mm * radius_mm {
@@ -100,8 +100,8 @@ fn next_inside(
 }
 
 /// The parts of a closed chain in a region, each connected; a whole loop as one chain.
-pub fn clipped(elements: &[Element], region: &Region) -> Vec<Vec<Element>> {
-    let mut chains: Vec<Vec<Element>> = Vec::new();
+pub fn clipped(elements: &[Segment], region: &Region) -> Vec<Vec<Segment>> {
+    let mut chains: Vec<Vec<Segment>> = Vec::new();
     for element in elements {
         for [from, to] in region.ranges_inside(element, 1e-6) {
             let part = element.part(from, to);
@@ -126,7 +126,7 @@ pub fn clipped(elements: &[Element], region: &Region) -> Vec<Vec<Element>> {
 }
 
 /// The outlines of all rings, those inside first, and the open parts between them.
-pub fn inside_out(rings: &Rings) -> Vec<Vec<Element>> {
+pub fn inside_out(rings: &Rings) -> Vec<Vec<Segment>> {
     let mut outlines = Vec::new();
     for ring in rings.all.iter().rev() {
         outlines.extend(ring.between.iter().cloned());
@@ -168,7 +168,7 @@ fn next(rings: &Rings, left: &[usize], at: Option<Point2<f64>>) -> Option<usize>
     (0..left.len()).min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }
 
-fn cut_between(chains: &[Vec<Element>], router: &mut Router) -> Result<(), PocketError> {
+fn cut_between(chains: &[Vec<Segment>], router: &mut Router) -> Result<(), PocketError> {
     for chain in chains {
         router.cut_chain(chain)?;
     }

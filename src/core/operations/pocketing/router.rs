@@ -12,8 +12,8 @@ use super::leads::{belt, lead_to};
 use super::pieces::{Pieces, pieces};
 use super::work;
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 use crate::machining::engagement::{Enough, Stretch, Swept};
 
 /// Where the cutter comes straight down, at most a rim of this width is not cleared, mm.
@@ -40,7 +40,7 @@ pub enum Purpose {
 /// One motion at the level's floor, with the angles in material along it.
 #[derive(Debug, Clone)]
 pub struct Step {
-    pub element: Element,
+    pub element: Segment,
     pub purpose: Purpose,
     pub angles: Vec<Stretch>,
 }
@@ -64,7 +64,7 @@ impl Run {
     }
 
     /// What the cutter's centre follows on the level's floor.
-    pub fn chain(&self) -> Vec<Element> {
+    pub fn chain(&self) -> Vec<Segment> {
         let steps = self.steps.iter().map(|step| step.element);
         self.entry.footprint(self.start).into_iter().chain(steps).collect()
     }
@@ -87,7 +87,7 @@ impl<'a> Router<'a> {
     pub fn new(
         conditions: &'a Conditions,
         centers: &'a Region,
-        emptied: &[Vec<Element>],
+        emptied: &[Vec<Segment>],
         budget: &'a Budget,
     ) -> Self {
         let mut swept = Swept::new(conditions.radius_mm);
@@ -108,7 +108,7 @@ impl<'a> Router<'a> {
     }
 
     /// What the cutter's centre has followed on the level's floor.
-    pub fn chains(&self) -> Vec<Vec<Element>> {
+    pub fn chains(&self) -> Vec<Vec<Segment>> {
         self.runs.iter().map(Run::chain).collect()
     }
 
@@ -122,7 +122,7 @@ impl<'a> Router<'a> {
     }
 
     /// Cuts along a loop, from the place on it that is best to get to.
-    pub fn cut_loop(&mut self, elements: &[Element]) -> Result<(), PocketError> {
+    pub fn cut_loop(&mut self, elements: &[Segment]) -> Result<(), PocketError> {
         if self.is_rest
             && let Pieces::Some(pieces) = self.pieces(elements, LEAD)?
         {
@@ -136,7 +136,7 @@ impl<'a> Router<'a> {
             }
         }
         // A new entry: where the largest helix fits.
-        let mut best: Option<(f64, Vec<Element>)> = None;
+        let mut best: Option<(f64, Vec<Segment>)> = None;
         let stride = elements.len().div_ceil(STARTS);
         for k in (0..elements.len()).step_by(stride.max(1)) {
             for t in [0.0, 0.5] {
@@ -154,7 +154,7 @@ impl<'a> Router<'a> {
     }
 
     /// Cuts along an open chain.
-    pub fn cut_chain(&mut self, elements: &[Element]) -> Result<(), PocketError> {
+    pub fn cut_chain(&mut self, elements: &[Segment]) -> Result<(), PocketError> {
         if elements.is_empty() {
             return Ok(());
         }
@@ -168,14 +168,14 @@ impl<'a> Router<'a> {
 
     /// The pieces of a stroke along which there is material. Each begins `lead` radii of the cutter before
     /// its material.
-    pub fn pieces(&mut self, stroke: &[Element], lead: f64) -> Result<Pieces, PocketError> {
+    pub fn pieces(&mut self, stroke: &[Segment], lead: f64) -> Result<Pieces, PocketError> {
         self.check_work()?;
         let (swept, budget) = (&mut self.swept, self.budget);
-        let survey = |element: &Element, enough| swept.survey(element, Enough::Angle(enough), budget);
+        let survey = |element: &Segment, enough| swept.survey(element, Enough::Angle(enough), budget);
         Ok(pieces(stroke, self.conditions.radius_mm, lead, survey)?)
     }
 
-    fn cut_all(&mut self, chains: &[Vec<Element>]) -> Result<(), PocketError> {
+    fn cut_all(&mut self, chains: &[Vec<Segment>]) -> Result<(), PocketError> {
         for chain in chains {
             if !self.approach(chain)? {
                 self.enter(chain)?;
@@ -186,9 +186,9 @@ impl<'a> Router<'a> {
     }
 
     /// Cuts along chains, each of which may be closed, the nearest first.
-    pub fn cut_nearest(&mut self, mut chains: Vec<Vec<Element>>) -> Result<(), PocketError> {
+    pub fn cut_nearest(&mut self, mut chains: Vec<Vec<Segment>>) -> Result<(), PocketError> {
         while !chains.is_empty() {
-            let distance = |chain: &Vec<Element>| self.at().map_or(0.0, |at| (chain[0].start() - at).norm());
+            let distance = |chain: &Vec<Segment>| self.at().map_or(0.0, |at| (chain[0].start() - at).norm());
             let k = (0..chains.len())
                 .min_by(|a, b| distance(&chains[*a]).total_cmp(&distance(&chains[*b])))
                 .unwrap_or(0);
@@ -203,7 +203,7 @@ impl<'a> Router<'a> {
     }
 
     /// Cuts along open chains in either direction, the nearest end first.
-    pub fn cut_nearest_end(&mut self, mut chains: Vec<Vec<Element>>) -> Result<(), PocketError> {
+    pub fn cut_nearest_end(&mut self, mut chains: Vec<Vec<Segment>>) -> Result<(), PocketError> {
         while !chains.is_empty() {
             let mut best = (f64::INFINITY, 0, false);
             if let Some(at) = self.at() {
@@ -220,7 +220,7 @@ impl<'a> Router<'a> {
             let (_, k, is_reversed) = best;
             let chain = chains.remove(k);
             if is_reversed {
-                self.cut_chain(&chain.iter().rev().map(Element::reversed).collect::<Vec<_>>())?;
+                self.cut_chain(&chain.iter().rev().map(Segment::reversed).collect::<Vec<_>>())?;
             } else {
                 self.cut_chain(&chain)?;
             }
@@ -243,7 +243,7 @@ impl<'a> Router<'a> {
     }
 
     /// Whether the centre may follow these elements.
-    pub fn is_allowed(&self, elements: &[Element]) -> bool {
+    pub fn is_allowed(&self, elements: &[Segment]) -> bool {
         elements.iter().all(|element| self.centers.contains(element, BESIDE_MM))
     }
 
@@ -258,7 +258,7 @@ impl<'a> Router<'a> {
         let leaving = self.leaving.take();
         if let (Some(from), Some(at)) = (leaving, self.at()) {
             let belt = belt([at, start], [from, center]);
-            let length: f64 = belt.iter().map(Element::length).sum();
+            let length: f64 = belt.iter().map(Segment::length).sum();
             let is_fast = self.conditions.link_seconds(length) <= self.conditions.lift_seconds(length);
             if is_fast && !belt.is_empty() && self.is_allowed(&belt) && self.are_clear(&belt)? {
                 return self.follow(&belt, Purpose::Link);
@@ -269,7 +269,7 @@ impl<'a> Router<'a> {
             self.begin(lead.start(), Entry::Open);
             return self.follow(&[lead], Purpose::Cut);
         }
-        self.cut_chain(&[Element::Line { start, end: start }])
+        self.cut_chain(&[Segment::Line { start, end: start }])
     }
 
     /// The angle in material at a place, in a direction of motion.
@@ -277,7 +277,7 @@ impl<'a> Router<'a> {
         self.swept.angle_at(p, along)
     }
 
-    fn are_clear(&mut self, elements: &[Element]) -> Result<bool, PocketError> {
+    fn are_clear(&mut self, elements: &[Segment]) -> Result<bool, PocketError> {
         for element in elements.iter().filter(|element| element.length() > 0.0) {
             if !self.is_clear(element)? {
                 return Ok(false);
@@ -287,13 +287,13 @@ impl<'a> Router<'a> {
     }
 
     /// Goes to the start of a stroke if it can be reached without an entry into the full material.
-    fn approach(&mut self, stroke: &[Element]) -> Result<bool, PocketError> {
+    fn approach(&mut self, stroke: &[Segment]) -> Result<bool, PocketError> {
         let Some(at) = self.at() else { return Ok(false) };
         let start = stroke[0].start();
         if at == start {
             return Ok(true);
         }
-        let straight = Element::Line { start: at, end: start };
+        let straight = Segment::Line { start: at, end: start };
         let length = straight.length();
         let is_allowed = self.centers.contains(&straight, BESIDE_MM);
         if is_allowed && self.is_clear(&straight)? {
@@ -317,7 +317,7 @@ impl<'a> Router<'a> {
         for element in self.runs.iter().flat_map(|run| &run.steps).map(|step| &step.element) {
             let (distance, place) = foot(element, start);
             if distance <= through && nearest.is_none_or(|(least, _)| distance < least) {
-                let way = Element::Line { start: place, end: start };
+                let way = Segment::Line { start: place, end: start };
                 if distance <= BESIDE_MM || self.centers.contains(&way, BESIDE_MM) {
                     nearest = Some((distance, place));
                 }
@@ -334,7 +334,7 @@ impl<'a> Router<'a> {
             }
             return Ok(is_allowed && is_fast);
         };
-        let link = Element::Line { start: at, end: place };
+        let link = Segment::Line { start: at, end: place };
         let length = link.length();
         let is_fast = self.conditions.link_seconds(length) <= self.conditions.lift_seconds(length);
         if length > 0.0 && is_fast && self.centers.contains(&link, BESIDE_MM) && self.is_clear(&link)? {
@@ -343,7 +343,7 @@ impl<'a> Router<'a> {
             self.begin(place, Entry::Open);
         }
         if distance > 0.0 {
-            self.follow(&[Element::Line { start: place, end: start }], Purpose::Cut)?;
+            self.follow(&[Segment::Line { start: place, end: start }], Purpose::Cut)?;
         }
         Ok(true)
     }
@@ -354,13 +354,13 @@ impl<'a> Router<'a> {
         if is_too_much { Err(work::too_much(self.conditions)) } else { Ok(()) }
     }
 
-    fn is_clear(&mut self, link: &Element) -> Result<bool, PocketError> {
+    fn is_clear(&mut self, link: &Segment) -> Result<bool, PocketError> {
         self.check_work()?;
         Ok(self.swept.is_clear(link, self.budget)?)
     }
 
     /// Comes down into the material at the start of a stroke.
-    fn enter(&mut self, stroke: &[Element]) -> Result<(), PocketError> {
+    fn enter(&mut self, stroke: &[Segment]) -> Result<(), PocketError> {
         let start = stroke[0].start();
         if self.is_rest && self.swept.is_free(start, OPEN_MARGIN_MM) {
             self.begin(start, Entry::Open);
@@ -399,7 +399,7 @@ impl<'a> Router<'a> {
         self.runs.push(Run { start, entry, steps: Vec::new() });
     }
 
-    pub fn follow(&mut self, elements: &[Element], purpose: Purpose) -> Result<(), PocketError> {
+    pub fn follow(&mut self, elements: &[Segment], purpose: Purpose) -> Result<(), PocketError> {
         for element in elements.iter().filter(|element| element.length() > 0.0) {
             self.check_work()?;
             let enough = match purpose {

@@ -6,8 +6,8 @@ use nalgebra::Point2;
 use super::PocketError;
 use super::crossings::{Crossing, Crossings, Frame};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// What a row does at an island.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,13 +30,13 @@ pub struct Layout<'a> {
 }
 
 /// The chains of rows in the direction of a frame.
-pub fn chains(layout: &Layout, frame: Frame, budget: &Budget) -> Result<Vec<Vec<Element>>, PocketError> {
+pub fn chains(layout: &Layout, frame: Frame, budget: &Budget) -> Result<Vec<Vec<Segment>>, PocketError> {
     Ok(Rows::new(layout, frame, budget)?.chains(layout.at_island))
 }
 
 struct Rows {
     frame: Frame,
-    outlines: Vec<Vec<Element>>,
+    outlines: Vec<Vec<Segment>>,
     is_island: Vec<bool>,
     ys: Vec<f64>,
     crossings: Crossings,
@@ -61,7 +61,7 @@ impl Rows {
         Ok(Self { frame, outlines, is_island, ys, crossings })
     }
 
-    fn chains(&self, at_island: AtIsland) -> Vec<Vec<Element>> {
+    fn chains(&self, at_island: AtIsland) -> Vec<Vec<Segment>> {
         let mut is_done = vec![false; self.crossings.all.len()];
         let mut chains = Vec::new();
         for first in &self.crossings.lefts {
@@ -84,12 +84,12 @@ impl Rows {
                 }
                 let row = self.crossings.all[to].row;
                 let Crossing { before, after, .. } = self.crossings.all[to];
-                let mut onward: Option<(f64, usize, Vec<Element>)> = None;
+                let mut onward: Option<(f64, usize, Vec<Segment>)> = None;
                 for (next, is_forward) in [(after, true), (before, false)] {
                     if self.crossings.all[next].row == row + 1 && !is_done[next] {
                         let mut way = Vec::new();
                         self.walk(to, next, is_forward, &mut way);
-                        let length = way.iter().map(Element::length).sum();
+                        let length = way.iter().map(Segment::length).sum();
                         if onward.as_ref().is_none_or(|(least, ..)| length < *least) {
                             onward = Some((length, next, way));
                         }
@@ -105,11 +105,11 @@ impl Rows {
     }
 
     /// Goes along the row to the other end of its part.
-    fn cross(&self, from: usize, chain: &mut Vec<Element>, is_done: &mut [bool]) -> usize {
+    fn cross(&self, from: usize, chain: &mut Vec<Segment>, is_done: &mut [bool]) -> usize {
         let to = self.crossings.all[from].other;
         is_done[from] = true;
         is_done[to] = true;
-        chain.push(Element::Line { start: self.place(from), end: self.place(to) });
+        chain.push(Segment::Line { start: self.place(from), end: self.place(to) });
         to
     }
 
@@ -133,7 +133,7 @@ impl Rows {
         let length = |is_forward: bool| {
             let mut way = Vec::new();
             self.walk(at, next, is_forward, &mut way);
-            way.iter().map(Element::length).sum::<f64>()
+            way.iter().map(Segment::length).sum::<f64>()
         };
         Some((next, length(true) <= length(false)))
     }
@@ -144,12 +144,12 @@ impl Rows {
     }
 
     /// Follows the outline from one crossing to another.
-    fn walk(&self, from: usize, to: usize, is_forward: bool, chain: &mut Vec<Element>) {
+    fn walk(&self, from: usize, to: usize, is_forward: bool, chain: &mut Vec<Segment>) {
         if is_forward {
             chain.extend(self.crossings.between(&self.outlines, from, to));
         } else {
             let way = self.crossings.between(&self.outlines, to, from);
-            chain.extend(way.iter().rev().map(Element::reversed));
+            chain.extend(way.iter().rev().map(Segment::reversed));
         }
     }
 }

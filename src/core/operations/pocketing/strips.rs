@@ -18,8 +18,8 @@ use nalgebra::{Point2, Rotation2};
 use super::PocketError;
 use super::crossings::{Crossings, Frame};
 use crate::budget::Budget;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// How near to the edge of the centres' region a joint may come, mm: above the rounding of offsets.
 const BESIDE_MM: f64 = 2e-6;
@@ -42,7 +42,7 @@ pub fn chains(
     stepover_mm: f64,
     frame: Frame,
     budget: &Budget,
-) -> Result<Vec<Vec<Element>>, PocketError> {
+) -> Result<Vec<Vec<Segment>>, PocketError> {
     let outlines = frame.outlines(needed);
     let Some([low, high]) = Crossings::range(&outlines) else { return Ok(Vec::new()) };
     let count = ((high - low) / stepover_mm - 1e-9).ceil().max(1.0);
@@ -62,7 +62,7 @@ pub fn chains(
 }
 
 /// The parts of all strips.
-fn parts(outlines: &[Vec<Element>], edges: &[f64], crossings: &Crossings) -> Vec<Part> {
+fn parts(outlines: &[Vec<Segment>], edges: &[f64], crossings: &Crossings) -> Vec<Part> {
     // Each range of an outline between two crossings is in one strip. Ranges that meet the same part of an
     // edge bound the same part of the strip.
     let all = &crossings.all;
@@ -145,7 +145,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    fn chains(&self) -> Vec<Vec<Element>> {
+    fn chains(&self) -> Vec<Vec<Segment>> {
         let mut is_done = vec![false; self.parts.len()];
         let mut order: Vec<usize> = (0..self.parts.len()).collect();
         order.sort_by(|a, b| {
@@ -204,19 +204,19 @@ impl Rows<'_> {
     }
 
     fn is_free(&self, [start, end]: [Point2<f64>; 2]) -> bool {
-        self.centers.contains(&Element::Line { start, end }, BESIDE_MM)
+        self.centers.contains(&Segment::Line { start, end }, BESIDE_MM)
     }
 
-    fn elements(&self, way: &[Point2<f64>]) -> Vec<Element> {
-        let mut elements: Vec<Element> = Vec::new();
+    fn elements(&self, way: &[Point2<f64>]) -> Vec<Segment> {
+        let mut elements: Vec<Segment> = Vec::new();
         for pair in way.windows(2).filter(|pair| (pair[1] - pair[0]).norm() > 1e-9) {
-            elements.push(Element::Line { start: pair[0], end: pair[1] });
+            elements.push(Segment::Line { start: pair[0], end: pair[1] });
         }
         // A single place.
         if elements.is_empty()
             && let Some(place) = way.first()
         {
-            elements.push(Element::Line { start: *place, end: *place });
+            elements.push(Segment::Line { start: *place, end: *place });
         }
         elements
     }

@@ -17,7 +17,8 @@ use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::deviation as core_band;
-use toolpathd_core::geometry::element::Element;
+use toolpathd_core::geometry::deviation::Element;
+use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::interpolation as core;
 
 /// Legal widths of each side of a band, mm. One side may be zero.
@@ -259,8 +260,8 @@ pub enum Shape {
 impl From<&Element> for Shape {
     fn from(element: &Element) -> Self {
         match element {
-            Element::Line { .. } => Self::Line,
-            Element::Arc(_) => Self::Arc,
+            Element::Segment(Segment::Line { .. }) => Self::Line,
+            Element::Segment(Segment::Arc(_)) => Self::Arc,
             Element::Parabola { .. } => Self::Parabola,
         }
     }

@@ -13,7 +13,7 @@ use super::check::{Range, Violations};
 use super::schema::{array_of, number, schema_of};
 use crate::config::Limits;
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::element::{Element, PlaneArc};
+use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing as core;
 
 /// Legal bulges: an arc of nearly a full turn has a bulge of 1000.
@@ -85,12 +85,11 @@ fn check(at: &Pointer, outline: &[Vertex], violations: &mut Violations) {
 }
 
 /// The lines and arcs between the vertices; vertices that repeat the one before are left out.
-fn elements(outline: &[Vertex]) -> Vec<Element> {
+fn elements(outline: &[Vertex]) -> Vec<Segment> {
     let next = outline.iter().cycle().skip(1);
     let element = |(from, to): (&Vertex, &Vertex)| {
         let [start, end] = [from, to].map(|vertex| Point2::from(vertex.at));
-        let arc = from.bulge.and_then(|bulge| PlaneArc::with_bulge(start, end, -bulge));
-        arc.map_or(Element::Line { start, end }, Element::Arc)
+        Segment::bulging(start, end, -from.bulge.unwrap_or_default())
     };
     outline.iter().zip(next).map(element).filter(|element| element.start() != element.end()).collect()
 }

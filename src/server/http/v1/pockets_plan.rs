@@ -17,7 +17,7 @@ use crate::http::error::ApiError;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::element::Element;
+use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{self, Job, Plan};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
@@ -55,7 +55,7 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport,
 fn drawing(report: &pocketing::Report) -> Drawing {
     let mut drawing = Drawing::default();
     for level in &report.levels {
-        let at_floor = |outline: &Vec<Element>| polyline(outline, level.z_mm);
+        let at_floor = |outline: &Vec<Segment>| polyline(outline, level.z_mm);
         drawing.curve.extend(level.outlines.iter().map(|outline| polyline(outline, level.top_z_mm)));
         drawing.curve.extend(level.outlines.iter().map(at_floor));
         drawing.uncut.extend(level.uncut.iter().map(at_floor));
@@ -66,13 +66,13 @@ fn drawing(report: &pocketing::Report) -> Drawing {
 /// Largest turn of the part of an arc that is drawn as one straight line, radians.
 const LARGEST_TURN: f64 = 0.1;
 
-fn polyline(chain: &[Element], z: f64) -> Vec<Point3<f64>> {
+fn polyline(chain: &[Segment], z: f64) -> Vec<Point3<f64>> {
     let mut points = Vec::with_capacity(chain.len() + 1);
     for element in chain {
         let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
         points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
     }
-    points.extend(chain.last().map(Element::end));
+    points.extend(chain.last().map(Segment::end));
     points.into_iter().map(|p| Point3::new(p.x, p.y, z)).collect()
 }
 

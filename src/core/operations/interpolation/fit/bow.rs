@@ -12,7 +12,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::geometry::element::{Element, PlaneArc};
+use crate::geometry::deviation::Element;
+use crate::geometry::segment::{PlaneArc, Segment};
 
 /// A family of elements over a chord.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +29,9 @@ impl Bow {
     /// The element with a bow; `None` if there is no such arc.
     pub fn element(&self, bow: f64) -> Option<Element> {
         match *self {
-            Self::Arcs { start, end } => PlaneArc::with_bulge(start, end, bow).map(Element::Arc),
+            Self::Arcs { start, end } => {
+                PlaneArc::with_bulge(start, end, bow).map(|arc| Segment::Arc(arc).into())
+            }
             Self::Parabolas { start, end, axis } => {
                 let control = nalgebra::center(&start, &end) + axis * bow;
                 Some(Element::Parabola { start, control, end })
@@ -43,7 +46,9 @@ impl Bow {
         let bows = *self;
         let arc = self.element(bow);
         move |p| match (bows, arc) {
-            (_, Some(Element::Arc(arc))) => arc.turn.signum() * (arc.radius - (p - arc.center).norm()),
+            (_, Some(Element::Segment(Segment::Arc(arc)))) => {
+                arc.turn().signum() * (arc.radius() - (p - arc.center()).norm())
+            }
             (Self::Parabolas { start, end, axis }, _) => {
                 let (chord, from) = (end - start, p - start);
                 let length = axis.perp(&chord);
@@ -135,18 +140,7 @@ mod tests {
                         let at = |u: f64| start.lerp(&control, u).lerp(&control.lerp(&end, u), u);
                         ([0.1, 0.5, 0.8].map(at), [control - start, end - control])
                     }
-                    Element::Arc(arc) => {
-                        let at = |u: f64| {
-                            let turn = nalgebra::Rotation2::new(arc.turn * u);
-                            arc.center + turn * (arc.start - arc.center)
-                        };
-                        let tangent = |p: Point2<f64>| {
-                            let spoke = p - arc.center;
-                            Vector2::new(-spoke.y, spoke.x) * arc.turn.signum()
-                        };
-                        ([0.1, 0.5, 0.8].map(at), [arc.start, arc.end].map(tangent))
-                    }
-                    Element::Line { .. } => unreachable!("no family makes lines"),
+                    Element::Segment(arc) => ([0.1, 0.5, 0.8].map(|t| arc.at(t)), arc.tangents()),
                 };
                 for found in points.map(|p| family.through(p)).into_iter().chain(family.along(tangents)) {
                     assert!((found - bow).abs() < 1e-12, "{family:?} {bow} {found}");

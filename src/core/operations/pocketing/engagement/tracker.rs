@@ -8,8 +8,8 @@ use super::super::PocketError;
 use super::super::router::{Purpose, Router};
 use super::wall::{OnWall, Wall};
 use crate::budget::Budget;
-use crate::geometry::element::{Element, PlaneArc};
 use crate::geometry::region::{Place, Region};
+use crate::geometry::segment::{Segment, left};
 
 /// The target angle as a part of that of the stepover.
 const TARGET: f64 = 1.07;
@@ -67,25 +67,21 @@ enum End {
     Air,
 }
 
-fn left(v: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(-v.y, v.x)
-}
-
 impl State {
-    fn after(element: &Element) -> Self {
+    fn after(element: &Segment) -> Self {
         Self { at: element.end(), along: element.direction(1.0) }
     }
 
-    fn arc(self, curvature: f64, length_mm: f64) -> Element {
+    fn arc(self, curvature: f64, length_mm: f64) -> Segment {
         let turn = curvature * length_mm;
         if turn.abs() < 1e-6 {
-            return Element::Line { start: self.at, end: self.at + self.along * length_mm };
+            return Segment::Line { start: self.at, end: self.at + self.along * length_mm };
         }
         let center = self.at + left(self.along) / curvature;
         let (sin, cos) = turn.sin_cos();
         let spoke = self.at - center;
         let end = center + Vector2::new(spoke.x * cos - spoke.y * sin, spoke.x * sin + spoke.y * cos);
-        Element::Arc(PlaneArc { start: self.at, end, center, radius: 1.0 / curvature.abs(), turn })
+        Segment::about(center, 1.0 / curvature.abs(), [self.at, end], turn)
     }
 
     fn turn_center(self, radius_mm: f64) -> Point2<f64> {
@@ -190,7 +186,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
         Ok(())
     }
 
-    fn cut(&mut self, element: Element) -> Result<(), PocketError> {
+    fn cut(&mut self, element: Segment) -> Result<(), PocketError> {
         self.count_arc()?;
         self.router.follow(&[element], Purpose::Cut)
     }
@@ -237,24 +233,23 @@ impl<'a, 'b> Tracker<'a, 'b> {
             let to = (q - center).normalize() * spoke.norm();
             let turn = spoke.perp(&to).atan2(spoke.dot(&to));
             if turn > 1e-6 {
-                let (end, radius) = (center + to, spoke.norm());
-                self.cut(Element::Arc(PlaneArc { start: state.at, end, center, radius, turn }))?;
+                self.cut(Segment::about(center, spoke.norm(), [state.at, center + to], turn))?;
             }
             return Ok(End::Wall(place));
         }
     }
 
-    fn has_material(&mut self, element: &Element) -> bool {
+    fn has_material(&mut self, element: &Segment) -> bool {
         let count = (element.length() / (LOOKED_AT * self.router.conditions.radius_mm)).ceil().max(1.0);
         (0..=count as usize).any(|k| self.is_material(element, k as f64 / count))
     }
 
-    fn is_material(&mut self, element: &Element, t: f64) -> bool {
+    fn is_material(&mut self, element: &Segment, t: f64) -> bool {
         self.router.angle_at(element.at(t), element.direction(t)) > MATERIAL
     }
 
     /// Whether the tightest turn fits at the middle and the end of an arc.
-    fn has_room(&self, arc: &Element) -> bool {
+    fn has_room(&self, arc: &Segment) -> bool {
         let has_turn = |t: f64| {
             let center = State { at: arc.at(t), along: arc.direction(t) }.turn_center(self.tight_mm);
             self.turning.place(center, ON_EDGE_MM) != Place::Outside

@@ -4,8 +4,8 @@
 use nalgebra::Point2;
 
 use super::super::chain::nearest;
-use crate::geometry::element::Element;
 use crate::geometry::region::Region;
+use crate::geometry::segment::Segment;
 
 /// Parts of the wall are not shorter, mm.
 const SHORTEST_MM: f64 = 1e-6;
@@ -15,7 +15,7 @@ pub struct Wall {
 }
 
 struct Loop {
-    elements: Vec<Element>,
+    elements: Vec<Segment>,
     /// The length from the start of the loop to the end of each element, mm.
     ends: Vec<f64>,
 }
@@ -29,9 +29,9 @@ pub struct OnWall {
 
 impl Wall {
     pub fn new(region: &Region) -> Self {
-        let one = |elements: &[Element]| {
+        let one = |elements: &[Segment]| {
             let mut length = 0.0;
-            let mut end = |element: &Element| {
+            let mut end = |element: &Segment| {
                 length += element.length();
                 length
             };
@@ -60,7 +60,7 @@ impl Wall {
     }
 
     /// The wall from a place on, at most this long and within one element.
-    pub fn part(&self, from: OnWall, length_mm: f64) -> Element {
+    pub fn part(&self, from: OnWall, length_mm: f64) -> Segment {
         let own = &self.loops[from.index];
         let at = self.wrapped(from).length_mm;
         // What is left of an element and is shorter than rounding does not count.

@@ -1,7 +1,7 @@
 //! The arc at whose end the angle is the target.
 
 use super::{LENGTHS, State, TIGHTEST_RIGHT, Tracker};
-use crate::geometry::element::Element;
+use crate::geometry::segment::Segment;
 
 /// How near an arc comes to the target, radians.
 const NEAR_TARGET: f64 = 0.005;
@@ -17,7 +17,7 @@ const ROOM_TRIALS: usize = 12;
 
 impl Tracker<'_, '_> {
     /// The next arc at the target angle.
-    pub(super) fn arc(&mut self, state: State) -> Element {
+    pub(super) fn arc(&mut self, state: State) -> Segment {
         let radius = self.router.conditions.radius_mm;
         let [_, shortest, longest] = LENGTHS.map(|part| part * radius);
         loop {

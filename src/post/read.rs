@@ -1,7 +1,7 @@
 //! Reads programs of the kind that this crate writes, in the way in which a control reads them.
 //!
-//! The reader exists to check the writer. So the two share the data of the dialect, but no code. Each syntax
-//! has a reader of its own.
+//! The reader exists to check the writer. So the two share no code and no words: of the dialect, a reader takes
+//! the syntax, limits of numbers and lines, and the steps of block numbers. Each syntax has a reader of its own.
 //!
 //! # Guarantees
 //! A word, code or combination of words that the reader does not know is an error. Nothing is
@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
     /// Arcs whose radii differ by more than `mismatch_limit_mm` are refused.
     pub fn new(text: &'a str, dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
         let language: Box<dyn Language> = match &dialect.syntax {
-            Syntax::Iso(iso) => Box::new(iso::Reader::new(dialect, iso, mismatch_limit_mm)),
+            Syntax::Iso(_) => Box::new(iso::Reader::new(dialect.name, mismatch_limit_mm)),
             Syntax::Siemens(_) => Box::new(siemens::Reader::new(dialect, mismatch_limit_mm)),
             Syntax::Klartext => Box::new(klartext::Reader::new(dialect, mismatch_limit_mm)),
             Syntax::Deckel => Box::new(deckel::Reader::new(dialect, mismatch_limit_mm)),

@@ -25,6 +25,7 @@ mod golden;
 mod parabolas;
 mod posed;
 mod rails;
+mod wrong_words;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
 const INCH: Resolution = Resolution { units: Units::Inch, decimals: 4 };

@@ -4,52 +4,27 @@
 //! For each line, `words` collects the words. Then the words take effect in the order in which a control
 //! applies them: units, plane, feed, motion.
 
+mod control;
 mod posed;
 mod words;
 
 use nalgebra::{Point3, Vector3};
 
+use self::control::{Control, Dwell, ProgramNumber};
 use self::posed::Leaning;
 use self::words::Words;
 use super::{Language, Step};
-use crate::dialect::{Dialect, Dwell, FiveAxisWords, Iso, Parabolas, Point, TipControl};
 use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
 use toolpathd_core::geometry::curve::{Arc, Curve, Line, Parabola};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::program::Units;
 use toolpathd_core::toolpath::units::FeedRate;
 
-/// G codes that the reader knows, in tenths. In a dialect that writes parabolas, the reader also knows G5.1.
-const KNOWN_G: &[i32] = &[
-    0,
-    10,
-    20,
-    30,
-    40,
-    170,
-    180,
-    190,
-    200,
-    210,
-    280,
-    400,
-    LENGTH_OFFSET,
-    490,
-    530,
-    540,
-    550,
-    560,
-    570,
-    580,
-    590,
-    610,
-    640,
-    800,
-    900,
-    910,
-    930,
-    940,
-];
+/// G codes that every control knows, in tenths.
+const KNOWN_G: &[i32] =
+    &[0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 400, 490, 530, 610, 640, 800, 900, 910, 930, 940];
+/// G54 to G59, on controls without a code of their own for work offsets.
+const WORK_OFFSETS: [i32; 6] = [540, 550, 560, 570, 580, 590];
 const LENGTH_OFFSET: i32 = 430;
 const DWELL: i32 = 40;
 const PARABOLA: i32 = 51;
@@ -66,51 +41,18 @@ const ENDS: [i32; 2] = [20, 300];
 /// The modal group of G0 to G3, G5.1 and G80.
 const MOTION_GROUP: i32 = 1;
 
-/// The rules of a dialect, with the modal state.
-pub struct Reader<'a> {
-    dialect: &'a Dialect,
-    iso: &'a Iso,
+/// The rules of a control, with the modal state.
+pub struct Reader {
+    control: Control,
     expects: Expected,
     mismatch_limit_mm: f64,
     /// Position in mm.
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
-    codes: OwnCodes,
 }
 
-/// The G codes, in tenths, that differ between dialects. All stand with an H word.
-#[derive(Debug, Clone, Copy)]
-struct OwnCodes {
-    length_offset: Option<i32>,
-    /// Only where the work offset is the number of an H word.
-    work_offset: Option<i32>,
-    /// The codes after which coordinates are those of the tip: with angles, and with vectors.
-    angles: Option<i32>,
-    vectors: Option<i32>,
-}
-
-impl OwnCodes {
-    fn of(dialect: &Dialect, iso: &Iso) -> Self {
-        let FiveAxisWords { angles, vectors, .. } = dialect.five_axes;
-        let words = |control: Option<TipControl>| control.and_then(|control| control.words);
-        Self {
-            length_offset: code_with_h(iso.length_offset),
-            work_offset: code_with_h(iso.work_offset),
-            angles: words(angles).and_then(code_with_h),
-            vectors: words(vectors).and_then(code_with_h),
-        }
-    }
-
-    fn has(&self, code: i32) -> bool {
-        [self.length_offset, self.work_offset, self.angles, self.vectors].contains(&Some(code))
-    }
-}
-
-/// The code of words such as `G43.4 H{offset}`, in tenths; `None` without an H word.
-fn code_with_h(words: &str) -> Option<i32> {
-    let (code, _) = words.strip_prefix('G')?.split_once(" H")?;
-    code.parse().ok().map(|code: f64| (code * 10.0).round() as i32)
-}
+/// The line before and behind a program.
+const TAPE_MARK: &str = "%";
 
 /// The kind of line that has to come next.
 #[derive(Clone, Copy, PartialEq)]
@@ -126,9 +68,9 @@ enum Expected {
     Nothing,
 }
 
-impl Language for Reader<'_> {
+impl Language for Reader {
     fn line(&mut self, text: &str) -> Result<Option<Step>, Fault> {
-        let is_mark = Some(text.trim()) == self.iso.tape_mark;
+        let is_mark = self.control.has_tape_marks && text.trim() == TAPE_MARK;
         match self.expects {
             Expected::TapeMark => {
                 self.expects = Expected::ProgramNumber;
@@ -136,7 +78,10 @@ impl Language for Reader<'_> {
             }
             Expected::ProgramNumber => {
                 self.expects = Expected::Block;
-                if self.iso.program_number.is_none() { self.line(text) } else { self.program_number(text) }
+                match self.control.program_number {
+                    Some(rule) => program_number(text, rule).map(|()| None),
+                    None => self.line(text),
+                }
             }
             Expected::Block => {
                 let words = Words::of(text)?;
@@ -172,46 +117,29 @@ impl Language for Reader<'_> {
     }
 }
 
-impl<'a> Reader<'a> {
-    pub fn new(dialect: &'a Dialect, iso: &'a Iso, mismatch_limit_mm: f64) -> Self {
+impl Reader {
+    /// Reads the dialect called `name`.
+    pub fn new(name: &str, mismatch_limit_mm: f64) -> Self {
+        let control = Control::of(name);
         Self {
-            dialect,
-            iso,
-            expects: if iso.tape_mark.is_some() { Expected::TapeMark } else { Expected::ProgramNumber },
+            control,
+            expects: if control.has_tape_marks { Expected::TapeMark } else { Expected::ProgramNumber },
             mismatch_limit_mm,
             modal: Modal::START,
             leaning: Leaning::default(),
-            codes: OwnCodes::of(dialect, iso),
         }
     }
 
-    fn program_number(&self, text: &str) -> Result<Option<Step>, Fault> {
-        let Some(number) = self.iso.program_number else { return Ok(None) };
-        // The program's name may stand beside the number.
-        let line = match text.split_once(" (") {
-            Some((line, name)) if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) => line,
-            _ => text,
-        };
-        let digits = line
-            .trim()
-            .strip_prefix(number.letter)
-            .filter(|digits| digits.len() >= number.digits && digits.bytes().all(|c| c.is_ascii_digit()));
-        let read = digits.and_then(|digits| digits.parse().ok());
-        let max = self.dialect.max_program_number.unwrap_or(u32::MAX);
-        let is_legal = read.is_some_and(|read| (1..=max).contains(&read));
-        if is_legal { Ok(None) } else { Err(Fault::ProgramNumber) }
-    }
-
-    /// In a dialect where a decimal point decides the value, measured numbers need a point and counted
+    /// On a control where a decimal point decides the value, measured numbers need a point and counted
     /// numbers must not have one.
     fn check_points(&self, words: &Words) -> Result<(), Fault> {
-        if self.dialect.numbers.point == Point::WhereNeeded {
+        if !self.control.needs_points {
             return Ok(());
         }
         let missing = words.first_written("XYZABCIJKF", false).map(Fault::MissingPoint);
         let unexpected = || {
             words
-                .first_written(if self.iso.dwell == Dwell::Milliseconds { "NHSTP" } else { "NHST" }, true)
+                .first_written(if self.control.dwell == Dwell::Milliseconds { "NHSTP" } else { "NHST" }, true)
                 .map(Fault::UnexpectedPoint)
         };
         missing.or_else(unexpected).map_or(Ok(()), Err)
@@ -221,14 +149,14 @@ impl<'a> Reader<'a> {
         self.check_codes(words)?;
         let g = &words.g;
         for &code in g.all() {
-            if !self.codes.has(code) || code == LENGTH_OFFSET {
+            if !self.control.takes_offset(code) || code == LENGTH_OFFSET {
                 self.modal.apply(effect(code));
             }
             if code == PARABOLA {
                 // A block without a G word behind it would be run as the last G0 to G3 says, even as a rapid.
                 self.modal.motion = None;
             }
-            self.leaning.apply(code, &self.codes);
+            self.leaning.apply(code, &self.control);
         }
         if g.has(INVERSE_TIME) || g.has(PER_MINUTE) {
             // A feed of the other mode means something else.
@@ -250,7 +178,8 @@ impl<'a> Reader<'a> {
             self.modal.feed = Some(rate.ok_or(Fault::BadNumber('F'))?);
         }
         if ENDS.iter().any(|&code| words.m.has(code)) {
-            let has_mark = self.iso.tape_mark.is_some();
+            self.leaning.check_off()?;
+            let has_mark = self.control.has_tape_marks;
             self.expects = if has_mark { Expected::LastTapeMark } else { Expected::Nothing };
         }
         if is_dwell {
@@ -263,11 +192,13 @@ impl<'a> Reader<'a> {
     /// When a code is unknown, two codes exclude each other, or G43 or its like stands without H.
     fn check_codes(&self, words: &Words) -> Result<(), Fault> {
         let Words { g, m, .. } = words;
-        let has_parabolas = self.dialect.curves.parabolas == Parabolas::InXy;
-        let is_known = |code: &i32| match *code {
-            PARABOLA => has_parabolas,
-            LENGTH_OFFSET => self.codes.has(LENGTH_OFFSET),
-            code => KNOWN_G.contains(&code) || self.iso.further_g.contains(&code) || self.codes.has(code),
+        let has_work_offsets = self.control.work_offset.is_none();
+        let is_known = |&code: &i32| {
+            KNOWN_G.contains(&code)
+                || WORK_OFFSETS.contains(&code) && has_work_offsets
+                || self.control.further_g.contains(&code)
+                || self.control.takes_offset(code)
+                || code == PARABOLA && self.control.has_parabolas
         };
         let number = |code: &i32| f64::from(*code) / 10.0;
         if let Some(code) = g.all().iter().find(|code| !is_known(code)) {
@@ -281,7 +212,7 @@ impl<'a> Reader<'a> {
         if is_twice || g.has(BLENDING) && g.has(DWELL) {
             return Err(Fault::Conflict);
         }
-        match (g.all().iter().any(|&code| self.codes.has(code)), words.has('H')) {
+        match (g.all().iter().any(|&code| self.control.takes_offset(code)), words.has('H')) {
             (true, false) => Err(Fault::Missing('H')),
             (false, true) => Err(Fault::Unused('H')),
             _ => Ok(()),
@@ -291,6 +222,7 @@ impl<'a> Reader<'a> {
     /// The move to the machine's end of Z: by G28 as a step of no length, or as a rapid to zero of the
     /// machine's coordinates.
     fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        self.leaning.check_off()?;
         let is_relative = self.modal.distance == Some(Distance::Incremental);
         let is_rapid = self.modal.motion == Some(Motion::Rapid);
         // The last of the two codes counts.
@@ -304,9 +236,9 @@ impl<'a> Reader<'a> {
     }
 
     fn dwell(&self, words: &Words) -> Result<Option<Step>, Fault> {
-        let letter = if self.iso.dwell == Dwell::FeedWord { 'F' } else { 'P' };
+        let letter = if self.control.dwell == Dwell::FeedWord { 'F' } else { 'P' };
         let count = words.get(letter).ok_or(Fault::Missing(letter))?;
-        let seconds = if self.iso.dwell == Dwell::Milliseconds { count / 1000.0 } else { count };
+        let seconds = if self.control.dwell == Dwell::Milliseconds { count / 1000.0 } else { count };
         let has_motion = words.g.all().iter().any(|&code| modal_group(code) == MOTION_GROUP);
         if has_motion || words.first_of("XYZIJKABC").is_some() || seconds < 0.0 {
             return Err(Fault::Conflict);
@@ -416,4 +348,20 @@ impl<'a> Reader<'a> {
     fn plane(&self) -> Result<Plane, Fault> {
         self.modal.plane.ok_or(Fault::NoMode("G17, G18 or G19"))
     }
+}
+
+/// Checks the line with the number of a program.
+fn program_number(text: &str, rule: ProgramNumber) -> Result<(), Fault> {
+    // The program's name may stand beside the number.
+    let line = match text.split_once(" (") {
+        Some((line, name)) if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) => line,
+        _ => text,
+    };
+    let digits = line
+        .trim()
+        .strip_prefix('O')
+        .filter(|digits| digits.len() >= rule.digits && digits.bytes().all(|c| c.is_ascii_digit()));
+    let read = digits.and_then(|digits| digits.parse().ok());
+    let is_legal = read.is_some_and(|read| (1..=rule.max).contains(&read));
+    if is_legal { Ok(()) } else { Err(Fault::ProgramNumber) }
 }

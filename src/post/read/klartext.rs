@@ -340,12 +340,15 @@ impl<'a> Reader<'a> {
     /// Lets the M words of a block take effect, but for M91.
     ///
     /// # Errors
-    /// When M91 stands in a block other than `L Z+0 FMAX M91`.
+    /// When M91 stands in a block other than `L Z+0 FMAX M91`, or the program ends under tip control.
     fn functions(&mut self, functions: &Functions) -> Result<(), Fault> {
         if functions.has_machine_zero {
             return Err(Fault::Conflict);
         }
         if functions.has_end {
+            if self.mode != TipMode::Off {
+                return Err(Fault::UnderTipControl);
+            }
             self.expects = Expected::End;
         }
         Ok(())

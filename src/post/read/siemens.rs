@@ -150,6 +150,9 @@ impl<'a> Reader<'a> {
         self.tool(words)?;
         self.feed(words)?;
         self.is_over = words.m.contains(&30);
+        if self.is_over && self.has_tip_control {
+            return Err(Fault::UnderTipControl);
+        }
         self.motion(words)
     }
 

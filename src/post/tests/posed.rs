@@ -18,7 +18,7 @@ fn unit(i: f64, j: f64, k: f64) -> UnitVector3<f64> {
 }
 
 /// Down along a leaning axis, across with a swing, a turn about the tip, and up.
-fn leaning() -> Toolpath {
+pub fn leaning() -> Toolpath {
     let mut path = Toolpath::builder(Point3::new(0.0, 16.0, 12.0));
     path.begin_leaning_pass(None, unit(0.0, 0.8, 0.6));
     path.line(Point3::origin(), feed(400.0), Role::LeadIn).unwrap();
@@ -30,7 +30,7 @@ fn leaning() -> Toolpath {
     path.finish().unwrap()
 }
 
-fn text_of(
+pub fn text_of(
     dialect: &Dialect,
     toolpath: &Toolpath,
     output: AxisOutput,

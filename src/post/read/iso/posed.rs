@@ -2,8 +2,9 @@
 
 use super::super::posed::{Pace, Posed, ROTARY, TipMode};
 use super::super::{Fault, Step};
+use super::Reader;
+use super::control::Control;
 use super::words::Words;
-use super::{OwnCodes, Reader};
 use crate::nc::{FeedMode, Motion};
 
 const NO_OFFSET: i32 = 490;
@@ -16,14 +17,20 @@ pub struct Leaning {
 }
 
 impl Leaning {
-    pub fn apply(&mut self, code: i32, codes: &OwnCodes) {
-        if Some(code) == codes.angles {
+    pub fn apply(&mut self, code: i32, control: &Control) {
+        if Some(code) == control.angles {
             self.mode = TipMode::Angles;
-        } else if Some(code) == codes.vectors {
+        } else if Some(code) == control.vectors {
             self.mode = TipMode::Vectors;
         } else if code == NO_OFFSET {
             self.mode = TipMode::Off;
         }
+    }
+
+    /// # Errors
+    /// When tip control is on. The machine's own coordinates and the end of a program need it off.
+    pub fn check_off(&self) -> Result<(), Fault> {
+        if self.mode == TipMode::Off { Ok(()) } else { Err(Fault::UnderTipControl) }
     }
 
     /// Whether a block of motion has a tool axis.
@@ -34,7 +41,7 @@ impl Leaning {
     }
 }
 
-impl Reader<'_> {
+impl Reader {
     /// A straight motion with the tool axis at its end.
     pub(super) fn posed(
         &mut self,

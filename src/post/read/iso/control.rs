@@ -1,0 +1,111 @@
+//! The words that differ between controls of ISO words, as the reader knows them.
+//!
+//! The facts are those of the controls' manuals. None is taken from the [`Dialect`](crate::Dialect), which the
+//! writer writes from: a wrong word there is refused here.
+
+/// What a control makes of its words. G codes are in tenths.
+#[derive(Debug, Clone, Copy)]
+pub struct Control {
+    /// Whether `%` stands before and behind the program.
+    pub has_tape_marks: bool,
+    pub program_number: Option<ProgramNumber>,
+    /// Whether a number without a point counts least increments.
+    pub needs_points: bool,
+    pub dwell: Dwell,
+    /// G codes that only some controls know.
+    pub further_g: &'static [i32],
+    /// Whether G5.1 is a parabola.
+    pub has_parabolas: bool,
+    /// The code whose H word is the number of a length offset.
+    pub length_offset: Option<i32>,
+    /// The code whose H word is the number of a work offset.
+    pub work_offset: Option<i32>,
+    /// The codes, each with an H word, after which coordinates are those of the tip: with angles of the rotary
+    /// axes, and with vectors of the tool axis.
+    pub angles: Option<i32>,
+    pub vectors: Option<i32>,
+}
+
+/// The letter O and at least `digits` digits.
+#[derive(Debug, Clone, Copy)]
+pub struct ProgramNumber {
+    pub digits: usize,
+    pub max: u32,
+}
+
+/// The word that holds the time of G4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dwell {
+    /// P counts seconds.
+    Seconds,
+    /// P counts whole milliseconds.
+    Milliseconds,
+    /// F counts seconds.
+    FeedWord,
+}
+
+impl Control {
+    /// The control that reads the dialect called `name`. A dialect without a row has the words of `iso`.
+    pub fn of(name: &str) -> Self {
+        match name {
+            "linuxcnc" => LINUXCNC,
+            "fanuc" | "mazak" => FANUC,
+            "haas" => HAAS,
+            "grbl" => GRBL,
+            "mach4" => MACH4,
+            "okuma" => OKUMA,
+            _ => ISO,
+        }
+    }
+
+    /// Whether a code needs an H word.
+    pub fn takes_offset(&self, code: i32) -> bool {
+        [self.length_offset, self.work_offset, self.angles, self.vectors].contains(&Some(code))
+    }
+}
+
+/// The words that most controls share.
+const ISO: Control = Control {
+    has_tape_marks: true,
+    program_number: Some(ProgramNumber { digits: 4, max: 9999 }),
+    needs_points: true,
+    dwell: Dwell::Seconds,
+    further_g: &[],
+    has_parabolas: false,
+    length_offset: Some(430),
+    work_offset: None,
+    angles: None,
+    vectors: None,
+};
+
+/// Tool centre point control is G43.4 with rotary axes (type 1), and G43.5 with the tool axis as I, J, K
+/// (type 2).
+const FANUC: Control = Control { dwell: Dwell::Milliseconds, angles: Some(434), vectors: Some(435), ..ISO };
+
+/// Tool centre point control is G234, for angles alone. Program numbers have five digits.
+const HAAS: Control = Control {
+    program_number: Some(ProgramNumber { digits: 5, max: 99_999 }),
+    angles: Some(2340),
+    vectors: None,
+    ..FANUC
+};
+
+/// A program is a file that ends with M2 or M30. G5.1 is a quadratic spline.
+const LINUXCNC: Control =
+    Control { has_tape_marks: false, program_number: None, needs_points: false, has_parabolas: true, ..ISO };
+
+/// G43 is unknown: the control has no table of tools.
+const GRBL: Control = Control { has_parabolas: false, length_offset: None, ..LINUXCNC };
+
+/// G91.1 makes the offsets of centres incremental.
+const MACH4: Control =
+    Control { has_tape_marks: true, needs_points: false, program_number: None, further_g: &[911], ..ISO };
+
+/// G15 H selects a work offset and G56 H a length offset. G4 has its seconds in F.
+const OKUMA: Control = Control {
+    has_tape_marks: false,
+    dwell: Dwell::FeedWord,
+    length_offset: Some(560),
+    work_offset: Some(150),
+    ..ISO
+};

@@ -18,10 +18,11 @@ use super::dto::axis_output::AxisSetup;
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::setup::Setup;
-use super::dto::toolpath::{Measures, Warning};
+use super::dto::toolpath::Measures;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::events::{self, Begun};
 use super::extract::JobBody;
+use super::messages::Warning;
 use super::negotiation::{Form, Offers, Wanted};
 use super::output::{Encoded, Representation, file_name, page};
 use super::pointer::Pointer;
@@ -286,7 +287,7 @@ mod tests {
 
     use super::*;
     use crate::http::ENGINE_VERSION;
-    use crate::http::dto::toolpath::WarningCode;
+    use crate::http::messages::WarningCode;
     use crate::http::request_id::RequestId;
     use toolpathd_core::toolpath::Role;
     use toolpathd_core::toolpath::cutting::CuttingRequest;

@@ -1,5 +1,5 @@
-//! Checks the sources: what computations must not name, which modules depend on each other in a circle, and how
-//! long a file may be. The compiler checks which crate may name which.
+//! Checks the sources: what computations must not name, what their texts must not hold, which modules depend
+//! on each other in a circle, and how long a file may be. The compiler checks which crate may name which.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -33,6 +33,28 @@ fn the_computations_name_no_file_no_socket_and_no_clock() {
             }
             if module != ["core", "budget"] && names(line, "Instant") {
                 wrong.push(format!("{}:{number}: names the clock; only `budget` may", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The crates below the server state facts in the words of the field. The server alone knows members of bodies,
+/// which its texts put between backticks, and endpoints. Words of programs and of expressions that the crates quote
+/// stand in no backticks.
+#[test]
+fn texts_of_the_computations_name_no_member_of_a_body_and_no_endpoint() {
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let module = module_of(&path);
+        if !COMPUTING.contains(&module[0].as_str()) || module.iter().any(|name| name == "tests") {
+            continue;
+        }
+        for (number, line) in code_lines(without_tests(&text)) {
+            for mark in ["`", "/v1/"] {
+                if line.contains(mark) {
+                    wrong.push(format!("{}:{number}: a text holds {mark}: {}", path.display(), line.trim()));
+                }
             }
         }
     }
@@ -106,8 +128,7 @@ fn modules_with_the_same_parent_do_not_depend_on_each_other_in_a_circle() {
     // child or its descendants name.
     let mut named: BTreeMap<(Vec<String>, String), BTreeSet<String>> = BTreeMap::new();
     for (module, text) in modules.iter().filter(|(module, _)| !module.iter().any(|name| name == "tests")) {
-        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        for other in paths_in(code).filter_map(|path| resolve(&path, module, &modules)) {
+        for other in paths_in(without_tests(text)).filter_map(|path| resolve(&path, module, &modules)) {
             let common = module.iter().zip(&other).take_while(|(a, b)| a == b).count();
             if let (Some(from), Some(to)) = (module.get(common), other.get(common)) {
                 named.entry((module[..common].to_vec(), from.clone())).or_default().insert(to.clone());
@@ -252,6 +273,11 @@ fn sources() -> Vec<(PathBuf, String)> {
     files.sort();
     assert!(files.len() > 20, "only {} source files were found", files.len());
     files
+}
+
+/// The text of a file before its tests.
+fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
 }
 
 /// Numbered lines without comments.

@@ -13,7 +13,7 @@ use crate::parallel::{self, Helpers};
 /// Why a computation was stopped from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Stopped {
-    #[error("the caller went away")]
+    #[error("the computation was cancelled")]
     Cancelled,
     #[error("the deadline passed")]
     DeadlinePassed,

@@ -1,4 +1,4 @@
-//! What a request asks of a control that the control, or its dialect, cannot do.
+//! What a program needs that its dialect cannot write.
 
 use super::dialect::{Dialect, LengthOffsets};
 use toolpathd_core::toolpath::cutting::Coolant;
@@ -8,40 +8,23 @@ use toolpathd_core::toolpath::tool::Tool;
 /// What a dialect cannot write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Missing {
-    #[error("the dialect `{dialect}` has no programs in {units}; choose other units or another dialect")]
+    #[error("the dialect {dialect} has no programs in {units}")]
     Units { dialect: &'static str, units: &'static str },
-    #[error("the dialect `{dialect}` has no word for G{number}; leave `work_offset` out{others}")]
-    WorkOffset { dialect: &'static str, number: u8, others: &'static str },
-    #[error("the dialect `{dialect}` cannot write this `safe_home`; send {}", safe_homes(.has))]
+    /// `has_others` tells whether the dialect has words for other work offsets.
+    #[error("the dialect {dialect} has no word for G{number}")]
+    WorkOffset { dialect: &'static str, number: u8, has_others: bool },
+    #[error("the dialect {dialect} cannot write this safe home")]
     SafeHome { dialect: &'static str, has: &'static [SafeHome] },
-    #[error("the dialect `{dialect}` cannot write this `coolant`; send {}", coolants(.has))]
+    #[error("the dialect {dialect} cannot write this coolant")]
     Coolant { dialect: &'static str, has: &'static [Coolant] },
-    #[error("the dialect `{dialect}` has no numbers of length offsets; leave `length_offset` out")]
+    #[error("the dialect {dialect} has no numbers of length offsets")]
     LengthOffset { dialect: &'static str },
-    #[error("the dialect `{dialect}` has no tool {number}; send a number of at most {most}")]
+    #[error("the dialect {dialect} has no tool {number}")]
     ToolNumber { dialect: &'static str, number: u32, most: u32 },
-    #[error("the dialect `{dialect}` has no length offset {number}; send a number of at most {most}")]
+    #[error("the dialect {dialect} has no length offset {number}")]
     LengthOffsetNumber { dialect: &'static str, number: u32, most: u32 },
-    #[error("programs in the dialect `{dialect}` state the radius of the tool; send `tool`")]
+    #[error("programs in the dialect {dialect} state the radius of the tool, and no tool is given")]
     Tool { dialect: &'static str },
-}
-
-fn safe_homes(all: &[SafeHome]) -> String {
-    let name = |home: &SafeHome| match home {
-        SafeHome::None => "`none`",
-        SafeHome::G28 => "`g28`",
-        SafeHome::G53 => "`g53`",
-    };
-    all.iter().map(name).collect::<Vec<_>>().join(" or ")
-}
-
-fn coolants(all: &[Coolant]) -> String {
-    let name = |coolant: &Coolant| match coolant {
-        Coolant::Off => "`off`",
-        Coolant::Flood => "`flood`",
-        Coolant::Mist => "`mist`",
-    };
-    all.iter().map(name).collect::<Vec<_>>().join(" or ")
 }
 
 /// All that the dialect cannot write.
@@ -57,8 +40,8 @@ pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Opt
         missing.push(Missing::Units { dialect: name, units });
     }
     if let Some(number) = program.work_offset.filter(|number| !abilities.work_offsets.contains(number)) {
-        let others = if abilities.work_offsets.is_empty() { "" } else { ", or choose another" };
-        missing.push(Missing::WorkOffset { dialect: name, number, others });
+        let has_others = !abilities.work_offsets.is_empty();
+        missing.push(Missing::WorkOffset { dialect: name, number, has_others });
     }
     if program.safe_home != SafeHome::None && !abilities.safe_homes.contains(&program.safe_home) {
         missing.push(Missing::SafeHome { dialect: name, has: abilities.safe_homes });
@@ -122,12 +105,12 @@ mod tests {
         assert_eq!(missing(&DECKEL, &program, Coolant::Flood, Some(&offset)).len(), 5);
         assert_eq!(missing(&DECKEL, &PLAIN, Coolant::Off, None), [Missing::Tool { dialect: "deckel" }]);
         let found = missing(&SIEMENS, &program, Coolant::Mist, Some(&offset));
-        let texts: Vec<String> = found.iter().map(Missing::to_string).collect();
+        let dialect = "siemens";
         assert_eq!(
-            texts,
+            found,
             [
-                "the dialect `siemens` has no word for G58; leave `work_offset` out, or choose another",
-                "the dialect `siemens` cannot write this `safe_home`; send `none` or `g53`"
+                Missing::WorkOffset { dialect, number: 58, has_others: true },
+                Missing::SafeHome { dialect, has: &[SafeHome::None, SafeHome::G53] },
             ]
         );
     }

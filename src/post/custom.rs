@@ -9,6 +9,7 @@
 //! The program states its modes again behind such lines. The reader that checks the program skips them, and
 //! takes units, plane, distance mode, feed and position for unknown behind them.
 
+use std::fmt;
 use std::ops::{Range, RangeInclusive};
 
 use super::dialect::{Dialect, Frame, Syntax};
@@ -47,27 +48,25 @@ pub enum CustomPart {
 pub enum CustomFault {
     #[error("the line is empty; leave it out")]
     Empty,
-    #[error("the line has {found} characters; send at most {most}")]
+    #[error("the line has {found} characters; at most {most} are allowed")]
     TooLong { found: usize, most: usize },
-    #[error("the line holds {0:?}, which has no place in a program; send printable ASCII without `%`")]
+    #[error("the line holds {0:?}, which has no place in a program; write printable ASCII without %")]
     Character(char),
-    #[error("the line cannot be read from {text:?} on; send {form}")]
+    #[error("the line cannot be read from {text:?} on; write {form}")]
     Unreadable { text: String, form: &'static str },
     #[error("{0:?} ends the program, leaves it, or changes what later blocks mean; leave it out")]
     Forbidden(String),
-    #[error("{0:?} stands where a block number would; leave it out, and set `program.block_numbers`")]
+    #[error("{0:?} stands where a block number would; leave it out")]
     BlockNumber(String),
-    #[error("{0:?} is a program number; leave it out, and set `program.number`")]
+    #[error("{0:?} is a program number; leave it out")]
     ProgramNumber(String),
-    #[error(
-        "{0:?} selects another work offset behind that of the program; set `program.work_offset`, or move it to `header`"
-    )]
+    #[error("{0:?} selects another work offset behind that of the program")]
     WorkOffset(String),
     #[error("the line moves an axis; {0}, or leave the axis words out")]
     Moves(&'static str),
-    #[error("the dialect has no tool change; move the line to `header`")]
+    #[error("the dialect has no tool change")]
     NoToolChange,
-    #[error("the dialect has no place for lines of your own; leave `custom` out, or choose another dialect")]
+    #[error("the dialect has no place for lines of a shop")]
     NoPlace,
 }
 
@@ -87,19 +86,19 @@ impl Fault {
     }
 }
 
-impl CustomPart {
-    /// Its name in a request.
-    pub fn name(self) -> &'static str {
-        match self {
+impl fmt::Display for CustomPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             Self::Header => "header",
-            Self::ToolChange => "tool_change",
+            Self::ToolChange => "tool change",
             Self::Footer => "footer",
-        }
+        })
     }
 }
 
 /// A line that is refused, by its place and its index.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("line {} of the {part} is refused: {fault}", index + 1)]
 pub struct Refused {
     pub part: CustomPart,
     pub index: usize,

@@ -45,7 +45,7 @@ mod words;
 mod write;
 
 pub use abilities::{Missing, missing};
-pub use custom::{CustomPart, MAX_LINES, Refused, refused};
+pub use custom::{CustomFault, CustomPart, MAX_LINES, Refused, refused};
 pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
@@ -137,8 +137,8 @@ pub enum WriteError {
     TooManyWholeDigits { limit: u32 },
     #[error(transparent)]
     Missing(#[from] Missing),
-    #[error("line {} of `program.custom.{}` is refused: {}", .0.index + 1, .0.part.name(), .0.fault)]
-    Custom(Refused),
+    #[error(transparent)]
+    Custom(#[from] Refused),
     #[error("the dialect has no word for a dwell; leave dwells out, or choose another dialect")]
     NoDwells,
     #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
@@ -149,15 +149,11 @@ pub enum WriteError {
     Feed { mm_per_min: f64 },
     #[error("a dwell of {seconds} s is longer than the {most_s} s that the control reads; divide the dwell")]
     Dwell { seconds: f64, most_s: f64 },
-    #[error(
-        "the toolpath leans or turns the tool; send `machine`, or `axis_output: vectors` in a dialect that has vectors"
-    )]
+    #[error("the toolpath leans or turns the tool, and no machine is given")]
     MachineMissing,
     #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]
     AxisOutput,
-    #[error(
-        "the second point of a rail is too near the tip for the decimals of the program; send `axis_output: vectors`"
-    )]
+    #[error("the second point of a rail is too near the tip for the decimals of the program")]
     SecondPointTooNear,
     #[error("near {at} {}", error.told())]
     NotFollowed { error: FollowError, at: Point3<f64> },
@@ -193,7 +189,7 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
         return Err((*first).into());
     }
     if let Some(first) = refused(job.dialect, &job.program.custom).into_iter().next() {
-        return Err(WriteError::Custom(first));
+        return Err(first.into());
     }
     let grid = Grid::new(resolution);
     let lowered = lower::lower(toolpath, job, budget)?;

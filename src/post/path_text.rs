@@ -38,9 +38,9 @@ pub struct PathTextError {
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PathFault {
-    #[error("`{0}` is not read; write the motion as straight lines with a tool axis")]
+    #[error("{0:?} is not read; write the motion as straight lines with a tool axis")]
     NotRead(String),
-    #[error("`{0}` is no number")]
+    #[error("{0:?} is no number")]
     BadNumber(String),
     #[error("a coordinate is larger than a million mm, or no number")]
     Coordinate,
@@ -48,7 +48,7 @@ pub enum PathFault {
     Count(usize),
     #[error("the tool axis has no length")]
     NoAxis,
-    #[error("no feed is known here; send `feed_mm_per_min`")]
+    #[error("no feed is known here")]
     NoFeed,
     #[error("the feed {0} is no feed")]
     BadFeed(f64),
@@ -62,7 +62,7 @@ pub enum PathFault {
     Relative,
     #[error("the machine has no axis {0}")]
     NoSuchAxis(char),
-    #[error("the angles of rotary axes need a machine; send `machine`")]
+    #[error("the angles of rotary axes need a machine")]
     NoMachine,
     #[error("variables and macros are not read")]
     Variables,

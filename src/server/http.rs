@@ -14,6 +14,7 @@ mod connection;
 mod decode;
 mod dto;
 mod error;
+mod messages;
 mod openapi;
 mod pointer;
 mod request;

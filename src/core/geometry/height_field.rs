@@ -75,7 +75,7 @@ pub enum HeightFieldError {
     Stopped(#[from] Stopped),
     #[error("near {at} the surface overhangs: a cutter cannot reach this place from above")]
     Overhang { at: Point3<f64> },
-    #[error("the surface needs more than {limit} triangles; send a smaller part of it")]
+    #[error("the surface needs more than {limit} triangles")]
     TooMany { limit: usize },
 }
 

@@ -86,7 +86,7 @@ pub enum Fault {
     #[error("a smooth curve needs at least 2 points")]
     OneSmoothPoint,
     #[error(
-        "a curve cannot start or end with a rounded corner; write `l(...)` instead of `r(...)` for the first and the last item"
+        "a curve cannot start or end with a rounded corner; write l(...) instead of r(...) for the first and the last item"
     )]
     CornerAtEnd,
     #[error("the radius {radius_mm} mm is negative")]

@@ -140,6 +140,18 @@ pub struct Plan {
     pub samples: Vec<TimedPose>,
     /// Straight moves along the smooth path.
     pub toolpath: Toolpath,
+    pub warnings: Vec<Warning>,
+}
+
+/// Something to know before the motion runs, which does not stop the job.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Warning {
+    /// The method leaves the tolerances: bounds of the deviation of tip and axis.
+    ToleranceExceeded { deviation_mm: f64, deviation_axis: f64 },
+    /// At this pole of the machine the limits of the axes are checked, but not proved.
+    LimitsNotProved { at: Point3<f64> },
+    /// A written program may leave the tolerance.
+    RoundingExceedsTolerance { deviation_mm: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -175,6 +187,26 @@ pub struct Report {
     pub axis_peaks: Vec<(char, [f64; 3])>,
 }
 
+impl Report {
+    fn warnings(&self) -> Vec<Warning> {
+        let &Self { deviation_mm, deviation_axis, .. } = self;
+        let exceeded = Warning::ToleranceExceeded { deviation_mm, deviation_axis };
+        let gap = match self.limits_proof {
+            Some(LimitsProof::GapAt(at)) => Some(Warning::LimitsNotProved { at }),
+            _ => None,
+        };
+        (!self.is_within_tolerance).then_some(exceeded).into_iter().chain(gap).collect()
+    }
+
+    /// The warning that rounding, and straying between blocks, may take the program of `job` out of the
+    /// tolerance.
+    pub fn warning_of_program(&self, job: &Job) -> Option<Warning> {
+        let deviation_mm = self.cut_deviation_mm.unwrap_or(self.moves_deviation_mm) + job.rounding_mm;
+        let is_beyond = self.is_within_tolerance && deviation_mm > job.tolerance_mm;
+        is_beyond.then_some(Warning::RoundingExceedsTolerance { deviation_mm })
+    }
+}
+
 /// Whether the motion keeps its limits at every time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitsProof {
@@ -188,17 +220,13 @@ pub enum LimitsProof {
 pub enum FiveAxisError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    #[error("all poses are the same; send at least two different poses")]
+    #[error("all poses are the same")]
     NoMotion,
-    #[error(
-        "the axis of pose {index} points against that of the pose before it; send a pose between the two, so that the way of the axis is certain"
-    )]
+    #[error("the axis of pose {index} points against that of the pose before it")]
     OppositeAxes { index: usize },
-    #[error(
-        "the motion takes {duration_s:.3} s, which is more than {limit} samples; send a larger `sample_period_ms`"
-    )]
+    #[error("the motion takes {duration_s:.3} s, which is more than {limit} samples")]
     TooManySamples { duration_s: f64, limit: usize },
-    #[error("near {at} the path keeps no tolerance as small as this; send a larger tolerance")]
+    #[error("near {at} the path keeps no tolerance as small as this")]
     ToleranceNotReached { at: Point3<f64> },
     #[error("near {at} {}", error.told())]
     NotFollowed { error: FollowError, at: Point3<f64> },
@@ -266,7 +294,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         jerk,
         axis_peaks: axis_peaks(job, even),
     };
-    Ok(Plan { report, samples, toolpath: moves.toolpath })
+    Ok(Plan { warnings: report.warnings(), report, samples, toolpath: moves.toolpath })
 }
 
 /// The rails of all sections one after the other. A rapid is a line of its own.

@@ -117,11 +117,11 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error(transparent)]
     Source(#[from] SourceError),
-    #[error("the measure `vertical` supports graphs y(x) only; use the measure `normal`")]
+    #[error("only graphs y(x) have a vertical deviation")]
     VerticalWithoutGraph,
-    #[error("joints in the band are supported with the method `linear` only")]
+    #[error("only lines can have joints in the band")]
     JointsInBand,
-    #[error("cutter radius compensation supports lines and arcs only; use the method `linear` or `arc`")]
+    #[error("cutter radius compensation supports lines and arcs only")]
     CompensatedParabola,
     #[error("the curve needs more than {limit} elements; use a wider band")]
     TooManyElements { limit: usize },

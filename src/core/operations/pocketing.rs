@@ -72,7 +72,7 @@ use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::path::{Builder, PathError};
 use crate::toolpath::quantize::QuantizeError;
 use candidate::{Route, routes};
-pub use check::Exception;
+pub use check::{Exception, Invalid};
 use conditions::Conditions;
 pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief};
 pub use labelling::MOST_CELLS;
@@ -125,28 +125,26 @@ pub enum PocketError {
     Surface(SourceError),
     #[error(transparent)]
     Relief(HeightFieldError),
-    #[error("`cleared` {index}{}: {error}", island.map_or_else(String::new, |k| format!(", island {k}")))]
+    #[error("emptied place {index}{}: {error}", island.map_or_else(String::new, |k| format!(", island {k}")))]
     Cleared { index: usize, island: Option<usize>, error: OutlineError },
-    #[error("`cleared` {index} is empty: its islands fill it; leave it out")]
+    #[error("emptied place {index} is empty, because its islands fill it")]
     ClearedEmpty { index: usize },
-    #[error(
-        "the outlines need more than {limit} lines and arcs within {within_mm} mm; send fewer vertices, or fit arcs to them with `/v1/arcs/fit`"
-    )]
+    #[error("the outlines need more than {limit} lines and arcs within {within_mm} mm")]
     OutlinesTooFine { limit: usize, within_mm: f64 },
-    #[error("labelling needs more than {limit} cells; send a larger `cell_mm`")]
+    #[error("labelling needs more than {limit} cells")]
     TooManyCells { limit: usize },
     #[error(
         "the tool of {diameter_mm} mm fits nowhere in the pocket; the largest that fits has {largest_mm:.3} mm, near {at}"
     )]
     ToolTooLarge { diameter_mm: f64, largest_mm: f64, at: Point2<f64> },
     #[error(
-        "near {at} neither a helix of {least_mm} mm nor a ramp fits, and `entry.plunge` is `false`; allow the plunge, or send a tool of at most {largest_mm:.3} mm"
+        "near {at} neither a helix of {least_mm} mm nor a ramp fits, and a plunge is not allowed; a tool of at most {largest_mm:.3} mm has room"
     )]
     NoEntry { at: Point2<f64>, least_mm: f64, largest_mm: f64 },
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]
-    NoneValid { because: String },
+    NoneValid { because: Invalid },
 }
 
 impl From<RegionError> for PocketError {
@@ -246,7 +244,7 @@ fn choose<'a>(
         let routes = match routes {
             Ok(routes) => routes,
             Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.to_string()));
+                candidates.push(Candidate::failed(*pattern, error.clone()));
                 failure.get_or_insert_with(|| error.clone());
                 continue;
             }
@@ -272,7 +270,7 @@ fn choose<'a>(
             }
         }
         if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.to_string()));
+            candidates.push(Candidate::failed(*pattern, error.clone()));
             failure.get_or_insert(error);
         }
         let Some((figure, candidate, route)) = fastest else { continue };
@@ -284,14 +282,10 @@ fn choose<'a>(
     if let Some((_, pattern, route)) = best {
         return Ok((candidates, Some((pattern, route))));
     }
+    let because = candidates.iter().find_map(|candidate| candidate.invalid_because.clone());
+    let invalid = because.map(|because| PocketError::NoneValid { because });
     // Where the tool fits nowhere there are no routes at all.
-    if failure.is_none() && candidates.is_empty() {
-        return Ok((candidates, None));
-    }
-    let reason = |candidate: &Candidate| candidate.invalid_because.clone();
-    Err(failure.unwrap_or_else(|| PocketError::NoneValid {
-        because: candidates.iter().find_map(reason).unwrap_or_default(),
-    }))
+    failure.or(invalid).map_or(Ok((candidates, None)), Err)
 }
 
 fn append_level(

@@ -129,21 +129,15 @@ pub enum Error {
     Stopped(#[from] Stopped),
     #[error(transparent)]
     Source(#[from] SourceError),
-    #[error("the engine `offset_section` supports ball cutters only; use the engine `contact`")]
+    #[error("sections of the offset surface are known for ball cutters only")]
     NoBall,
     #[error(transparent)]
     NotSmooth(NotSmooth),
-    #[error(
-        "the surface cannot be continued past its edges because it has no tangent across one edge; use the boundary `on` or `inside`"
-    )]
+    #[error("the surface cannot be continued past its edges because it has no tangent across one edge")]
     NoWayPast,
-    #[error(
-        "the surface is vertical, overhangs or has no normal near {at}; the engine `offset_section` cannot cut it; use the engine `contact`"
-    )]
+    #[error("the surface is vertical, overhangs or has no normal near {at}")]
     Overhang { at: Point3<f64> },
-    #[error(
-        "the cutter does not fit the surface near {at}, where its offset folds or nearly folds; use a smaller cutter or the engine `contact`"
-    )]
+    #[error("the cutter does not fit the surface near {at}, where its offset folds or nearly folds")]
     OffsetFolds { at: Point3<f64> },
     #[error(transparent)]
     Heights(#[from] HeightError),

@@ -71,9 +71,7 @@ pub enum Error {
     Source(#[from] SourceError),
     #[error(transparent)]
     Wires(#[from] WireError),
-    #[error(
-        "the patches have {needed} control points, and an answer holds at most {limit}: send `patches: false`"
-    )]
+    #[error("the patches have {needed} control points; at most {limit} are allowed")]
     TooManyControlPoints { needed: usize, limit: usize },
 }
 

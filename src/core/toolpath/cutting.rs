@@ -1,6 +1,8 @@
 //! The conditions of a cut: the feed for each role of a move, the spindle, the coolant, and the heights of
 //! rapids. [`CuttingRequest`] is what was asked for. [`Cutting`] is the same with all defaults filled in.
 
+use std::fmt;
+
 use super::path::Role;
 use super::program::Program;
 use super::tool::Tool;
@@ -50,16 +52,28 @@ pub struct CuttingRequest {
     pub retract_z_mm: Option<f64>,
 }
 
+/// A height of rapids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RapidPlane {
+    Clearance,
+    Retract,
+}
+
+impl fmt::Display for RapidPlane {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Clearance => "clearance plane",
+            Self::Retract => "retract plane",
+        })
+    }
+}
+
 /// Why a height contradicts the part or another height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum HeightError {
-    #[error(
-        "`{field}` is {value_mm} mm, below the top of the part and its stock at {top_mm} mm; send at least {top_mm} mm"
-    )]
-    BelowTop { field: &'static str, value_mm: f64, top_mm: f64 },
-    #[error(
-        "`clearance_z_mm` is {clearance_mm} mm, below `retract_z_mm` at {retract_mm} mm; send at least {retract_mm} mm"
-    )]
+    #[error("the {plane} at {z_mm} mm is below the top of the part and its stock at {top_mm} mm")]
+    BelowTop { plane: RapidPlane, z_mm: f64, top_mm: f64 },
+    #[error("the clearance plane at {clearance_mm} mm is below the retract plane at {retract_mm} mm")]
     ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
 }
 
@@ -96,16 +110,16 @@ impl CuttingRequest {
     /// # Errors
     /// When a height is below the top, or the clearance plane below the retract plane.
     pub fn above(&self, top_mm: f64) -> Result<Cutting, HeightError> {
-        let above_top = |field, value: Option<f64>, default: f64| match value {
-            Some(value_mm) if value_mm < top_mm - TOP_ACCURACY_MM => {
-                Err(HeightError::BelowTop { field, value_mm, top_mm })
+        let above_top = |plane, height: Option<f64>, default: f64| match height {
+            Some(z_mm) if z_mm < top_mm - TOP_ACCURACY_MM => {
+                Err(HeightError::BelowTop { plane, z_mm, top_mm })
             }
-            Some(value_mm) => Ok(value_mm),
+            Some(z_mm) => Ok(z_mm),
             None => Ok(top_mm + default),
         };
-        let retract_z_mm = above_top("retract_z_mm", self.retract_z_mm, RETRACT_ABOVE_TOP_MM)?;
+        let retract_z_mm = above_top(RapidPlane::Retract, self.retract_z_mm, RETRACT_ABOVE_TOP_MM)?;
         let default_clearance = CLEARANCE_ABOVE_TOP_MM.max(retract_z_mm - top_mm);
-        let clearance_z_mm = above_top("clearance_z_mm", self.clearance_z_mm, default_clearance)?;
+        let clearance_z_mm = above_top(RapidPlane::Clearance, self.clearance_z_mm, default_clearance)?;
         if clearance_z_mm < retract_z_mm {
             let (clearance_mm, retract_mm) = (clearance_z_mm, retract_z_mm);
             return Err(HeightError::ClearanceBelowRetract { clearance_mm, retract_mm });
@@ -195,7 +209,7 @@ impl Cutting {
 }
 
 /// Something about a cut that is legal and yet often a mistake.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Caution {
     /// There is no spindle speed: the program starts no spindle.
     NoSpindleSpeed,
@@ -203,6 +217,8 @@ pub enum Caution {
     NoToolNumber,
     /// No work offset was given: the program uses the one that is active.
     NoWorkOffset,
+    /// No clearance plane was given: this one, mm, is above everything that is cut.
+    ClearanceChosen { z_mm: f64 },
     /// The tool is used with the length offset of another place in the table.
     LengthOffsetDiffers { number: u32, length_offset: u32 },
 }
@@ -258,13 +274,11 @@ mod tests {
 
     #[test]
     fn heights_below_the_part_or_each_other_are_refused() {
-        for field in ["retract_z_mm", "clearance_z_mm"] {
-            let mut request = request();
-            let height =
-                if field == "retract_z_mm" { &mut request.retract_z_mm } else { &mut request.clearance_z_mm };
-            *height = Some(9.0);
-            let expected = HeightError::BelowTop { field, value_mm: 9.0, top_mm: TOP };
-            assert_eq!(request.above(TOP), Err(expected));
+        for (plane, request) in [
+            (RapidPlane::Retract, CuttingRequest { retract_z_mm: Some(9.0), ..request() }),
+            (RapidPlane::Clearance, CuttingRequest { clearance_z_mm: Some(9.0), ..request() }),
+        ] {
+            assert_eq!(request.above(TOP), Err(HeightError::BelowTop { plane, z_mm: 9.0, top_mm: TOP }));
         }
         let crossed = CuttingRequest { retract_z_mm: Some(15.0), clearance_z_mm: Some(11.0), ..request() };
         let expected = HeightError::ClearanceBelowRetract { clearance_mm: 11.0, retract_mm: 15.0 };

@@ -59,7 +59,7 @@ pub enum Fault {
     LongLine { limit: usize },
     #[error("the block number must be {expected}")]
     BlockNumber { expected: u32 },
-    #[error("this line must have the form `{0}`")]
+    #[error("this line must have the form {0:?}")]
     Frame(&'static str),
     #[error("the block is of no kind that is known")]
     UnknownBlock,

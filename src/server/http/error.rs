@@ -1,7 +1,6 @@
 //! Errors as the caller sees them: problem documents (RFC 9457). Only this module turns failures into status
 //! codes.
 
-mod failure;
 mod field;
 mod sent_part;
 
@@ -16,7 +15,6 @@ use utoipa::ToSchema;
 
 use super::answer_point::Place;
 use super::pointer::Pointer;
-pub use failure::{not_followed, place_of};
 pub use field::{FieldCode, FieldError};
 pub use sent_part::SentPart;
 

@@ -49,7 +49,7 @@ pub enum NurbsError {
     #[error(transparent)]
     Weights(WeightError),
     #[error(
-        "the curve has a gap of {gap_mm} mm at parameter {parameter}; send the two parts as two curves, or close the gap"
+        "the curve has a gap of {gap_mm} mm at parameter {parameter}; give the two parts as two curves, or close the gap"
     )]
     Gap { parameter: f64, gap_mm: f64 },
     /// A fault that no rule above excludes: parameters too large or too close together, or too many pieces.

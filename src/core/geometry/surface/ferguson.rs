@@ -8,6 +8,8 @@
 //! # Reference
 //! J. C. Ferguson, "Multivariable Curve Interpolation", Journal of the ACM 11, 1964.
 
+use std::fmt;
+
 use nalgebra::{Point3, Vector3};
 
 use super::bezier::BezierSurface;
@@ -24,15 +26,35 @@ pub struct Ferguson {
     pub twists: Option<Vec<Vec<Vector3<f64>>>>,
 }
 
+/// One of the grids of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grid {
+    Points,
+    TangentsU,
+    TangentsV,
+    Twists,
+}
+
+impl fmt::Display for Grid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Points => "the grid of points",
+            Self::TangentsU => "the grid of tangents along u",
+            Self::TangentsV => "the grid of tangents along v",
+            Self::Twists => "the grid of twists",
+        })
+    }
+}
+
 /// Why the data make no surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum FergusonError {
-    #[error("{field} has {found} rows; {expected} are needed")]
-    Rows { field: &'static str, found: usize, expected: usize },
-    #[error("row {row} of {field} has {found} entries; {expected} are needed")]
-    Columns { field: &'static str, row: usize, found: usize, expected: usize },
-    #[error("entry [{row}][{column}] of {field} is not finite")]
-    NotFinite { field: &'static str, row: usize, column: usize },
+    #[error("{grid} has {found} rows; {expected} are needed")]
+    Rows { grid: Grid, found: usize, expected: usize },
+    #[error("row {row} of {grid} has {found} entries; {expected} are needed")]
+    Columns { grid: Grid, row: usize, found: usize, expected: usize },
+    #[error("entry [{row}][{column}] of {grid} is not finite")]
+    NotFinite { grid: Grid, row: usize, column: usize },
 }
 
 impl Ferguson {
@@ -44,11 +66,11 @@ impl Ferguson {
         let rows = self.points.len().max(2);
         let columns = self.points.first().map_or(2, Vec::len).max(2);
         let size = [rows, columns];
-        check("points", &self.points, size, |p| p.iter().all(|x| x.is_finite()))?;
-        let vectors = [("tangents_u", &self.tangents_u), ("tangents_v", &self.tangents_v)];
-        for (field, grid) in vectors.into_iter().chain(self.twists.as_ref().map(|twists| ("twists", twists)))
-        {
-            check(field, grid, size, |v| v.iter().all(|x| x.is_finite()))?;
+        check(Grid::Points, &self.points, size, |p| p.iter().all(|x| x.is_finite()))?;
+        let vectors = [(Grid::TangentsU, &self.tangents_u), (Grid::TangentsV, &self.tangents_v)];
+        let twists = self.twists.as_ref().map(|twists| (Grid::Twists, twists));
+        for (grid, vectors) in vectors.into_iter().chain(twists) {
+            check(grid, vectors, size, |v| v.iter().all(|x| x.is_finite()))?;
         }
         Ok(hermite::surface(size, |i, j| Corner {
             point: self.points[i][j].coords,
@@ -60,20 +82,20 @@ impl Ferguson {
 }
 
 fn check<T>(
-    field: &'static str,
-    grid: &[Vec<T>],
+    grid: Grid,
+    values: &[Vec<T>],
     [rows, columns]: [usize; 2],
     is_finite: impl Fn(&T) -> bool,
 ) -> Result<(), FergusonError> {
-    if grid.len() != rows {
-        return Err(FergusonError::Rows { field, found: grid.len(), expected: rows });
+    if values.len() != rows {
+        return Err(FergusonError::Rows { grid, found: values.len(), expected: rows });
     }
-    for (row, entries) in grid.iter().enumerate() {
+    for (row, entries) in values.iter().enumerate() {
         if entries.len() != columns {
-            return Err(FergusonError::Columns { field, row, found: entries.len(), expected: columns });
+            return Err(FergusonError::Columns { grid, row, found: entries.len(), expected: columns });
         }
         if let Some(column) = entries.iter().position(|entry| !is_finite(entry)) {
-            return Err(FergusonError::NotFinite { field, row, column });
+            return Err(FergusonError::NotFinite { grid, row, column });
         }
     }
     Ok(())
@@ -124,16 +146,16 @@ mod tests {
     fn a_broken_grid_is_refused_with_the_place_of_its_fault() {
         let mut data = exact();
         data.tangents_v[1].pop();
-        let expected = FergusonError::Columns { field: "tangents_v", row: 1, found: 3, expected: 4 };
+        let expected = FergusonError::Columns { grid: Grid::TangentsV, row: 1, found: 3, expected: 4 };
         assert_eq!(data.surface(), Err(expected));
         let mut data = exact();
         data.twists = Some(vec![]);
-        assert_eq!(data.surface(), Err(FergusonError::Rows { field: "twists", found: 0, expected: 3 }));
+        assert_eq!(data.surface(), Err(FergusonError::Rows { grid: Grid::Twists, found: 0, expected: 3 }));
         let mut data = exact();
         data.points[2][3].y = f64::NAN;
-        assert_eq!(data.surface(), Err(FergusonError::NotFinite { field: "points", row: 2, column: 3 }));
+        assert_eq!(data.surface(), Err(FergusonError::NotFinite { grid: Grid::Points, row: 2, column: 3 }));
         let mut data = exact();
         data.points.truncate(1);
-        assert_eq!(data.surface(), Err(FergusonError::Rows { field: "points", found: 1, expected: 2 }));
+        assert_eq!(data.surface(), Err(FergusonError::Rows { grid: Grid::Points, found: 1, expected: 2 }));
     }
 }

@@ -18,6 +18,8 @@
 //! of Sculptured Surface of Die", 1989, section 3.1, eq. 1-7. The paper has only [`Twist::Zero`] (eq. 6), and
 //! does not print the end conditions of its splines.
 
+use std::fmt;
+
 use nalgebra::{Point3, Vector3};
 
 use super::bezier::BezierSurface;
@@ -69,6 +71,26 @@ pub struct PointGrid {
     pub ends: Ends,
 }
 
+/// An edge of the surface: where u or v is at its start (0) or at its end (1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Edge {
+    U0,
+    U1,
+    V0,
+    V1,
+}
+
+impl fmt::Display for Edge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::U0 => "u0",
+            Self::U1 => "u1",
+            Self::V0 => "v0",
+            Self::V1 => "v1",
+        })
+    }
+}
+
 /// Why a grid makes no surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GridError {
@@ -81,11 +103,11 @@ pub enum GridError {
     #[error("point [{i}][{j}] is not finite")]
     NotFinite { i: usize, j: usize },
     #[error(
-        "there are {given} end tangents along {side} for {expected} boundary points; each boundary point needs one end tangent"
+        "there are {given} end tangents along {edge} for {expected} boundary points; each boundary point needs one end tangent"
     )]
-    EndTangents { side: &'static str, given: usize, expected: usize },
-    #[error("an end tangent along {side} is not finite")]
-    EndTangentNotFinite { side: &'static str },
+    EndTangents { edge: Edge, given: usize, expected: usize },
+    #[error("an end tangent along {edge} is not finite")]
+    EndTangentNotFinite { edge: Edge },
 }
 
 impl PointGrid {
@@ -134,14 +156,15 @@ impl PointGrid {
         }
         if let Ends::Clamped(tangents) = &self.ends {
             let EndTangents { u0, u1, v0, v1 } = tangents;
-            for (side, given, expected) in
-                [("u0", u0, expected), ("u1", u1, expected), ("v0", v0, rows), ("v1", v1, rows)]
+            let along_u = [(Edge::U0, u0, expected), (Edge::U1, u1, expected)];
+            for (edge, given, expected) in
+                along_u.into_iter().chain([(Edge::V0, v0, rows), (Edge::V1, v1, rows)])
             {
                 if given.len() != expected {
-                    return Err(GridError::EndTangents { side, given: given.len(), expected });
+                    return Err(GridError::EndTangents { edge, given: given.len(), expected });
                 }
                 if !given.iter().flat_map(|t| t.iter()).all(|x| x.is_finite()) {
-                    return Err(GridError::EndTangentNotFinite { side });
+                    return Err(GridError::EndTangentNotFinite { edge });
                 }
             }
         }
@@ -324,6 +347,6 @@ mod tests {
         let tangents = EndTangents { u0: vec![], u1: vec![], v0: vec![], v1: vec![] };
         let mut clamped = grid(vec![vec![p, p], vec![p, p]]);
         clamped.ends = Ends::Clamped(tangents);
-        assert_eq!(clamped.surface(), Err(GridError::EndTangents { side: "u0", given: 0, expected: 2 }));
+        assert_eq!(clamped.surface(), Err(GridError::EndTangents { edge: Edge::U0, given: 0, expected: 2 }));
     }
 }

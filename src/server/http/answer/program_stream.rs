@@ -30,7 +30,7 @@ use crate::http::error::{ApiError, Code};
 use crate::http::request::body::BodyLimits;
 use crate::http::request::coding::Coding;
 use toolpathd_core::budget::Budget;
-use toolpathd_post::rewrite::{Figures, RewriteError, Rewriter};
+use toolpathd_post::rewrite::{Figures, Rewriter};
 
 /// Most bytes of an answer that wait for a caller who does not read. Small programs fit whole, so a caller
 /// may send its whole program before it reads the answer.
@@ -309,14 +309,4 @@ impl Decoder {
 
 fn no_gzip(error: std::io::Error) -> ApiError {
     ApiError::new(Code::BadRequest, format!("the body is not gzip, or its end is missing: {error}"))
-}
-
-impl From<RewriteError> for ApiError {
-    fn from(error: RewriteError) -> Self {
-        let detail = error.to_string();
-        match error {
-            RewriteError::Stopped(stopped) => stopped.into(),
-            RewriteError::LineTooLong { line: _, limit: _ } => Self::new(Code::LimitExceeded, detail),
-        }
-    }
 }

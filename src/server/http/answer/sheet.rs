@@ -3,7 +3,7 @@
 use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
 use crate::http::dto::setup::Setup;
-use crate::http::dto::toolpath::Warning;
+use crate::http::messages::Warning;
 use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
 use toolpathd_core::toolpath::measure::measure;
 use toolpathd_core::toolpath::motion_time::motion_time;

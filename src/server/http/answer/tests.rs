@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::http::ENGINE_VERSION;
-use crate::http::dto::toolpath::WarningCode;
+use crate::http::messages::WarningCode;
 use crate::http::request::request_id::RequestId;
 use toolpathd_core::toolpath::Role;
 use toolpathd_core::toolpath::cutting::CuttingRequest;

@@ -8,8 +8,9 @@ use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::meta::{Meta, MetaTexts};
-use super::toolpath::{Measures, Toolpath, Warning};
+use super::toolpath::{Measures, Toolpath};
 use crate::http::ENGINE_VERSION;
+use crate::http::messages::Warning;
 
 /// The answer of a computation: the members of every answer, the report of the operation, and the members of
 /// its product.

@@ -24,6 +24,7 @@ use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
+use crate::http::messages;
 use crate::http::pointer::Pointer;
 use limits::SentLimits;
 pub use machine::{Machines, SentMachine, SentRotary};
@@ -269,7 +270,7 @@ impl Given {
                 }
                 Ok(path) => path,
                 Err(error) => {
-                    violations.add(&at, FieldCode::OutOfRange, error.to_string());
+                    violations.add(&at, FieldCode::OutOfRange, messages::path_text(&error));
                     Vec::new()
                 }
             }

@@ -9,9 +9,10 @@ use super::meta::MAX_TEXT_CHARACTERS;
 use super::names::{from_core, into_core};
 use crate::http::decode::object;
 use crate::http::error::FieldCode;
+use crate::http::messages;
 use crate::http::pointer::Pointer;
 use toolpathd_core::toolpath::program as core;
-use toolpathd_post::{CustomPart, Dialect, MAX_LINES};
+use toolpathd_post::{Dialect, MAX_LINES};
 
 /// The smallest and the largest legal number of a program.
 const NUMBERS: (u32, u32) = (1, 99_999_999);
@@ -160,15 +161,9 @@ impl Program {
                 return;
             }
         }
-        for toolpathd_post::Refused { part, index, fault } in
-            toolpathd_post::refused(dialect, &custom.to_core())
-        {
-            let field = match part {
-                CustomPart::Header => "header",
-                CustomPart::ToolChange => "tool_change",
-                CustomPart::Footer => "footer",
-            };
-            violations.add(&at.field(field).index(index), FieldCode::Unsupported, fault.to_string());
+        for refused in toolpathd_post::refused(dialect, &custom.to_core()) {
+            let (at, detail) = messages::refused(&refused);
+            violations.add(&at, FieldCode::Unsupported, detail);
         }
     }
 

@@ -20,7 +20,7 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::Straying;
 use toolpathd_core::toolpath as core;
-use toolpathd_core::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, CuttingRequest};
+use toolpathd_core::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, Caution, CuttingRequest};
 use toolpathd_core::toolpath::path::{Move, Role};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{measure, program};
@@ -69,8 +69,8 @@ pub struct Writing {
     pub toolpath: core::Toolpath,
     /// Upper bound for the distance between the arcs in the request and the exact arcs in `toolpath`, mm.
     pub moved_mm: f64,
-    /// The clearance height that the service chose, mm. `None` where the request has one.
-    pub clearance_chosen_mm: Option<f64>,
+    /// The caution that the service chose the clearance plane. `None` where the request has one.
+    pub caution: Option<Caution>,
     pub cutting: cutting::Cutting,
 }
 
@@ -99,22 +99,21 @@ impl IntoJob for WriteRequest {
             setup.five_axes =
                 AxisSetup::choose(axis_output, machine, setup.dialect, allowed, &mut violations);
         }
-        let is_chosen = request.as_ref().is_none_or(|request| request.clearance_z_mm.is_none());
-        let cutting = conditions(&toolpath, request, &mut violations);
+        let (cutting, caution) = conditions(&toolpath, request, &mut violations);
         violations.result()?;
-        let clearance_chosen_mm = is_chosen.then_some(cutting.clearance_z_mm);
-        let job = Writing { toolpath, moved_mm, clearance_chosen_mm, cutting };
+        let job = Writing { toolpath, moved_mm, caution, cutting };
         Ok(JobWithSetup { job, setup, meta })
     }
 }
 
 /// The cutting conditions for a toolpath that is planned already. The clearance plane must be above all
-/// cutting moves, so that a program neither begins nor ends at a height where it cuts.
+/// cutting moves, so that a program neither begins nor ends at a height where it cuts. There is a caution
+/// where `request` does not give the clearance plane.
 pub fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
     violations: &mut Violations,
-) -> cutting::Cutting {
+) -> (cutting::Cutting, Option<Caution>) {
     let request = request.unwrap_or_else(|| CuttingRequest::at_feed(first_feed(toolpath)));
     let highest_mm = measure::measure(toolpath, FeedRate::DEFAULT_RAPID).bounds.max.z;
     let top_mm = highest_cut_mm(toolpath);
@@ -130,7 +129,9 @@ pub fn conditions(
             violations.add(&at, FieldCode::HeightBelowTop, detail);
         }
     }
-    request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm))
+    let chosen = Caution::ClearanceChosen { z_mm: clearance_z_mm };
+    let caution = request.clearance_z_mm.is_none().then_some(chosen);
+    (request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm)), caution)
 }
 
 /// The highest z of cutting moves, mm. Of plunges, ramps, lead-ins and lead-outs only the lower end counts.

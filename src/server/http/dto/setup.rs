@@ -6,7 +6,7 @@ use super::cutting::Cutting;
 use super::meta::{self, Meta};
 use super::program::Program;
 use crate::http::error::FieldCode;
-use crate::http::error::place_of;
+use crate::http::messages;
 use crate::http::pointer::Pointer;
 use toolpathd_core::toolpath::cutting::{Coolant, CuttingRequest};
 use toolpathd_core::toolpath::{program, tool};
@@ -50,7 +50,8 @@ impl SentSetup {
         let (dialect, program) = program.convert();
         let coolant = cutting.as_ref().map_or(Coolant::Off, |cutting| cutting.coolant);
         for missing in toolpathd_post::missing(dialect, &program, coolant, tool.as_ref()) {
-            violations.add(&place_of(&missing), FieldCode::Unsupported, missing.to_string());
+            let (at, detail) = messages::missing(&missing);
+            violations.add(&at, FieldCode::Unsupported, detail);
         }
         (Setup { tool, program, dialect, five_axes: None }, cutting, meta)
     }

@@ -1,7 +1,6 @@
 //! Surfaces in requests. Each kind has a file of its own.
 
 mod bezier_patches;
-mod failure;
 mod ferguson;
 mod grid;
 mod grid_order;

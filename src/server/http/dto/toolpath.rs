@@ -1,4 +1,4 @@
-//! Toolpaths, their measures, and warnings in answers.
+//! Toolpaths and their measures in answers.
 
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
@@ -8,113 +8,11 @@ use super::moves::Move;
 use super::point::{Coordinates, Point};
 use crate::http::answer_point::Place;
 use toolpathd_core::toolpath as core;
-use toolpathd_core::toolpath::cutting::{Caution, Cutting};
+use toolpathd_core::toolpath::cutting::Cutting;
 use toolpathd_core::toolpath::measure;
 use toolpathd_core::toolpath::motion_time::motion_time;
 use toolpathd_core::toolpath::tool_axes::ToolAxes;
 use toolpathd_core::toolpath::units::{Acceleration, FeedRate};
-
-/// Something to know before the program runs, which does not stop the job.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct Warning {
-    /// What the warning is about, for software: a code that does not change.
-    pub code: WarningCode,
-    /// What the warning is about, for people.
-    pub detail: String,
-}
-
-impl Warning {
-    pub fn ends_reduced(direction: &str, points: usize) -> Self {
-        let detail = format!(
-            "`not_a_knot` needs 4 points along {direction}; with {points} points the surface follows the polynomial through the points"
-        );
-        Self { code: WarningCode::EndsReduced, detail }
-    }
-}
-
-/// What a warning is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum WarningCode {
-    /// A direction has fewer points than `not_a_knot` needs, and one polynomial passes through all of them.
-    EndsReduced,
-    /// Patches leave a gap or meet in a sharp edge.
-    NotSmooth,
-    /// The surface has, or may have, a place without a normal.
-    NoNormal,
-    /// The height of the material left between passes is not proved.
-    ScallopNotProved,
-    /// The cuts of neighbouring passes do not overlap everywhere.
-    PassesApart,
-    /// Short pieces of passes are left out, and their material stays.
-    ShortPiecesLeftOut,
-    /// The part is smaller than the cutter along x and along y.
-    PartSmallerThanCutter,
-    /// `stock` is absent: rapids come down near the surface.
-    StockNotGiven,
-    /// Some entries or exits have no room for the requested shape: the cutter moves straight down or up
-    /// there.
-    EntryNotClear,
-    /// The roughing path cuts into the surface; the report bounds the depth.
-    RoughingPathGouges,
-    /// The tool is too large for some places of the pocket.
-    PlacesNotReached,
-    /// The stepover is larger than the cutter's radius.
-    StepoverNarrowed,
-    /// Rounding to the program's decimals may leave the band.
-    RoundingLeavesBand,
-    /// Rounding to the program's decimals may exceed the tolerance.
-    RoundingExceedsTolerance,
-    /// The elements are near the points, but not near the lines between the points.
-    CoarseSamples,
-    /// The requested method ignores the tolerance.
-    ToleranceExceeded,
-    /// Where the tool axis passes a pole of the machine, the limits of the axes are not proved.
-    LimitsNotProved,
-    /// The cutter is too large for some of the contour.
-    ContourNotReached,
-    /// The program starts no spindle.
-    NoSpindleSpeed,
-    /// `tool.number` is absent: the program calls tool 1.
-    NoToolNumber,
-    /// `program.work_offset` is absent: the program runs with the active work offset.
-    NoWorkOffset,
-    /// `tool.length_offset` differs from `tool.number`.
-    LengthOffsetDiffers,
-    /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
-    ClearanceChosen,
-}
-
-impl WarningCode {
-    /// The code as answers hold it, such as `not_smooth`.
-    pub fn name(self) -> String {
-        serde_json::to_value(self).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
-    }
-}
-
-impl From<Caution> for Warning {
-    fn from(caution: Caution) -> Self {
-        match caution {
-            Caution::NoSpindleSpeed => Self {
-                code: WarningCode::NoSpindleSpeed,
-                detail: "`cutting.spindle_rpm` is absent: the program starts no spindle".into(),
-            },
-            Caution::NoToolNumber => Self {
-                code: WarningCode::NoToolNumber,
-                detail: "`tool.number` is absent: the program calls tool 1".into(),
-            },
-            Caution::NoWorkOffset => Self {
-                code: WarningCode::NoWorkOffset,
-                detail: "`program.work_offset` is absent: the program runs with the active work offset"
-                    .into(),
-            },
-            Caution::LengthOffsetDiffers { number, length_offset } => Self {
-                code: WarningCode::LengthOffsetDiffers,
-                detail: format!("tool {number} runs with the length offset {length_offset}"),
-            },
-        }
-    }
-}
 
 /// Lengths and times of a toolpath, and the box around the toolpath. Every feed move counts as cutting.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]

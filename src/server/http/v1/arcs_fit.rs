@@ -19,14 +19,13 @@ use crate::http::app::App;
 use crate::http::dto::answer::{Answer, Head, PathMembers};
 use crate::http::dto::arc_fitting::{AnyFitReport, FitRequest, ProgramQuery};
 use crate::http::dto::setup::JobWithSetup;
-use crate::http::dto::toolpath::{Warning, WarningCode};
-use crate::http::error::{ApiError, Code, FieldCode, FieldError};
-use crate::http::pointer::Pointer;
+use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::{BodyLimits, JobBody, media_type};
 use crate::http::request::negotiation::{Offers, Toolpaths, Wanted};
 use crate::http::request::representation::{GCODE, Representation};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::operations::arc_fitting::{self, Error, Job, Plan};
+use toolpathd_core::operations::arc_fitting::{self, Job, Plan};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 use toolpathd_post::rewrite::Rewriter;
@@ -151,67 +150,4 @@ fn proved(report: &arc_fitting::Report) -> String {
         report.n_points,
         rounded_up(report.deviation_written_max_mm)
     )
-}
-
-impl From<&arc_fitting::Warning> for Warning {
-    fn from(warning: &arc_fitting::Warning) -> Self {
-        let (code, detail) = match warning {
-            arc_fitting::Warning::RoundingExceedsTolerance { deviation_mm } => (
-                WarningCode::RoundingExceedsTolerance,
-                format!(
-                    "rounding to the program's decimals moves the path up to {:.4} mm from the points, beyond the tolerance: send more `decimals`",
-                    rounded_up(*deviation_mm)
-                ),
-            ),
-            arc_fitting::Warning::CoarseSamples { deviation_mm } => (
-                WarningCode::CoarseSamples,
-                format!(
-                    "the elements are up to {:.4} mm from the straight lines between the points: if the part really consists of these straight lines, send `measure: polyline`",
-                    rounded_up(*deviation_mm)
-                ),
-            ),
-            arc_fitting::Warning::ToleranceExceeded { deviation_mm } => (
-                WarningCode::ToleranceExceeded,
-                format!(
-                    "`method: biarc` ignores the tolerance: the elements are up to {:.4} mm from the straight lines between the points",
-                    rounded_up(*deviation_mm)
-                ),
-            ),
-        };
-        Self { code, detail }
-    }
-}
-
-impl From<Error> for ApiError {
-    fn from(error: Error) -> Self {
-        let detail = error.to_string();
-        match error {
-            Error::Stopped(stopped) => stopped.into(),
-            Error::OnePlace => {
-                let at = Pointer::root().field("polyline");
-                Self::invalid(vec![FieldError::new(&at, FieldCode::Coincident, detail)])
-            }
-            Error::Heights(heights) => heights.into(),
-            Error::Quantize(quantize) => quantize.into(),
-            Error::Path(_) => Self::new(Code::InternalError, detail),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use toolpathd_core::budget::Stopped;
-    use toolpathd_core::toolpath::PathError;
-    use toolpathd_core::toolpath::quantize::QuantizeError;
-
-    #[test]
-    fn every_failure_has_its_code() {
-        let code = |error: Error| ApiError::from(error).code();
-        assert_eq!(code(Error::Stopped(Stopped::DeadlinePassed)), Code::DeadlinePassed);
-        assert_eq!(code(Error::OnePlace), Code::InvalidRequest);
-        assert_eq!(ApiError::from(Error::OnePlace).errors()[0].pointer, "#/polyline");
-        assert_eq!(code(Error::Quantize(QuantizeError::TooManyPieces { limit: 7 })), Code::LimitExceeded);
-        assert_eq!(code(Error::Path(PathError::NotFinite)), Code::InternalError);
-    }
 }

@@ -1,8 +1,6 @@
 //! `POST /v1/curves/interpolate`: replaces a plane curve by lines, arcs or parabolas that stay in a band
 //! about the curve. Answers these elements as JSON, a program or a picture.
 
-mod failure;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::{Point2, Point3};
@@ -11,8 +9,8 @@ use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::interpolation::{InterpolateReport, InterpolateRequest};
 use crate::http::dto::setup::JobWithSetup;
-use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
@@ -73,25 +71,4 @@ fn proved(report: &interpolation::Report) -> String {
         report.elements.len(),
         rounded_up(report.deviation_max_mm)
     )
-}
-
-impl From<&interpolation::Warning> for Warning {
-    fn from(warning: &interpolation::Warning) -> Self {
-        match warning {
-            interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self {
-                code: WarningCode::RoundingLeavesBand,
-                detail: format!(
-                    "rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band: send more `decimals`",
-                    rounded_up(*deviation_mm)
-                ),
-            },
-            interpolation::Warning::ContourNotReached { uncut_mm } => Self {
-                code: WarningCode::ContourNotReached,
-                detail: format!(
-                    "the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays",
-                    rounded_up(*uncut_mm)
-                ),
-            },
-        }
-    }
 }

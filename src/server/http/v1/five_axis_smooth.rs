@@ -11,19 +11,15 @@ use crate::http::dto::five_axis::{
     Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
 };
 use crate::http::dto::program_writing::conditions;
-use crate::http::dto::toolpath::{Warning, WarningCode};
-use crate::http::error::not_followed;
-use crate::http::error::{ApiError, Code, FieldCode};
-use crate::http::pointer::Pointer;
+use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Form, Offers, Toolpaths, Wanted};
 use crate::http::request::representation::Representation;
-use crate::http::v1::programs_write::clearance_chosen;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machine::Machine;
 use toolpathd_core::operations::five_axis::history::{self, Course};
-use toolpathd_core::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
-use toolpathd_core::toolpath::PathError;
+use toolpathd_core::operations::five_axis::{self, Job, Plan, Report, TimedPose};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 use toolpathd_plot::diagram::Diagram;
@@ -106,22 +102,16 @@ impl Product for Motion {
 
 fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
     let SmoothJob { job, setup, cutting, has_program, meta } = job;
-    let Plan { report, samples, toolpath } = five_axis::plan(&job, budget)?;
-    let mut warnings = Vec::new();
-    if !report.is_within_tolerance {
-        warnings.push(excess(&report));
-    }
-    if let Some(LimitsProof::GapAt(at)) = report.limits_proof {
-        warnings.push(not_proved(at));
-    }
+    let Plan { report, samples, toolpath, warnings } = five_axis::plan(&job, budget)?;
+    let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).collect();
     let mut violations = Violations::default();
-    let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
-    let cutting = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
+    let conditions = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
     violations.result()?;
-    if let Some(cutting) = cutting {
-        warnings.extend(is_chosen.then(|| clearance_chosen(cutting.clearance_z_mm)));
-        warnings.extend(rounded(&job, &report));
-    }
+    let cutting = conditions.map(|(cutting, caution)| {
+        warnings.extend(caution.map(Warning::from));
+        warnings.extend(report.warning_of_program(&job).as_ref().map(Warning::from));
+        cutting
+    });
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
     let comments = vec![proved(&report)];
     let diagrams = if shown.diagrams { diagrams(&job, &samples, budget)? } else { Vec::new() };
@@ -171,67 +161,7 @@ fn proved(report: &Report) -> String {
     )
 }
 
-fn excess(report: &Report) -> Warning {
-    Warning {
-        code: WarningCode::ToleranceExceeded,
-        detail: format!(
-            "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
-            rounded_up(report.deviation_mm),
-            rounded_up(report.deviation_axis.to_degrees())
-        ),
-    }
-}
-
-fn not_proved(at: Point3<f64>) -> Warning {
-    let detail = format!(
-        "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
-    );
-    Warning { code: WarningCode::LimitsNotProved, detail }
-}
-
-/// The warning that rounding, and straying between blocks, may leave the tolerance.
-fn rounded(job: &Job, report: &Report) -> Option<Warning> {
-    let written_mm = report.cut_deviation_mm.unwrap_or(report.moves_deviation_mm) + job.rounding_mm;
-    let detail = format!(
-        "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
-        rounded_up(written_mm)
-    );
-    let is_beyond = report.is_within_tolerance && written_mm > job.tolerance_mm;
-    is_beyond.then_some(Warning { code: WarningCode::RoundingExceedsTolerance, detail })
-}
-
 /// The given tips beside the toolpath.
 fn drawing(given: Vec<Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
     Box::new(move || Drawing { curve: vec![given.clone()], joints: given.clone(), ..Drawing::default() })
-}
-
-impl From<FiveAxisError> for ApiError {
-    fn from(error: FiveAxisError) -> Self {
-        let detail = error.to_string();
-        let path = Pointer::root().field("path");
-        let invalid =
-            |at: &Pointer| Self::new(Code::InvalidRequest, detail.clone()).blaming(at, FieldCode::OutOfRange);
-        match error {
-            FiveAxisError::Stopped(stopped) => stopped.into(),
-            FiveAxisError::NoMotion => invalid(&path),
-            FiveAxisError::OppositeAxes { index } => invalid(&path.index(index).field("axis")),
-            FiveAxisError::ToleranceNotReached { at } => {
-                Self::new(Code::ToleranceNotReached, detail).at(at.into())
-            }
-            FiveAxisError::NotFollowed { error, at } => Self::new(not_followed(&error), detail).at(at.into()),
-            FiveAxisError::OnPole { at } => Self::new(Code::AxisOnPole, detail).at(at.into()),
-            FiveAxisError::NotScheduled { at, .. } => {
-                let limits = Pointer::root().field("limits");
-                Self::new(Code::InvalidRequest, detail).blaming(&limits, FieldCode::OutOfRange).at(at.into())
-            }
-            FiveAxisError::Moves(PathError::TooManyMoves { .. }) => {
-                let at = Pointer::root().field("tolerance_mm");
-                Self::new(Code::LimitExceeded, format!("{detail}; send a larger tolerance"))
-                    .blaming(&at, FieldCode::LimitExceeded)
-            }
-            FiveAxisError::Moves(_) => Self::new(Code::InternalError, detail),
-            FiveAxisError::TooManySamples { .. } => Self::new(Code::LimitExceeded, detail)
-                .blaming(&Pointer::root().field("sample_period_ms"), FieldCode::LimitExceeded),
-        }
-    }
 }

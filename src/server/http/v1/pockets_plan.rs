@@ -1,8 +1,6 @@
 //! `POST /v1/pockets/plan`: plans the clearing of a pocket, and answers a toolpath, an NC program or a
 //! picture.
 
-mod failure;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
@@ -12,8 +10,8 @@ use crate::http::dto::answer::Answer;
 use crate::http::dto::pocketing::PocketRequest;
 use crate::http::dto::pocketing::report::PocketReport;
 use crate::http::dto::setup::JobWithSetup;
-use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
@@ -85,30 +83,4 @@ fn proved(report: &pocketing::Report) -> String {
         report.uncut_area_mm2,
         if n_levels == 1 { "" } else { "S" }
     )
-}
-
-impl From<&pocketing::Warning> for Warning {
-    fn from(warning: &pocketing::Warning) -> Self {
-        match warning {
-            pocketing::Warning::PlacesNotReached { count, largest } => Self {
-                code: WarningCode::PlacesNotReached,
-                detail: format!(
-                    "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
-                    largest.area_mm2, largest.at.x, largest.at.y
-                ),
-            },
-            pocketing::Warning::IslandsByLabelling { gouge_mm } => Self {
-                code: WarningCode::RoughingPathGouges,
-                detail: format!(
-                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
-                    rounded_up(*gouge_mm)
-                ),
-            },
-            pocketing::Warning::StepoverNarrowed => Self {
-                code: WarningCode::StepoverNarrowed,
-                detail: "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material"
-                    .into(),
-            },
-        }
-    }
 }

@@ -9,8 +9,8 @@ use crate::http::dto::axis_output::AxisSetup;
 use crate::http::dto::meta;
 use crate::http::dto::program_writing::{WriteReport, WriteRequest, Writing};
 use crate::http::dto::setup::JobWithSetup;
-use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Programs, Wanted};
 use toolpathd_core::budget::Budget;
@@ -38,7 +38,7 @@ pub async fn write_program(
 fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteReport, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
     let comments: Vec<String> = meta::notes(meta.as_ref()).chain(adjusted(job.moved_mm)).collect();
-    let warnings: Vec<Warning> = job.clearance_chosen_mm.map(clearance_chosen).into_iter().collect();
+    let warnings: Vec<Warning> = job.caution.map(Warning::from).into_iter().collect();
     let cautions = job.cutting.cautions(setup.tool.as_ref(), &setup.program);
     let told: Vec<Warning> =
         warnings.iter().cloned().chain(cautions.into_iter().map(Warning::from)).collect();
@@ -53,7 +53,7 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
     };
     let written = toolpathd_post::write(&job.toolpath, &program_job, budget)?;
     let report = WriteReport::new(&job, &setup, &written);
-    let Writing { toolpath, moved_mm: _, clearance_chosen_mm: _, cutting } = job;
+    let Writing { toolpath, moved_mm: _, caution: _, cutting } = job;
     let (cutting, nc) = (Some(cutting), Some(written.text));
     Ok(Outcome {
         meta,
@@ -62,16 +62,6 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
         product: Cut { toolpath, cutting, setup, comments: Vec::new(), nc },
         drawing: Box::new(Drawing::default),
     })
-}
-
-/// The warning that the service chose the clearance plane.
-pub fn clearance_chosen(z_mm: f64) -> Warning {
-    Warning {
-        code: WarningCode::ClearanceChosen,
-        detail: format!(
-            "`cutting.clearance_z_mm` is absent: the program goes to z {z_mm} mm, above everything that the toolpath cuts; check that clamps are lower"
-        ),
-    }
 }
 
 /// The header's line about arcs that were moved to become exact. `None` where no arc was moved.

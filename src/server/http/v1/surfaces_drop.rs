@@ -13,7 +13,7 @@ use crate::http::request::negotiation::{Models, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model::{self, Wire};
-use toolpathd_core::operations::cutter_location::{self, Error};
+use toolpathd_core::operations::cutter_location;
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
@@ -50,13 +50,4 @@ fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport, ()>, ApiE
 /// A few curves on the surface.
 fn sketched(surface: &Source) -> Vec<Wire> {
     surface.surface().map(|surface| wire_model::sketch(&surface)).unwrap_or_default()
-}
-
-impl From<Error> for ApiError {
-    fn from(error: Error) -> Self {
-        match error {
-            Error::Stopped(stopped) => stopped.into(),
-            Error::Source(source) => source.into(),
-        }
-    }
 }

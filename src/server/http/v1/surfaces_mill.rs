@@ -1,8 +1,6 @@
 //! `POST /v1/surfaces/mill`: plans the milling of a surface, and answers a toolpath, an NC program or a
 //! picture.
 
-mod failure;
-
 use axum::extract::State;
 use axum::response::Response;
 
@@ -10,8 +8,8 @@ use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::milling::{MillReport, MillRequest};
 use crate::http::dto::setup::JobWithSetup;
-use crate::http::dto::toolpath::{Warning, WarningCode};
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
@@ -63,55 +61,4 @@ fn proved(report: &surface_milling::Report) -> String {
         rounded_up(report.deviation_max_mm),
         rounded_up(report.gouge_max_mm)
     )
-}
-
-impl From<&surface_milling::Warning> for Warning {
-    fn from(warning: &surface_milling::Warning) -> Self {
-        match warning {
-            surface_milling::Warning::EndsReduced { direction, points } => {
-                Self::ends_reduced(direction, *points)
-            }
-            surface_milling::Warning::ScallopNotProved => Self {
-                code: WarningCode::ScallopNotProved,
-                detail: "the report has no scallop height, because the cutter is no ball or cannot follow the surface everywhere"
-                    .into(),
-            },
-            surface_milling::Warning::ShortPiecesLeftOut { count, longest_mm } => Self {
-                code: WarningCode::ShortPiecesLeftOut,
-                detail: format!(
-                    "{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm",
-                    rounded_up(*longest_mm)
-                ),
-            },
-            surface_milling::Warning::PartSmallerThanCutter => Self {
-                code: WarningCode::PartSmallerThanCutter,
-                detail: "the part is smaller than the cutter along x and along y: check that the points are in mm".into(),
-            },
-            surface_milling::Warning::StockNotGiven { approach_mm } => Self {
-                code: WarningCode::StockNotGiven,
-                detail: format!(
-                    "`stock` is absent: rapids come down to {approach_mm} mm above the surface; make sure that no stock is higher there, or send `stock`"
-                ),
-            },
-            surface_milling::Warning::EntryNotClear { count } => Self {
-                code: WarningCode::EntryNotClear,
-                detail: format!(
-                    "{count} entries and exits have no room: there the cutter goes straight down or up"
-                ),
-            },
-            surface_milling::Warning::RoughingPathGouges { depth_mm } => Self {
-                code: WarningCode::RoughingPathGouges,
-                detail: format!(
-                    "the path is for roughing and cuts up to {:.4} mm into the surface",
-                    rounded_up(*depth_mm)
-                ),
-            },
-            surface_milling::Warning::PassesApart { stepover_mm } => Self {
-                code: WarningCode::PassesApart,
-                detail: format!(
-                    "the cuts of passes {stepover_mm} mm apart do not overlap everywhere: material stays between the passes"
-                ),
-            },
-        }
-    }
 }

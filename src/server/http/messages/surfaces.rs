@@ -1,77 +1,89 @@
-//! Problem documents for data that give no surface. These faults show only when the whole surface is made;
-//! all other faults are found when the request is checked.
+//! Data that give no surface. These faults show only when the whole surface is made; all other faults are
+//! found when the request is checked.
 
+use super::{member, violation};
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::surface::ferguson::FergusonError;
+use toolpathd_core::geometry::surface::ferguson::{FergusonError, Grid};
 use toolpathd_core::geometry::surface::joints::NotSmooth;
 use toolpathd_core::geometry::surface::net_grid::NetGridError;
 use toolpathd_core::geometry::surface::normal_sweep::NormalSweepError;
 use toolpathd_core::geometry::surface::nurbs::NurbsError;
 use toolpathd_core::geometry::surface::parallel_sweep::ParallelSweepError;
-use toolpathd_core::geometry::surface::point_grid::GridError;
+use toolpathd_core::geometry::surface::point_grid::{Edge, GridError};
 use toolpathd_core::geometry::surface::ruled::RuledError;
 use toolpathd_core::geometry::surface::source::SourceError;
 
 impl From<SourceError> for ApiError {
     fn from(error: SourceError) -> Self {
-        let detail = error.to_string();
+        let fact = error.to_string();
         let (at, code) = match error {
             SourceError::PointGrid(error) => of_grid(error),
             SourceError::Ferguson(error) => of_ferguson(error),
             SourceError::NetGrid(error) => of_nets(error),
             SourceError::Nurbs(error) => of_nurbs(error),
             SourceError::ParallelSweep(error) => of_parallel_sweep(error),
-            SourceError::NormalSweep(error) => return of_normal_sweep(error, detail),
-            SourceError::Ruled(error) => return of_ruled(error, detail),
+            SourceError::NormalSweep(error) => return of_normal_sweep(error, fact),
+            SourceError::Ruled(error) => return of_ruled(error, fact),
         };
-        Self::invalid(vec![FieldError::new(&at, code, detail)])
+        violation(&at, code, fact)
     }
 }
 
 impl From<NotSmooth> for ApiError {
     fn from(error: NotSmooth) -> Self {
-        let detail = error.to_string();
+        let fact = error.to_string();
         match error {
             NotSmooth::Stopped(stopped) => stopped.into(),
-            NotSmooth::Edge { at, angle_deg: _ } => Self::new(Code::NotSmooth, detail).at(at.into()),
+            NotSmooth::Edge { at, angle_deg: _ } => Self::new(Code::NotSmooth, fact).at(at.into()),
             NotSmooth::Gap { at, gap_mm: _, patches: [_, [i, j]] } => {
                 let patch = surface().field("patches").index(i).index(j);
-                Self::new(Code::NotSmooth, detail).at(at.into()).blaming(&patch, FieldCode::PatchesApart)
+                Self::new(Code::NotSmooth, fact).at(at.into()).blaming(&patch, FieldCode::PatchesApart)
             }
         }
     }
 }
 
 fn surface() -> Pointer {
-    Pointer::root().field("surface")
+    member("/surface")
 }
 
 fn of_grid(error: GridError) -> (Pointer, FieldCode) {
     let points = surface().field("points");
-    let tangents = surface().field("end_tangents");
+    let at = |edge: Edge| {
+        surface().field("end_tangents").field(match edge {
+            Edge::U0 => "u0",
+            Edge::U1 => "u1",
+            Edge::V0 => "v0",
+            Edge::V1 => "v1",
+        })
+    };
     match error {
         GridError::TooFewRows { rows: _ } => (points, FieldCode::TooFewPoints),
         GridError::TooFewPoints { row, points: _ } => (points.index(row), FieldCode::TooFewPoints),
         GridError::Ragged { row, points: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
         GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
-        GridError::EndTangents { side, given: _, expected: _ } => {
-            (tangents.field(side), FieldCode::WrongLength)
-        }
-        GridError::EndTangentNotFinite { side } => (tangents.field(side), FieldCode::TooLarge),
+        GridError::EndTangents { edge, given: _, expected: _ } => (at(edge), FieldCode::WrongLength),
+        GridError::EndTangentNotFinite { edge } => (at(edge), FieldCode::TooLarge),
     }
 }
 
 fn of_ferguson(error: FergusonError) -> (Pointer, FieldCode) {
+    let at = |grid: Grid| {
+        surface().field(match grid {
+            Grid::Points => "points",
+            Grid::TangentsU => "tangents_u",
+            Grid::TangentsV => "tangents_v",
+            Grid::Twists => "twists",
+        })
+    };
     match error {
-        FergusonError::Rows { field, found: _, expected: _ } => {
-            (surface().field(field), FieldCode::WrongLength)
+        FergusonError::Rows { grid, found: _, expected: _ } => (at(grid), FieldCode::WrongLength),
+        FergusonError::Columns { grid, row, found: _, expected: _ } => {
+            (at(grid).index(row), FieldCode::WrongLength)
         }
-        FergusonError::Columns { field, row, found: _, expected: _ } => {
-            (surface().field(field).index(row), FieldCode::WrongLength)
-        }
-        FergusonError::NotFinite { field, row, column } => {
-            (surface().field(field).index(row).index(column), FieldCode::TooLarge)
+        FergusonError::NotFinite { grid, row, column } => {
+            (at(grid).index(row).index(column), FieldCode::TooLarge)
         }
     }
 }
@@ -124,28 +136,26 @@ fn of_parallel_sweep(error: ParallelSweepError) -> (Pointer, FieldCode) {
     }
 }
 
-fn of_normal_sweep(error: NormalSweepError, detail: String) -> ApiError {
+fn of_normal_sweep(error: NormalSweepError, fact: String) -> ApiError {
     let basic = surface().field("basic");
     ApiError::invalid(vec![match error {
-        NormalSweepError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
-        NormalSweepError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        NormalSweepError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, fact),
+        NormalSweepError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, fact),
         NormalSweepError::Corner { place, turn_deg: _ }
         | NormalSweepError::Reversal { place, turn_deg: _ }
         | NormalSweepError::Fold { place, side: _, reach_mm: _, radius_mm: _ }
         | NormalSweepError::Mitre { place, side: _, reach_mm: _, room_mm: _ }
-        | NormalSweepError::Cusp { place } => {
-            FieldError::in_text(&basic, place, FieldCode::OutOfRange, detail)
-        }
+        | NormalSweepError::Cusp { place } => FieldError::in_text(&basic, place, FieldCode::OutOfRange, fact),
     }])
 }
 
-fn of_ruled(error: RuledError, detail: String) -> ApiError {
+fn of_ruled(error: RuledError, fact: String) -> ApiError {
     ApiError::invalid(vec![match error {
-        RuledError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, detail),
-        RuledError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, detail),
+        RuledError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, fact),
+        RuledError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, fact),
         RuledError::Cusp { curve, place } => {
             let name = if curve == 0 { "first" } else { "second" };
-            FieldError::in_text(&surface().field(name), place, FieldCode::OutOfRange, detail)
+            FieldError::in_text(&surface().field(name), place, FieldCode::OutOfRange, fact)
         }
     }])
 }

@@ -1,0 +1,79 @@
+//! Smooth paths of five axes.
+
+use super::writing::not_followed;
+use super::{Warning, WarningCode, member, too_large};
+use crate::http::error::{ApiError, Code, FieldCode};
+use toolpathd_core::operations::five_axis::{self, FiveAxisError};
+use toolpathd_core::toolpath::PathError;
+use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_post::path_text::{PathFault, PathTextError};
+
+impl From<&five_axis::Warning> for Warning {
+    fn from(warning: &five_axis::Warning) -> Self {
+        match *warning {
+            five_axis::Warning::ToleranceExceeded { deviation_mm, deviation_axis } => Self::new(
+                WarningCode::ToleranceExceeded,
+                format!(
+                    "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
+                    rounded_up(deviation_mm),
+                    rounded_up(deviation_axis.to_degrees())
+                ),
+            ),
+            five_axis::Warning::LimitsNotProved { at } => Self::new(
+                WarningCode::LimitsNotProved,
+                format!(
+                    "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
+                ),
+            ),
+            five_axis::Warning::RoundingExceedsTolerance { deviation_mm } => Self::new(
+                WarningCode::RoundingExceedsTolerance,
+                format!(
+                    "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
+                    rounded_up(deviation_mm)
+                ),
+            ),
+        }
+    }
+}
+
+impl From<FiveAxisError> for ApiError {
+    fn from(error: FiveAxisError) -> Self {
+        let fact = error.to_string();
+        match error {
+            FiveAxisError::Stopped(stopped) => stopped.into(),
+            FiveAxisError::NoMotion => {
+                Self::new(Code::InvalidRequest, format!("{fact}; send at least two different poses"))
+                    .blaming(&member("/path"), FieldCode::OutOfRange)
+            }
+            FiveAxisError::OppositeAxes { index } => {
+                let advice = "send a pose between the two, so that the way of the axis is certain";
+                Self::new(Code::InvalidRequest, format!("{fact}; {advice}"))
+                    .blaming(&member("/path").index(index).field("axis"), FieldCode::OutOfRange)
+            }
+            FiveAxisError::ToleranceNotReached { at } => {
+                Self::new(Code::ToleranceNotReached, format!("{fact}; send a larger tolerance")).at(at.into())
+            }
+            FiveAxisError::NotFollowed { error, at } => Self::new(not_followed(&error), fact).at(at.into()),
+            FiveAxisError::OnPole { at } => Self::new(Code::AxisOnPole, fact).at(at.into()),
+            FiveAxisError::NotScheduled { at, .. } => Self::new(Code::InvalidRequest, fact)
+                .blaming(&member("/limits"), FieldCode::OutOfRange)
+                .at(at.into()),
+            FiveAxisError::Moves(PathError::TooManyMoves { .. }) => {
+                too_large("/tolerance_mm", format!("{fact}; send a larger tolerance"))
+            }
+            FiveAxisError::Moves(_) => Self::new(Code::InternalError, fact),
+            FiveAxisError::TooManySamples { .. } => {
+                too_large("/sample_period_ms", format!("{fact}; send a larger `sample_period_ms`"))
+            }
+        }
+    }
+}
+
+/// The detail of CL data or an NC program that cannot be read.
+pub fn path_text(error: &PathTextError) -> String {
+    match error.fault {
+        PathFault::NoFeed => format!("{error}; send `feed_mm_per_min`"),
+        PathFault::NoMachine => format!("{error}; send `machine`"),
+        _ => error.to_string(),
+    }
+}

@@ -1,0 +1,136 @@
+//! Plane curves, and the elements that replace them.
+
+use super::{Warning, WarningCode, in_plane, member, too_large, violation};
+use crate::http::error::{ApiError, Code, FieldCode, FieldError};
+use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::plane_curve::interpolant::InterpolantError;
+use toolpathd_core::geometry::plane_curve::nurbs::NurbsError;
+use toolpathd_core::geometry::plane_curve::weights::WeightError;
+use toolpathd_core::language::expression::Undefined;
+use toolpathd_core::operations::interpolation::{self, CompensationError, Error, SourceError};
+use toolpathd_core::toolpath::units::rounded_up;
+
+impl From<&interpolation::Warning> for Warning {
+    fn from(warning: &interpolation::Warning) -> Self {
+        match *warning {
+            interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self::new(
+                WarningCode::RoundingLeavesBand,
+                format!(
+                    "rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band: send more `decimals`",
+                    rounded_up(deviation_mm)
+                ),
+            ),
+            interpolation::Warning::ContourNotReached { uncut_mm } => Self::new(
+                WarningCode::ContourNotReached,
+                format!(
+                    "the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays",
+                    rounded_up(uncut_mm)
+                ),
+            ),
+        }
+    }
+}
+
+impl From<Error> for ApiError {
+    fn from(error: Error) -> Self {
+        let fact = error.to_string();
+        let unsupported = |path: &str, detail: String| {
+            Self::new(Code::Unsupported, detail).blaming(&member(path), FieldCode::Unsupported)
+        };
+        match error {
+            Error::Stopped(stopped) => stopped.into(),
+            Error::Source(source) => source.into(),
+            Error::VerticalWithoutGraph => {
+                let detail = "the measure `vertical` supports graphs y(x) only; use the measure `normal`";
+                violation(&member("/band/measure"), FieldCode::Conflict, detail.to_owned())
+            }
+            Error::JointsInBand => {
+                let detail = "joints in the band are supported with the method `linear` only";
+                unsupported("/joints", detail.to_owned())
+            }
+            Error::CompensatedParabola => {
+                unsupported("/compensation", format!("{fact}; use the method `linear` or `arc`"))
+            }
+            Error::TooManyElements { limit: _ } | Error::TooManySteps { limit: _ } => {
+                too_large("/band", fact)
+            }
+            Error::BandInfeasible { at } => Self::new(Code::BandInfeasible, fact)
+                .blaming(&member("/band"), FieldCode::OutOfRange)
+                .at(in_plane(at)),
+            Error::Compensation(compensation) => compensation.into(),
+            Error::Heights(heights) => heights.into(),
+            Error::Quantize(quantize) => quantize.into(),
+            Error::Path(_) => Self::new(Code::InternalError, fact),
+        }
+    }
+}
+
+impl From<CompensationError> for ApiError {
+    fn from(error: CompensationError) -> Self {
+        let fact = error.to_string();
+        match error {
+            CompensationError::Stopped(stopped) => stopped.into(),
+            CompensationError::NothingLeft => {
+                let diameter = member("/tool/diameter_mm");
+                Self::new(Code::NothingToCut, fact).blaming(&diameter, FieldCode::OutOfRange)
+            }
+            CompensationError::Gouges { at } => Self::new(Code::ToleranceNotReached, fact).at(in_plane(at)),
+            CompensationError::TooMany { limit: _ } => too_large("/band", fact),
+        }
+    }
+}
+
+impl From<SourceError> for ApiError {
+    fn from(error: SourceError) -> Self {
+        let fact = error.to_string();
+        let curve = member("/curve");
+        let expression = curve.field("expression");
+        let one = |error: FieldError| Self::invalid(vec![error]);
+        match error {
+            SourceError::Expression(fault) => {
+                one(FieldError::in_text(&expression, fault.at, FieldCode::Syntax, fact))
+            }
+            SourceError::Undefined(undefined) => match undefined {
+                Undefined::Stopped(stopped) => stopped.into(),
+                Undefined::NoDomain => violation(&curve.field("domain"), FieldCode::OutOfRange, fact),
+                Undefined::At { at, .. } | Undefined::Near { at, .. } | Undefined::NotRuledOut { at, .. } => {
+                    one(FieldError::in_text(&expression, at, FieldCode::Undefined, fact))
+                }
+            },
+            SourceError::TooLarge { .. } => violation(&expression, FieldCode::TooLarge, fact),
+            SourceError::Interpolant(fault) => {
+                let points = curve.field("points");
+                let (at, code) = match fault {
+                    InterpolantError::TooFewPoints { .. } => (points, FieldCode::TooFewPoints),
+                    InterpolantError::Point { index } => (points.index(index), FieldCode::TooLarge),
+                    InterpolantError::Coincident { index } => (points.index(index), FieldCode::Coincident),
+                    InterpolantError::Piece(_) | InterpolantError::Chain(_) => {
+                        (points, FieldCode::OutOfRange)
+                    }
+                };
+                violation(&at, code, fact)
+            }
+            SourceError::Nurbs(fault) => nurbs(fault, &curve, fact),
+            SourceError::SectionCurve(fault) => {
+                one(FieldError::in_text(&curve.field("text"), fault.at, FieldCode::Syntax, fact))
+            }
+            SourceError::InSpace => violation(&curve.field("text"), FieldCode::Unsupported, fact),
+        }
+    }
+}
+
+fn nurbs(fault: NurbsError, curve: &Pointer, fact: String) -> ApiError {
+    let (at, code) = match fault {
+        NurbsError::Degree { .. } => (curve.field("degree"), FieldCode::OutOfRange),
+        NurbsError::TooFewPoints { .. } => (curve.field("control_points"), FieldCode::TooFewPoints),
+        NurbsError::Point { index } => (curve.field("control_points").index(index), FieldCode::TooLarge),
+        NurbsError::Knots(_) => (curve.field("knots"), FieldCode::OutOfRange),
+        NurbsError::Weights(WeightError::Count { .. }) => (curve.field("weights"), FieldCode::WrongLength),
+        NurbsError::Weights(WeightError::Range { index, .. } | WeightError::Ratio { index, .. }) => {
+            (curve.field("weights").index(index), FieldCode::OutOfRange)
+        }
+        NurbsError::Gap { .. } => (curve.field("knots"), FieldCode::OutOfRange),
+        NurbsError::Chain(_) | NurbsError::Piece(_) => (curve.clone(), FieldCode::OutOfRange),
+    };
+    violation(&at, code, fact)
+}

@@ -1,0 +1,121 @@
+//! Clearing of pockets.
+
+use super::{Warning, WarningCode, in_plane, member, too_large};
+use crate::http::error::{ApiError, Code, FieldCode};
+use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::height_field::HeightFieldError;
+use toolpathd_core::geometry::region::{OutlineError, RegionError};
+use toolpathd_core::operations::pocketing::{self, Invalid, PocketError};
+use toolpathd_core::toolpath::PathError;
+use toolpathd_core::toolpath::units::rounded_up;
+
+impl From<&pocketing::Warning> for Warning {
+    fn from(warning: &pocketing::Warning) -> Self {
+        match warning {
+            pocketing::Warning::PlacesNotReached { count, largest } => Self::new(
+                WarningCode::PlacesNotReached,
+                format!(
+                    "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
+                    largest.area_mm2, largest.at.x, largest.at.y
+                ),
+            ),
+            pocketing::Warning::IslandsByLabelling { gouge_mm } => Self::new(
+                WarningCode::RoughingPathGouges,
+                format!(
+                    "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
+                    rounded_up(*gouge_mm)
+                ),
+            ),
+            pocketing::Warning::StepoverNarrowed => Self::new(
+                WarningCode::StepoverNarrowed,
+                "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material",
+            ),
+        }
+    }
+}
+
+impl From<PocketError> for ApiError {
+    fn from(error: PocketError) -> Self {
+        let fact = error.to_string();
+        match error {
+            PocketError::Stopped(stopped) => stopped.into(),
+            PocketError::Heights(heights) => heights.into(),
+            PocketError::Quantize(quantize) => quantize.into(),
+            PocketError::Region(RegionError::TooMany { .. }) => too_large("/region", fact),
+            PocketError::Region(error) => {
+                let failed = illegal(&member("/region"), fact);
+                if let RegionError::Tangled { at } = error { failed.at(in_plane(at)) } else { failed }
+            }
+            PocketError::Outline { island, error } => outline(&member("/region"), island, error, fact),
+            PocketError::Cleared { index, island, error } => {
+                let island_told = island.map_or_else(String::new, |k| format!(", island {k}"));
+                let detail = format!("`cleared` {index}{island_told}: {error}");
+                outline(&member("/cleared").index(index), island, error, detail)
+            }
+            PocketError::ClearedEmpty { index } => {
+                let detail = format!("`cleared` {index} is empty: its islands fill it; leave it out");
+                illegal(&member("/cleared").index(index), detail)
+            }
+            PocketError::FloorNotBelowTop { .. } => illegal(&member("/floor_z_mm"), fact),
+            PocketError::Surface(source) => source.into(),
+            PocketError::Relief(error) => match error {
+                HeightFieldError::Stopped(stopped) => stopped.into(),
+                HeightFieldError::Overhang { at } => Self::new(Code::Overhang, fact).at(at.into()),
+                HeightFieldError::TooMany { .. } => {
+                    too_large("/surface", format!("{fact}; send a smaller part of it"))
+                }
+            },
+            PocketError::OutlinesTooFine { .. } => {
+                let advice = "send fewer vertices, or fit arcs to them with `/v1/arcs/fit`";
+                too_large("/region", format!("{fact}; {advice}"))
+            }
+            PocketError::TooManyCells { .. } => {
+                too_large("/cell_mm", format!("{fact}; send a larger `cell_mm`"))
+            }
+            PocketError::NothingToCut => Self::new(Code::NothingToCut, fact),
+            PocketError::ToolTooLarge { at, .. } => Self::new(Code::ToolTooLarge, fact)
+                .blaming(&member("/tool/diameter_mm"), FieldCode::OutOfRange)
+                .at(in_plane(at)),
+            PocketError::NoEntry { at, least_mm, largest_mm } => {
+                let detail = format!(
+                    "near {at} neither a helix of {least_mm} mm nor a ramp fits, and `entry.plunge` is `false`; allow the plunge, or send a tool of at most {largest_mm:.3} mm"
+                );
+                Self::new(Code::NoEntry, detail)
+                    .blaming(&member("/entry/plunge"), FieldCode::Conflict)
+                    .at(in_plane(at))
+            }
+            PocketError::TooMuchWork { .. } => too_large("/stepover_mm", fact),
+            PocketError::NoneValid { .. } => Self::new(Code::NoValidPattern, fact),
+            PocketError::Path(PathError::TooManyMoves { .. }) => {
+                let advice =
+                    "send a larger `stepover_mm` or `stepdown_max_mm`, or a steeper or wider `entry`";
+                too_large("/stepover_mm", format!("{fact}: {advice}"))
+                    .blaming(&member("/entry"), FieldCode::LimitExceeded)
+            }
+            PocketError::Path(_) => Self::new(Code::InternalError, fact),
+        }
+    }
+}
+
+/// Why a pattern is not valid.
+pub fn invalid(because: &Invalid) -> String {
+    match because {
+        Invalid::Failed(error) => ApiError::from(PocketError::clone(error)).detail().to_owned(),
+        _ => because.to_string(),
+    }
+}
+
+/// The failure of a request with an illegal value at `at`.
+fn illegal(at: &Pointer, detail: String) -> ApiError {
+    ApiError::new(Code::InvalidRequest, detail).blaming(at, FieldCode::OutOfRange)
+}
+
+/// The failure of the boundary, or of an island, of the region at `region`.
+fn outline(region: &Pointer, island: Option<usize>, error: OutlineError, detail: String) -> ApiError {
+    let at = match island {
+        None => region.field("boundary"),
+        Some(k) => region.field("islands").index(k),
+    };
+    let failed = illegal(&at, detail);
+    if let OutlineError::Crosses { at } = error { failed.at(in_plane(at)) } else { failed }
+}

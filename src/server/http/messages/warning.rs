@@ -1,0 +1,79 @@
+//! Warnings as answers hold them.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// Something to know before the program runs, which does not stop the job.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Warning {
+    /// What the warning is about, for software: a code that does not change.
+    pub code: WarningCode,
+    /// What the warning is about, for people.
+    pub detail: String,
+}
+
+impl Warning {
+    pub fn new(code: WarningCode, detail: impl Into<String>) -> Self {
+        Self { code, detail: detail.into() }
+    }
+}
+
+/// What a warning is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningCode {
+    /// A direction has fewer points than `not_a_knot` needs, and one polynomial passes through all of them.
+    EndsReduced,
+    /// Patches leave a gap or meet in a sharp edge.
+    NotSmooth,
+    /// The surface has, or may have, a place without a normal.
+    NoNormal,
+    /// The height of the material left between passes is not proved.
+    ScallopNotProved,
+    /// The cuts of neighbouring passes do not overlap everywhere.
+    PassesApart,
+    /// Short pieces of passes are left out, and their material stays.
+    ShortPiecesLeftOut,
+    /// The part is smaller than the cutter along x and along y.
+    PartSmallerThanCutter,
+    /// `stock` is absent: rapids come down near the surface.
+    StockNotGiven,
+    /// Some entries or exits have no room for the requested shape: the cutter moves straight down or up
+    /// there.
+    EntryNotClear,
+    /// The roughing path cuts into the surface; the report bounds the depth.
+    RoughingPathGouges,
+    /// The tool is too large for some places of the pocket.
+    PlacesNotReached,
+    /// The stepover is larger than the cutter's radius.
+    StepoverNarrowed,
+    /// Rounding to the program's decimals may leave the band.
+    RoundingLeavesBand,
+    /// Rounding to the program's decimals may exceed the tolerance.
+    RoundingExceedsTolerance,
+    /// The elements are near the points, but not near the lines between the points.
+    CoarseSamples,
+    /// The requested method ignores the tolerance.
+    ToleranceExceeded,
+    /// Where the tool axis passes a pole of the machine, the limits of the axes are not proved.
+    LimitsNotProved,
+    /// The cutter is too large for some of the contour.
+    ContourNotReached,
+    /// The program starts no spindle.
+    NoSpindleSpeed,
+    /// `tool.number` is absent: the program calls tool 1.
+    NoToolNumber,
+    /// `program.work_offset` is absent: the program runs with the active work offset.
+    NoWorkOffset,
+    /// `tool.length_offset` differs from `tool.number`.
+    LengthOffsetDiffers,
+    /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
+    ClearanceChosen,
+}
+
+impl WarningCode {
+    /// The code as answers hold it, such as `not_smooth`.
+    pub fn name(self) -> String {
+        serde_json::to_value(self).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
+    }
+}

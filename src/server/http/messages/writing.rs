@@ -1,0 +1,139 @@
+//! NC programs that are not written, and what a request asks of a dialect that the dialect cannot write.
+
+use super::{member, too_large, violation};
+use crate::http::error::{ApiError, Code, FieldCode};
+use crate::http::pointer::Pointer;
+use toolpathd_core::machine::FollowError;
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::quantize::QuantizeError;
+use toolpathd_post::{CustomFault, CustomPart, Missing, Refused, WriteError};
+
+impl From<QuantizeError> for ApiError {
+    fn from(error: QuantizeError) -> Self {
+        let fact = error.to_string();
+        match error {
+            QuantizeError::OutOfRange { value_mm: _ } => {
+                violation(&member("/program/decimals"), FieldCode::OutOfRange, fact)
+            }
+            QuantizeError::TooManyPieces { limit: _ } => too_large("/program/decimals", fact),
+        }
+    }
+}
+
+impl From<WriteError> for ApiError {
+    fn from(error: WriteError) -> Self {
+        let fact = error.to_string();
+        let out_of_range =
+            |path: &str, detail: String| violation(&member(path), FieldCode::OutOfRange, detail);
+        let unsupported =
+            |path: &str, detail: String| violation(&member(path), FieldCode::Unsupported, detail);
+        match error {
+            WriteError::Stopped(stopped) => stopped.into(),
+            WriteError::Quantize(quantize) => quantize.into(),
+            WriteError::Decimals { decimals: _, max: _ } => out_of_range("/program/decimals", fact),
+            WriteError::ProgramNumber { number: _, max: _ } => out_of_range("/program/number", fact),
+            // Fewer decimals leave more digits before the point.
+            WriteError::TooManyDigits { limit: _ } => out_of_range("/program/decimals", fact),
+            WriteError::TooManyWholeDigits { limit: _ } => out_of_range("/program/dialect", fact),
+            WriteError::Missing(error) => {
+                let (at, detail) = missing(&error);
+                violation(&at, FieldCode::Unsupported, detail)
+            }
+            WriteError::Custom(error) => {
+                let (at, detail) = refused(&error);
+                violation(&at, FieldCode::Unsupported, detail)
+            }
+            WriteError::NoDwells => unsupported("/program/dialect", fact),
+            // Block numbers and decimals make lines long.
+            WriteError::LineTooLong { limit: _ } => out_of_range("/program/decimals", fact),
+            WriteError::SpindleSpeed { rpm: _ } => out_of_range("/cutting/spindle_rpm", fact),
+            WriteError::FeedMissing => Self::new(Code::FeedRequired, fact),
+            // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
+            WriteError::Feed { mm_per_min: _ } => out_of_range("/cutting", fact),
+            WriteError::MachineMissing => {
+                let advice = "send `machine`, or `axis_output: vectors` in a dialect that has vectors";
+                violation(&member("/machine"), FieldCode::MissingField, format!("{fact}; {advice}"))
+            }
+            WriteError::AxisOutput => unsupported("/axis_output", fact),
+            WriteError::SecondPointTooNear => {
+                unsupported("/axis_output", format!("{fact}; send `axis_output: vectors`"))
+            }
+            WriteError::NotFollowed { error, at } => Self::new(not_followed(&error), fact).at(at.into()),
+            WriteError::NearPole { at } => Self::new(Code::AxisOnPole, fact).at(at.into()),
+            WriteError::InverseTime { seconds: _ } => Self::new(Code::LimitExceeded, fact),
+            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, fact),
+            WriteError::Dwell { seconds: _, most_s: _ } => out_of_range("/program/dialect", fact),
+            // These are faults of the service.
+            WriteError::Unreadable(_) | WriteError::Differs { line: _, what: _ } => {
+                Self::new(Code::InternalError, fact)
+            }
+        }
+    }
+}
+
+/// The code of a path that a machine cannot follow.
+pub fn not_followed(error: &FollowError) -> Code {
+    match error {
+        FollowError::Unreachable { .. } => Code::AxisUnreachable,
+        _ => Code::OutOfTravel,
+    }
+}
+
+/// The member of a request that asks for what a dialect cannot write, and the detail.
+pub fn missing(missing: &Missing) -> (Pointer, String) {
+    let (path, advice) = match missing {
+        Missing::Units { .. } => ("/program/units", "choose other units or another dialect".to_owned()),
+        Missing::WorkOffset { has_others, .. } => {
+            let others = if *has_others { ", or choose another" } else { "" };
+            ("/program/work_offset", format!("leave `work_offset` out{others}"))
+        }
+        Missing::SafeHome { has, .. } => ("/program/safe_home", format!("send {}", any_of(has, safe_home))),
+        Missing::Coolant { has, .. } => ("/cutting/coolant", format!("send {}", any_of(has, coolant))),
+        Missing::Tool { .. } => ("/tool", "send `tool`".to_owned()),
+        Missing::ToolNumber { most, .. } => ("/tool/number", format!("send a number of at most {most}")),
+        Missing::LengthOffset { .. } => ("/tool/length_offset", "leave `length_offset` out".to_owned()),
+        Missing::LengthOffsetNumber { most, .. } => {
+            ("/tool/length_offset", format!("send a number of at most {most}"))
+        }
+    };
+    (member(path), format!("{missing}; {advice}"))
+}
+
+fn any_of<T>(all: &[T], name: impl Fn(&T) -> &'static str) -> String {
+    all.iter().map(|one| format!("`{}`", name(one))).collect::<Vec<_>>().join(" or ")
+}
+
+fn safe_home(home: &SafeHome) -> &'static str {
+    match home {
+        SafeHome::None => "none",
+        SafeHome::G28 => "g28",
+        SafeHome::G53 => "g53",
+    }
+}
+
+fn coolant(coolant: &Coolant) -> &'static str {
+    match coolant {
+        Coolant::Off => "off",
+        Coolant::Flood => "flood",
+        Coolant::Mist => "mist",
+    }
+}
+
+/// The place of a shop's own line that is refused, and the detail.
+pub fn refused(Refused { part, index, fault }: &Refused) -> (Pointer, String) {
+    let part = match part {
+        CustomPart::Header => "header",
+        CustomPart::ToolChange => "tool_change",
+        CustomPart::Footer => "footer",
+    };
+    let advice = match fault {
+        CustomFault::BlockNumber(_) => ", and set `program.block_numbers`",
+        CustomFault::ProgramNumber(_) => ", and set `program.number`",
+        CustomFault::WorkOffset(_) => "; set `program.work_offset`, or move it to `header`",
+        CustomFault::NoToolChange => "; move the line to `header`",
+        CustomFault::NoPlace => "; leave `custom` out, or choose another dialect",
+        _ => "",
+    };
+    (member("/program/custom").field(part).index(*index), format!("{fault}{advice}"))
+}

@@ -23,9 +23,6 @@ pub enum Stopped {
     /// The computation alone needs more memory than the process may use.
     #[error("the computation needs more memory than there is")]
     TooLarge,
-    /// The computation has to make room for another one, and will be run again.
-    #[error("the computation is put back")]
-    PutBack,
 }
 
 /// Receives progress: the name of a stage and how much of it is done.

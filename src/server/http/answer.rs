@@ -3,7 +3,6 @@
 //!
 //! Here belongs what makes the body of an answer: whole, as events, or as a stream.
 
-pub mod allowed_time;
 pub mod compression;
 pub mod encoded;
 pub mod events;
@@ -11,6 +10,8 @@ mod page;
 pub mod program_stream;
 pub mod sending;
 pub mod sheet;
+mod small_job;
+mod streamed;
 #[cfg(test)]
 mod tests;
 pub mod timing;
@@ -24,7 +25,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::byte_limit::ByteLimit;
-use super::compute::Compute;
+use super::compute::{Compute, Size, Step};
 use super::decode::IntoJob;
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
 use super::dto::axis_output::AxisSetup;
@@ -42,6 +43,7 @@ use super::request::retry;
 use crate::config::Limits;
 use encoded::{Encoded, file_name};
 use events::Begun;
+use small_job::SmallJob;
 use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
@@ -138,7 +140,7 @@ pub struct Computing {
 }
 
 /// Decodes the body, runs `plan` with its job, and answers the outcome in the form that the caller wants. All
-/// of this is one computation.
+/// of this is one computation, but a short body is decoded before: its job may be small.
 ///
 /// # Errors
 /// When the queue is full, or decoding, planning or encoding fails. An answer of events reports a failure
@@ -151,42 +153,78 @@ pub async fn answer<O: Offers, T, R, P, F>(
 ) -> Result<Response, ApiError>
 where
     T: IntoJob,
+    T::Job: SmallJob,
     R: Serialize + ToSchema,
     P: Product,
-    F: Fn(T::Job, &Budget) -> Result<Outcome<R, P>, ApiError> + Send + Sync + 'static,
+    F: FnOnce(T::Job, &Budget) -> Result<Outcome<R, P>, ApiError> + Send + 'static,
 {
     let form = wanted.form;
     let request_id = form.request_id.clone();
     let is_streamed = form.representation == Representation::Events;
     let Computing { compute, limits, memory } = computing;
+    let ticket = compute.admit()?;
     let asked = Instant::now();
-    let decoded = Begun::default();
-    let tell_decoded = decoded.clone();
+    let sent = Sent::of(body, &compute, limits).await?;
+    let size = sent.size();
+    let decoded_at = Instant::now();
+    let begun = Begun::default();
+    let tell_begun = begun.clone();
     let job = move |budget: &Budget| {
         let begun = Instant::now();
-        let decoded = body.job(&limits)?;
+        let job = match sent {
+            Sent::Job(job) => job,
+            Sent::Body(body) => body.job(&limits)?,
+        };
         let parsed = Instant::now();
-        tell_decoded.tell();
-        let outcome = plan(decoded, budget)?;
+        tell_begun.tell();
+        let outcome = plan(job, budget)?;
         let computed = Instant::now();
         let encoded = represent(outcome, &form, budget)?;
         let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
         let encoded = encoded.held_in(&memory)?;
         let timing = Timing {
-            queue: begun - asked,
-            parse: parsed - begun,
+            queue: begun - decoded_at,
+            parse: decoded_at - asked + (parsed - begun),
             compute: computed - parsed,
             encode: computed.elapsed(),
         };
         Ok::<_, ApiError>((encoded, timing))
     };
-    let ticket = compute.admit()?;
     if is_streamed {
-        let start = |listener| async move { Ok(compute.run(ticket, Some(listener), job).await??.0) };
-        return events::stream(request_id, decoded, start).await;
+        let start = |listener| async move { Ok(compute.run(ticket, size, Some(listener), job).await??.0) };
+        return events::stream(request_id, begun, start).await;
     }
-    let (encoded, timing) = compute.run(ticket, None, job).await??;
+    let (encoded, timing) = compute.run(ticket, size, None, job).await??;
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
+}
+
+/// What was sent: the job of a short body, or a long body.
+enum Sent<T: IntoJob> {
+    Job(T::Job),
+    Body(JobBody<T>),
+}
+
+impl<T: IntoJob> Sent<T>
+where
+    T::Job: SmallJob,
+{
+    async fn of(body: JobBody<T>, compute: &Compute, limits: Limits) -> Result<Self, ApiError> {
+        if !body.may_be_short() {
+            return Ok(Self::Body(body));
+        }
+        let decode = move |_: &Budget| match body.short_job(&limits) {
+            Some(job) => Ok::<_, ApiError>(Self::Job(job?)),
+            None => Ok(Self::Body(body)),
+        };
+        compute.run_step(Step::Decoding, (), decode).await?
+    }
+
+    fn size(&self) -> Size {
+        match self {
+            Self::Job(job) if job.is_small() => Size::Small,
+            _ => Size::Large,
+        }
+    }
 }
 
 /// Refuses a toolpath that leaves the range of coordinates. A curve may leave it between points that lie

@@ -3,16 +3,12 @@
 //! # Method
 //! 1. A request takes a *ticket*. There is one ticket for each worker and one for each request that may wait.
 //!    If no ticket is free, the request is refused at once.
-//! 2. The request waits for a *place*; there is one for each worker. A request that finds none in time is
-//!    refused. The refusal says when to try again.
+//! 2. The request waits for a *worker*. A request that gets none in time is refused. The refusal says when to
+//!    try again. A job that its [`Size`] calls small may also take the worker that is kept for small jobs, so
+//!    that it does not wait for large ones.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
-//!    computation starts. Then place and ticket are free again.
-//! 4. If every place is held by a job that has run for `LONG`, the first waiting job that was not tried yet
-//!    is *tried*: it runs on a place beside the others, for `TRIAL` at most. A small job ends in that time,
-//!    and need not wait for large ones. A larger job is stopped and waits again, in its old position; it is
-//!    tried a single time. Nothing is kept of the stopped work, so a trial takes memory only while it runs,
-//!    and time only while all places are held for long.
-//! 5. A step of an NC program that is rewritten while it arrives has a place of its own, which no job can
+//!    computation starts. Then worker and ticket are free again.
+//! 4. A [`Step`] is a short piece of work before or between jobs. It has a thread of its own, which no job can
 //!    take.
 //!
 //! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
@@ -25,30 +21,22 @@ pub mod memory;
 mod tests;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::pin::pin;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
-use tokio::time::{sleep, sleep_until, timeout_at};
+use tokio::time::{sleep, timeout, timeout_at};
 
 use jobs::{Jobs, Kind};
 use memory::Memory;
-use toolpathd_core::budget::{Budget, ProgressSink, Stopped};
+use toolpathd_core::budget::{Budget, ProgressSink};
 use toolpathd_core::parallel::Helpers;
 
 /// How long after the deadline an answer is still accepted. A computation checks its budget at intervals, so
 /// it may notice the deadline this much later.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
 
-/// Time after which a computation counts as long. It is longer than most jobs take, so that there are no
-/// trials while places become free often enough.
-const LONG: Duration = Duration::from_millis(600);
-
-/// Longest time of a trial.
-const TRIAL: Duration = Duration::from_millis(500);
-
-/// Time between two looks at the memory of the process while a computation runs. A fast computation takes
+/// Time between two measurements of the memory of the process while a computation runs. A fast computation takes
 /// some ten MiB in this time.
 const MEMORY_INTERVAL: Duration = Duration::from_millis(10);
 
@@ -59,7 +47,7 @@ pub enum Failure {
     Overloaded {
         retry_after: Duration,
     },
-    /// No place became free in time. There should be one after `retry_after`.
+    /// No worker became free in time. There should be one after `retry_after`.
     NotStarted {
         retry_after: Duration,
     },
@@ -67,17 +55,35 @@ pub enum Failure {
     Panicked,
 }
 
-/// The right to wait for a place. Dropping the ticket gives it back.
+/// The right to wait for a worker. Dropping the ticket gives it back.
 pub struct Ticket(#[expect(dead_code, reason = "it is held")] OwnedSemaphorePermit);
+
+/// How much work a job is, by an estimate before it starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// Some half a second at most.
+    Small,
+    /// More than that, or not known.
+    Large,
+}
+
+/// A short piece of work that is no job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// The decoding of a short body.
+    Decoding,
+    /// One piece of an NC program that is rewritten while it arrives.
+    OfStream,
+}
 
 /// How many computations may run and wait, and for how long.
 #[derive(Debug, Clone, Copy)]
 pub struct Capacity {
-    /// Jobs that run at the same time; 0 counts as 1. A trial and a step of a stream may run beside them.
+    /// Jobs that run at the same time; 0 counts as 1. One small job and the steps run beside them.
     pub workers: usize,
-    /// Requests that wait for a place.
+    /// Requests that wait for a worker.
     pub queue: usize,
-    /// Longest wait for a place.
+    /// Longest wait for a worker.
     pub wait: Duration,
     /// Longest computation.
     pub deadline: Duration,
@@ -86,11 +92,11 @@ pub struct Capacity {
 /// Runs computations, and limits how many run and wait.
 pub struct Compute {
     tickets: Arc<Semaphore>,
-    places: Arc<Semaphore>,
-    /// The place for the job that is tried.
-    trials: Arc<Semaphore>,
-    /// The place for the steps of streams.
-    steps: Arc<Semaphore>,
+    workers: Arc<Semaphore>,
+    /// The worker that is kept for small jobs.
+    small: Arc<Semaphore>,
+    decoding: Arc<Semaphore>,
+    streams: Arc<Semaphore>,
     jobs: Arc<Jobs>,
     memory: Memory,
     capacity: Capacity,
@@ -105,9 +111,10 @@ impl Compute {
         let workers = capacity.workers.max(1);
         Self {
             tickets: Arc::new(Semaphore::new(workers + capacity.queue)),
-            places: Arc::new(Semaphore::new(workers)),
-            trials: Arc::new(Semaphore::new(1)),
-            steps: Arc::new(Semaphore::new(1)),
+            workers: Arc::new(Semaphore::new(workers)),
+            small: Arc::new(Semaphore::new(1)),
+            decoding: Arc::new(Semaphore::new(workers)),
+            streams: Arc::new(Semaphore::new(1)),
             jobs: Arc::default(),
             memory,
             capacity: Capacity { workers, ..capacity },
@@ -121,7 +128,7 @@ impl Compute {
         self.jobs.running()
     }
 
-    /// Number of requests that have a ticket and wait for a place.
+    /// Number of requests that have a ticket and wait for a worker.
     pub fn waiting(&self) -> usize {
         let Capacity { workers, queue, .. } = self.capacity;
         (workers + queue - self.tickets.available_permits()).saturating_sub(self.running())
@@ -162,122 +169,68 @@ impl Compute {
         Arc::clone(&self.tickets).try_acquire_owned().map(Ticket).map_err(|_| self.overloaded())
     }
 
-    /// Runs `job` when a place is free. A job may run twice: see the trials of this module. Dropping the
-    /// future stops the job. The job reports its progress to `listener`.
+    /// Runs `job` when a worker is free. Dropping the future stops the job. The job reports its progress to
+    /// `listener`.
     ///
     /// # Errors
-    /// When there is no place in time, the deadline passes before the job ends, or the job panics.
+    /// When there is no worker in time, the deadline passes before the job ends, or the job panics.
     pub async fn run<T, E, F>(
         &self,
         ticket: Ticket,
+        size: Size,
         listener: Option<Arc<dyn ProgressSink>>,
         job: F,
     ) -> Result<Result<T, E>, Failure>
     where
         T: Send + 'static,
         E: Send + 'static,
-        F: Fn(&Budget) -> Result<T, E> + Send + Sync + 'static,
+        F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
     {
-        let job = Arc::new(job);
-        let ticket = Arc::new(ticket);
-        let sink: Arc<dyn ProgressSink> = Arc::new(Log::and(listener));
-        let start = |seat| {
-            let job = Arc::clone(&job);
-            let ticket = Arc::clone(&ticket);
-            self.start(seat, Kind::Job, Arc::clone(&sink), move |budget| {
-                let result = job(budget);
-                drop(ticket);
-                result
-            })
-        };
-        let latest = sleep_until((Instant::now() + self.capacity.wait).into());
-        let (mut place, mut latest) = (pin!(Arc::clone(&self.places).acquire_owned()), pin!(latest));
-        let not_started = || Failure::NotStarted { retry_after: self.retry_after() };
-        let placed = tokio::select! {
-            biased;
-            placed = &mut place => Some(placed),
-            trial = self.turn_of_trial() => {
-                let mut tried = start(trial);
-                tokio::select! {
-                    biased;
-                    outcome = self.outcome(&mut tried) => return outcome,
-                    // A place is free: the trial becomes the computation.
-                    placed = &mut place => {
-                        if let Ok(placed) = placed {
-                            tried.seat(placed);
-                        }
-                        return self.outcome(&mut tried).await;
-                    }
-                    () = sleep(TRIAL) => {}
-                }
-                tried.budget.stop(Stopped::PutBack);
-                match self.outcome(&mut tried).await {
-                    Ok(Err(_)) => None,
-                    ended => return ended,
-                }
-            }
-            () = &mut latest => return Err(not_started()),
-        };
-        let placed = match placed {
-            Some(placed) => placed,
-            None => tokio::select! {
-                biased;
-                placed = &mut place => placed,
-                () = &mut latest => return Err(not_started()),
-            },
-        };
-        let placed = placed.map_err(|_| not_started())?;
-        let mut started = start(placed);
-        drop(ticket);
-        self.outcome(&mut started).await
+        let worker = timeout(self.capacity.wait, self.worker(size)).await;
+        let worker = worker.map_err(|_| Failure::NotStarted { retry_after: self.retry_after() })??;
+        self.compute(worker, Kind::Job, listener, ticket, job).await
     }
 
-    /// Runs one step of a stream, which waits for other steps only, without a limit. `held` is dropped when
-    /// the step ends. Dropping the future stops the step.
+    /// Runs a step, which waits for steps of its kind only, without a limit. `held` is dropped when the step
+    /// ends. Dropping the future stops the step.
     ///
     /// # Errors
     /// When the deadline passes before the step ends, or the step panics.
-    pub async fn run_step<H, T, E, F>(&self, held: H, step: F) -> Result<Result<T, E>, Failure>
+    pub async fn run_step<H, T, E, F>(&self, kind: Step, held: H, step: F) -> Result<Result<T, E>, Failure>
     where
         H: Send + 'static,
         T: Send + 'static,
         E: Send + 'static,
         F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
     {
-        let place = Arc::clone(&self.steps).acquire_owned().await.map_err(|_| Failure::Panicked)?;
-        let mut started = self.start(place, Kind::Step, Arc::new(Log::and(None)), move |budget| {
-            let result = step(budget);
-            drop(held);
-            result
-        });
-        self.outcome(&mut started).await
+        let threads = match kind {
+            Step::Decoding => &self.decoding,
+            Step::OfStream => &self.streams,
+        };
+        self.compute(acquired(threads).await?, Kind::Step, None, held, step).await
     }
 
-    /// Waits until a job may be tried: every place is held by a computation that is long.
-    async fn turn_of_trial(&self) -> OwnedSemaphorePermit {
-        let Ok(turn) = Arc::clone(&self.trials).acquire_owned().await else {
-            return std::future::pending().await;
-        };
-        loop {
-            let now = Instant::now();
-            let opens = self.jobs.youngest().map_or(now + LONG, |begun| begun + LONG);
-            if now >= opens && self.places.available_permits() == 0 {
-                return turn;
-            }
-            sleep_until(opens.max(now + LONG / 10).into()).await;
+    /// Waits for a worker that a job of this size may take.
+    async fn worker(&self, size: Size) -> Result<OwnedSemaphorePermit, Failure> {
+        tokio::select! {
+            biased;
+            worker = acquired(&self.workers) => worker,
+            worker = acquired(&self.small), if size == Size::Small => worker,
         }
     }
 
-    /// Starts `job` on a thread. The permit of the place is free again when the job ends, before its result
-    /// is known, so that the caller finds the place free.
-    fn start<T, E, F>(
+    /// Runs `job` on a thread. `worker` and `held` are free again when the job ends, before its result is
+    /// known, so that the caller finds them free.
+    async fn compute<H, T, E, F>(
         &self,
-        place: OwnedSemaphorePermit,
+        worker: OwnedSemaphorePermit,
         kind: Kind,
-        sink: Arc<dyn ProgressSink>,
+        listener: Option<Arc<dyn ProgressSink>>,
+        held: H,
         job: F,
-    ) -> Started<T, E>
+    ) -> Result<Result<T, E>, Failure>
     where
+        H: Send + 'static,
         T: Send + 'static,
         E: Send + 'static,
         F: FnOnce(&Budget) -> Result<T, E> + Send + 'static,
@@ -285,28 +238,31 @@ impl Compute {
         let deadline = self.by_end(Instant::now() + self.capacity.deadline);
         let budget = Budget::unlimited()
             .with_deadline(deadline)
-            .with_progress(sink)
+            .with_progress(Arc::new(Log::and(listener)))
             .with_helpers(self.helpers.clone());
-        let seat = Arc::new(Mutex::new(Some(place)));
         let (answer, result) = oneshot::channel();
         let entry = self.jobs.enter(&budget, kind);
-        let (running, sat) = (budget.clone(), Arc::clone(&seat));
+        let running = budget.clone();
+        let _stop = StopOnDrop(budget);
         tokio::task::spawn_blocking(move || {
             let outcome = catch_unwind(AssertUnwindSafe(|| job(&running)));
-            drop(entry);
-            drop(sat.lock().unwrap_or_else(PoisonError::into_inner).take());
+            drop((entry, worker, held));
             let _ = answer.send(outcome.map_err(|_| Failure::Panicked));
         });
-        Started { budget, deadline, seat, result }
+        self.outcome(deadline, result).await
     }
 
     /// Waits for the end of a computation, and meanwhile stops computations if the process is short of
     /// memory.
-    async fn outcome<T, E>(&self, started: &mut Started<T, E>) -> Result<Result<T, E>, Failure> {
+    async fn outcome<T>(
+        &self,
+        deadline: Instant,
+        mut result: oneshot::Receiver<Result<T, Failure>>,
+    ) -> Result<T, Failure> {
         loop {
             // The end may come into force meanwhile.
-            let latest = self.by_end(started.deadline) + DEADLINE_SLACK;
-            let waited = timeout_at(latest.into(), &mut started.result);
+            let latest = self.by_end(deadline) + DEADLINE_SLACK;
+            let waited = timeout_at(latest.into(), &mut result);
             tokio::select! {
                 biased;
                 ended = waited => return match ended {
@@ -323,28 +279,17 @@ impl Compute {
     }
 }
 
-/// A computation that runs. Dropping it stops the computation.
-struct Started<T, E> {
-    budget: Budget,
-    deadline: Instant,
-    seat: Arc<Mutex<Option<OwnedSemaphorePermit>>>,
-    result: oneshot::Receiver<Result<Result<T, E>, Failure>>,
+/// A permit, once there is one. The semaphores are never closed.
+async fn acquired(semaphore: &Arc<Semaphore>) -> Result<OwnedSemaphorePermit, Failure> {
+    Arc::clone(semaphore).acquire_owned().await.map_err(|_| Failure::Panicked)
 }
 
-impl<T, E> Started<T, E> {
-    /// Moves the computation to another place, and frees the place that it had.
-    fn seat(&self, place: OwnedSemaphorePermit) {
-        let mut seat = self.seat.lock().unwrap_or_else(PoisonError::into_inner);
-        // The computation may have ended just now; then both places are free.
-        if seat.is_some() {
-            *seat = Some(place);
-        }
-    }
-}
+/// Stops a computation when nobody waits for it any more.
+struct StopOnDrop(Budget);
 
-impl<T, E> Drop for Started<T, E> {
+impl Drop for StopOnDrop {
     fn drop(&mut self) {
-        self.budget.cancel();
+        self.0.cancel();
     }
 }
 

@@ -12,7 +12,7 @@ pub mod serve;
 mod socket;
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
@@ -24,28 +24,22 @@ use hyper::body::Incoming;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use hyper_util::server::conn::auto;
+use hyper_util::server::graceful::GracefulConnection;
 use tokio::net::TcpStream;
 use tokio::sync::watch;
-use tokio::time::{Instant, interval, sleep_until, timeout};
-use tokio_io_timeout::TimeoutStream;
+use tokio::time::{Instant, interval, sleep, timeout};
 use tower::ServiceExt;
 
-use super::answer::allowed_time::AllowedTime;
 use super::request::arrival::Arrival;
 use super::service::metrics::Metrics;
 use crate::config::Settings;
 use drained_body::DrainedBody;
 use limit::ConnectionLimit;
-use parser_refusal::Explained;
 use reading_speed::{MeasuredBody, ReadingSpeed};
 use socket::Socket;
 
 /// How long an idle connection stays open after the signal, because a request may already be on its way.
 const IDLE_GRACE: Duration = Duration::from_millis(500);
-
-/// How long a caller may take, beyond the times for waiting and computing, to read the last answer of a
-/// connection that is being closed.
-const LAST_ANSWER_LIMIT: Duration = Duration::from_secs(300);
 
 /// Time within which a connection beyond the limit must send the head of a request. It is closed after twice
 /// this time.
@@ -73,7 +67,8 @@ pub struct Connections {
 
 impl Connections {
     pub fn new(settings: &Settings, metrics: Arc<Metrics>) -> Self {
-        Self { limit: ConnectionLimit::new(settings), times: TimeLimits::new(settings), metrics }
+        let times = TimeLimits { header: settings.header_timeout_s, write: settings.write_timeout_s };
+        Self { limit: ConnectionLimit::new(settings), times, metrics }
     }
 
     /// Number of connections within the limit.
@@ -87,34 +82,14 @@ impl Connections {
 struct TimeLimits {
     /// For the head of a request to arrive.
     header: Duration,
-    /// For the caller to take the next byte of an answer.
+    /// For the caller to take the next piece of an answer.
     write: Duration,
-    /// For the last answer of a connection that is being closed, its computation included.
-    last_answer: Duration,
-    /// The same for an answer that is streamed while its program arrives.
-    last_stream: Duration,
 }
 
 impl TimeLimits {
-    fn new(settings: &Settings) -> Self {
-        Self {
-            header: settings.header_timeout_s,
-            write: settings.write_timeout_s,
-            last_answer: settings.queue_wait_s + settings.deadline_s + LAST_ANSWER_LIMIT,
-            last_stream: settings.stream_deadline_s + LAST_ANSWER_LIMIT,
-        }
-    }
-
-    /// How long the last answer of a connection may take. `None` if it may take any time.
-    fn last(&self, activity: &Activity) -> Option<Duration> {
-        let longest =
-            if activity.streams() { self.last_answer.max(self.last_stream) } else { self.last_answer };
-        (!activity.is_endless()).then_some(longest)
-    }
-
-    /// How often it is checked whether an answer goes out too slowly.
+    /// How often it is checked whether a connection idles, or an answer waits for its caller for too long.
     fn check_interval(&self) -> Duration {
-        (self.write / 8).clamp(Duration::from_millis(10), Duration::from_secs(2))
+        (self.header.min(self.write) / 8).clamp(Duration::from_millis(10), Duration::from_secs(2))
     }
 }
 
@@ -128,8 +103,9 @@ async fn connection(
 ) {
     let activity = Arc::new(Activity::default());
     let socket = Socket::new(stream);
+    let wire = socket.wire();
     let service = {
-        let (activity, closing, socket) = (Arc::clone(&activity), draining.clone(), socket.clone());
+        let (activity, closing, socket) = (Arc::clone(&activity), draining.clone(), socket);
         service_fn(move |request: Request<Incoming>| {
             let busy = Busy::new(&activity);
             let must_close = *closing.borrow() || arrival == Arrival::BeyondLimit;
@@ -158,9 +134,7 @@ async fn connection(
         .max_concurrent_streams(STREAMS)
         .max_send_buf_size(WRITE_AHEAD_BYTES)
         .max_header_list_size(HEAD_BYTES);
-    let mut stream = TimeoutStream::new(socket);
-    stream.set_write_timeout(Some(times.write));
-    let connection = builder.serve_connection(TokioIo::new(Explained::new(Box::pin(stream))), service);
+    let connection = builder.serve_connection(TokioIo::new(wire), service);
     match arrival {
         Arrival::Regular => supervise(connection, activity, times, draining).await,
         Arrival::BeyondLimit => drop(timeout(2 * BEYOND_LIMIT_TIME, connection).await),
@@ -210,21 +184,23 @@ async fn supervise<C, E>(
     times: TimeLimits,
     mut draining: watch::Receiver<bool>,
 ) where
-    C: hyper_util::server::graceful::GracefulConnection<Error = E> + Future<Output = Result<(), E>>,
+    C: GracefulConnection<Error = E> + Future<Output = Result<(), E>>,
     E: std::fmt::Display,
 {
-    tokio::pin!(connection);
+    let drained = async {
+        // The sender lives as long as the service.
+        let _ = draining.wait_for(|is_draining| *is_draining).await;
+        sleep(IDLE_GRACE).await;
+    };
+    tokio::pin!(connection, drained);
     // hyper's own timer does not run before the first bytes show whether the connection is HTTP/1 or HTTP/2,
     // nor between the requests of HTTP/2. The timer of this loop always runs.
-    let mut idle_limit = times.header;
-    let mut is_draining = false;
-    let mut idle_since = Instant::now();
-    let mut seen = activity.count();
     let mut check = interval(times.check_interval());
-    // The latest end of a connection that is being closed.
-    let mut end: Option<Instant> = None;
+    let mut idle_since = Instant::now();
+    let mut seen = activity.begun();
+    let mut is_closing = false;
     loop {
-        tokio::select! {
+        let must_close = tokio::select! {
             biased;
             result = &mut connection => {
                 if let Err(error) = result {
@@ -232,64 +208,44 @@ async fn supervise<C, E>(
                 }
                 return;
             }
-            _ = check.tick() => {
+            () = &mut drained, if !is_closing => true,
+            now = check.tick() => {
                 if activity.is_too_slow(times.write) {
                     tracing::debug!("the caller takes its answer too slowly");
                     return;
                 }
-                if end.is_some_and(|end| Instant::now() >= end) {
-                    return;
+                if activity.is_busy() || activity.begun() != seen {
+                    seen = activity.begun();
+                    idle_since = now;
                 }
+                now >= idle_since + times.header
             }
-            Ok(()) = draining.changed(), if !is_draining => {
-                is_draining = true;
-                idle_limit = IDLE_GRACE;
-                idle_since = Instant::now();
-            }
-            () = sleep_until(idle_since + idle_limit), if end.is_none() => {
-                let now = activity.count();
-                let is_idle = now == seen && !activity.is_busy();
-                if is_idle || is_draining {
-                    // The connection answers the requests in progress, reads no further request, and closes.
-                    connection.as_mut().graceful_shutdown();
-                    let far = Duration::from_secs(u64::from(u32::MAX));
-                    end = Some(Instant::now() + times.last(&activity).unwrap_or(far));
-                }
-                seen = now;
-                idle_since = Instant::now();
-            }
+        };
+        if must_close && !is_closing {
+            // The connection answers the requests in progress, reads no further request, and closes.
+            connection.as_mut().graceful_shutdown();
+            is_closing = true;
         }
     }
 }
 
-/// Counts the requests of one connection.
+/// The requests of one connection.
 #[derive(Debug, Default)]
 struct Activity {
     begun: AtomicUsize,
     running: AtomicUsize,
-    streams: AtomicBool,
-    endless: AtomicBool,
     /// The answers that are being sent.
     speeds: Mutex<Vec<Weak<ReadingSpeed>>>,
 }
 
 impl Activity {
-    fn count(&self) -> usize {
+    fn begun(&self) -> usize {
         self.begun.load(Ordering::Relaxed)
     }
 
+    /// Whether a request waits for its answer.
     fn is_busy(&self) -> bool {
         self.running.load(Ordering::Relaxed) > 0
-    }
-
-    /// Whether an answer of the connection was, or is, one that may take any time.
-    fn is_endless(&self) -> bool {
-        self.endless.load(Ordering::Relaxed)
-    }
-
-    /// Whether an answer of the connection was, or is, a stream.
-    fn streams(&self) -> bool {
-        self.streams.load(Ordering::Relaxed)
     }
 
     /// Whether the caller takes one of its answers too slowly.
@@ -310,14 +266,9 @@ impl Busy {
         Self(Arc::clone(activity))
     }
 
-    /// Counts the request as answered. Of its answer only the head is known; its body tells its speed from
-    /// now on.
+    /// Counts the request as answered. Of its answer only the head is known; its body tells its reading speed
+    /// from now on.
     fn finish(self, mut response: Response) -> Response {
-        match response.extensions().get() {
-            Some(AllowedTime::OfStream) => self.0.streams.store(true, Ordering::Relaxed),
-            Some(AllowedTime::Any) => self.0.endless.store(true, Ordering::Relaxed),
-            None => {}
-        }
         let held = response.extensions_mut().remove();
         response.map(|body| {
             let measured = MeasuredBody::new(body, held);
@@ -334,33 +285,5 @@ impl Busy {
 impl Drop for Busy {
     fn drop(&mut self) {
         self.0.running.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::Parser;
-
-    use super::*;
-    use crate::config::Cli;
-
-    #[test]
-    fn a_connection_that_streams_stays_open_until_the_deadline_of_streams() {
-        let settings = Cli::parse_from(["toolpathd", "--deadline-s", "30", "--stream-deadline-s", "3600"]);
-        let times = TimeLimits::new(&settings.settings);
-        let activity = Arc::new(Activity::default());
-        Busy::new(&activity).finish(Response::default());
-        assert_eq!(times.last(&activity), Some(Duration::from_secs(340)));
-
-        let mut streamed = Response::default();
-        streamed.extensions_mut().insert(AllowedTime::OfStream);
-        Busy::new(&activity).finish(streamed);
-        assert!(!activity.is_busy());
-        assert_eq!(times.last(&activity), Some(Duration::from_secs(3900)));
-
-        let mut endless = Response::default();
-        endless.extensions_mut().insert(AllowedTime::Any);
-        Busy::new(&activity).finish(endless);
-        assert_eq!(times.last(&activity), None);
     }
 }

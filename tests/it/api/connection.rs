@@ -8,7 +8,7 @@ use axum::Router;
 use axum::routing::post;
 use toolpathd_core::budget::Budget;
 use toolpathd_server::http::compute::memory::Memory;
-use toolpathd_server::http::compute::{Capacity, Compute, Failure};
+use toolpathd_server::http::compute::{Capacity, Compute, Failure, Size};
 
 use toolpathd_server::http::App;
 
@@ -47,7 +47,7 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
                 job(budget);
                 Ok::<_, ()>(())
             };
-            let _ = compute.run(ticket, None, run).await;
+            let _ = compute.run(ticket, Size::Large, None, run).await;
         }
     };
     let server = Server::with_router(&app, Router::new().route("/spin", post(handler))).await;
@@ -102,7 +102,7 @@ async fn a_full_queue_and_a_long_wait_are_503_and_a_passed_deadline_504() {
 /// Starts a job on the threads of the service.
 fn spawn_on(
     app: &Arc<App>,
-    job: impl Fn(&Budget) + Send + Sync + 'static,
+    job: impl FnOnce(&Budget) + Send + 'static,
 ) -> tokio::task::JoinHandle<Result<Result<(), ()>, Failure>> {
     let app = Arc::clone(app);
     tokio::spawn(async move {
@@ -111,7 +111,7 @@ fn spawn_on(
             job(budget);
             Ok(())
         };
-        app.compute.run(ticket, None, job).await
+        app.compute.run(ticket, Size::Large, None, job).await
     })
 }
 

@@ -8,7 +8,7 @@ use flate2::write::GzEncoder;
 use tower_http::compression::CompressionLayer;
 use tower_http::compression::predicate::Predicate;
 
-use super::allowed_time::AllowedTime;
+use super::streamed::Streamed;
 
 /// The digest of an answer's bytes. The bytes of an answer with a digest are final.
 pub const REPR_DIGEST: HeaderName = HeaderName::from_static("repr-digest");
@@ -20,7 +20,7 @@ pub const MIN_CODED_BYTES: usize = 1024;
 /// before its digest is taken, or not at all.
 pub fn layer() -> CompressionLayer<impl Predicate> {
     let is_streamed = |_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensions| {
-        extensions.get() == Some(&AllowedTime::OfStream)
+        extensions.get::<Streamed>().is_some()
     };
     CompressionLayer::new().compress_when(is_streamed)
 }

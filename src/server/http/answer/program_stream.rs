@@ -22,10 +22,10 @@ use futures_util::stream::unfold;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio::time::timeout_at;
 
-use super::allowed_time::AllowedTime;
 use super::encoded::Encoded;
+use super::streamed::Streamed;
 use crate::config::Settings;
-use crate::http::compute::Compute;
+use crate::http::compute::{Compute, Step};
 use crate::http::error::{ApiError, Code};
 use crate::http::request::body::BodyLimits;
 use crate::http::request::coding::Coding;
@@ -151,7 +151,7 @@ impl ProgramStream {
         // `fuse`, because layers may poll the body again after its end.
         let mut response = Encoded::gcode(String::new(), media_type, file_name).into_response();
         *response.body_mut() = Body::from_stream(body.fuse());
-        response.extensions_mut().insert(AllowedTime::OfStream);
+        response.extensions_mut().insert(Streamed);
         Ok(response)
     }
 }
@@ -207,7 +207,7 @@ async fn step(
         work.take(data.as_deref(), most, budget)?;
         Ok::<_, ApiError>(work)
     };
-    streams.compute.run_step(Arc::clone(permit), job).await?
+    streams.compute.run_step(Step::OfStream, Arc::clone(permit), job).await?
 }
 
 /// Puts the rewritten text into the queue, and waits until the queue has room.

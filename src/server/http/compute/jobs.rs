@@ -20,8 +20,7 @@ const STOP_INTERVAL: Duration = Duration::from_millis(60);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Job,
-    /// A step of a stream. Steps have a place of their own and count neither as running jobs nor in the usual
-    /// time.
+    /// A step counts neither as a running job nor in the usual time.
     Step,
 }
 
@@ -65,12 +64,6 @@ impl Jobs {
         self.registry().running.values().filter(|running| running.kind == Kind::Job).count()
     }
 
-    /// The start of the job that was started last.
-    pub fn youngest(&self) -> Option<Instant> {
-        let registry = self.registry();
-        registry.running.values().rfind(|running| running.kind == Kind::Job).map(|running| running.begun)
-    }
-
     /// The time that jobs took lately, the newest ones counting most.
     pub fn usual_time(&self) -> Duration {
         self.registry().usual_time.unwrap_or(FIRST_GUESS)
@@ -102,8 +95,8 @@ pub struct Entry {
 impl Drop for Entry {
     fn drop(&mut self) {
         let mut registry = self.jobs.registry();
-        let Some(Running { begun, budget, kind }) = registry.running.remove(&self.number) else { return };
-        if kind == Kind::Step || budget.check() == Err(Stopped::PutBack) {
+        let Some(Running { begun, kind, .. }) = registry.running.remove(&self.number) else { return };
+        if kind == Kind::Step {
             return;
         }
         let took = begun.elapsed();
@@ -135,16 +128,11 @@ mod tests {
     }
 
     #[test]
-    fn steps_and_stopped_trials_tell_nothing_of_jobs() {
+    fn steps_tell_nothing_of_jobs() {
         let jobs = Arc::new(Jobs::default());
-        let budget = Budget::unlimited();
-        let step = jobs.enter(&budget, Kind::Step);
-        assert_eq!((jobs.running(), jobs.youngest()), (0, None));
+        let step = jobs.enter(&Budget::unlimited(), Kind::Step);
+        assert_eq!(jobs.running(), 0);
         drop(step);
-        let trial = jobs.enter(&budget, Kind::Job);
-        budget.stop(Stopped::PutBack);
-        assert_eq!(jobs.running(), 1);
-        drop(trial);
         assert_eq!(jobs.usual_time(), FIRST_GUESS);
     }
 }

@@ -1,6 +1,6 @@
-//! Tests of queue, trials, deadlines and memory.
+//! Tests of queue, sizes, deadlines and memory.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use toolpathd_core::budget::Stopped;
 
 use super::*;
 
@@ -22,9 +22,9 @@ fn pool(workers: usize, queue: usize, wait: Duration, deadline: Duration) -> Arc
 /// Runs a job that gives a reason of its end as its error.
 async fn run(
     compute: &Compute,
-    job: impl Fn(&Budget) -> Result<u8, Stopped> + Send + Sync + 'static,
+    job: impl FnOnce(&Budget) -> Result<u8, Stopped> + Send + 'static,
 ) -> Result<Result<u8, Stopped>, Failure> {
-    compute.run(compute.admit()?, None, job).await
+    compute.run(compute.admit()?, Size::Large, None, job).await
 }
 
 #[tokio::test]
@@ -47,11 +47,8 @@ async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
 async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
     let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
     let (sender, stopped) = oneshot::channel();
-    let sender = Mutex::new(Some(sender));
-    let job = run(&compute, move |budget| {
-        let sender = sender.lock().expect("no panic").take().expect("run once");
-        sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0)
-    });
+    let job =
+        run(&compute, move |budget| sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0));
     assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
     let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
     assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
@@ -79,30 +76,34 @@ async fn a_wait_and_a_computation_have_limits_of_their_own() {
 }
 
 #[tokio::test]
-async fn a_short_job_does_not_wait_for_long_ones_and_a_long_one_is_tried_once() {
-    let compute = pool(1, 8, LONG_ENOUGH, Duration::from_secs(4));
-    let starts = Arc::new(AtomicUsize::new(0));
-    let long = || {
-        let (compute, starts) = (Arc::clone(&compute), Arc::clone(&starts));
-        tokio::spawn(async move {
-            let job = move |budget: &Budget| {
-                starts.fetch_add(1, Ordering::Relaxed);
-                Err(spin(budget))
-            };
-            run(&compute, job).await
-        })
+async fn a_small_job_waits_neither_for_large_ones_that_run_nor_for_those_that_wait() {
+    let compute = pool(1, 8, LONG_ENOUGH, LONG_ENOUGH);
+    let large = || {
+        let compute = Arc::clone(&compute);
+        tokio::spawn(async move { run(&compute, |budget| Err(spin(budget))).await })
     };
-    let first = long();
-    sleep(LONG).await;
-    let second = long();
-    sleep(Duration::from_millis(50)).await;
-    let begun = Instant::now();
-    assert_eq!(run(&compute, |_| Ok(5)).await, Ok(Ok(5)));
-    assert!(begun.elapsed() < TRIAL + LONG, "{:?}", begun.elapsed());
-    assert!(!first.is_finished());
-    assert_eq!(first.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
-    assert_eq!(second.await.expect("no panic"), Ok(Err(Stopped::DeadlinePassed)));
-    assert_eq!(starts.load(Ordering::Relaxed), 3);
+    let large = [large(), large(), large()];
+    while compute.waiting() < 2 {
+        tokio::task::yield_now().await;
+    }
+    for k in 0..3 {
+        let small = compute.run(compute.admit().expect("room"), Size::Small, None, move |_| Ok::<_, ()>(k));
+        assert_eq!(timeout(LONG_ENOUGH / 4, small).await, Ok(Ok(Ok(k))));
+    }
+    assert!(large.iter().all(|job| !job.is_finished()));
+    large.iter().for_each(|job| job.abort());
+}
+
+#[tokio::test]
+async fn a_large_job_never_takes_the_worker_of_small_ones() {
+    let compute = pool(1, 8, Duration::from_millis(50), LONG_ENOUGH);
+    let busy = Arc::clone(&compute);
+    let busy = tokio::spawn(async move { run(&busy, |budget| Err(spin(budget))).await });
+    while compute.running() == 0 {
+        tokio::task::yield_now().await;
+    }
+    assert!(matches!(run(&compute, |_| Ok(0)).await, Err(Failure::NotStarted { .. })));
+    busy.abort();
 }
 
 #[tokio::test]
@@ -113,7 +114,7 @@ async fn a_step_of_a_stream_waits_for_no_job() {
     while compute.running() == 0 {
         tokio::task::yield_now().await;
     }
-    let step = compute.run_step((), |_| Ok::<_, ()>(3));
+    let step = compute.run_step(Step::OfStream, (), |_| Ok::<_, ()>(3));
     assert_eq!(tokio::time::timeout(Duration::from_millis(300), step).await, Ok(Ok(Ok(3))));
     busy.abort();
 }

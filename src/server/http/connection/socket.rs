@@ -1,5 +1,7 @@
 //! The socket of one connection, for two users: hyper reads and writes it, and [`Socket::until_gone`] watches
-//! whether the caller is still there.
+//! whether the caller is still there. A caller that has gone must not keep a worker busy; hyper alone stops the
+//! handler of such a caller only when no byte follows its request, and then also stops the handler of a caller
+//! that has only ended its own direction.
 //!
 //! # Method
 //! hyper notices the end of a connection only when it has read all bytes before the end, and it reads no
@@ -17,17 +19,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
+use axum::body::Bytes;
 use futures_util::FutureExt;
+use hyper::body::Buf;
 use rustix::net::Shutdown;
 use tokio::io::{AsyncRead, AsyncWrite, Interest, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep};
 
+use super::parser_refusal::explained;
+
 /// Time after which a request is watched. Most requests are answered earlier.
 const WATCHED_AFTER: Duration = Duration::from_millis(40);
 
-/// Time between two looks at the state of a socket.
-const LOOK_INTERVAL: Duration = Duration::from_millis(20);
+/// Time between two checks of the state of a socket.
+const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Time between two interim answers. A caller that has ended its own direction may close the connection
 /// later.
@@ -39,6 +45,14 @@ const PROBE: &[u8] = b"HTTP/1.1 100 Continue\r\n\r\n";
 #[derive(Debug, Clone)]
 pub struct Socket(Arc<Inner>);
 
+/// The side of a socket that hyper reads and writes. A refusal of hyper's parser goes out as [`explained`].
+#[derive(Debug)]
+pub struct Wire {
+    socket: Socket,
+    /// The bytes of a refusal that are still to be written.
+    refusal: Bytes,
+}
+
 #[derive(Debug)]
 struct Inner {
     stream: TcpStream,
@@ -49,6 +63,11 @@ struct Inner {
 impl Socket {
     pub fn new(stream: TcpStream) -> Self {
         Self(Arc::new(Inner { stream, is_blocked: AtomicBool::new(false) }))
+    }
+
+    /// The side for hyper.
+    pub fn wire(&self) -> Wire {
+        Wire { socket: self.clone(), refusal: Bytes::new() }
     }
 
     /// Waits until the caller has closed the connection. Ends never while the caller is there.
@@ -73,7 +92,7 @@ impl Socket {
                     next_probe = now + PROBE_INTERVAL;
                 }
             }
-            sleep(LOOK_INTERVAL).await;
+            sleep(CHECK_INTERVAL).await;
         }
     }
 
@@ -111,15 +130,27 @@ impl Socket {
     }
 }
 
-impl AsyncRead for Socket {
+impl Wire {
+    fn write_refusal(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        while !self.refusal.is_empty() {
+            let Self { socket, refusal } = self;
+            let written = socket.poll_write_by(context, refusal.len(), |stream| stream.try_write(refusal));
+            self.refusal.advance(ready!(written)?);
+        }
+        Poll::Ready(Ok(()))
+    }
+}
+
+impl AsyncRead for Wire {
     fn poll_read(
         self: Pin<&mut Self>,
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
+        let stream = &self.socket.0.stream;
         loop {
-            ready!(self.0.stream.poll_read_ready(context))?;
-            match self.0.stream.try_read(buffer.initialize_unfilled()) {
+            ready!(stream.poll_read_ready(context))?;
+            match stream.try_read(buffer.initialize_unfilled()) {
                 Ok(bytes) => {
                     buffer.advance(bytes);
                     return Poll::Ready(Ok(()));
@@ -131,30 +162,40 @@ impl AsyncRead for Socket {
     }
 }
 
-impl AsyncWrite for Socket {
+impl AsyncWrite for Wire {
     fn poll_write(self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
-        self.poll_write_by(context, bytes.len(), |stream| stream.try_write(bytes))
+        self.poll_write_vectored(context, &[IoSlice::new(bytes)])
     }
 
     fn poll_write_vectored(
-        self: Pin<&mut Self>,
+        mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
         parts: &[IoSlice<'_>],
     ) -> Poll<io::Result<usize>> {
+        ready!(self.write_refusal(context))?;
         let asked = parts.iter().map(|part| part.len()).sum();
-        self.poll_write_by(context, asked, |stream| stream.try_write_vectored(parts))
+        // A refusal of the parser has no body, so it comes in one part.
+        if let [only] = parts
+            && let Some(refusal) = explained(only)
+        {
+            // The next flush sends it.
+            self.refusal = refusal;
+            return Poll::Ready(Ok(asked));
+        }
+        self.socket.poll_write_by(context, asked, |stream| stream.try_write_vectored(parts))
     }
 
     fn is_write_vectored(&self) -> bool {
         true
     }
 
-    fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Poll::Ready(Ok(()))
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        self.write_refusal(context)
     }
 
-    fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
-        match rustix::net::shutdown(&self.0.stream, Shutdown::Write) {
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        ready!(self.write_refusal(context))?;
+        match rustix::net::shutdown(&self.socket.0.stream, Shutdown::Write) {
             Err(error) if error != rustix::io::Errno::NOTCONN => Poll::Ready(Err(error.into())),
             _ => Poll::Ready(Ok(())),
         }

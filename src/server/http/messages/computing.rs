@@ -32,7 +32,7 @@ impl From<Stopped> for ApiError {
                 Code::DeadlinePassed,
                 "the computation did not end within the deadline: send a smaller job, or a coarser tolerance",
             ),
-            Stopped::ShortOfMemory | Stopped::PutBack => Self::new(
+            Stopped::ShortOfMemory => Self::new(
                 Code::Overloaded,
                 "the server needed the memory for other requests and stopped the computation; try again later",
             ),

@@ -21,6 +21,10 @@ use crate::http::error::{ApiError, Code};
 /// not the `Content-Length` that the caller announces.
 const FIRST_BYTES: usize = 16 * 1024;
 
+/// Most bytes of a body that is decoded before its job has a worker, to see whether the job is small. Decoding
+/// as many bytes takes some milliseconds. A job that needs more data is seldom small.
+const SHORT_BYTES: usize = 256 * 1024;
+
 /// A body that was read, with its content coding.
 pub struct SentBody {
     bytes: Bytes,
@@ -69,6 +73,21 @@ pub struct JobBody<T: IntoJob> {
 }
 
 impl<T: IntoJob> JobBody<T> {
+    /// Whether the body has at most [`SHORT_BYTES`] as it was sent.
+    pub fn may_be_short(&self) -> bool {
+        self.body.bytes.len() <= SHORT_BYTES
+    }
+
+    /// As [`Self::job`], where the body has at most [`SHORT_BYTES`] without its content coding; `None` for a
+    /// longer body.
+    pub fn short_job(&self, limits: &Limits) -> Option<Result<T::Job, ApiError>> {
+        let text = match self.body.coding {
+            Coding::Identity => self.body.bytes.clone(),
+            Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES).ok()?.into(),
+        };
+        (text.len() <= SHORT_BYTES).then(|| decode::job::<T>(&text, limits))
+    }
+
     /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
     ///
     /// # Errors

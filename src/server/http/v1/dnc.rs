@@ -6,11 +6,11 @@ use axum::extract::{FromRequestParts, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::http::answer::allowed_time::AllowedTime;
 use crate::http::answer::encoded::Encoded;
 use crate::http::answer::events::{self, Begun};
 use crate::http::app::App;
 use crate::http::byte_limit::HeldBytes;
+use crate::http::compute::Size;
 use crate::http::dto::dnc::{DncTargets, SentProgram};
 use crate::http::error::{ApiError, Code};
 use crate::http::request::body::program_body;
@@ -63,13 +63,11 @@ pub async fn send_program(
     let program = program_body(request, app.body_limits).await?;
     let found = control.clone();
     let make = move |_: &Budget| found.sender(&program.decoded()?.bytes);
-    let sender = app.compute.run(app.compute.admit()?, None, make).await??;
+    let sender = app.compute.run(app.compute.admit()?, Size::Small, None, make).await??;
     let taken = control.take()?;
     if form.representation == Representation::Events {
         let start = |listener| taken.send(sender, held, Some(listener));
-        let mut response = events::stream(form.request_id, Begun::told(), start).await?;
-        response.extensions_mut().insert(AllowedTime::Any);
-        return Ok(response);
+        return events::stream(form.request_id, Begun::told(), start).await;
     }
     Ok(taken.send(sender, held, None).await?.into_response())
 }

@@ -28,7 +28,6 @@ mod observe;
 mod openapi;
 mod output;
 mod pace;
-mod place;
 mod places;
 mod pointer;
 mod program_stream;

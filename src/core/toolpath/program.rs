@@ -1,7 +1,9 @@
 //! How a program is to be written: its units, its decimals, its number and its name.
 
-/// Units of the written words.
+/// Units of a written program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum Units {
     #[default]
     Mm,
@@ -69,9 +71,10 @@ impl Custom {
     }
 }
 
-/// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program
-/// ends.
+/// The way up along Z before the tool change and before the end of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum SafeHome {
     /// The tool does not go up.
     #[default]

@@ -12,10 +12,10 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::place::Place;
 use super::pointer::Pointer;
 use super::sent_part::SentPart;
 pub use field::{FieldCode, FieldError};
+use toolpathd_core::wire::Place;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -225,7 +225,8 @@ pub struct Problem {
     /// `band_infeasible`, `tolerance_not_reached`, `tool_too_large` and `no_entry`, with `invalid_request`
     /// where outlines cross, and with `not_smooth` unless `boundary: past` is to blame.
     #[serde(skip_serializing_if = "Option::is_none")]
-    place: Option<Place>,
+    #[schema(value_type = Option<Place>)]
+    place: Option<[f64; 3]>,
     /// The media types that the endpoint can answer. Present with `not_acceptable`.
     #[serde(skip_serializing_if = "Option::is_none")]
     offers: Option<Vec<&'static str>>,
@@ -358,7 +359,7 @@ impl ApiError {
             code: self.code,
             request_id: request_id.to_owned(),
             errors: self.errors,
-            place: self.place.map(Place),
+            place: self.place,
             offers: self.offers,
             sent: self.sent,
         }

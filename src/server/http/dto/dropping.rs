@@ -1,7 +1,7 @@
 //! The request to lower a cutter onto a surface, and the report of the places where the cutter touches the
 //! surface.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use utoipa::openapi::Ref;
@@ -18,9 +18,9 @@ use crate::config::Limits;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
-use crate::http::place::Place;
 use crate::http::pointer::Pointer;
 use toolpathd_core::operations::cutter_location as core;
+use toolpathd_core::wire::Place;
 
 /// A surface, a cutter, and the places at which the cutter comes down.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -83,11 +83,11 @@ pub struct DropReport {
     /// For each point the position of the cutter's tip, in mm, when the cutter, lowered from above, first
     /// touches the surface. `null` where the cutter misses the surface.
     #[schema(value_type = Places)]
-    tips: Vec<Option<Place>>,
+    tips: Vec<Option<Point3<f64>>>,
     /// For each point a place where the cutter then touches the surface, in mm. `null` where the cutter
     /// misses the surface.
     #[schema(value_type = Places)]
-    contacts: Vec<Option<Place>>,
+    contacts: Vec<Option<Point3<f64>>>,
     /// Proved bound of how far a tip is below its exact height, in mm. No tip is above its exact height.
     /// Floating-point rounding is not included in either statement.
     gap_max_mm: f64,
@@ -102,8 +102,8 @@ impl From<&[Option<core::Location>]> for DropReport {
     fn from(locations: &[Option<core::Location>]) -> Self {
         let all = || locations.iter();
         Self {
-            tips: all().map(|at| at.map(|location| location.tip.into())).collect(),
-            contacts: all().map(|at| at.map(|location| location.contact.into())).collect(),
+            tips: all().map(|at| at.map(|location| location.tip)).collect(),
+            contacts: all().map(|at| at.map(|location| location.contact)).collect(),
             gap_max_mm: all().flatten().map(|location| location.gap_mm).fold(0.0, f64::max),
         }
     }

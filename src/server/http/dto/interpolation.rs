@@ -7,7 +7,6 @@ use super::check::{Range, Violations};
 use super::curve::Curve;
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
-use super::names::into_core;
 use super::program::Program;
 use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
@@ -16,9 +15,9 @@ use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::deviation as core_band;
+use toolpathd_core::geometry::deviation::{self, Measure};
 use toolpathd_core::geometry::element::Element;
-use toolpathd_core::operations::interpolation as core;
+use toolpathd_core::operations::interpolation::{self as core, Joints, Method};
 
 /// Legal widths of each side of a band, mm. One side may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
@@ -91,19 +90,6 @@ fn one() -> u32 {
     1
 }
 
-/// The kind of elements.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = InterpolationMethod)]
-pub enum Method {
-    Linear,
-    Parabolic,
-    /// Lines where lines stay within the band, else parabolas.
-    Mixed,
-    /// Arcs, and lines where arcs would be too flat.
-    Arc,
-}
-
 /// How the curve is divided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -111,16 +97,6 @@ pub enum Subdivision {
     #[default]
     Bisection,
     Least,
-}
-
-/// Where elements meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = InterpolationJoints)]
-pub enum Joints {
-    #[default]
-    OnCurve,
-    InBand,
 }
 
 /// The side of the contour on which the cutter runs.
@@ -152,22 +128,8 @@ pub struct Band {
     measure: Measure,
 }
 
-/// How the distance from the curve is measured.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = BandMeasure)]
-pub enum Measure {
-    #[default]
-    Normal,
-    Vertical,
-}
-
-into_core!(Method => core::Method, [Linear, Parabolic, Mixed, Arc]);
-into_core!(Joints => core::Joints, [OnCurve, InBand]);
-into_core!(Measure => core_band::Measure, [Normal, Vertical]);
-
 impl Band {
-    fn convert(self, at: &Pointer, violations: &mut Violations) -> core_band::Band {
+    fn convert(self, at: &Pointer, violations: &mut Violations) -> deviation::Band {
         let Self { below_mm, above_mm, measure } = self;
         violations.number(&at.field("below_mm"), below_mm, SIDES, "mm");
         violations.number(&at.field("above_mm"), above_mm, SIDES, "mm");
@@ -178,7 +140,7 @@ impl Band {
             );
             violations.add(at, FieldCode::OutOfRange, detail);
         }
-        core_band::Band { below_mm, above_mm, measure: measure.into() }
+        deviation::Band { below_mm, above_mm, measure }
     }
 }
 
@@ -227,10 +189,10 @@ impl IntoJob for InterpolateRequest {
 
         let job = core::Job {
             curve: curve.into(),
-            method: method.into(),
+            method,
             subdivision: match subdivision {
                 Subdivision::Bisection => core::Subdivision::Bisection,
-                Subdivision::Least => core::Subdivision::Least(joints.into()),
+                Subdivision::Least => core::Subdivision::Least(joints),
             },
             initial_elements: initial_elements as usize,
             band,

@@ -1,16 +1,15 @@
 //! The member `program` of requests: how the service writes the NC program.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::Violations;
 use super::dialect::{self, DialectName};
 use super::meta::MAX_TEXT_CHARACTERS;
-use super::names::{from_core, into_core};
 use crate::http::decode::object;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use toolpathd_core::toolpath::program as core;
+use toolpathd_core::toolpath::program::{self as core, SafeHome, Units};
 use toolpathd_post::{CustomPart, Dialect, MAX_LINES};
 
 /// The smallest and the largest legal number of a program.
@@ -78,30 +77,6 @@ pub struct Custom {
     #[schema(max_items = 50)]
     footer: Vec<String>,
 }
-
-/// The way up along Z before the tool change and before the end of the program.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SafeHome {
-    #[default]
-    None,
-    G28,
-    G53,
-}
-
-/// Units of a written program.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Units {
-    #[default]
-    Mm,
-    Inch,
-}
-
-from_core!(core::Units => Units, [Mm, Inch]);
-into_core!(Units => core::Units, [Mm, Inch]);
-into_core!(SafeHome => core::SafeHome, [None, G28, G53]);
-from_core!(core::SafeHome => SafeHome, [None, G28, G53]);
 
 /// A work offset of the control.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -186,12 +161,12 @@ impl Program {
             .filter(|value| (1..=dialect.max_decimals).contains(value))
             .unwrap_or(usual);
         let program = core::Program {
-            resolution: core::Resolution { units: units.into(), decimals },
+            resolution: core::Resolution { units, decimals },
             number: number.unwrap_or(1),
             name,
             block_numbers,
             work_offset: work_offset.map(|offset| offset as u8),
-            safe_home: safe_home.into(),
+            safe_home,
             custom: custom.to_core(),
         };
         (dialect, program)

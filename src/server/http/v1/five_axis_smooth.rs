@@ -11,7 +11,7 @@ use crate::http::answer::{Cut, Outcome, Product, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::check::Violations;
 use crate::http::dto::five_axis::{
-    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
+    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothRequest,
 };
 use crate::http::dto::program_writing::conditions;
 use crate::http::dto::toolpath::{Warning, WarningCode};
@@ -25,14 +25,14 @@ use crate::http::v1::programs_write::clearance_chosen;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machine::Machine;
 use toolpathd_core::operations::five_axis::history::{self, Course};
-use toolpathd_core::operations::five_axis::{self, FiveAxisError, Job, LimitsProof, Plan, Report, TimedPose};
+use toolpathd_core::operations::five_axis::{self, FiveAxisError, Job, Plan, Report, TimedPose};
 use toolpathd_core::toolpath::PathError;
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 use toolpathd_plot::diagram::Diagram;
 
 /// The answer in JSON.
-type SmoothAnswer = Answer<SmoothReport, SmoothMembers>;
+type SmoothAnswer = Answer<Report, SmoothMembers>;
 
 /// The forms of the answer, and its query.
 pub enum Smooths {}
@@ -107,16 +107,14 @@ impl Product for Motion {
     }
 }
 
-fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
+fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Report, Motion>, ApiError> {
     let SmoothJob { job, setup, cutting, has_program, meta } = job;
-    let Plan { report, samples, toolpath } = five_axis::plan(&job, budget)?;
+    let Plan { report, samples, toolpath, limits_unproved_at } = five_axis::plan(&job, budget)?;
     let mut warnings = Vec::new();
-    if !report.is_within_tolerance {
+    if !report.within_tolerance {
         warnings.push(excess(&report));
     }
-    if let Some(LimitsProof::GapAt(at)) = report.limits_proof {
-        warnings.push(not_proved(at));
-    }
+    warnings.extend(limits_unproved_at.map(not_proved));
     let mut violations = Violations::default();
     let is_chosen = cutting.is_none_or(|cutting| cutting.clearance_z_mm.is_none());
     let cutting = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
@@ -131,7 +129,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Smoot
     Ok(Outcome {
         meta,
         warnings,
-        report: SmoothReport::from(&report),
+        report,
         product: Motion {
             cut: Cut { toolpath, cutting, setup, comments, nc: None },
             samples,
@@ -168,8 +166,8 @@ fn diagrams(job: &Job, samples: &[TimedPose], budget: &Budget) -> Result<Vec<Dia
 fn proved(report: &Report) -> String {
     format!(
         "SMOOTH PATH WITHIN {:.4} MM AND {:.4} DEGREES OF {} POSES",
-        rounded_up(report.moves_deviation_mm),
-        rounded_up(report.moves_deviation_axis.to_degrees()),
+        rounded_up(report.toolpath_deviation_max_mm),
+        rounded_up(report.toolpath_deviation_max_deg),
         report.n_poses
     )
 }
@@ -179,8 +177,8 @@ fn excess(report: &Report) -> Warning {
         code: WarningCode::ToleranceExceeded,
         detail: format!(
             "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
-            rounded_up(report.deviation_mm),
-            rounded_up(report.deviation_axis.to_degrees())
+            rounded_up(report.deviation_max_mm),
+            rounded_up(report.deviation_max_deg)
         ),
     }
 }
@@ -194,12 +192,13 @@ fn not_proved(at: Point3<f64>) -> Warning {
 
 /// The warning that rounding, and straying between blocks, may leave the tolerance.
 fn rounded(job: &Job, report: &Report) -> Option<Warning> {
-    let written_mm = report.cut_deviation_mm.unwrap_or(report.moves_deviation_mm) + job.rounding_mm;
+    let written_mm =
+        report.cut_deviation_max_mm.unwrap_or(report.toolpath_deviation_max_mm) + job.rounding_mm;
     let detail = format!(
         "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
         rounded_up(written_mm)
     );
-    let is_beyond = report.is_within_tolerance && written_mm > job.tolerance_mm;
+    let is_beyond = report.within_tolerance && written_mm > job.tolerance_mm;
     is_beyond.then_some(Warning { code: WarningCode::RoundingExceedsTolerance, detail })
 }
 

@@ -1,20 +1,11 @@
-//! Points in answers.
+//! The schemas of points in reports.
 
-use nalgebra::Point3;
-use serde::Serialize;
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-/// A point `[x, y, z]` in an answer, in mm. Unlike a point in a request it may have any coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Place(pub [f64; 3]);
-
-impl From<Point3<f64>> for Place {
-    fn from(point: Point3<f64>) -> Self {
-        Self(point.into())
-    }
-}
+/// Stands for a `Point3` in a schema: an array `[x, y, z]` of any coordinates, in mm.
+pub enum Place {}
 
 impl PartialSchema for Place {
     fn schema() -> RefOr<Schema> {

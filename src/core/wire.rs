@@ -1,7 +1,9 @@
 //! The schemas of points in reports.
 
-use utoipa::openapi::RefOr;
-use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, Schema, SchemaFormat, Type};
+use utoipa::openapi::schema::{
+    ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, Schema, SchemaFormat, Type,
+};
+use utoipa::openapi::{Ref, RefOr};
 use utoipa::{PartialSchema, ToSchema};
 
 /// Stands for a `Point3` in a schema: an array `[x, y, z]` of any coordinates, in mm.
@@ -17,3 +19,16 @@ impl PartialSchema for Place {
 }
 
 impl ToSchema for Place {}
+
+/// Stands for a list of `Option<Point3>` in a schema.
+pub enum Places {}
+
+impl PartialSchema for Places {
+    fn schema() -> RefOr<Schema> {
+        let null = ObjectBuilder::new().schema_type(Type::Null);
+        let item = OneOfBuilder::new().item(Ref::from_schema_name(Place::name())).item(null);
+        ArrayBuilder::new().items(item).description(Some("Points `[x, y, z]`, in mm, or `null`.")).into()
+    }
+}
+
+impl ToSchema for Places {}

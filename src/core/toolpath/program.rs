@@ -49,14 +49,21 @@ pub struct Program {
     pub custom: Custom,
 }
 
-/// A shop's own lines in a program.
+/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
+/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
+/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
+/// lines of `header` may select a work offset; `work_offset` comes after them.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(deny_unknown_fields))]
 pub struct Custom {
-    /// Before the first line that sets modes.
+    /// Lines before the first line that sets modes, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub header: Vec<String>,
-    /// In place of the lines that change the tool.
+    /// Lines in place of the line that changes the tool, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub tool_change: Vec<String>,
-    /// Before the line that ends the program.
+    /// Lines before the line that ends the program, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub footer: Vec<String>,
 }
 

@@ -1,5 +1,4 @@
-//! The wire types for fitting arcs to a polyline, and for fitting arcs to an NC program: requests and
-//! reports.
+//! The requests to fit arcs to a polyline and to an NC program.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;

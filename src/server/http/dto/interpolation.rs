@@ -1,6 +1,6 @@
-//! The request to interpolate a curve, its conversion to a job, and the report.
+//! The request to interpolate a curve, and its conversion to a job.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
@@ -16,7 +16,6 @@ use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::deviation::{self, Measure};
-use toolpathd_core::geometry::element::Element;
 use toolpathd_core::operations::interpolation::{self as core, Joints, Method};
 
 /// Legal widths of each side of a band, mm. One side may be zero.
@@ -205,100 +204,5 @@ impl IntoJob for InterpolateRequest {
             curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })
-    }
-}
-
-/// The shape of an element.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ElementShape)]
-pub enum Shape {
-    Line,
-    Parabola,
-    Arc,
-}
-
-impl From<&Element> for Shape {
-    fn from(element: &Element) -> Self {
-        match element {
-            Element::Line { .. } => Self::Line,
-            Element::Arc(_) => Self::Arc,
-            Element::Parabola { .. } => Self::Parabola,
-        }
-    }
-}
-
-/// One element of the interpolation.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-#[schema(as = InterpolatedElement)]
-pub struct ReportedElement {
-    /// The shape of the element.
-    shape: Shape,
-    /// Number of the initial part of the curve to which the element belongs, counted from 1.
-    initial_element: usize,
-    /// Where on the curve the element begins and ends: x in mm for a graph, else the curve's parameter, a
-    /// plain number.
-    domain: [f64; 2],
-    /// Proved largest distance of the element from the curve, in mm, by the `measure` of the band.
-    deviation_mm: f64,
-}
-
-/// What the elements are like, with the proved distances.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct InterpolateReport {
-    /// Number of elements.
-    n_elements: usize,
-    /// Proved: any division of the curve with this `method` and these `joints` has at least this number of
-    /// elements. Absent where `bisection` makes more than 10,000 elements, and where the service finds no
-    /// bound.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    n_elements_lower_bound: Option<usize>,
-    /// Number of elements in each initial part of the curve.
-    elements_per_initial: Vec<usize>,
-    /// Length of the cutting path, in mm.
-    length_mm: f64,
-    /// Length divided by the feed, in s. Absent without `cutting`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cutting_time_s: Option<f64>,
-    /// Proved largest distance of an element from the curve, in mm, by the `measure` of the band.
-    deviation_max_mm: f64,
-    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
-    /// decimals, in mm. Absent with `compensation: left` or `right`, and with `measure: vertical`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deviation_written_max_mm: Option<f64>,
-    /// The elements, in the order of the curve.
-    elements: Vec<ReportedElement>,
-}
-
-impl From<core::Report> for InterpolateReport {
-    fn from(report: core::Report) -> Self {
-        let core::Report {
-            elements,
-            elements_per_initial,
-            n_elements_lower_bound,
-            length_mm,
-            cutting_time_s,
-            deviation_max_mm,
-            deviation_written_max_mm,
-        } = report;
-        let reported = |element: &core::ReportedElement| {
-            let core::ReportedElement { element, initial_element, domain, spread } = element;
-            ReportedElement {
-                shape: element.into(),
-                initial_element: initial_element + 1,
-                domain: *domain,
-                deviation_mm: spread.largest_mm(),
-            }
-        };
-        Self {
-            n_elements: elements.len(),
-            n_elements_lower_bound,
-            elements_per_initial,
-            length_mm,
-            cutting_time_s,
-            deviation_max_mm,
-            deviation_written_max_mm,
-            elements: elements.iter().map(reported).collect(),
-        }
     }
 }

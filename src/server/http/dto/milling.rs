@@ -1,4 +1,4 @@
-//! The request to mill a surface, its conversion to a job, and the report.
+//! The request to mill a surface, and its conversion to a job.
 
 use serde::Deserialize;
 use utoipa::ToSchema;

@@ -54,28 +54,7 @@ pub struct Program {
     /// Lines of your own in the program. The service checks each line, writes it as it is, and behind the
     /// lines sets the modes of the program again. Default: none.
     #[serde(default, deserialize_with = "object::required")]
-    custom: Custom,
-}
-
-/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
-/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
-/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
-/// lines of `header` may select a work offset; `work_offset` comes after them.
-#[derive(Debug, Default, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Custom {
-    /// Lines before the first line that sets modes, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    header: Vec<String>,
-    /// Lines in place of the line that changes the tool, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    tool_change: Vec<String>,
-    /// Lines before the line that ends the program, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    footer: Vec<String>,
+    custom: core::Custom,
 }
 
 /// A work offset of the control.
@@ -87,13 +66,6 @@ pub enum WorkOffset {
     G57 = 57,
     G58 = 58,
     G59 = 59,
-}
-
-impl Custom {
-    fn to_core(&self) -> core::Custom {
-        let Self { header, tool_change, footer } = self;
-        core::Custom { header: header.clone(), tool_change: tool_change.clone(), footer: footer.clone() }
-    }
 }
 
 impl Program {
@@ -126,8 +98,8 @@ impl Program {
         }
     }
 
-    fn check_custom(custom: &Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
-        let Custom { header, tool_change, footer } = custom;
+    fn check_custom(custom: &core::Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
+        let core::Custom { header, tool_change, footer } = custom;
         for (field, lines) in [("header", header), ("tool_change", tool_change), ("footer", footer)] {
             if lines.len() > MAX_LINES {
                 let detail = format!("{} lines are too many; send at most {MAX_LINES}", lines.len());
@@ -135,9 +107,7 @@ impl Program {
                 return;
             }
         }
-        for toolpathd_post::Refused { part, index, fault } in
-            toolpathd_post::refused(dialect, &custom.to_core())
-        {
+        for toolpathd_post::Refused { part, index, fault } in toolpathd_post::refused(dialect, custom) {
             let field = match part {
                 CustomPart::Header => "header",
                 CustomPart::ToolChange => "tool_change",
@@ -167,7 +137,7 @@ impl Program {
             block_numbers,
             work_offset: work_offset.map(|offset| offset as u8),
             safe_home,
-            custom: custom.to_core(),
+            custom,
         };
         (dialect, program)
     }

@@ -1,4 +1,4 @@
-//! Toolpaths, their measures, and warnings in answers.
+//! Toolpaths and warnings in answers.
 
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
